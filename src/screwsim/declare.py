@@ -1,0 +1,106 @@
+"""Declarations of inputs: what a field of a scene means, without parsing, units or files.
+
+The lower layers (machine, fluid, effects, numerics) describe their inputs as frozen dataclasses whose
+fields are made with `quantity`, `number`, `count`, `choice` and `file`. Values are in SI units; the layer
+`scene` reads the descriptions and turns YAML text into these dataclasses.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+REQUIRED: Any = dataclasses.MISSING
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A dimension: the SI unit inside, and an example of how a person writes it."""
+
+    name: str
+    si: str
+    example: str
+
+
+KINDS = {
+    kind.name: kind
+    for kind in (
+        Kind("length", "m", "128 mm"),
+        Kind("area", "m^2", "20 cm^2"),
+        Kind("volume", "m^3", "500 cm^3"),
+        Kind("pressure", "Pa", "2 bar"),
+        Kind("pressure_difference", "Pa", "0.5 bar"),
+        Kind("temperature", "K", "285 K"),
+        Kind("temperature_difference", "K", "10 K"),
+        Kind("speed", "rad/s", "3000 rpm"),
+        Kind("angle", "rad", "60 deg"),
+        Kind("density", "kg/m^3", "980 kg/m^3"),
+        Kind("heat_capacity", "J/(kg K)", "2.0 kJ/(kg K)"),
+        Kind("viscosity", "Pa s", "20 mPa s"),
+        Kind("heat_transfer_coefficient", "W/(m^2 K)", "500 W/(m^2 K)"),
+    )
+}
+
+
+def _field(kind: str, default: Any, optional: bool, doc: str, **limits: Any) -> Any:
+    metadata = {
+        "kind": kind,
+        "doc": doc,
+        "optional": optional,
+        "limits": {name: value for name, value in limits.items() if value is not None},
+    }
+    if default is REQUIRED:
+        return dataclasses.field(metadata=metadata, kw_only=True)
+    return dataclasses.field(default=default, metadata=metadata, kw_only=True)
+
+
+def quantity(
+    kind: str,
+    doc: str,
+    default: Any = REQUIRED,
+    *,
+    gt: float | None = None,
+    ge: float | None = None,
+    lt: float | None = None,
+    le: float | None = None,
+    optional: bool = False,
+) -> Any:
+    """Declare a dimensional input of a kind of `KINDS`; default and limits in SI units."""
+    if kind not in KINDS:
+        raise ValueError(f"unknown kind of quantity {kind!r}; known: {', '.join(KINDS)}")
+    return _field(kind, default, optional or default is None, doc, gt=gt, ge=ge, lt=lt, le=le)
+
+
+def number(
+    doc: str,
+    default: Any = REQUIRED,
+    *,
+    gt: float | None = None,
+    ge: float | None = None,
+    lt: float | None = None,
+    le: float | None = None,
+    optional: bool = False,
+) -> Any:
+    """Declare a dimensionless input."""
+    return _field("number", default, optional or default is None, doc, gt=gt, ge=ge, lt=lt, le=le)
+
+
+def count(doc: str, default: Any = REQUIRED, *, ge: int | None = None, le: int | None = None) -> Any:
+    """Declare a whole number."""
+    return _field("count", default, default is None, doc, ge=ge, le=le)
+
+
+def choice(doc: str, options: tuple[str, ...], default: Any = REQUIRED) -> Any:
+    """Declare one word out of several; a choice may change what is compiled."""
+    return _field("choice", default, default is None, doc, options=options)
+
+
+def word(doc: str, default: Any = REQUIRED) -> Any:
+    """Declare a free text."""
+    return _field("word", default, default is None, doc)
+
+
+def file(doc: str, default: Any = None) -> Any:
+    """Declare the path of a file, relative to the scene."""
+    return _field("file", default, default is None, doc)

@@ -1,0 +1,47 @@
+"""The catalogue of effects: every file of this package that defines EFFECT, in a fixed order.
+
+A name with a dot (`my_package.my_effect`) is imported from the user's own code, so that a new effect needs no edit
+here.
+"""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from functools import cache
+
+from screwsim.effects.base import Effect
+
+_NOT_EFFECTS = {"base", "gap"}
+_ORDER = (
+    "suction_port",
+    "discharge_port",
+    "tip_leakage",
+    "interlobe_leakage",
+    "blow_hole",
+    "end_face_leakage",
+    "oil_heat",
+    "oil_pump",
+    "hydromechanical",
+    "mechanical",
+)
+
+
+@cache
+def catalogue() -> dict[str, Effect]:
+    """Return {name: effect} of the built-in effects: ports, gaps, heat, losses, then the others by name."""
+    names = [module.name for module in pkgutil.iter_modules(__path__) if module.name not in _NOT_EFFECTS]
+    found = {name: importlib.import_module(f"{__name__}.{name}").EFFECT for name in names}
+    rank = {name: index for index, name in enumerate(_ORDER)}
+    return {name: found[name] for name in sorted(found, key=lambda name: (rank.get(name, len(rank)), name))}
+
+
+def find_effect(name: str) -> Effect:
+    """Return the effect of a name; raise KeyError when there is none, ImportError when a dotted one is not there."""
+    if "." not in name:
+        return catalogue()[name]
+    module = importlib.import_module(name)
+    effect = getattr(module, "EFFECT", None)
+    if not isinstance(effect, Effect):
+        raise ImportError(f"module {name} defines no EFFECT")
+    return effect

@@ -1,0 +1,62 @@
+"""Blow-hole: the opening at the housing cusp between a chamber and the one behind it.
+
+What: nozzle flow through a constant area while the separating lobe crosses the cusp, M21.
+Source: ours. By geometry (4/6 asymmetric profile, 300° wrap) the lobe behind a chamber crosses the cusp from about
+383° to 683° of that chamber's angle; the area is constant between, with cubic ramps of 20° at both ends.
+Assumptions: quasi-steady nozzle; compression-side blow-hole only.
+Parameters: area (one blow-hole), opens, closes (angles of the leading chamber), flow_coefficient; area_file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+from screwsim.declare import quantity
+from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.gap import GapParameters, gap_path, ramp
+from screwsim.faults import Fault
+from screwsim.numerics.kernel import kernel
+
+DEGREE = pi / 180.0
+RAMP = 20.0 * DEGREE
+
+
+@dataclass(frozen=True)
+class Parameters(GapParameters):
+    """Area of one blow-hole and the angles of the leading chamber between which it exists."""
+
+    area: float = quantity("area", "area of one blow-hole", gt=0.0)
+    opens: float = quantity("angle", "angle of the leading chamber at which it begins", 373.0 * DEGREE, ge=0.0)
+    closes: float = quantity("angle", "angle of the leading chamber at which it ends", 693.0 * DEGREE, le=4 * pi)
+
+
+@kernel
+def area(phi, size, pitch, opens, closes):
+    """Return the blow-hole area [m²] between chambers at phi and phi + pitch [rad] (M21)."""
+    leading = phi + pitch
+    return size * ramp(leading, opens, opens + RAMP, closes - RAMP, closes)
+
+
+def build(parameters: Parameters, machine) -> list[FlowPath]:
+    opens, closes = parameters.opens, parameters.closes
+    values = {"size": parameters.area, "opens": opens, "closes": closes}
+    knots = [angle - machine.pitch for angle in (opens, opens + RAMP, closes - RAMP, closes)]
+    return [gap_path(parameters, area, values, knots=knots, offset=1)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    if parameters.closes - parameters.opens >= 2.0 * RAMP:
+        return []
+    return [Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")]
+
+
+EFFECT = Effect(
+    name="blow_hole",
+    title="opening at the housing cusp, to the chamber behind",
+    equations=("M12", "M13", "M21"),
+    source="ours, window from the geometry of a 4/6 profile",
+    parameters=Parameters,
+    build=build,
+    check=check,
+)

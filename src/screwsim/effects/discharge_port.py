@@ -1,0 +1,38 @@
+"""Discharge port: flow between the discharge plenum and the chamber.
+
+What: nozzle flow (M12) through the port area over the angle, law (18) or a table. Both directions.
+Source: Chernov et al. 2015, eqs. (3), (4), (18); the middle branch of (18) is corrected: its printed form is
+discontinuous (docs/model.md M18).
+Assumptions: the discharge plenum keeps the pressure of the discharge line; what flows back has the given
+temperature, or else the flow-weighted mean of the outflow, found together with the cycle.
+Parameters: flow_coefficient.
+"""
+
+from __future__ import annotations
+
+from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.gap import PortParameters
+
+
+def build(parameters: PortParameters, machine):
+    law = machine.discharge_law()
+    return [
+        FlowPath(
+            to="discharge",
+            area=law.area,
+            values=law.values,
+            knots=law.knots,
+            tables=law.tables,
+            flow_coefficient=parameters.flow_coefficient,
+        )
+    ]
+
+
+EFFECT = Effect(
+    name="discharge_port",
+    title="flow between the discharge line and the chamber",
+    equations=("M12", "M13", "M18"),
+    source="Chernov et al. 2015, eqs. (3), (4), (18)",
+    parameters=PortParameters,
+    build=build,
+)

@@ -1,0 +1,56 @@
+"""End-face leakage: the gap between the rotors' discharge end faces and the housing.
+
+What: nozzle flow through gap × length, M22: a share to the chamber filling in the same grooves (across the contact
+line, z1 pitches behind), the rest to the chamber one pitch behind (across a lobe).
+Source: ours (the paper cites Amosov et al. 1977). Lengths are given by the user; the gap acts while the chamber
+lies against the discharge end face under pressure, 360° to 720° of its angle, with cubic ramps of 20°.
+Assumptions: quasi-steady nozzle with a flow coefficient; one mean clearance.
+Parameters: gap, length, suction_share, flow_coefficient; area_file (of the path to the next chamber).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.gap import ClearanceParameters, gap_path, ramp
+from screwsim.numerics.kernel import kernel
+
+TURN = 2.0 * pi
+RAMP = 20.0 * pi / 180.0
+
+
+@dataclass(frozen=True)
+class Parameters(ClearanceParameters):
+    """Clearance, total length and how it is shared."""
+
+    length: float = quantity("length", "length of the end-face gap of one chamber, both paths together", gt=0.0)
+    suction_share: float = number("share of the length towards the filling chamber", 0.25, ge=0.0, le=1.0)
+
+
+@kernel
+def area(phi, gap, width, shift):
+    """Return the end-face area [m²] between chambers at phi and phi + shift [rad] (M22)."""
+    return gap * width * ramp(phi + shift, TURN, TURN + RAMP, 2.0 * TURN - RAMP, 2.0 * TURN)
+
+
+def build(parameters: Parameters, machine) -> list[FlowPath]:
+    paths = []
+    for share, offset in ((1.0 - parameters.suction_share, 1), (parameters.suction_share, machine.lobes)):
+        shift = offset * machine.pitch
+        values = {"gap": parameters.gap, "width": share * parameters.length, "shift": shift}
+        knots = [angle - shift for angle in (TURN, TURN + RAMP, 2.0 * TURN - RAMP, 2.0 * TURN)]
+        paths.append(gap_path(parameters, area, values, knots=knots, offset=offset, use_table=offset == 1))
+    return paths
+
+
+EFFECT = Effect(
+    name="end_face_leakage",
+    title="gap at the discharge end face, to the next chamber and to the filling one",
+    equations=("M12", "M13", "M22"),
+    source="ours",
+    parameters=Parameters,
+    build=build,
+)

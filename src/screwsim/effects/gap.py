@@ -1,0 +1,81 @@
+"""What all gaps share: a clearance, a flow coefficient, and a table in place of the built-in area.
+
+Source: screwsim. The paper gives (19) for the housing tips and refers to Amosov et al. (1977, not available) for
+the profile and end-face gaps; the forms used here for those two are ours (docs/model.md, M20–M22).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import file, number, quantity
+from screwsim.effects.base import FlowPath
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.spline import read_curve, table_value
+
+GAP_FLOW_COEFFICIENT = 0.7  # model.md, contract: default of gaps
+
+
+@dataclass(frozen=True)
+class GapParameters:
+    """Parameters of every gap."""
+
+    flow_coefficient: float = number("flow coefficient of the gap", GAP_FLOW_COEFFICIENT, ge=0.0)
+    area_file: str | None = file("CSV with columns angle_deg, area_m2 of the trailing chamber; replaces the built-in area")
+
+
+@dataclass(frozen=True)
+class ClearanceParameters(GapParameters):
+    """Parameters of a gap that is a clearance times a length."""
+
+    gap: float = quantity("length", "clearance", gt=0.0)
+
+
+@dataclass(frozen=True)
+class PortParameters:
+    """Parameters of a port: its area law belongs to the machine."""
+
+    flow_coefficient: float = number("flow coefficient of the port", 1.0, ge=0.0)
+
+
+@kernel
+def table_area(phi, TAB, curve):
+    """Return an area [m²] from the table that begins at index `curve` of TAB."""
+    return table_value(phi, TAB, curve)
+
+
+@kernel
+def ramp(phi, start, full, fall, end):
+    """Return 0 outside (start, end), 1 inside [full, fall], and C1 cubic ramps between."""
+    if phi <= start or phi >= end:
+        return 0.0
+    if phi < full:
+        x = (phi - start) / (full - start)
+    elif phi > fall:
+        x = (end - phi) / (end - fall)
+    else:
+        return 1.0
+    return x * x * (3.0 - 2.0 * x)
+
+
+def gap_path(parameters, area, values, *, knots, offset, use_table=True) -> FlowPath:
+    """Return the flow path of a gap between chambers `offset` pitches apart, from its kernel or from its table."""
+    if use_table and parameters.area_file is not None:
+        angles, areas = read_curve(parameters.area_file, "area_m2")
+        return FlowPath(
+            to="neighbour",
+            area=table_area,
+            values={},
+            knots=(angles[0], angles[-1]),
+            tables={"curve": (angles, areas)},
+            offset=offset,
+            flow_coefficient=parameters.flow_coefficient,
+        )
+    return FlowPath(
+        to="neighbour",
+        area=area,
+        values=values,
+        knots=knots,
+        offset=offset,
+        flow_coefficient=parameters.flow_coefficient,
+    )

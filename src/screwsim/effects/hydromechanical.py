@@ -1,0 +1,56 @@
+"""Hydromechanical loss: oil is accelerated to the rotor's tip speed and sheared in the gaps.
+
+What: P = ½ f ṁ_oil u_tip² + C V_sw ω² μ (M32): the kinetic energy given to the injected oil times a factor, and the
+viscous term of Giuffrida with V_sw = z1 V_max.
+Source: acceleration: kinetic energy, the factor f is fitted; viscous: Giuffrida, Appl. Therm. Eng. 93 (2016) 813,
+C = 134.5. Chernov et al. 2015 name the loss without a formula.
+Assumptions: all oil reaches the male tip speed; the loss heats nothing that the chamber model sees.
+Parameters: acceleration_factor, viscous_coefficient.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import number
+from screwsim.effects.base import Effect, PowerLoss
+from screwsim.faults import Fault
+
+GIUFFRIDA = 134.5  # coefficient of V_sw ω² μ
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Factors of the two terms."""
+
+    acceleration_factor: float = number("f: 1 is the kinetic energy at tip speed", 1.0, ge=0.0)
+    viscous_coefficient: float = number("C of the viscous term (Giuffrida: 134.5; 0: none)", 0.0, ge=0.0)
+
+
+def build(parameters: Parameters, machine) -> list[PowerLoss]:
+    def power(figures) -> float:
+        """Return the hydromechanical loss [W] (M32)."""
+        acceleration = 0.5 * parameters.acceleration_factor * figures.oil_mass_flow * figures.tip_speed**2
+        swept = machine.lobes * machine.swept_volume
+        shear = parameters.viscous_coefficient * swept * figures.omega**2 * (figures.oil_viscosity or 0.0)
+        return acceleration + shear
+
+    return [PowerLoss("hydromechanical_power", power)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    if parameters.viscous_coefficient > 0.0 and facts.oil is not None and facts.oil.viscosity is None:
+        return [Fault("oil.viscosity", "is missing (effects.hydromechanical.viscous_coefficient needs it)")]
+    return []
+
+
+EFFECT = Effect(
+    name="hydromechanical",
+    title="oil accelerated to tip speed and sheared in gaps",
+    equations=("M32",),
+    source="kinetic energy; Giuffrida 2016",
+    parameters=Parameters,
+    build=build,
+    needs_oil=True,
+    check=check,
+)

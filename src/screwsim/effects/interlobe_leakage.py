@@ -1,0 +1,53 @@
+"""Interlobe leakage: the gap along the contact (sealing) line of the rotors, from compression to suction.
+
+What: nozzle flow through gap × sealing-line length, M20. Across the sealing line of a compressing groove pair lies
+the chamber that is filling in the same grooves, one revolution (z1 lobe pitches) behind it.
+Source: ours. The length over the angle is a trapezium fitted to the sealing line computed from a 4/6 asymmetric
+profile with 300° wrap (0.18 at 330°, full from 420° to 590°, 0.24 at 710°); the paper cites Amosov et al. 1977.
+Assumptions: quasi-steady nozzle with a flow coefficient; one mean clearance.
+Parameters: gap, length (of the full sealing line), flow_coefficient; area_file.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+from screwsim.declare import quantity
+from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.gap import ClearanceParameters, gap_path
+from screwsim.numerics.kernel import kernel
+
+TURN = 2.0 * pi
+FULL = 60.0 / 360.0 * TURN  # the trailing (filling) chamber's angle at which the line is whole
+FALL = 230.0 / 360.0 * TURN  # … from which on it gets shorter, down to nothing at 360°
+
+
+@dataclass(frozen=True)
+class Parameters(ClearanceParameters):
+    """Clearance and length of the full sealing line."""
+
+    length: float = quantity("length", "length of the full sealing line", gt=0.0)
+
+
+@kernel
+def area(phi, gap, length):
+    """Return the interlobe area [m²] between chambers at phi and phi + 360° [rad] (M20)."""
+    if phi >= TURN:
+        return 0.0
+    return gap * length * max(0.0, min(1.0, min(phi / FULL, (TURN - phi) / (TURN - FALL))))
+
+
+def build(parameters: Parameters, machine) -> list[FlowPath]:
+    values = {"gap": parameters.gap, "length": parameters.length}
+    return [gap_path(parameters, area, values, knots=(FULL, FALL, TURN), offset=machine.lobes)]
+
+
+EFFECT = Effect(
+    name="interlobe_leakage",
+    title="gap along the rotors' contact line, to the chamber filling in the same grooves",
+    equations=("M12", "M13", "M20"),
+    source="ours, from the sealing line of a 4/6 profile",
+    parameters=Parameters,
+    build=build,
+)

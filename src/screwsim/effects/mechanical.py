@@ -1,0 +1,40 @@
+"""Mechanical loss: bearings, seals and gears as a share of the indicated power.
+
+What: P = f |P_ind| (M33).
+Source: Giuffrida, Appl. Therm. Eng. 93 (2016) 813: 26.5 % of the theoretical power for a small machine (f = 0.265);
+we take the indicated power in place of the theoretical one.
+Assumptions: proportional to the indicated power at every speed.
+Parameters: fraction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import number
+from screwsim.effects.base import Effect, PowerLoss
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Share of the indicated power."""
+
+    fraction: float = number("f: mechanical loss over indicated power (Giuffrida: 0.265)", ge=0.0)
+
+
+def build(parameters: Parameters, machine) -> list[PowerLoss]:
+    def power(figures) -> float:
+        """Return the mechanical loss [W] (M33)."""
+        return parameters.fraction * abs(figures.indicated_power)
+
+    return [PowerLoss("mechanical_power", power)]
+
+
+EFFECT = Effect(
+    name="mechanical",
+    title="bearings, seals and gears",
+    equations=("M33",),
+    source="Giuffrida 2016",
+    parameters=Parameters,
+    build=build,
+)

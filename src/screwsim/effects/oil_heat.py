@@ -1,0 +1,65 @@
+"""Oil heat: droplets exchange heat with the gas by convection.
+
+What: Q = 3 α/(r ρ_o) m_oil (T_oil − T) into the gas (M3), and the same heat out of the oil (M4).
+Source: Chernov et al. 2015, eqs. (1), (2). Its eq. (12) prints an extra factor d in the oil's equation, with which
+the oil does not lose what the gas gains: `equation_12: printed` keeps that, to show what it does.
+Assumptions: equal spheres of radius r, uniform temperature inside, no heat to the walls. α and r enter only as α/r.
+Parameters: droplet_radius, heat_transfer_coefficient, equation_12.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import choice, quantity
+from screwsim.effects.base import Effect, HeatRate
+from screwsim.faults import Fault
+from screwsim.numerics.kernel import kernel
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Radius of the droplets and their heat transfer coefficient."""
+
+    droplet_radius: float = quantity("length", "radius r of the droplets", gt=0.0)
+    heat_transfer_coefficient: float = quantity(
+        "heat_transfer_coefficient", "coefficient alpha between droplet and gas", ge=0.0
+    )
+    equation_12: str = choice(
+        "corrected: the oil loses what the gas gains; printed: the paper's (12), with its extra factor d",
+        ("corrected", "printed"),
+        "corrected",
+    )
+
+
+@kernel
+def heat(T, T_oil, m_oil, droplet_radius, heat_transfer_coefficient, oil_density):
+    """Return the heat [W] from the droplets to the gas (M3)."""
+    return 3.0 * heat_transfer_coefficient / (droplet_radius * oil_density) * m_oil * (T_oil - T)
+
+
+def build(parameters: Parameters, machine) -> list[HeatRate]:
+    values = {
+        "droplet_radius": parameters.droplet_radius,
+        "heat_transfer_coefficient": parameters.heat_transfer_coefficient,
+    }
+    return [HeatRate(heat, values, "printed" if parameters.equation_12 == "printed" else "one")]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    if parameters.equation_12 == "printed" and facts.oil.transport != "paper":
+        return [Fault("effects.oil_heat.equation_12", "the printed form has a constant d: it needs oil.transport: paper")]
+    return []
+
+
+EFFECT = Effect(
+    name="oil_heat",
+    title="droplets of oil exchange heat with the gas",
+    equations=("M3", "M4"),
+    source="Chernov et al. 2015, eqs. (1), (2)",
+    parameters=Parameters,
+    build=build,
+    needs_oil=True,
+    states=("T_oil",),
+    check=check,
+)

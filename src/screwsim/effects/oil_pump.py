@@ -1,0 +1,51 @@
+"""Oil pump: the shaft power of an independent oil pump.
+
+What: P = V̇_oil max(0, p_delivery − p_source)/η, with p_delivery = max(p_injection, p_source) + Δp (M31): from the
+separator the pump pays only the line and nozzle loss Δp, from a sump at suction pressure also the rise to the chamber.
+Source: Chernov et al. 2015 name the pump's power without a formula; this form is ours.
+Assumptions: incompressible oil; injection pressure is the chamber's at 360°.
+Parameters: efficiency, pressure_loss.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import Effect, PowerLoss
+from screwsim.faults import Fault
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Efficiency of the pump with its drive, and the loss of line and nozzles."""
+
+    efficiency: float = number("efficiency of the pump with its drive", gt=0.0, le=1.0)
+    pressure_loss: float = quantity("pressure_difference", "pressure loss of oil line and nozzles", 0.0, ge=0.0)
+
+
+def build(parameters: Parameters, machine) -> list[PowerLoss]:
+    def power(figures) -> float:
+        """Return the pump's power [W] (M31)."""
+        delivery = max(figures.injection_pressure, figures.oil_source_pressure) + parameters.pressure_loss
+        return figures.oil_volume_flow * max(0.0, delivery - figures.oil_source_pressure) / parameters.efficiency
+
+    return [PowerLoss("oil_pump_power", power)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    if facts.oil_supply is not None and facts.oil_supply.kind != "pump":
+        return [Fault("effects.oil_pump", "displacement supply has no pump (remove it, or write oil_supply.kind: pump)")]
+    return []
+
+
+EFFECT = Effect(
+    name="oil_pump",
+    title="shaft power of an independent oil pump",
+    equations=("M31",),
+    source="ours",
+    parameters=Parameters,
+    build=build,
+    needs_oil=True,
+    check=check,
+)

@@ -1,0 +1,37 @@
+"""Suction port: flow between the suction plenum and the chamber.
+
+What: nozzle flow (M12) through the port area over the angle, law (17) or a table. Both directions.
+Source: Chernov et al. 2015, eqs. (3), (4), (17); choking added (docs/model.md M13).
+Assumptions: the suction plenum keeps the state of the suction line; what flows back into it is counted, and
+fresh gas of the line's state comes in again.
+Parameters: flow_coefficient.
+"""
+
+from __future__ import annotations
+
+from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.gap import PortParameters
+
+
+def build(parameters: PortParameters, machine):
+    law = machine.suction_law()
+    return [
+        FlowPath(
+            to="suction",
+            area=law.area,
+            values=law.values,
+            knots=law.knots,
+            tables=law.tables,
+            flow_coefficient=parameters.flow_coefficient,
+        )
+    ]
+
+
+EFFECT = Effect(
+    name="suction_port",
+    title="flow between the suction line and the chamber",
+    equations=("M12", "M13", "M17"),
+    source="Chernov et al. 2015, eqs. (3), (4), (17)",
+    parameters=PortParameters,
+    build=build,
+)

@@ -1,0 +1,41 @@
+"""Tip leakage: gaps between the lobe tips and the housing, to the chambers ahead and behind.
+
+What: nozzle flow through S_tip(φ) = 9.83 h D (φ/360° up to 360°, then 2 − φ/360°), M19. One area an interface: that
+of the trailing chamber's angle is its leading tip; its trailing tip is the next interface.
+Source: Chernov et al. 2015, eq. (19). The length 9.83 D is the paper's, empirical: the tip helices of both rotors
+together are 11.8 D at L/D = 1.1 by geometry.
+Assumptions: quasi-steady nozzle with a flow coefficient; no oil film in the gap.
+Parameters: gap, flow_coefficient; area_file.
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.gap import ClearanceParameters, gap_path
+from screwsim.numerics.kernel import kernel
+
+TIP_LENGTH = 9.83  # tip length over rotor diameter, eq. (19)
+TURN = 2.0 * pi
+
+
+@kernel
+def area(phi, gap, rotor_diameter):
+    """Return the tip area [m²] of the interface ahead of a chamber at phi [rad] (M19)."""
+    x = phi / TURN
+    return TIP_LENGTH * gap * rotor_diameter * max(0.0, x if x <= 1.0 else 2.0 - x)
+
+
+def build(parameters: ClearanceParameters, machine) -> list[FlowPath]:
+    return [gap_path(parameters, area, {"gap": parameters.gap}, knots=(TURN,), offset=1)]
+
+
+EFFECT = Effect(
+    name="tip_leakage",
+    title="gaps between lobe tips and housing, to both neighbours",
+    equations=("M12", "M13", "M19"),
+    source="Chernov et al. 2015, eq. (19)",
+    parameters=ClearanceParameters,
+    build=build,
+)

@@ -1,0 +1,137 @@
+"""Kernels: scalar functions that run as plain Python and are pasted into one flat compiled module.
+
+A kernel takes and returns floats (or small tuples, or arrays that its caller owns), allocates nothing and keeps
+no state. `flatten` collects kernels with everything that they call or read, renames each to a name of its own
+(`file__function`) and returns the source text. A `Slot` is a name that the generated module must define itself.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import math
+import textwrap
+import types
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+HEADER = "import math\nimport numpy as np\nfrom numba import njit\n"
+
+
+class Kernel:
+    """A function that can be called as it is, and whose source can be pasted into a compiled module."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = function
+        self.__doc__ = function.__doc__
+        self.__name__ = function.__name__
+        self.arguments = tuple(inspect.signature(function).parameters)
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.function(*arguments)
+
+    @property
+    def flat_name(self) -> str:
+        """Name in the flat module: last part of the module's name, two underscores, the function's name."""
+        return f"{self.function.__module__.rpartition('.')[2]}__{self.__name__}"
+
+    @property
+    def source(self) -> str:
+        return textwrap.dedent(inspect.getsource(self.function))
+
+
+class Slot:
+    """A function that the generated module defines; calling it outside says so."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __call__(self, *_: Any) -> Any:
+        raise RuntimeError(f"{self.name} exists only inside a generated module")
+
+
+def kernel(function: Callable[..., Any]) -> Kernel:
+    """Mark a function as a kernel."""
+    return Kernel(function)
+
+
+def _constant(value: Any) -> str | None:
+    if isinstance(value, bool | int | float):
+        return repr(value)
+    if isinstance(value, tuple) and all(isinstance(item, bool | int | float | tuple) for item in value):
+        return repr(value)
+    return None
+
+
+class _Rename(ast.NodeTransformer):
+    def __init__(self, names: Mapping[str, str]) -> None:
+        self.names = names
+
+    def visit_Name(self, node: ast.Name) -> ast.AST:
+        node.id = self.names.get(node.id, node.id)
+        return node
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        node.name = self.names.get(node.name, node.name)
+        node.decorator_list = []
+        node.returns = None
+        for argument in node.args.args:
+            argument.annotation = None
+        self.generic_visit(node)
+        return node
+
+
+def flatten(
+    kernels: Iterable[Kernel], slots: Mapping[str, str] | None = None, instance: str = "", boundscheck: bool = False
+) -> dict[str, str]:
+    """Return {flat name: source} of kernels and all they use, callees first.
+
+    `slots` maps a slot's name to the function that fills it; `instance` is added to the names of the kernels
+    that use a slot, so that one method can be compiled for several models in one module.
+    """
+    found: dict[str, str] = {}
+    slots = slots or {}
+
+    def uses_slot(item: Kernel) -> bool:
+        names = item.function.__globals__
+        return any(
+            isinstance(names.get(name), Slot) or (isinstance(names.get(name), Kernel) and uses_slot(names[name]))
+            for name in item.function.__code__.co_names
+        )
+
+    def emitted_name(item: Kernel) -> str:
+        return item.flat_name + (instance if uses_slot(item) else "")
+
+    def visit(item: Kernel) -> None:
+        name = emitted_name(item)
+        if name in found:
+            return
+        renames = {item.__name__: name}
+        for used in item.function.__code__.co_names:
+            value = item.function.__globals__.get(used)
+            if isinstance(value, Kernel):
+                visit(value)
+                renames[used] = emitted_name(value)
+            elif isinstance(value, Slot):
+                renames[used] = slots[value.name]
+            elif value is None or isinstance(value, types.ModuleType):
+                if isinstance(value, types.ModuleType) and value is not math and value.__name__ != "numpy":
+                    raise TypeError(f"kernel {item.__name__} uses module {value.__name__}; only math and numpy compile")
+            else:
+                text = _constant(value)
+                if text is None:
+                    raise TypeError(f"kernel {item.__name__} uses {used}, which is neither kernel, number nor tuple")
+                constant = f"{item.function.__module__.rpartition('.')[2]}__{used}"
+                found[constant] = f"{constant} = {text}"
+                renames[used] = constant
+        tree = _Rename(renames).visit(ast.parse(item.source))
+        found[name] = decorate(ast.unparse(tree))
+
+    for each in kernels:
+        visit(each)
+    return found
+
+
+def decorate(source: str) -> str:
+    """Return a function's source with the compiler's decorator."""
+    return "@njit(cache=True, error_model='numpy')\n" + source

@@ -1,0 +1,21 @@
+"""What a scene says of the numerical solution."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import choice, number
+
+INTEGRATORS = ("rodas4", "scipy-radau", "scipy-bdf", "scipy-lsoda")
+
+
+@dataclass(frozen=True)
+class NumericsSettings:
+    """Wanted accuracy, integrator and the way in which the cycle is closed."""
+
+    accuracy: float = number("wanted relative accuracy of the performance figures", 3e-4, gt=1e-12, lt=0.1)
+    integrator: str = choice("rodas4, or one of scipy's as an independent check", INTEGRATORS, "rodas4")
+    closing: str = choice(
+        "auto: histories while they contract well, else coupled chambers", ("auto", "histories", "coupled"), "auto"
+    )
+    rtol: float | None = number("relative tolerance of a step (expert; default: from accuracy)", None, gt=1e-14, lt=0.1)

@@ -1,0 +1,95 @@
+"""Curves from tables: a shape-preserving C1 cubic (PCHIP, Fritsch & Carlson 1980, as in scipy), packed flat.
+
+A curve is packed into one array as [n, x_0 … x_{n-1}, c_0 … c_{4(n-1)-1}], where interval i has the polynomial
+c[4i] + c[4i+1] s + c[4i+2] s² + c[4i+3] s³ in s = x − x_i. Outside the table the curve is constant.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.numerics.kernel import kernel
+
+Array = np.ndarray
+
+
+def read_curve(path: str, column: str) -> tuple[Array, Array]:
+    """Return angle [rad] and the values of `column` from a CSV file with a header; angles must increase.
+
+    Raises `UsageError` in one line that names the file, the row and the remedy.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path}: cannot be read ({error}); name an existing CSV file") from None
+    rows = list(csv.DictReader(line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")))
+    header = tuple(rows[0]) if rows else ()
+    if "angle_deg" not in header or column not in header:
+        raise UsageError(f"{path}: needs the columns angle_deg and {column} (found: {', '.join(map(str, header)) or 'none'})")
+    angles, values = [], []
+    for number, row in enumerate(rows, start=2):
+        try:
+            angle, value = float(row["angle_deg"]), float(row[column])
+        except (TypeError, ValueError):
+            raise UsageError(f"{path}: row {number}: {row['angle_deg']!r}, {row[column]!r} are not two numbers") from None
+        if not (math.isfinite(angle) and math.isfinite(value) and value >= 0.0):
+            raise UsageError(f"{path}: row {number}: values must be finite and not negative")
+        if angles and math.radians(angle) <= angles[-1]:
+            raise UsageError(f"{path}: row {number}: angles must increase (sort the rows, remove repetitions)")
+        angles.append(math.radians(angle))
+        values.append(value)
+    if len(angles) < 3:
+        raise UsageError(f"{path}: has {len(angles)} rows; a curve needs at least 3")
+    return np.array(angles), np.array(values)
+
+
+def pack_curve(x: Array, y: Array) -> Array:
+    """Return the packed shape-preserving C1 spline through (x, y)."""
+    from scipy.interpolate import PchipInterpolator
+
+    coefficients = PchipInterpolator(x, y).c[::-1].T  # one row an interval, constant term first
+    return np.concatenate([[float(len(x))], x, coefficients.ravel()])
+
+
+@kernel
+def table_interval(x, TAB, curve):
+    """Return the interval of a packed curve that contains x (bisection)."""
+    low = 0
+    high = int(TAB[curve]) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if TAB[curve + 1 + middle] <= x:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@kernel
+def table_value(x, TAB, curve):
+    """Return the value of the packed curve that begins at index `curve`; constant outside the table."""
+    curve = int(curve)
+    n = int(TAB[curve])
+    x = min(max(x, TAB[curve + 1]), TAB[curve + n])
+    i = table_interval(x, TAB, curve)
+    s = x - TAB[curve + 1 + i]
+    c = curve + 1 + n + 4 * i
+    return TAB[c] + s * (TAB[c + 1] + s * (TAB[c + 2] + s * TAB[c + 3]))
+
+
+@kernel
+def table_slope(x, TAB, curve):
+    """Return the derivative of the packed curve; zero outside the table."""
+    curve = int(curve)
+    n = int(TAB[curve])
+    if x < TAB[curve + 1] or x > TAB[curve + n]:
+        return 0.0
+    i = table_interval(x, TAB, curve)
+    s = x - TAB[curve + 1 + i]
+    c = curve + 1 + n + 4 * i
+    return TAB[c + 1] + s * (2.0 * TAB[c + 2] + s * 3.0 * TAB[c + 3])

@@ -1,0 +1,129 @@
+"""What a simulation gives: the names, units and meanings of all results, and the record that carries them.
+
+One table serves the JSON of `run`, the HDF5 file and the labels of figures. SI units; a figure of an effect that is
+not simulated is None (null in JSON, NaN with its fill value in HDF5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+
+class Variable(NamedTuple):
+    """Unit (SI, CF style) and meaning of one result."""
+
+    units: str
+    long_name: str
+
+
+STATUSES = ("ok", "not_closed", "failed")  # HDF5 stores the index
+
+PERFORMANCE = {
+    "isothermal_efficiency": Variable("1", "isothermal efficiency of the shaft power"),
+    "ideal_isothermal_efficiency": Variable("1", "ideal-gas isothermal power at suction temperature over shaft power"),
+    "isentropic_efficiency": Variable("1", "isentropic efficiency of the shaft power"),
+    "volumetric_efficiency": Variable("1", "volumetric efficiency"),
+    "gas_mass_flow": Variable("kg s-1", "net gas mass flow from the suction line"),
+    "oil_mass_flow": Variable("kg s-1", "injected oil mass flow"),
+    "oil_ratio": Variable("1", "oil to gas mass ratio in the chamber at 360 degrees"),
+    "oil_flow_ratio": Variable("1", "injected oil over net suction gas"),
+    "indicated_power": Variable("W", "indicated power"),
+    "oil_lift_power": Variable("W", "power that lifts the oil to discharge pressure"),
+    "oil_pump_power": Variable("W", "shaft power of the oil pump"),
+    "hydromechanical_power": Variable("W", "hydromechanical loss"),
+    "mechanical_power": Variable("W", "mechanical loss"),
+    "shaft_power": Variable("W", "shaft power"),
+    "discharge_temperature": Variable("K", "flow-weighted mean gas temperature at discharge"),
+    "oil_discharge_temperature": Variable("K", "flow-weighted mean oil temperature at discharge"),
+    "peak_pressure": Variable("Pa", "highest chamber pressure up to the widest opening of the discharge port"),
+    "work_per_cycle": Variable("J", "work on the gas of one chamber per cycle, minus the integral of p dV"),
+    "trapped_mass": Variable("kg", "gas mass in a chamber at 360 degrees"),
+    "injection_pressure": Variable("Pa", "chamber pressure at 360 degrees, where oil is injected"),
+}
+
+BALANCE = {
+    "mass": Variable("1", "relative residue of the gas mass balance"),
+    "energy": Variable("1", "relative residue of the energy balance"),
+    "oil_mass": Variable("1", "relative residue of the oil mass balance (oil.transport: carried)"),
+    "oil_residue": Variable("W", "power that appears with oil that leaks at constant d (oil.transport: paper)"),
+    "bound": Variable("1", "bound on mass and energy residues"),
+}
+
+NUMERICS = {
+    "rtol": Variable("1", "relative tolerance of a step"),
+    "turns": Variable("1", "chamber lives integrated until closed (coupled chambers: pitches over chambers alive)"),
+    "steps": Variable("1", "accepted integration steps"),
+    "rhs_evaluations": Variable("1", "evaluations of the right-hand side of one chamber, those for Jacobians included"),
+    "jacobians": Variable("1", "Jacobians of one chamber"),
+    "wall_time": Variable("s", "time of the solution alone, compiled and warm"),
+}
+NUMERICS_TEXT = {"integrator": "integrator", "closing": "way in which the cycle was closed"}
+
+CYCLE = {
+    "angle": Variable("degree", "male-rotor angle"),
+    "volume": Variable("m3", "chamber volume"),
+    "pressure": Variable("Pa", "chamber pressure"),
+    "gas_temperature": Variable("K", "gas temperature"),
+    "oil_temperature": Variable("K", "oil temperature"),
+    "gas_mass": Variable("kg", "gas mass in the chamber"),
+    "oil_mass": Variable("kg", "oil mass in the chamber"),
+    "work": Variable("J", "work on the gas since 0 degrees"),
+}
+
+
+def cycle_variable(name: str) -> Variable:
+    """Return unit and meaning of a cycle trace, those of flow paths (`mass_flow_<effect>[_leading]`) included."""
+    if name.startswith("mass_flow_"):
+        return Variable("kg s-1", f"mass flow into the chamber, {name.removeprefix('mass_flow_').replace('_', ' ')}")
+    return CYCLE[name]
+
+
+class Figures(dict[str, Any]):
+    """A mapping whose names are attributes too: `result.performance.isothermal_efficiency`."""
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"no figure {name!r}; known: {', '.join(self)}") from None
+
+
+@dataclass(frozen=True)
+class Result:
+    """One simulated operating point; every mapping has the names of the tables above.
+
+    `cycle` holds arrays of one length over `angle` [degree]; empty when the run failed before a whole life.
+    `notes` say why a figure is None although its effect is simulated. `failure_angle` is in degrees.
+    """
+
+    status: str
+    message: str = ""
+    warnings: tuple[str, ...] = ()
+    effects: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    performance: Figures = field(default_factory=Figures)
+    balance: Figures = field(default_factory=Figures)
+    error: Figures = field(default_factory=Figures)
+    numerics: Figures = field(default_factory=Figures)
+    notes: Mapping[str, str] = field(default_factory=dict)
+    cycle: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `run --json` prints (the cycle stays in the HDF5 file)."""
+        return {
+            "status": self.status,
+            "message": self.message,
+            "warnings": list(self.warnings),
+            "effects": list(self.effects),
+            "states": list(self.states),
+            "performance": dict(self.performance),
+            "balance": dict(self.balance),
+            "error": dict(self.error),
+            "numerics": dict(self.numerics),
+            "notes": dict(self.notes),
+        }
+

@@ -1,0 +1,87 @@
+"""A scene: everything that one simulation or sweep needs, typed and in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from screwsim.declare import choice, number, quantity, word
+from screwsim.effects.base import Effect
+from screwsim.fluid.settings import GasSettings, OilSettings
+from screwsim.machine.settings import TwinScrew
+from screwsim.numerics.settings import NumericsSettings
+
+
+@dataclass(frozen=True)
+class SuctionState:
+    """The state of the suction line."""
+
+    pressure: float = quantity("pressure", "absolute pressure p_s", gt=0.0)
+    temperature: float | None = quantity("temperature", "temperature T_s", None, gt=0.0)
+    superheat: float | None = quantity("temperature_difference", "superheat over saturation, instead of temperature", None, gt=0.0)
+
+
+@dataclass(frozen=True)
+class DischargeState:
+    """The state of the discharge line."""
+
+    pressure: float = quantity("pressure", "absolute pressure p_d", gt=0.0)
+    temperature: float | None = quantity(
+        "temperature", "temperature of what flows back through the port (default: that of the outflow, iterated)", None, gt=0.0
+    )
+
+
+@dataclass(frozen=True)
+class Operation:
+    """Speed and the states of both lines."""
+
+    speed: float = quantity("speed", "speed of the male rotor", gt=0.0)
+    suction: SuctionState = None  # type: ignore[assignment]  # the scene always gives it
+    discharge: DischargeState = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True)
+class OilSupply:
+    """How the oil gets into the chamber at 360°."""
+
+    kind: str = choice("pump: the ratio is given; displacement: the separator pushes it through an orifice", ("pump", "displacement"))
+    ratio: float | None = number("d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0)
+    temperature: float = quantity("temperature", "temperature of the injected oil", gt=0.0)
+    source: str = choice("where the pump draws from: separator (p_d) or a sump at suction pressure", ("separator", "suction"), "separator")
+    orifice_diameter: float | None = quantity("length", "bore of the injection orifice (displacement)", None, gt=0.0)
+    orifice_length: float | None = quantity("length", "length of that bore (default: 2 diameters)", None, gt=0.0)
+    orifice_count: float = number("number of such bores", 1.0, gt=0.0)
+
+
+@dataclass(frozen=True)
+class Output:
+    """What a sweep stores."""
+
+    keep: str = choice("performance figures only, or the cycle traces too", ("performance", "cycle"), "performance")
+
+
+@dataclass(frozen=True)
+class ActiveEffect:
+    """An effect that the scene names, with its parameters [SI]."""
+
+    effect: Effect
+    parameters: Any
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One scene. `effects` keeps the order of the catalogue, whatever the order in the file."""
+
+    machine: TwinScrew
+    gas: GasSettings
+    operation: Operation
+    oil: OilSettings | None = None
+    oil_supply: OilSupply | None = None
+    effects: Mapping[str, ActiveEffect] = field(default_factory=dict)
+    numerics: NumericsSettings = NumericsSettings()
+    output: Output = Output()
+    sweep: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)  # dotted path -> values in SI units
+    title: str = word("what is simulated", "")
+    text: str = ""  # canonical YAML of the whole scene, overrides included
+    folder: str = "."  # files are found relative to it
