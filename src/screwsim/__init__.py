@@ -1,1 +1,83 @@
-__version__="0"
+"""Simulate oil-flooded twin-screw compressors, chamber by chamber.
+
+    scene = screwsim.load("x.yaml")
+    result = screwsim.simulate(scene)
+    result.performance.isothermal_efficiency
+
+Each public name is imported when it is first used, so that `import screwsim` costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from screwsim.faults import SceneError, UsageError
+    from screwsim.outputs import Result
+    from screwsim.results import open_results
+    from screwsim.scene import Scene, load, loads, schema
+    from screwsim.simulate import simulate
+    from screwsim.study.sweep import sweep
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Result",
+    "Scene",
+    "SceneError",
+    "UsageError",
+    "__version__",
+    "load",
+    "loads",
+    "open_results",
+    "schema",
+    "simulate",
+    "sweep",
+]
+
+_HOMES = {
+    "Result": "screwsim.outputs",
+    "Scene": "screwsim.scene",
+    "SceneError": "screwsim.faults",
+    "UsageError": "screwsim.faults",
+    "load": "screwsim.scene",
+    "loads": "screwsim.scene",
+    "open_results": "screwsim.results",
+    "schema": "screwsim.scene",
+    "simulate": "screwsim.simulate",
+    "sweep": "screwsim.study.sweep",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Return a public name from the module that defines it."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'screwsim' has no attribute {name!r}")
+    value = getattr(importlib.import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Return the public names beside what is imported already."""
+    return sorted({*globals(), *__all__})
+
+
+class _Package(ModuleType):
+    """This package, in which `simulate` stays the function.
+
+    Importing the module `screwsim.simulate` binds the package's attribute of that name to the module. The
+    function is what users call; the module is reached with `from screwsim.simulate import …`.
+    """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Set an attribute; in place of the module `simulate`, its function."""
+        if name == "simulate" and isinstance(value, ModuleType):
+            value = value.simulate
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

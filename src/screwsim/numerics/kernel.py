@@ -58,8 +58,8 @@ def kernel(function: Callable[..., Any]) -> Kernel:
 def _constant(value: Any) -> str | None:
     if isinstance(value, bool | int | float):
         return repr(value)
-    if isinstance(value, tuple) and all(isinstance(item, bool | int | float | tuple) for item in value):
-        return repr(value)
+    if type(value).__name__ == "ndarray":  # becomes a constant of the compiled code
+        return f"np.array({value.tolist()!r})"
     return None
 
 
@@ -82,7 +82,7 @@ class _Rename(ast.NodeTransformer):
 
 
 def flatten(
-    kernels: Iterable[Kernel], slots: Mapping[str, str] | None = None, instance: str = "", boundscheck: bool = False
+    kernels: Iterable[Kernel], slots: Mapping[str, str] | None = None, instance: str = ""
 ) -> dict[str, str]:
     """Return {flat name: source} of kernels and all they use, callees first.
 
@@ -120,7 +120,7 @@ def flatten(
             else:
                 text = _constant(value)
                 if text is None:
-                    raise TypeError(f"kernel {item.__name__} uses {used}, which is neither kernel, number nor tuple")
+                    raise TypeError(f"kernel {item.__name__} uses {used}, which is neither kernel, number nor array")
                 constant = f"{item.function.__module__.rpartition('.')[2]}__{used}"
                 found[constant] = f"{constant} = {text}"
                 renames[used] = constant
@@ -134,4 +134,5 @@ def flatten(
 
 def decorate(source: str) -> str:
     """Return a function's source with the compiler's decorator."""
-    return "@njit(cache=True, error_model='numpy')\n" + source
+    counting = "" if "np.empty" in source else ", _nrt=False"  # arrays are borrowed: counting references costs 5x
+    return f"@njit(cache=True, error_model='numpy'{counting})\n{source}"

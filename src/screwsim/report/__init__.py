@@ -1,0 +1,46 @@
+"""Figures from stored results only, as a journal prints them: PNG (200 dpi) and vector PDF."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+from screwsim.faults import UsageError
+
+__all__ = ["plot"]
+
+
+def plot(path: str | Path, folder: str | Path | None = None) -> list[str]:
+    """Write every figure that a results file has data for, and return the paths of the files.
+
+    `folder` (default: beside the file, named after its stem) is made when it is missing. Raise UsageError in one
+    line when the file is none of ours or has nothing to draw, or when the folder cannot be written.
+    """
+    from screwsim.report import cycle, outcome, sweeps
+    from screwsim.report.style import journal, write
+    from screwsim.results import open_results
+    from screwsim.results.atomic import make_folder
+
+    path = Path(path)
+    results = open_results(path)
+    plans = [*sweeps.plans(results), *outcome.plans(results), *cycle.plans(results)]
+    if not plans:
+        raise UsageError(f"{path}: has nothing to draw: {_why(results)}")
+    target = path.with_suffix("") if folder is None else Path(folder)
+    make_folder(target)
+    logging.getLogger("fontTools").setLevel(logging.WARNING)
+    written = []
+    for name, draw in plans:
+        with journal():
+            written += write(draw(), target, name)
+    return written
+
+
+def _why(results) -> str:
+    """Return why nothing of a file can be drawn, with the remedy."""
+    if set(results.status.reshape(-1).tolist()) == {"failed"}:
+        first = str(results.messages.ravel()[0]).splitlines()
+        return f"all cases failed (the first: {first[0] if first else 'no message'})"
+    if not results.axis_list:
+        return "no cycle (make it with `screwsim run`)"
+    return "no axis of numbers with two values or more, and no cycle (sweep a number, or write output.keep: cycle)"

@@ -19,7 +19,9 @@ class SuctionState:
 
     pressure: float = quantity("pressure", "absolute pressure p_s", gt=0.0)
     temperature: float | None = quantity("temperature", "temperature T_s", None, gt=0.0)
-    superheat: float | None = quantity("temperature_difference", "superheat over saturation, instead of temperature", None, gt=0.0)
+    superheat: float | None = quantity(
+        "temperature_difference", "superheat over saturation, instead of temperature", None, gt=0.0
+    )
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,10 @@ class DischargeState:
 
     pressure: float = quantity("pressure", "absolute pressure p_d", gt=0.0)
     temperature: float | None = quantity(
-        "temperature", "temperature of what flows back through the port (default: that of the outflow, iterated)", None, gt=0.0
+        "temperature",
+        "temperature of what flows back through the port (default: that of the outflow, iterated)",
+        None,
+        gt=0.0,
     )
 
 
@@ -45,10 +50,16 @@ class Operation:
 class OilSupply:
     """How the oil gets into the chamber at 360°."""
 
-    kind: str = choice("pump: the ratio is given; displacement: the separator pushes it through an orifice", ("pump", "displacement"))
+    kind: str = choice(
+        "pump: the ratio is given; displacement: the separator pushes it through an orifice", ("pump", "displacement")
+    )
     ratio: float | None = number("d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0)
     temperature: float = quantity("temperature", "temperature of the injected oil", gt=0.0)
-    source: str = choice("where the pump draws from: separator (p_d) or a sump at suction pressure", ("separator", "suction"), "separator")
+    source: str = choice(
+        "where the pump draws from: separator (p_d) or a sump at suction pressure",
+        ("separator", "suction"),
+        "separator",
+    )
     orifice_diameter: float | None = quantity("length", "bore of the injection orifice (displacement)", None, gt=0.0)
     orifice_length: float | None = quantity("length", "length of that bore (default: 2 diameters)", None, gt=0.0)
     orifice_count: float = number("number of such bores", 1.0, gt=0.0)

@@ -1,0 +1,5 @@
+"""Let `python -m screwsim` be the command."""
+
+from screwsim.cli import main
+
+main()

@@ -1,0 +1,71 @@
+"""From a typed scene to the built parts that the composer takes: geometry, gas, oil, effects."""
+
+from __future__ import annotations
+
+from screwsim.fluid import constants
+from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.machine.geometry import Geometry
+from screwsim.model import close as closing
+from screwsim.model.compose import OilPart, Parts
+from screwsim.scene.types import Scene
+
+
+def suction_temperature(scene: Scene) -> float:
+    """Return the suction temperature [K], from superheat where the scene gives that."""
+    suction = scene.operation.suction
+    if suction.temperature is not None:
+        return suction.temperature
+    return constants.saturation_temperature(scene.gas.fluid, suction.pressure) + float(suction.superheat or 0.0)
+
+
+def build_gas(scene: Scene) -> IdealGas:
+    """Return the gas of a scene; k from CoolProp at suction temperature where none is given (M6)."""
+    fluid, T = scene.gas.fluid, suction_temperature(scene)
+    k = scene.gas.isentropic_exponent
+    return IdealGas(constants.gas_constant(fluid), constants.isentropic_exponent(fluid, T) if k is None else k)
+
+
+def build_oil(scene: Scene) -> OilPart | None:
+    """Return the oil of a scene with its supply."""
+    oil, supply = scene.oil, scene.oil_supply
+    if oil is None or supply is None:
+        return None
+    if supply.kind == "pump":
+        numbers = {"ratio": float(supply.ratio or 0.0)}
+    else:
+        diameter = float(supply.orifice_diameter or 0.0)
+        numbers = {
+            "density": oil.density,
+            "viscosity": float(oil.viscosity or 0.0),
+            "diameter": diameter,
+            "length": supply.orifice_length or 2.0 * diameter,
+            "number": supply.orifice_count,
+            "separator_pressure": scene.operation.discharge.pressure,
+        }
+    return OilPart(oil.density, oil.heat_capacity, supply.temperature, oil.transport, numbers)
+
+
+def build_parts(scene: Scene, refine: float = 1.0) -> Parts:
+    """Return what the scene names, built for the composer; `refine` multiplies the regularisation width."""
+    geometry = Geometry(scene.machine)
+    return Parts(
+        geometry=geometry,
+        gas=build_gas(scene),
+        omega=scene.operation.speed,
+        width=refine * regularisation(scene),
+        effects={name: active.effect.build(active.parameters, geometry) for name, active in scene.effects.items()},
+        oil=build_oil(scene),
+    )
+
+
+def regularisation(scene: Scene) -> float:
+    """Return the width ε [Pa] below which a pressure difference is smoothed (docs/numerics.md)."""
+    return 0.2 * scene.numerics.accuracy * scene.operation.suction.pressure
+
+
+def wanted_of(scene: Scene, refine: float = 1.0) -> closing.Wanted:
+    """Return tolerances from the wanted accuracy (docs/numerics.md); `refine` multiplies them."""
+    numerics = scene.numerics
+    rtol = refine * (numerics.rtol or 0.5 * numerics.accuracy)
+    accuracy = refine * numerics.accuracy
+    return closing.Wanted(rtol, 0.1 * accuracy, numerics.accuracy, numerics.closing)

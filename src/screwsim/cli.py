@@ -1,0 +1,199 @@
+"""The command `screwsim`: arguments to calls, and what they give to print and exit codes.
+
+Heavy modules are imported inside the commands, so that `--help` answers at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from screwsim import __version__
+from screwsim.faults import SceneError, UsageError
+
+if TYPE_CHECKING:
+    from screwsim.scene import Scene
+
+OK, INTERNAL, USAGE, BAD_SCENE, NOT_ALL_OK, INTERRUPTED = 0, 1, 2, 3, 4, 130
+
+app = typer.Typer(
+    name="screwsim",
+    help="Simulate oil-flooded twin-screw compressors, chamber by chamber.",
+    epilog="Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad scene, 4 some cases failed or did not close, "
+    "130 interrupted.",
+    add_completion=False,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="The scene, a YAML file.", show_default=False)]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="Change one path, e.g. operation.speed='1000 rpm'."),
+]
+Without = Annotated[list[str] | None, typer.Option(metavar="EFFECT", help="Leave an effect out.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout, nothing else.")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"screwsim {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+) -> None: ...
+
+
+@app.command()
+def run(
+    scene_file: SceneFile,
+    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.h5", help="Write the result, with traces.")] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    as_json: AsJson = False,
+) -> int:
+    """Simulate one operating point."""
+    scene = _base_point(_loaded(scene_file, overrides, without))
+    from screwsim.printing import print_json, print_result
+    from screwsim.simulate import simulate
+
+    result = simulate(scene, estimate_error=True)
+    if output is not None:
+        from screwsim.results import save
+
+        save(output, scene, result)
+    if as_json:
+        print_json(result.as_json())
+    else:
+        print_result(scene.title, result)
+    return OK if result.status == "ok" else NOT_ALL_OK
+
+
+@app.command()
+def sweep(
+    scene_file: SceneFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", metavar="OUT.h5", help="Where the results go (default: results/SCENE.h5).")
+    ] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Annotated[int | None, typer.Option(min=1, metavar="N", help="Worker processes (default: all cores).")] = None,
+    restart: Annotated[bool, typer.Option("--restart", help="Compute again what is there.")] = False,
+    as_json: AsJson = False,
+) -> int:
+    """Simulate the grid of a scene, or resume it."""
+    scene = _loaded(scene_file, overrides, without)
+    if not scene.sweep:
+        raise UsageError(
+            f"{scene_file}: has no sweep (write a block sweep:, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
+            "one point is simulated by screwsim run)"
+        )
+    from screwsim.printing import print_json, print_sweep, sweep_document
+    from screwsim.study.progress import for_terminal
+    from screwsim.study.sweep import run_sweep
+
+    file = output or Path("results") / f"{Path(scene_file).stem}.h5"
+    summary = run_sweep(scene, file, jobs=jobs, restart=restart, progress=for_terminal())
+    document = sweep_document(scene, summary)
+    (print_json if as_json else print_sweep)(document)
+    return OK if summary.ok == summary.cases else NOT_ALL_OK
+
+
+@app.command()
+def explain(scene_file: SceneFile, overrides: Overrides = None, without: Without = None) -> None:
+    """Say what is simulated, and what is left out."""
+    scene = _loaded(scene_file, overrides, without)
+    from screwsim.explain import explain as explained
+
+    typer.echo(str(explained(scene)))
+
+
+@app.command()
+def plot(
+    results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)],
+    folder: Annotated[str | None, typer.Option("-o", metavar="DIR", help="Where the figures go.")] = None,
+) -> None:
+    """Draw the figures of a results file."""
+    from screwsim.report import plot as drawn
+
+    for path in drawn(results_file, folder):
+        typer.echo(path)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of a scene."""
+    from screwsim.printing import print_json
+    from screwsim.scene import schema as scene_schema
+
+    print_json(scene_schema())
+
+
+def _loaded(scene_file: str, overrides: Sequence[str] | None, without: Sequence[str] | None) -> Scene:
+    from screwsim.scene import load
+
+    return load(scene_file, overrides or (), without or ())
+
+
+def _base_point(scene: Scene) -> Scene:
+    """Return the scene without its sweep, as it is stored beside the result."""
+    if not scene.sweep:
+        return scene
+    from dataclasses import replace
+
+    from screwsim.scene import scene_text
+
+    base = replace(scene, sweep={})
+    return replace(base, text=scene_text(base))
+
+
+def exit_code(arguments: Sequence[str]) -> int:
+    """Run a command; print on stderr what went wrong, and return the exit code."""
+    try:
+        # typer's own handling of errors would end with other exit codes
+        outcome = typer.main.get_command(app).main(list(arguments), "screwsim", standalone_mode=False)
+    except SceneError as error:
+        return _complain("\n".join(error.lines), BAD_SCENE)
+    except UsageError as error:
+        return _complain(str(error), USAGE)
+    except (KeyboardInterrupt, typer.Abort):
+        outcome = INTERRUPTED
+    except typer.TyperException as error:  # the arguments make no sense
+        getattr(error, "show", lambda: None)()
+        return USAGE
+    except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
+        return _internal(error)
+    if outcome == INTERRUPTED:
+        return _complain("interrupted; a sweep resumes when it is started again", INTERRUPTED)
+    return outcome if isinstance(outcome, int) else OK
+
+
+def _internal(error: Exception) -> int:
+    if os.environ.get("SCREWSIM_DEBUG") == "1":
+        traceback.print_exc()
+    text = " ".join(f"{type(error).__name__}: {error}".split())
+    remedy = "this is a fault of screwsim, please report it with the scene (SCREWSIM_DEBUG=1 prints the traceback)"
+    return _complain(f"internal error: {text}\n{remedy}", INTERNAL)
+
+
+def _complain(text: str, code: int) -> int:
+    sys.stdout.flush()
+    print(text, file=sys.stderr)
+    return code
+
+
+def main() -> None:
+    """Be the command `screwsim`."""
+    sys.exit(exit_code(sys.argv[1:]))

@@ -1,0 +1,217 @@
+"""What a scene simulates, in words: effects, states, flow paths, equations (docs/model.md), and what is left out.
+
+Nothing is compiled for it.
+"""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from screwsim.build import build_parts, regularisation, suction_temperature, wanted_of
+from screwsim.declare import KINDS
+from screwsim.effects import catalogue
+from screwsim.effects.base import FlowPath, HeatRate, PowerLoss
+from screwsim.model.compose import Composition, Parts, compose
+from screwsim.scene.fields import Leaf, section_of
+from screwsim.scene.grid import case_count
+from screwsim.scene.types import ActiveEffect, Scene
+from screwsim.scene.units import format_quantity
+from screwsim.scene.values import text_of
+
+WIDTH = 79
+NAME_WIDTH = 20
+NO_BREAK = "\u00a0"  # holds a name, its value and its unit on one line
+STATE_MEANINGS = {
+    "T": "gas temperature [K]",
+    "m": "gas mass [kg]",
+    "T_oil": "oil temperature [K]",
+    "m_oil": "oil mass [kg]",
+}
+BALANCES = "balances of mass and energy M1, M2; work M7"
+TRANSPORT = {
+    "paper": "paper: the ratio d stays constant after 360 deg (M9); oil appears and vanishes with leaking gas",
+    "carried": "carried: oil mass is a state, leaks carry the donor's oil (M8, M9)",
+}
+CLOSING = {
+    "auto": "auto: turn by turn while that contracts well, else all chambers at once",
+    "histories": "histories: one chamber, its neighbours read from its own last life",
+    "coupled": "coupled: all chambers alive at once",
+}
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """What a scene simulates; `str` gives the text. `sections` are (heading, lines)."""
+
+    title: str
+    active: tuple[str, ...]
+    left_out: tuple[str, ...]
+    states: tuple[str, ...]
+    sections: tuple[tuple[str, tuple[str, ...]], ...]
+
+    def __str__(self) -> str:
+        blocks = ["\n".join([heading, *lines]) for heading, lines in self.sections]
+        return "\n\n".join([self.title, *blocks] if self.title else blocks)
+
+
+def explain(scene: Scene) -> Explanation:
+    """Return what a scene simulates, and what it leaves out. Raises UsageError for a fluid that is not there."""
+    parts = build_parts(scene)
+    model = compose(parts)
+    left_out = tuple(name for name in catalogue() if name not in scene.effects)
+    sections = [
+        ("Machine", _machine(scene, parts)),
+        (f"Active effects ({len(scene.effects)} of {len(scene.effects) + len(left_out)})", _effects(scene, parts)),
+        ("Left out: no term, no state, no computing time", _left_out(left_out)),
+        ("Chamber", _chamber(parts, model)),
+        ("Flow paths", _paths(parts)),
+        ("Gas", _gas(scene, parts)),
+        ("Oil", _oil(scene)),
+        ("Numerics (docs/numerics.md)", _numerics(scene)),
+        ("Compiled model", _size(model)),
+    ]
+    if scene.sweep:
+        sections.append((f"Sweep ({case_count(scene)} cases)", _sweep(scene)))
+    filled = tuple((heading, tuple(lines)) for heading, lines in sections)
+    return Explanation(scene.title, tuple(scene.effects), left_out, model.states, filled)
+
+
+def _row(name: str, text: str) -> str:
+    """Return a name with its text in the second column, wrapped."""
+    head = f"  {name:<{NAME_WIDTH}}" if len(name) < NAME_WIDTH else f"  {name}\n{'':<{NAME_WIDTH + 2}}"
+    first, *others = textwrap.wrap(text, WIDTH - NAME_WIDTH - 2, break_on_hyphens=False) or [""]
+    return "\n".join([head + first, *(" " * (NAME_WIDTH + 2) + line for line in others)]).replace(NO_BREAK, " ")
+
+
+def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
+    machine = scene.machine
+    length = KINDS["length"]
+    size = f"{format_quantity(length, machine.rotor_diameter)} x {format_quantity(length, machine.rotor_length)}"
+    yield _row("kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}")
+    laws = {"volume": machine.volume, "suction_port": machine.suction_port, "discharge_port": machine.discharge_port}
+    numbers = {"volume": "M16", "suction_port": "M17", "discharge_port": "M18"}
+    for name, law in laws.items():
+        if law is not None:
+            equation = "M14" if law.law == "table" else numbers[name]
+            yield _row(name, f"law: {law.law} ({equation}), {_parameters(law)}")
+    speed = format_quantity(KINDS["speed"], scene.operation.speed)
+    yield _row("speed", f"{speed}, {parts.omega / parts.geometry.pitch:.5g} chamber lives/s")
+
+
+def _parameters(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
+    """Return the declared values of a section in customary units, defaults marked, absent ones left out."""
+    fields = section_of(type(values)).fields
+    texts = []
+    for name, leaf in fields.items():
+        value = getattr(values, name)
+        if isinstance(leaf, Leaf) and name not in skip and value is not None:
+            mark = " (default)" if not leaf.required and value == leaf.default else ""
+            texts.append(f"{name} {text_of(leaf, value)}{mark}".replace(" ", NO_BREAK))
+    return ", ".join(texts)
+
+
+def _effects(scene: Scene, parts: Parts) -> Iterator[str]:
+    for name, active in scene.effects.items():
+        yield _row(name, active.effect.title)
+        yield from (_row("", text) for text in _about(active, parts.effects[name]))
+    if not scene.effects:
+        yield _row("none", "a closed chamber: its gas is compressed and expands again")
+
+
+def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
+    effect = active.effect
+    yield f"{', '.join(effect.equations)}; source: {effect.source}"
+    parameters = _parameters(active.parameters, skip=())
+    if parameters:
+        yield parameters
+    added = [f"state {name}" for name in effect.states]
+    added += [f"figure {part.figure}" for part in built if isinstance(part, PowerLoss)]
+    added += ["heat to the gas" for part in built if isinstance(part, HeatRate)]
+    if added:
+        yield f"adds: {', '.join(added)}"
+
+
+def _left_out(names: tuple[str, ...]) -> Iterator[str]:
+    for name in names:
+        yield _row(name, catalogue()[name].title)
+    if not names:
+        yield _row("none", "every effect of the catalogue is active")
+
+
+def _chamber(parts: Parts, model: Composition) -> Iterator[str]:
+    geometry = parts.geometry
+    states = ", ".join(f"{name} {STATE_MEANINGS.get(name, '')}".strip() for name in model.states)
+    yield _row("states", f"{states}; {BALANCES}")
+    yield _row("life", f"{math.degrees(geometry.life):g} deg of the male rotor")
+    pitch = math.degrees(geometry.pitch)
+    yield _row("alive at once", f"{geometry.chambers} chambers, one lobe pitch of {pitch:.6g} deg apart")
+    yield _row("injection", f"at {math.degrees(geometry.injection_angle):g} deg")
+
+
+def _paths(parts: Parts) -> Iterator[str]:
+    lines = {"suction": "suction line", "discharge": "discharge line"}
+    for name, built in parts.effects.items():
+        for path in (part for part in built if isinstance(part, FlowPath)):
+            if path.to in lines:
+                ends = f"chamber - {lines[path.to]}"
+            else:
+                pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
+                ends = f"chamber - chamber {path.offset} {pitches} ahead"
+            yield _row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}")
+    yield _row("every path", "nozzle flow in both directions, choking included (M12, M13)")
+    yield _row("ahead of the last", "lies the discharge line; behind the first one there is no gap")
+
+
+def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
+    gas = parts.gas
+    equations = ", ".join(getattr(gas, "equations", ()))
+    yield _row(scene.gas.fluid, f"{scene.gas.model} gas ({equations})")
+    if hasattr(gas, "k"):
+        given = "given" if scene.gas.isentropic_exponent is not None else "cp0/(cp0 - R) at suction temperature"
+        yield _row("", f"R = {gas.R:.6g} J/(kg K), k = {gas.k:.6g} ({given})")
+    operation, pressure, temperature = scene.operation, KINDS["pressure"], KINDS["temperature"]
+    p_s, p_d = (format_quantity(pressure, line.pressure) for line in (operation.suction, operation.discharge))
+    yield _row("suction line", f"{p_s}, {suction_temperature(scene):.6g} K")
+    T_d = operation.discharge.temperature
+    back = "mean temperature of the outflow (M27)" if T_d is None else format_quantity(temperature, T_d)
+    yield _row("discharge line", f"{p_d}; what flows back has {'the ' if T_d is None else ''}{back}")
+
+
+def _oil(scene: Scene) -> Iterator[str]:
+    oil, supply = scene.oil, scene.oil_supply
+    if oil is None or supply is None:
+        yield _row("none", "no oil is injected")
+        return
+    yield _row("oil", _parameters(oil, skip=("transport",)))
+    equation = "its ratio d at 360 deg is given" if supply.kind == "pump" else "the orifice decides (M30)"
+    foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
+    yield _row("supply", f"{supply.kind}: {equation}; {_parameters(supply, skip=foreign)}")
+    heated = any("T_oil" in active.effect.states for active in scene.effects.values())
+    text = TRANSPORT.get(oil.transport, oil.transport)
+    yield _row("transport", text if heated else "oil exchanges no heat and is no part of the balances (no oil_heat)")
+
+
+def _numerics(scene: Scene) -> Iterator[str]:
+    numerics, wanted = scene.numerics, wanted_of(scene)
+    yield _row("accuracy", f"{numerics.accuracy:g} wanted of the performance figures; bound of the balances")
+    origin = "given" if numerics.rtol is not None else "from the accuracy"
+    yield _row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g} ({origin})")
+    yield _row("closing", CLOSING.get(numerics.closing, numerics.closing))
+    yield _row("regularisation", f"pressure differences below {regularisation(scene):.3g} Pa are smoothed")
+
+
+def _size(model: Composition) -> Iterator[str]:
+    n = len(model.states)
+    yield _row("one chamber", f"{n} states, {len(model.plenum_paths) + len(model.gap_paths)} flow paths")
+    yield _row("coupled", f"{n} states x {model.chambers} chambers = {n * model.chambers}")
+    yield _row("knots", f"{len(model.knots)} angles of one life at which a law is not smooth; steps end there")
+
+
+def _sweep(scene: Scene) -> Iterator[str]:
+    for path, values in scene.sweep.items():
+        kinds = f"{len(values)} values" if len(values) != 1 else "1 value"
+        yield f"  {path}: {kinds}"

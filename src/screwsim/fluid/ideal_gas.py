@@ -1,0 +1,80 @@
+"""Ideal gas with constant isentropic exponent: p = ρ R T, u = c_v T, h = c_p T, c_v = R/(k − 1).
+
+Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. The interface that every gas keeps:
+`state(T, rho, …)` for a place in a chamber, returning
+    p [Pa], h [J/kg], c_v [J/(kg K)], T ∂p/∂T|ρ [Pa], 1/k for nozzle flow, relative drop and ψ² at which it chokes,
+and, in plain Python at the border, `place` for a plenum of given pressure and temperature or enthalpy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log
+
+from screwsim.fluid.nozzle import choking
+from screwsim.numerics.kernel import kernel
+
+
+@kernel
+def state(T, rho, R_gas, c_v_gas, c_p_gas, a_gas, choke_gas, choked_gas):
+    """Return (p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking) of an ideal gas (M5, M6)."""
+    p = rho * R_gas * T
+    return p, c_p_gas * T, c_v_gas, p, a_gas, choke_gas, choked_gas
+
+
+@dataclass(frozen=True)
+class IdealGas:
+    """An ideal gas by its constant R [J/(kg K)] and isentropic exponent k."""
+
+    R: float
+    k: float
+    name: str = "ideal"
+    equations = ("M5", "M6")
+    state = state
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Numbers behind the kernel's argument names."""
+        choke, choked = choking(self.k)
+        return {
+            "R_gas": self.R,
+            "c_v_gas": self.c_v,
+            "c_p_gas": self.c_p,
+            "a_gas": 1.0 / self.k,
+            "choke_gas": choke,
+            "choked_gas": choked,
+        }
+
+    @property
+    def c_p(self) -> float:
+        """Specific heat capacity at constant pressure [J/(kg K)]."""
+        return self.R * self.k / (self.k - 1.0)
+
+    @property
+    def c_v(self) -> float:
+        """Specific heat capacity at constant volume [J/(kg K)]."""
+        return self.R / (self.k - 1.0)
+
+    def density(self, p: float, T: float) -> float:
+        """Return density [kg/m³] at pressure [Pa] and temperature [K]."""
+        return p / (self.R * T)
+
+    def enthalpy(self, p: float, T: float) -> float:
+        """Return specific enthalpy [J/kg]."""
+        return self.c_p * T
+
+    def temperature(self, p: float, h: float) -> float:
+        """Return temperature [K] at pressure [Pa] and specific enthalpy [J/kg]."""
+        return h / self.c_p
+
+    def place(self, p: float, T: float) -> tuple[float, ...]:
+        """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum."""
+        return p, self.density(p, T), self.enthalpy(p, T), 1.0 / self.k, *choking(self.k)
+
+    def isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
+        """Return the reversible isothermal work R T ln(p_2/p_1) [J/kg]."""
+        return self.R * T * log(p_2 / p_1)
+
+    def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
+        """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2."""
+        return self.c_p * T * ((p_2 / p_1) ** ((self.k - 1.0) / self.k) - 1.0)

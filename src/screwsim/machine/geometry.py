@@ -1,0 +1,128 @@
+"""From a machine's settings to laws: kernels with their numbers, knots and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from screwsim.machine import paper_law, table_law
+from screwsim.machine.settings import LIFE, TURN, TwinScrew
+from screwsim.numerics.kernel import Kernel
+from screwsim.numerics.spline import read_curve
+
+KNOTTED_SPACING = np.radians(10.0)  # tables at least this coarse have a knot at every row; finer ones are smooth enough
+
+
+@dataclass(frozen=True)
+class AreaLaw:
+    """A port area: kernel, numbers behind its arguments [SI], knots [rad], tables (angle [rad], area [m²])."""
+
+    area: Kernel
+    values: Mapping[str, float]
+    knots: tuple[float, ...]
+    tables: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class VolumeKernels:
+    """The volume law: V(φ) and dV/dφ from the same numbers."""
+
+    volume: Kernel
+    slope: Kernel
+    values: Mapping[str, float]
+    knots: tuple[float, ...]
+    tables: Mapping[str, Any] = field(default_factory=dict)
+
+
+def table_knots(angles: np.ndarray) -> tuple[float, ...]:
+    """Return the knots of a table: its ends, and its rows when they lie at least 10° apart."""
+    coarse = np.min(np.diff(angles)) >= KNOTTED_SPACING
+    return tuple(angles) if coarse else (float(angles[0]), float(angles[-1]))
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What the effects and the chamber model ask of a machine."""
+
+    settings: TwinScrew
+
+    @property
+    def lobes(self) -> int:
+        """Number of male lobes z1: chambers per revolution."""
+        return self.settings.male_lobes
+
+    @property
+    def pitch(self) -> float:
+        """Angle between neighbouring chambers [rad]."""
+        return self.settings.pitch
+
+    @property
+    def life(self) -> float:
+        """Angle of a chamber's life [rad]."""
+        return LIFE
+
+    @property
+    def injection_angle(self) -> float:
+        """Angle at which oil is injected and the trapped mass is taken [rad]."""
+        return TURN
+
+    @property
+    def chambers(self) -> int:
+        """Number of chambers alive at once."""
+        return round(self.life / self.pitch)
+
+    @property
+    def swept_volume(self) -> float:
+        """Swept volume of one chamber [m³]."""
+        return self.settings.volume.max
+
+    def volume_law(self) -> VolumeKernels:
+        """Return the volume law (M16, or M14 from a table, scaled so that its maximum is the swept volume)."""
+        law = self.settings.volume
+        if law.law == "table":
+            angles, volumes = read_curve(str(law.file), "volume_m3")
+            tables = {"volume_curve": (angles, volumes * (law.max / np.max(volumes)))}
+            values = {"V_min": law.dead}
+            return VolumeKernels(table_law.volume, table_law.volume_slope, values, table_knots(angles), tables)
+        values = {"V_max": law.max, "V_min": law.dead, "phi_A": float(law.phi_A or 0.0)}
+        knots = (values["phi_A"], LIFE - values["phi_A"])
+        return VolumeKernels(paper_law.volume, paper_law.volume_slope, values, knots)
+
+    def suction_law(self) -> AreaLaw:
+        """Return the area law of the suction port (M17 or M14)."""
+        law = self.settings.suction_port
+        assert law is not None  # checked with the scene
+        if law.law == "table":
+            return self._table(str(law.file))
+        phi_B = float(law.phi_B or 0.0)
+        return AreaLaw(
+            paper_law.suction_area, {"S_suc": float(law.area or 0.0), "phi_B": phi_B}, (phi_B, TURN - phi_B, TURN)
+        )
+
+    def discharge_law(self) -> AreaLaw:
+        """Return the area law of the discharge port (M18 or M14)."""
+        law = self.settings.discharge_port
+        assert law is not None  # checked with the scene
+        if law.law == "table":
+            return self._table(str(law.file))
+        opens, phi_C = float(law.opens or 0.0), float(law.phi_C or 0.0)
+        values = {"S_dis": float(law.area or 0.0), "phi_dis": opens, "phi_C": phi_C}
+        return AreaLaw(paper_law.discharge_area, values, (opens, phi_C, LIFE - (phi_C - opens)))
+
+    def widest_discharge(self) -> float:
+        """Return the angle at which the discharge port is widest [rad]; 720° without a port."""
+        law = self.settings.discharge_port
+        if law is None:
+            return LIFE
+        if law.law == "table":
+            angles, areas = read_curve(str(law.file), "area_m2")
+            return float(angles[np.argmax(areas)])
+        return 0.5 * (float(law.opens or 0.0) + LIFE)
+
+    @staticmethod
+    def _table(path: str) -> AreaLaw:
+        angles, areas = read_curve(path, "area_m2")
+        return AreaLaw(table_law.area, {}, table_knots(angles), {"curve": (angles, areas)})

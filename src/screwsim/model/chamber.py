@@ -1,0 +1,430 @@
+"""One chamber among neighbours whose histories are known: its surroundings, rates and exact Jacobian.
+
+Source: docs/model.md M1–M13. What the neighbours do is read from histories: those ahead from the last turn, those
+behind from the turn being integrated, which has passed their angle already.
+
+A context is the tuple (P, TAB, R, t_old, d_old, t_new, d_new, kept, hints, state, own, work): parameters, tables,
+run-time cells, two histories, their numbers of steps (kept[0] new, kept[1] old), search hints, and working arrays.
+"""
+
+from __future__ import annotations
+
+from screwsim.fluid.nozzle import flow, flow_slopes
+from screwsim.model.balance import oil_temperature_slope, temperature_slope
+from screwsim.model.slots import (
+    BETWEEN,
+    C_V,
+    CARRIED,
+    CATEGORIES,
+    CHOKE,
+    CHOKED,
+    DENSITY,
+    DISCHARGE_IN,
+    E_ANGLE,
+    E_AREAS,
+    E_OILED,
+    E_SLOPE,
+    E_VOLUME,
+    ENTHALPY,
+    EXPONENT,
+    GAP_OFFSET,
+    HEATED,
+    N_GAPS,
+    N_OFFSETS,
+    N_PLENUM,
+    OFFSETS,
+    OIL_RATIO,
+    OIL_TEMPERATURE,
+    OILED,
+    P_C_OIL,
+    P_INJECTION,
+    P_LIFE,
+    P_OMEGA,
+    P_PITCH,
+    P_T_OIL,
+    P_TO_RATIO,
+    P_WIDTH,
+    PLACE,
+    PLENUM,
+    PRESSURE,
+    Q_HEAT,
+    Q_STREAMS,
+    Q_WORK,
+    R_DISCHARGE,
+    R_INJECTED,
+    R_OIL_BEFORE,
+    R_PRESSURE,
+    R_RATIO,
+    R_TRAPPED,
+    SUCTION_IN,
+    TPT,
+    N,
+    gap_area,
+    gas_state,
+    heat_rates,
+    injected_oil,
+    plenum_area,
+    volume_at,
+    volume_slope_at,
+)
+from screwsim.numerics.history import locate, read
+from screwsim.numerics.kernel import kernel
+
+SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
+STEP = 1e-7  # relative step of the differences of smooth state functions
+
+
+@kernel
+def fill_place(y, at, V, P, place, row):
+    """Fill row `row` of `place` for a chamber of volume V whose state begins at y[at]."""
+    T = y[at]
+    m = y[at + 1]
+    p, h, c_v, tpt, exponent, choke, choked = gas_state(T, m / V, P)
+    place[row + PRESSURE] = p
+    place[row + DENSITY] = m / V
+    place[row + ENTHALPY] = h
+    place[row + EXPONENT] = exponent
+    place[row + CHOKE] = choke
+    place[row + CHOKED] = choked
+    place[row + C_V] = c_v
+    place[row + TPT] = tpt
+    if HEATED == 1:
+        place[row + OIL_TEMPERATURE] = y[at + 2]
+    if CARRIED == 1:
+        place[row + OIL_RATIO] = y[at + 3] / m
+
+
+@kernel
+def angle_terms(phi, middle, P, TAB, E, at):
+    """Fill what depends on the chamber's own angle: volume, slope, oil present, plenum areas."""
+    E[at + E_VOLUME] = volume_at(phi, P, TAB)
+    E[at + E_SLOPE] = volume_slope_at(phi, P, TAB)
+    E[at + E_OILED] = 1.0 if middle > P[P_INJECTION] else 0.0
+    E[at + E_ANGLE] = phi
+    for i in range(N_PLENUM):
+        E[at + E_AREAS + i] = plenum_area(i, phi, P, TAB)
+
+
+@kernel
+def neighbour(phi, middle, times, dense, steps, hints, side, P, TAB, state, E, at):
+    """Fill a neighbour's place from a history."""
+    i = locate(phi, middle, times, steps, hints[side])
+    hints[side] = i
+    read(phi, times, dense, i, state)
+    fill_place(state, 0, volume_at(phi, P, TAB), P, E, at)
+    E[at + PLACE] = 0.0
+
+
+@kernel
+def surroundings(phi, middle, context, E):
+    """Fill E for a chamber at phi: own angle terms, areas of all gaps on both sides, places of the neighbours."""
+    P, TAB, R, t_old, d_old, t_new, d_new, kept, hints, state, _own, _work = context
+    angle_terms(phi, middle, P, TAB, E, 0)
+    areas = E_AREAS + N_PLENUM
+    sides = areas + 2 * N_GAPS
+    for o in range(N_OFFSETS):
+        shift = OFFSETS[o] * P[P_PITCH]
+        ahead = 0.0
+        behind = 0.0
+        for i in range(N_GAPS):
+            if GAP_OFFSET[i] == o:
+                E[areas + 2 * i] = gap_area(i, phi, P, TAB)
+                E[areas + 2 * i + 1] = gap_area(i, phi - shift, P, TAB) if middle > shift else 0.0
+                ahead += E[areas + 2 * i]
+                behind += E[areas + 2 * i + 1]
+        at = sides + 2 * o * SIDE
+        if ahead > 0.0:
+            if middle + shift > P[P_LIFE]:
+                for i in range(PLACE):
+                    E[at + i] = R[R_DISCHARGE + i]
+                E[at + PLACE] = 1.0
+            else:
+                neighbour(phi + shift, middle + shift, t_old, d_old, kept[1], hints, 2 * o, P, TAB, state, E, at)
+        at += SIDE
+        if behind > 0.0:
+            if kept[0] > 0 and t_new[kept[0]] >= phi - shift:
+                neighbour(phi - shift, middle - shift, t_new, d_new, kept[0], hints, 2 * o + 1, P, TAB, state, E, at)
+            else:
+                neighbour(phi - shift, middle - shift, t_old, d_old, kept[1], hints, 2 * o + 1, P, TAB, state, E, at)
+
+
+@kernel
+def place_flow(area, own, a, other, b, P):
+    """Return the mass flow [kg/s] from place `other[b]` into place `own[a]`."""
+    return flow(
+        area,
+        own[a + PRESSURE],
+        own[a + DENSITY],
+        own[a + EXPONENT],
+        own[a + CHOKE],
+        own[a + CHOKED],
+        other[b + PRESSURE],
+        other[b + DENSITY],
+        other[b + EXPONENT],
+        other[b + CHOKE],
+        other[b + CHOKED],
+        P[P_WIDTH],
+    )
+
+
+@kernel
+def place_slopes(area, own, a, other, b, P):
+    """Return the mass flow and its slopes by pressure and density of both places."""
+    return flow_slopes(
+        area,
+        own[a + PRESSURE],
+        own[a + DENSITY],
+        own[a + EXPONENT],
+        own[a + CHOKE],
+        own[a + CHOKED],
+        other[b + PRESSURE],
+        other[b + DENSITY],
+        other[b + EXPONENT],
+        other[b + CHOKE],
+        other[b + CHOKED],
+        P[P_WIDTH],
+    )
+
+
+@kernel
+def add_stream(sums, at, m, source, s):
+    """Add a stream of mass flow m that has the state of place `source[s]` to the sums of one category."""
+    sums[at] += m
+    sums[at + 1] += m * source[s + ENTHALPY]
+    if CARRIED == 1:
+        oil = m * source[s + OIL_RATIO]
+        sums[at + 2] += oil
+        sums[at + 3] += oil * source[s + OIL_TEMPERATURE]
+
+
+@kernel
+def add_stream_slope(sums, at, m, dm, source, s, d, r):
+    """Add the derivative of a stream: dm with the source's state, and m with the change d[r] of that state."""
+    add_stream(sums, at, dm, source, s)
+    sums[at + 1] += m * d[r + ENTHALPY]
+    if CARRIED == 1:
+        ratio = m * d[r + OIL_RATIO]
+        sums[at + 2] += ratio
+        sums[at + 3] += ratio * source[s + OIL_TEMPERATURE] + m * source[s + OIL_RATIO] * d[r + OIL_TEMPERATURE]
+
+
+@kernel
+def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
+    """Fill f (rates of one chamber, at `at`) and add work and heat to g from the summed streams; the first law."""
+    T = y[at]
+    m = y[at + 1]
+    width = 4 if CARRIED == 1 else 2
+    mass = 0.0
+    enthalpy = 0.0
+    oil = 0.0
+    oil_energy = 0.0
+    for c in range(CATEGORIES):
+        i = first + c * width
+        mass += sums[i]
+        enthalpy += sums[i + 1]
+        if CARRIED == 1:
+            oil += sums[i + 2]
+            oil_energy += sums[i + 3]
+    omega = P[P_OMEGA]
+    heat = 0.0
+    rho = place[row + DENSITY]
+    if HEATED == 1:
+        m_oil = y[at + 3] if CARRIED == 1 else E[e + E_OILED] * R[R_RATIO] * m
+        heat, lost = heat_rates(
+            T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], y[at + 2], m_oil, R[R_RATIO], P
+        )
+        f[at + 2] = oil_temperature_slope(y[at + 2], m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
+        if CARRIED == 1:
+            f[at + 3] = oil / omega
+    f[at] = temperature_slope(
+        T, m, rho, place[row + ENTHALPY], place[row + C_V], place[row + TPT], mass, enthalpy, heat, E[e + E_SLOPE], omega
+    )
+    f[at + 1] = mass / omega
+    g[Q_WORK] -= place[row + PRESSURE] * E[e + E_SLOPE]
+    g[Q_HEAT] += heat / omega
+
+
+@kernel
+def category(path_to, m):
+    """Return the category of a stream through an opening to a plenum (0 suction, 1 discharge)."""
+    return SUCTION_IN + 2 * path_to + (0 if m >= 0.0 else 1)
+
+
+@kernel
+def gap_category(E, at, m):
+    """Return the category of a stream through a gap: between chambers, or of the discharge plenum beyond the last."""
+    if E[at + PLACE] > 0.0:
+        return DISCHARGE_IN + (0 if m >= 0.0 else 1)
+    return BETWEEN
+
+
+@kernel
+def rates(y, E, context, f, g):
+    """Fill f = dy/dφ and the quadrature rates g of one chamber."""
+    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, work = context
+    width = 4 if CARRIED == 1 else 2
+    fill_place(y, 0, E[E_VOLUME], P, own, 0)
+    for i in range(CATEGORIES * width):
+        work[i] = 0.0
+    for i in range(N_PLENUM):
+        if E[E_AREAS + i] > 0.0:
+            b = R_DISCHARGE * PLENUM[i]
+            m = place_flow(E[E_AREAS + i], own, 0, R, b, P)
+            if m >= 0.0:
+                add_stream(work, category(PLENUM[i], m) * width, m, R, b)
+            else:
+                add_stream(work, category(PLENUM[i], m) * width, m, own, 0)
+    areas = E_AREAS + N_PLENUM
+    for i in range(2 * N_GAPS):
+        if E[areas + i] > 0.0:
+            b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
+            m = place_flow(E[areas + i], own, 0, E, b, P)
+            if m >= 0.0:
+                add_stream(work, gap_category(E, b, m) * width, m, E, b)
+            else:
+                add_stream(work, gap_category(E, b, m) * width, m, own, 0)
+    g[Q_WORK] = 0.0
+    g[Q_HEAT] = 0.0
+    finish(y, 0, E, 0, own, 0, R, P, work, 0, f, g)
+    for i in range(CATEGORIES * width):
+        g[Q_STREAMS + i] = work[i] / P[P_OMEGA]
+
+
+@kernel
+def path_flows(y, E, context, out):
+    """Fill `out` with the mass flow [kg/s] into the chamber: plenum paths, then each gap ahead and behind."""
+    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    fill_place(y, 0, E[E_VOLUME], P, own, 0)
+    for i in range(N_PLENUM):
+        out[i] = place_flow(E[E_AREAS + i], own, 0, R, R_DISCHARGE * PLENUM[i], P) if E[E_AREAS + i] > 0.0 else 0.0
+    areas = E_AREAS + N_PLENUM
+    for i in range(2 * N_GAPS):
+        b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
+        out[N_PLENUM + i] = place_flow(E[areas + i], own, 0, E, b, P) if E[areas + i] > 0.0 else 0.0
+
+
+@kernel
+def perturbation(y, at, j):
+    """Return the step by which state j is changed for differences of smooth functions."""
+    if j == 3:
+        return STEP * (abs(y[at + 3]) + 1e-3 * abs(y[at + 1]))
+    return STEP * abs(y[at + j])
+
+
+@kernel
+def place_derivatives(y, at, V, P, place, row, changed, d):
+    """Fill d[j·PLACE …] with the derivatives of a chamber's place by its state j; `changed` is a spare state."""
+    for j in range(N):
+        for i in range(N):
+            changed[i] = y[at + i]
+        delta = perturbation(y, at, j)
+        changed[j] += delta
+        fill_place(changed, 0, V, P, d, j * PLACE)
+        for i in range(PLACE):
+            d[j * PLACE + i] = (d[j * PLACE + i] - place[row + i]) / delta
+
+
+@kernel
+def jacobian(y, E, context, f, g, J, Jq):
+    """Fill f, g and their derivatives by y: flows by their analytic slopes, smooth state functions by differences.
+
+    The square-root behaviour of a flow near equal pressures never enters a difference.
+    """
+    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, work = context
+    width = 4 if CARRIED == 1 else 2
+    n_sums = CATEGORIES * width
+    d = n_sums  # work: sums, derivatives of the own place, derivatives of the sums
+    ds = d + N * PLACE
+    fill_place(y, 0, E[E_VOLUME], P, own, 0)
+    place_derivatives(y, 0, E[E_VOLUME], P, own, 0, state, work[d:])
+    for i in range(n_sums):
+        work[i] = 0.0
+    for i in range(ds, ds + N * n_sums):
+        work[i] = 0.0
+    areas = E_AREAS + N_PLENUM
+    for i in range(N_PLENUM + 2 * N_GAPS):
+        if E[E_AREAS + i] > 0.0:
+            gap = i - N_PLENUM
+            if gap < 0:
+                b = R_DISCHARGE * PLENUM[i]
+                m, by_p, by_rho, _, _ = place_slopes(E[E_AREAS + i], own, 0, R, b, P)
+                at = category(PLENUM[i], m) * width
+            else:
+                b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE
+                m, by_p, by_rho, _, _ = place_slopes(E[E_AREAS + i], own, 0, E, b, P)
+                at = gap_category(E, b, m) * width
+            if m < 0.0:
+                add_stream(work, at, m, own, 0)
+            elif gap < 0:
+                add_stream(work, at, m, R, b)
+            else:
+                add_stream(work, at, m, E, b)
+            for j in range(N):
+                row = d + j * PLACE
+                dm = by_p * work[row + PRESSURE] + by_rho * work[row + DENSITY]
+                if m < 0.0:
+                    add_stream_slope(work, ds + j * n_sums + at, m, dm, own, 0, work, row)
+                elif gap < 0:
+                    add_stream(work, ds + j * n_sums + at, dm, R, b)
+                else:
+                    add_stream(work, ds + j * n_sums + at, dm, E, b)
+    g[Q_WORK] = 0.0
+    g[Q_HEAT] = 0.0
+    finish(y, 0, E, 0, own, 0, R, P, work, 0, f, g)
+    for i in range(n_sums):
+        g[Q_STREAMS + i] = work[i] / P[P_OMEGA]
+    own_columns(y, E, own, state, work, d, ds, n_sums, P, R, f, g, J, Jq)
+
+
+@kernel
+def own_columns(y, E, own, state, work, d, ds, n_sums, P, R, f, g, J, Jq):
+    """Fill J and Jq: change one state, its place and (linearly) its streams, and difference the first law."""
+    f_changed = ds + N * n_sums
+    for j in range(N):
+        delta = perturbation(y, 0, j)
+        for i in range(N):
+            state[i] = y[i]
+        state[j] += delta
+        fill_place(state, 0, E[E_VOLUME], P, own, 0)
+        sums = ds + j * n_sums
+        for i in range(n_sums):
+            Jq[Q_STREAMS + i, j] = work[sums + i] / P[P_OMEGA]
+            work[sums + i] = work[i] + delta * work[sums + i]
+        work[f_changed + N] = 0.0
+        work[f_changed + N + 1] = 0.0
+        finish(state, 0, E, 0, own, 0, R, P, work, sums, work[f_changed:], work[f_changed + N :])
+        for i in range(N):
+            J[i, j] = (work[f_changed + i] - f[i]) / delta
+        for i in range(Q_STREAMS):
+            Jq[i, j] = (work[f_changed + N + i] - g[i]) / delta
+
+
+@kernel
+def inject(y, at, P, TAB, R):
+    """Let the oil in at the injection angle, and note what is there: trapped mass, pressure, oil (M9, M30)."""
+    m = y[at + 1]
+    p, _h, _c, _t, _a, _x, _f = gas_state(y[at], m / volume_at(P[P_INJECTION], P, TAB), P)
+    R[R_TRAPPED] = m
+    R[R_PRESSURE] = p
+    if OILED == 0:
+        return
+    offered = injected_oil(p, m, P)
+    before = y[at + 3] if CARRIED == 1 else 0.0
+    R[R_OIL_BEFORE] = before
+    R[R_INJECTED] = max(0.0, offered - before) if P[P_TO_RATIO] > 0.0 else offered
+    R[R_RATIO] = (before + R[R_INJECTED]) / m
+    if CARRIED == 1:
+        total = before + R[R_INJECTED]
+        if total > 0.0:
+            y[at + 2] = (before * y[at + 2] + R[R_INJECTED] * P[P_T_OIL]) / total
+        y[at + 3] = total
+    elif HEATED == 1:
+        y[at + 2] = P[P_T_OIL]
+
+
+@kernel
+def at_knot(phi, y, context):
+    """Apply the jump at a knot of the chamber's life: oil is injected at its angle."""
+    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
+    if abs(phi - P[P_INJECTION]) < 1e-9:
+        inject(y, 0, P, TAB, R)

@@ -1,0 +1,228 @@
+"""Closing the cycle: the periodic state of a chamber among neighbours that live the same life, a pitch apart.
+
+Two ways (docs/numerics.md). *Histories*: integrate one chamber's life, reading the neighbours ahead from the last turn
+and those behind from this one; repeat until the trapped mass, the work and the balances stand. *Coupled*: integrate
+all chambers over one pitch, accelerated by Anderson's method; conserves exactly, and converges where leakage rules.
+`auto` takes histories while they contract well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from screwsim.model.run import Machinery
+from screwsim.model.slots import P_LIFE, R_TRAPPED
+from screwsim.numerics.periodic import Anderson
+
+Array = np.ndarray
+PATIENCE = 7  # turns before, and estimated turns ahead at which, the histories give way to coupled chambers
+FIRST_RTOL = 3e-3  # of the first turn; later ones follow the gap
+MAX_TURNS = 40
+MAX_PITCHES = 400
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What counts as closed: `tolerance` on changes of mass and work, `bound` on the balances, `rtol` of a step."""
+
+    rtol: float
+    tolerance: float
+    bound: float
+    closing: str
+
+
+@dataclass
+class Closed:
+    """The outcome of closing: quadratures of one chamber's life, how far it got, why it stopped."""
+
+    status: str  # 'ok' | 'not_closed' | 'failed'
+    q: Array
+    y: Array
+    turns: float
+    how: str
+    message: str = ""
+    angle: float = 0.0
+    change: float = 0.0
+
+
+class Balances:
+    """Relative residues of mass and energy, and the discharge plenum that the outflow makes, from quadratures."""
+
+    def __init__(self, machinery: Machinery, oil_heat_capacity: float, oil_in: Callable[[], tuple[float, float]]) -> None:
+        self.machinery = machinery
+        self.c_oil = oil_heat_capacity
+        self.oil_in = oil_in
+        self.width = 4 if machinery.composition.carried else 2
+
+    def streams(self, q: Array) -> Array:
+        """Return the sums as rows: suction in, suction out, discharge in, discharge out, between chambers."""
+        return q[2:].reshape(5, self.width)
+
+    def residues(self, q: Array, trapped: float, h_suction: float) -> tuple[float, float, float]:
+        """Return relative residues of gas mass, energy and oil mass over one life (contract: balance)."""
+        flows = self.streams(q)[:4]
+        mass = flows[:, 0]
+        enthalpy = flows[:, 1] - h_suction * mass
+        energy = enthalpy.sum() + q[0]
+        scale = np.abs(enthalpy).sum() + abs(q[0])
+        oil = 0.0
+        if self.width == 4:
+            injected, T_oil = self.oil_in()
+            energy += self.c_oil * (flows[:, 3].sum() + injected * T_oil)
+            oil = abs(flows[:, 2].sum() + injected) / max(injected, np.abs(flows[:, 2]).sum() / 2, 1e-300)
+        else:
+            energy += q[1]
+        mass_scale = max(trapped, 0.5 * np.abs(mass).sum())
+        return abs(mass.sum()) / mass_scale, abs(energy) / max(scale, 1e-300), oil
+
+
+class Task(Protocol):
+    """What is to be closed: the machinery, what counts as closed, and the discharge plenum that the outflow makes.
+
+    The plenum is a vector of positive numbers (enthalpy, and with carried oil its ratio and temperature).
+    """
+
+    machinery: Machinery
+    wanted: Wanted
+
+    def plenum(self) -> Array: ...
+    def set_plenum(self, plenum: Array) -> None: ...
+    def outflow(self, q: Array) -> Array: ...
+    def residue(self, q: Array) -> float: ...
+
+
+def _change(new: tuple[float, float], old: tuple[float, float]) -> float:
+    """Return the larger relative change of trapped mass and work."""
+    return max(abs(a - b) / max(abs(a), abs(b), 1e-300) for a, b in zip(new, old, strict=True))
+
+
+def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
+    """Close by histories; return None when they contract too slowly and another way is allowed (`last` is False).
+
+    One turn maps (history, state at 0°, discharge plenum) to the next; Anderson's method mixes the last images. The
+    first turns are integrated loosely: their error is that of the guess.
+    """
+    machinery, wanted = task.machinery, task.wanted
+    c = machinery.composition
+    angles = np.linspace(0.0, c.P[P_LIFE], 8 * c.chambers, endpoint=False) + 1e-3
+    accelerate = Anderson(depth=3)
+    plenum = task.plenum()
+    before, gap, turn = (0.0, 0.0), 1.0, 0
+    gaps: list[float] = []
+    for turn in range(1, MAX_TURNS + 1):
+        point = np.concatenate([np.log(y), np.log(machinery.states_at(angles)).ravel(), np.log(plenum)])
+        rtol = max(wanted.rtol, min(FIRST_RTOL, 0.03 * gap)) if turn > 1 else FIRST_RTOL
+        status, angle, _, q = machinery.turn(y, max(rtol, wanted.rtol), 1e-3)
+        if status != 0:
+            return Closed("failed", q, y, turn, "histories", "", angle) if last else None
+        machinery.swap()
+        image_plenum = task.outflow(q)
+        image = np.concatenate([np.log(y), np.log(machinery.states_at(angles)).ravel(), np.log(image_plenum)])
+        now = (float(machinery.R[R_TRAPPED]), float(q[0]))
+        gap, before = max(_change(now, before), float(np.max(np.abs(image_plenum / plenum - 1.0)))), now
+        gaps.append(gap)
+        if gap <= wanted.tolerance and rtol <= wanted.rtol and task.residue(q) <= 0.5 * wanted.bound:
+            return Closed("ok", q, y, turn, "histories", change=gap)
+        if not last and _too_slow(gaps, wanted.tolerance):
+            return None
+        machinery.remember()
+        y_new, plenum = _mixed(machinery, accelerate, point, image, len(plenum))
+        y[:] = y_new
+        task.set_plenum(plenum)
+    return Closed("not_closed", q, y, turn, "histories", change=gaps[-1])
+
+
+def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array, n_plenum: int) -> tuple[Array, Array]:
+    """Mix the last images in place as the next history; return the next state at 0° and the next plenum."""
+    weights = accelerate.weights(point, image)
+    machinery.vectors = [*machinery.vectors, image][-len(weights) :]
+    mixed = weights @ np.array(machinery.vectors)
+    if len(weights) > 1 and np.max(np.abs(mixed - image)) < 0.3:
+        machinery.mix(weights)
+    else:
+        mixed = image
+    return np.exp(mixed[: machinery.n]), np.exp(mixed[len(mixed) - n_plenum :])
+
+
+def _too_slow(gaps: list[float], tolerance: float) -> bool:
+    """Tell whether so many turns lie ahead that coupled chambers are cheaper."""
+    if len(gaps) < PATIENCE:
+        return False
+    contraction = (gaps[-1] / max(gaps[-4], 1e-300)) ** (1.0 / 3.0)
+    if gaps[-1] <= tolerance:
+        return len(gaps) >= 3 * PATIENCE
+    return contraction >= 1.0 or np.log(tolerance / gaps[-1]) / np.log(contraction) > PATIENCE
+
+
+def by_coupling(task: Task, y: Array) -> Closed:
+    """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated."""
+    machinery, wanted = task.machinery, task.wanted
+    c = machinery.composition
+    accelerate = Anderson(depth=10)
+    plenum = task.plenum()
+    images: list[Array] = []
+    seen: list[tuple[float, float]] = []
+    n, gap, pitch = len(y), 1.0, 0
+    for pitch in range(1, MAX_PITCHES + 1):
+        point = np.log(np.concatenate([y, plenum]))
+        end = y.copy()
+        status, angle, _, q = machinery.pitch(end, wanted.rtol, 1e-3)
+        if status != 0:
+            return Closed("failed", q, y, pitch / c.chambers, "coupled", "", angle)
+        seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
+        image = np.log(np.concatenate([machinery.shift(end), task.outflow(q)]))
+        gap = float(np.max(np.abs(image - point)))
+        if _settled(seen, wanted.tolerance) and gap <= 10 * wanted.tolerance and task.residue(q) <= 0.5 * wanted.bound:
+            machinery.install_coupled()
+            return Closed("ok", q, y, pitch / c.chambers, "coupled", change=gap)
+        weights = accelerate.weights(point, image)
+        images = [*images, image][-len(weights) :]
+        mixed = weights @ np.array(images)
+        if np.max(np.abs(mixed - image)) > 1.0:
+            mixed = image
+        y, plenum = np.exp(mixed[:n]), np.exp(mixed[n:])
+        task.set_plenum(plenum)
+    machinery.install_coupled()
+    return Closed("not_closed", q, y, pitch / c.chambers, "coupled", change=gap)
+
+
+def _settled(seen: list[tuple[float, float]], tolerance: float) -> bool:
+    """Tell whether trapped mass and work of the last three pitches agree."""
+    return len(seen) >= 3 and max(_change(seen[-1], old) for old in seen[-3:-1]) <= tolerance
+
+
+def chambers_at_pitches(machinery: Machinery) -> Array:
+    """Return the states of all chambers at the start of a pitch, read from the last history."""
+    c = machinery.composition
+    times, dense, _, steps = machinery.last()
+    states = []
+    for j in range(c.chambers):
+        i = int(np.searchsorted(times[: steps + 1], j * c.P[1] + 1e-9, side="right")) - 1
+        i = max(0, i - 1) if abs(times[i] - j * c.P[1]) < 1e-9 and i > 0 else i
+        theta = (j * c.P[1] - times[i]) / (times[i + 1] - times[i])
+        y0, y1, c3, c4 = dense[i]
+        states.append(y0 * (1 - theta) + theta * (y1 + (1 - theta) * (c3 + theta * c4)))
+    return np.concatenate(states)
+
+
+def close(task: Task, y: Array) -> Closed:
+    """Close the cycle from a first guess that is installed as the last history."""
+    if task.wanted.closing in ("auto", "histories"):
+        first = by_histories(task, y.copy(), task.wanted.closing == "histories")
+        if first is not None:
+            return first
+    return by_coupling(task, chambers_at_pitches(task.machinery))
+
+
+def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
+    """Return (h, oil per gas, T_oil) of the outflow's flow-weighted mean; None when nothing flows out."""
+    out = streams[3]
+    if not out[0] < 0.0:
+        return None
+    ratio = out[2] / out[0] if len(out) == 4 else 0.0
+    T_oil = out[3] / out[2] if len(out) == 4 and out[2] < 0.0 else 0.0
+    return float(out[1] / out[0]), float(ratio), float(T_oil)

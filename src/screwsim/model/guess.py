@@ -1,0 +1,40 @@
+"""A first guess of the cycle: suction at line pressure, polytropic compression, discharge at line pressure."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from screwsim.model.compose import Composition, Parts
+from screwsim.model.run import Machinery
+
+Array = np.ndarray
+
+
+def first_guess(parts: Parts, composition: Composition, machinery: Machinery, p_s: float, T_s: float, p_d: float) -> Array:
+    """Install a guessed history and return the state to start from at 0°.
+
+    The polytropic exponent is that of gas and oil at one temperature, n = 1 + R/(c_v + d c_oil).
+    """
+    gas, oil, geometry = parts.gas, parts.oil, parts.geometry
+    heated = "T_oil" in composition.states
+    d = (oil.supply.get("ratio", 3.0) if oil is not None else 0.0) if heated else 0.0
+    n = 1.0 + (gas.c_p - gas.c_v) / (gas.c_v + d * (oil.heat_capacity if oil is not None else 0.0))
+    grid = np.linspace(0.0, geometry.life, 361)
+    V = np.array([machinery.module.volume_at(phi, composition.P, composition.TAB) for phi in grid])
+    closed = grid > geometry.injection_angle
+    V_closed = machinery.module.volume_at(geometry.injection_angle, composition.P, composition.TAB)
+    ratio = np.where(closed, (V_closed / V) ** n, 1.0)
+    low, high = min(1.0, p_d / p_s), max(1.0, p_d / p_s)
+    p = p_s * np.clip(ratio, low, high)
+    T = T_s * (p / p_s) ** ((n - 1.0) / n)
+    m = np.array([gas.density(pi, Ti) for pi, Ti in zip(p, T, strict=True)]) * V
+    columns = [T, m]
+    if heated and oil is not None:
+        columns.append(np.where(closed, np.maximum(T, oil.temperature), oil.temperature))
+    if composition.carried:
+        columns.append(np.maximum(d, 1e-3) * m)
+    states = np.column_stack(columns)
+    dense = np.zeros((len(grid) - 1, 4, len(columns)))
+    dense[:, 0], dense[:, 1] = states[:-1], states[1:]
+    machinery.install(grid, dense, np.zeros((len(grid) - 1, machinery.nq)))
+    return states[-1].copy()

@@ -1,0 +1,193 @@
+"""A composition at work: buffers, one turn of a chamber, one pitch of all chambers.
+
+`Machinery` owns the arrays that the compiled module reads and writes; nothing here knows what a solution is good for.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from screwsim.model import compiled
+from screwsim.model.compose import Composition
+from screwsim.model.slots import PLACE, R_SIZE
+
+MAX_STEPS = 60000  # room only: pages never written cost nothing
+KEPT_IMAGES = 5  # histories kept for acceleration, one more than Anderson's depth + 1
+Array = np.ndarray
+
+
+class Machinery:
+    """Arrays and drivers of one composition; `R` holds the plenums and what happened at the injection angle."""
+
+    def __init__(self, composition: Composition, max_steps: int = MAX_STEPS) -> None:
+        self.composition = composition
+        self.module: ModuleType = compiled.load(composition.text)
+        n, n_sums = len(composition.states), composition.n_sums
+        self.n = n
+        self.nq = composition.n_quadratures
+        self.R = np.zeros(R_SIZE)
+        self.max_steps = max_steps
+        self.histories = [self._history(max_steps, n, self.nq) for _ in range(2)]
+        self.images: list[tuple[Array, Array, int]] = []
+        self.vectors: list[Array] = []
+        self.kept = np.zeros(2, np.int64)
+        self.hints = np.zeros(64, np.int64)
+        work = np.zeros(n_sums + n * PLACE + n * n_sums + n + 2)
+        self._spaces = (np.zeros(n), np.zeros(PLACE), work)
+        self.counts = np.zeros(4, np.int64)
+        self._together: dict[str, Any] = {}
+        self._warm: set[str] = set()
+        self.compile_time = 0.0
+
+    @staticmethod
+    def _history(steps: int, n: int, nq: int) -> tuple[Array, Array, Array]:
+        return np.zeros(steps + 1), np.zeros((steps, 4, n)), np.zeros((steps, nq))
+
+    @property
+    def context(self) -> tuple[Any, ...]:
+        """The context of one chamber: histories[0] is the last turn's, histories[1] the one being written."""
+        c, (old, new) = self.composition, self.histories
+        return (c.P, c.TAB, self.R, old[0], old[1], new[0], new[1], self.kept, self.hints, *self._spaces)
+
+    def reset(self) -> None:
+        """Forget the last scene: run-time cells, search hints, histories."""
+        self.R[:] = 0.0
+        self.hints[:] = 0
+        self.kept[:] = 0
+        self.images.clear()
+        self.vectors.clear()
+
+    def warm_up(self, start: Callable[[], Array]) -> None:
+        """Compile (or load) the driver of one chamber, announced when it takes long; not counted as solution time."""
+        if "one" not in self._warm:
+            with self._compiling("one"):
+                self.turn(start(), 1e-2, 1e-3)
+
+    @contextmanager
+    def _compiling(self, driver: str) -> Iterator[None]:
+        started = time.perf_counter()
+        with compiled.announced(self.composition.text, driver):
+            yield
+        self._warm.add(driver)
+        self.compile_time += time.perf_counter() - started
+
+    def turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+        """Integrate one life from y (changed in place); return (status, angle reached, last step, quadratures)."""
+        c = self.composition
+        new = self.histories[1]
+        q = np.zeros(self.nq)
+        status, phi, h = self.module.rodas__integrate_one(
+            c.knots, len(c.knots), y, q, self.context, rtol, h, c.n_E, *new, self.kept, self.counts
+        )
+        return int(status), float(phi), float(h), q
+
+    def swap(self) -> None:
+        """Make the turn just integrated the last one."""
+        self.histories.reverse()
+        self.kept[1] = self.kept[0]
+        self.kept[0] = 0
+
+    def last(self) -> tuple[Array, Array, Array, int]:
+        """Return (times, dense, quadratures, steps) of the last turn."""
+        return (*self.histories[0], int(self.kept[1]))
+
+    def remember(self) -> None:
+        """Keep a copy of the last turn's history as an image of the fixed-point map."""
+        times, dense, _, steps = self.last()
+        self.images.append((times[: steps + 1].copy(), dense[:steps].copy(), steps))
+        if len(self.images) > KEPT_IMAGES:
+            self.images.pop(0)
+
+    def mix(self, weights: Array) -> None:
+        """Replace the last history by the weighted sum of the newest images, on the newest one's steps."""
+        times, dense, steps = self.images[-1]
+        target = self.histories[0][1][:steps]
+        np.multiply(dense, weights[-1], out=target)
+        for weight, (t, d, n) in zip(weights[:-1], self.images[-len(weights) : -1], strict=True):
+            self.module.history__add_history(times, steps, t, d, n, weight, target)
+
+    def states_at(self, angles: Array) -> Array:
+        """Return the states of the last history at increasing angles, one row an angle."""
+        out = np.empty((len(angles), self.n))
+        times, dense, _, steps = self.last()
+        self.module.history__states_at(angles, times, dense, steps, out)
+        return out
+
+    def install(self, times: Array, dense: Array, quads: Array) -> None:
+        """Put a history in place as the last turn's."""
+        steps = len(dense)
+        if steps > self.max_steps:
+            self.max_steps = steps
+            self.histories = [self._history(steps, self.n, self.nq) for _ in range(2)]
+        old = self.histories[0]
+        old[0][: steps + 1], old[1][:steps], old[2][:steps] = times, dense, quads
+        self.kept[:] = 0, steps
+
+    # ---- all chambers together -------------------------------------------------------------------------------
+
+    def _coupled_space(self) -> dict[str, Any]:
+        if not self._together:
+            c, n = self.composition, self.n
+            n_all = c.chambers * n
+            work = np.zeros(c.chambers * c.n_sums + n_all * PLACE + c.chambers * n_all * c.n_sums + 2 * n + 4)
+            knots = np.sort(np.mod(c.knots, c.P[1]))
+            knots = np.append(knots[knots < c.P[1] - 1e-7], c.P[1])
+            knots = np.concatenate([[0.0], knots[np.diff(knots, prepend=0.0) > 1e-7]])
+            self._together = {
+                "spaces": (np.zeros((c.chambers + 1) * PLACE), np.zeros(n), work),
+                "history": self._history(self.max_steps, n_all, self.nq),
+                "kept": np.zeros(1, np.int64),
+                "knots": knots,
+            }
+        return self._together
+
+    @property
+    def coupled_context(self) -> tuple[Any, ...]:
+        """The context of all chambers."""
+        c = self.composition
+        return (c.P, c.TAB, self.R, *self._coupled_space()["spaces"])
+
+    def pitch(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+        """Integrate all chambers over one pitch from y (in place), after injecting; return as `turn`."""
+        if "all" not in self._warm:
+            with self._compiling("all"):
+                self._pitch(y.copy(), 1e-2, h)
+        return self._pitch(y, rtol, h)
+
+    def _pitch(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+        space, c = self._coupled_space(), self.composition
+        self.inject(y)
+        q = np.zeros(self.nq)
+        status, s, h = self.module.rodas__integrate_all(
+            space["knots"], len(space["knots"]), y, q, self.coupled_context, rtol, h, c.n_E_all, *space["history"],
+            space["kept"], self.counts,
+        )
+        return int(status), float(s), float(h), q
+
+    def inject(self, y: Array) -> None:
+        """Let the oil into the chamber that stands at the injection angle."""
+        c = self.composition
+        index = round(c.P[3] / c.P[1])
+        if index < c.chambers:
+            self.module.chamber__inject(y, index * self.n, c.P, c.TAB, self.R)
+
+    def shift(self, y: Array) -> Array:
+        """Return the states one pitch on: each chamber takes the next place, the last begins anew with what it kept."""
+        return np.roll(y.reshape(self.composition.chambers, self.n), 1, axis=0).ravel()
+
+    def install_coupled(self) -> None:
+        """Turn the last pitch of all chambers into the history of one chamber's life."""
+        space, c = self._coupled_space(), self.composition
+        times, dense, quads = space["history"]
+        steps = int(space["kept"][0])
+        t = np.concatenate([times[:steps] + j * c.P[1] for j in range(c.chambers)] + [[c.P[2]]])
+        states = dense[:steps].reshape(steps, 4, c.chambers, self.n)
+        life = np.concatenate([states[:, :, j] for j in range(c.chambers)])
+        self.install(t, life, np.zeros((len(life), self.nq)))
+        self.module.trace__work_along(*self.last(), self.context)

@@ -1,0 +1,59 @@
+"""The names that a composition defines in its generated module; the kernels of this package are written with them.
+
+Functions: `gas_state(T, rho, P)`, `volume_at(phi, P, TAB)`, `volume_slope_at(phi, P, TAB)`,
+`plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (flow coefficient included),
+`heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W],
+`injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg].
+
+Constants: N (states of a chamber), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass), OILED
+(is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge), N_GAPS and GAP_OFFSET (gap → index into OFFSETS),
+N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
+
+Indices into P, R and a place that are fixed for every composition stand here too.
+"""
+
+from __future__ import annotations
+
+from screwsim.numerics.kernel import Slot
+
+gas_state = Slot("gas_state")
+volume_at = Slot("volume_at")
+volume_slope_at = Slot("volume_slope_at")
+plenum_area = Slot("plenum_area")
+gap_area = Slot("gap_area")
+heat_rates = Slot("heat_rates")
+injected_oil = Slot("injected_oil")
+
+N = Slot("N")
+HEATED = Slot("HEATED")
+CARRIED = Slot("CARRIED")
+OILED = Slot("OILED")
+N_PLENUM = Slot("N_PLENUM")
+PLENUM = Slot("PLENUM")
+N_GAPS = Slot("N_GAPS")
+GAP_OFFSET = Slot("GAP_OFFSET")
+N_OFFSETS = Slot("N_OFFSETS")
+OFFSETS = Slot("OFFSETS")
+CHAMBERS = Slot("CHAMBERS")
+
+# P: parameters of the run
+P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_WIDTH, P_C_OIL, P_T_OIL, P_TO_RATIO, FIRST_FREE = range(9)
+
+# a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T
+PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT = range(10)
+PLACE = 10
+
+# R: what changes while the cycle is closed: the two plenums (places), then what happens at the injection angle
+R_SUCTION = 0
+R_DISCHARGE = PLACE
+R_RATIO, R_TRAPPED, R_PRESSURE, R_INJECTED, R_OIL_BEFORE, R_SIZE = range(2 * PLACE, 2 * PLACE + 6)
+
+# E: what depends on the angle alone: volume, dV/dφ, oil present, angle, then areas and places of neighbours
+E_VOLUME, E_SLOPE, E_OILED, E_ANGLE, E_AREAS = range(5)
+
+# categories of streams: suction in, suction out, discharge in, discharge out, between chambers (net)
+SUCTION_IN, SUCTION_OUT, DISCHARGE_IN, DISCHARGE_OUT, BETWEEN = range(5)
+CATEGORIES = 5
+
+# quadratures: work on the gas, heat from the oil, then per category mass, enthalpy (oil mass, oil mass × T_oil)
+Q_WORK, Q_HEAT, Q_STREAMS = range(3)

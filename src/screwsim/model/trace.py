@@ -1,0 +1,130 @@
+"""Reading a closed cycle: pressures, volumes and the flow of each path over the angle, from the stored steps."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from screwsim.model.chamber import fill_place, path_flows, surroundings
+from screwsim.model.slots import (
+    E_VOLUME,
+    N_GAPS,
+    N_PLENUM,
+    P_INJECTION,
+    P_OMEGA,
+    PLENUM,
+    PRESSURE,
+    R_RATIO,
+    N,
+    volume_at,
+    volume_slope_at,
+)
+from screwsim.numerics.history import locate, read
+from screwsim.numerics.kernel import kernel
+
+
+@kernel
+def peak_pressure(times, dense, steps, limit, context):
+    """Return the highest chamber pressure [Pa] at the ends of the steps up to the angle `limit` [rad]."""
+    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, _work = context
+    peak = 0.0
+    for i in range(steps):
+        if times[i + 1] <= limit + 1e-9:
+            for j in range(N):
+                state[j] = dense[i, 1, j]
+            fill_place(state, 0, volume_at(times[i + 1], P, TAB), P, own, 0)
+            peak = max(peak, own[PRESSURE])
+    return peak
+
+
+@kernel
+def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
+    """Fill out[i] = (V, p, work, state…) and flows[i] = mass flow of each path [kg/s] at the given angles [rad]."""
+    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    E = np.empty(n_e)
+    y = np.empty(N)
+    i = 0
+    for a in range(angles.shape[0]):
+        phi = angles[a]
+        inward = phi - 1e-6 if a == angles.shape[0] - 1 else phi + 1e-6
+        i = locate(phi, inward, times, steps, i)
+        read(phi, times, dense, i, y)
+        surroundings(phi, inward, context, E)
+        fill_place(y, 0, volume_at(phi, P, TAB), P, own, 0)
+        theta = (phi - times[i]) / (times[i + 1] - times[i])
+        before = quads[i - 1, 0] if i > 0 else 0.0
+        out[a, 0] = E[E_VOLUME]
+        out[a, 1] = own[PRESSURE]
+        out[a, 2] = before + theta * (quads[i, 0] - before)
+        for j in range(N):
+            out[a, 3 + j] = y[j]
+        path_flows(y, E, context, flows[a])
+
+
+@kernel
+def work_along(times, dense, quads, steps, context):
+    """Fill quads[:, 0] with the work on the gas, −∫p dV by Simpson's rule on each step (for the trace, not the figures)."""
+    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, _work = context
+    total = 0.0
+    for i in range(steps):
+        a = times[i]
+        h = times[i + 1] - a
+        share = 0.0
+        for k in range(3):
+            phi = a + 0.5 * k * h
+            read(phi, times, dense, i, state)
+            fill_place(state, 0, volume_at(phi, P, TAB), P, own, 0)
+            share += (4.0 if k == 1 else 1.0) * own[PRESSURE] * volume_slope_at(phi, P, TAB)
+        total -= share * h / 6.0
+        quads[i, 0] = total
+
+
+@kernel
+def oil_lost_with_leaks(times, dense, steps, context, n_e):
+    """Return Σ d ṁ T_oil over the gaps of a life [kg K], the oil that a constant d makes appear or vanish.
+
+    Trapezium over the steps: a printed diagnosis of `oil.transport: paper`, not part of a balance.
+    """
+    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
+    E = np.empty(n_e)
+    y = np.empty(N)
+    flows = np.empty(N_PLENUM + 2 * N_GAPS)
+    total = 0.0
+    for i in range(steps):
+        h = times[i + 1] - times[i]
+        middle = times[i] + 0.5 * h
+        if middle > P[P_INJECTION]:
+            for end in range(2):
+                for j in range(N):
+                    y[j] = dense[i, end, j]
+                surroundings(times[i + end], middle, context, E)
+                path_flows(y, E, context, flows)
+                leak = 0.0
+                for k in range(N_PLENUM, N_PLENUM + 2 * N_GAPS):
+                    leak += flows[k]
+                total += 0.5 * h / P[P_OMEGA] * leak * R[R_RATIO] * y[2]
+    return total
+
+
+@kernel
+def oil_with_outflow(times, dense, steps, context, n_e):
+    """Return (Σ ṁ T_oil, Σ ṁ) of what flows out to the discharge plenum of a life; trapezium over the steps."""
+    P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
+    E = np.empty(n_e)
+    y = np.empty(N)
+    flows = np.empty(N_PLENUM + 2 * N_GAPS)
+    heat = 0.0
+    mass = 0.0
+    for i in range(steps):
+        h = times[i + 1] - times[i]
+        middle = times[i] + 0.5 * h
+        if middle > P[P_INJECTION]:
+            for end in range(2):
+                for j in range(N):
+                    y[j] = dense[i, end, j]
+                surroundings(times[i + end], middle, context, E)
+                path_flows(y, E, context, flows)
+                for k in range(N_PLENUM):
+                    if PLENUM[k] == 1 and flows[k] < 0.0:
+                        heat += 0.5 * h * flows[k] * y[2]
+                        mass += 0.5 * h * flows[k]
+    return heat, mass

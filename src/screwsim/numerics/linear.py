@@ -1,0 +1,45 @@
+"""Small dense linear systems inside kernels: LU with partial pivoting, in place."""
+
+from __future__ import annotations
+
+from screwsim.numerics.kernel import kernel
+
+
+@kernel
+def lu_factor(M, pivots, n):
+    """Factor the n×n matrix M in place, rows permuted by `pivots`; a zero pivot leaves infinities behind it."""
+    for k in range(n):
+        p = k
+        for i in range(k + 1, n):
+            if abs(M[i, k]) > abs(M[p, k]):
+                p = i
+        pivots[k] = p
+        if p != k:
+            for j in range(n):
+                M[k, j], M[p, j] = M[p, j], M[k, j]
+        inverse = 1.0 / M[k, k]
+        for i in range(k + 1, n):
+            factor = M[i, k] * inverse
+            M[i, k] = factor
+            if factor != 0.0:
+                for j in range(k + 1, n):
+                    M[i, j] -= factor * M[k, j]
+
+
+@kernel
+def lu_solve(M, pivots, b, n):
+    """Solve with the factors of `lu_factor`, b in place."""
+    for k in range(n):
+        p = pivots[k]
+        if p != k:
+            b[k], b[p] = b[p], b[k]
+    for i in range(1, n):
+        value = b[i]
+        for j in range(i):
+            value -= M[i, j] * b[j]
+        b[i] = value
+    for i in range(n - 1, -1, -1):
+        value = b[i]
+        for j in range(i + 1, n):
+            value -= M[i, j] * b[j]
+        b[i] = value / M[i, i]

@@ -1,0 +1,42 @@
+"""Acceleration of a periodic fixed point by Anderson's method (type II, Walker & Ni 2011), for states of any meaning."""
+
+from __future__ import annotations
+
+import numpy as np
+
+Array = np.ndarray
+
+
+class Anderson:
+    """Weights of the last images of a fixed-point map, from the last `depth` + 1 pairs (point, image)."""
+
+    def __init__(self, depth: int, regularisation: float = 1e-10) -> None:
+        self.depth = depth
+        self.regularisation = regularisation
+        self.residuals: list[Array] = []
+
+    def restart(self) -> None:
+        """Forget the past."""
+        self.residuals.clear()
+
+    def weights(self, point: Array, image: Array) -> Array:
+        """Return the weights (sum 1, newest last) of the kept images that make the smallest linear residual."""
+        self.residuals.append(image - point)
+        if len(self.residuals) > self.depth + 1:
+            self.residuals.pop(0)
+        if len(self.residuals) == 1:
+            return np.ones(1)
+        steps = np.diff(np.array(self.residuals), axis=0).T
+        gram = steps.T @ steps
+        gram[np.diag_indices_from(gram)] *= 1.0 + self.regularisation
+        try:
+            share = np.linalg.solve(gram, steps.T @ self.residuals[-1])
+        except np.linalg.LinAlgError:
+            return self._only_newest()
+        if not np.all(np.isfinite(share)) or np.max(np.abs(share)) > 1e3:
+            return self._only_newest()
+        return np.diff(np.concatenate([[0.0], share, [1.0]]))
+
+    def _only_newest(self) -> Array:
+        self.residuals = self.residuals[-1:]
+        return np.ones(1)

@@ -1,0 +1,232 @@
+"""Rodas4: a stiffly accurate, L-stable Rosenbrock method of order 4(3) with six stages and dense output of order 3.
+
+Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, section IV.7 (RODAS,
+first set of coefficients). Form of the stages: (1/(γh) − J) u_i = f(φ + c_i h, y + Σ a_ij u_j) + Σ C_ij u_j/h + h d_i f_φ;
+the step is y + Σ_{j<5} a_5j u_j + u_5 + u_6, its error estimate u_6.
+
+Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they reduce to one weighted sum,
+q += h [Σ β_i g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for
+the system enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
+
+The model is reached by four slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and exact
+derivatives), `at_knot` (jumps of the state). Steps land on knots and keep their size across them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from screwsim.numerics.kernel import Slot, kernel
+from screwsim.numerics.linear import lu_factor, lu_solve
+
+surroundings = Slot("surroundings")
+rates = Slot("rates")
+jacobian = Slot("jacobian")
+at_knot = Slot("at_knot")
+
+GAMMA = 0.25
+ORDER = 4
+STAGES = 6
+A = np.array((
+    (0.0, 0.0, 0.0, 0.0, 0.0),
+    (1.544, 0.0, 0.0, 0.0, 0.0),
+    (0.9466785280815826, 0.2557011698983284, 0.0, 0.0, 0.0),
+    (3.314825187068521, 2.896124015972201, 0.9986419139977817, 0.0, 0.0),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 0.0),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0),
+))
+C = np.array((
+    (0.0, 0.0, 0.0, 0.0, 0.0),
+    (-5.6688, 0.0, 0.0, 0.0, 0.0),
+    (-2.430093356833875, -0.2063599157091915, 0.0, 0.0, 0.0),
+    (-0.1073529058151375, -9.594562251023355, -20.47028614809616, 0.0, 0.0),
+    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160, 0.0),
+    (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
+))
+NODES = np.array((0.0, 0.386, 0.21, 0.63, 1.0, 1.0))
+D = np.array((0.25, -0.1043, 0.1035, -0.03620000000000023, 0.0, 0.0))
+DENSE = np.array((
+    (10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823, 1.025137723295662, 0.0),
+    (-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872, 0.0),
+))
+
+
+def _quadrature_weights() -> np.ndarray:
+    """Return β = γ (1 − γC)^(−T) m, the weights of the linear stages of a quadrature."""
+    couplings = np.zeros((STAGES, STAGES))
+    couplings[:, :5] = C
+    return GAMMA * np.linalg.solve((np.eye(STAGES) - GAMMA * couplings).T, np.append(A[5], 1.0))
+
+
+BETA = _quadrature_weights()
+BETA_D = float(BETA @ D)
+
+OK = 0
+STEP_TOO_SMALL = 1
+TOO_MANY_STEPS = 2
+SMALLEST = 1e-13  # a step below this share of the angle means that the rates are not finite or not solvable
+
+
+@kernel
+def error_norm(y0, y1, error, n):
+    """Return the largest error relative to the state: purely relative control (docs/numerics.md); NaN stays NaN."""
+    worst = 0.0
+    for i in range(n):
+        e = abs(error[i]) / max(abs(y0[i]), abs(y1[i]), 1e-300)
+        if not (e <= worst):
+            worst = e
+    return worst
+
+
+@kernel
+def slopes_over_angle(phi, delta, middle, y, context, E_next, f, g, f_phi, g_phi):
+    """Fill ∂f/∂φ and ∂g/∂φ by a forward difference inside the segment."""
+    surroundings(phi + delta, middle, context, E_next)
+    rates(y, E_next, context, f_phi, g_phi)
+    for i in range(f.shape[0]):
+        f_phi[i] = (f_phi[i] - f[i]) / delta
+    for i in range(g.shape[0]):
+        g_phi[i] = (g_phi[i] - g[i]) / delta
+
+
+@kernel
+def attempt(phi, h, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq):
+    """Try one step from y; fill y1 (new state), dq (quadratures), u (stages; u[5] is the error), E_next."""
+    n = y.shape[0]
+    nq = g.shape[0]
+    shift = 1.0 / (GAMMA * h)
+    for i in range(n):
+        for j in range(n):
+            M[i, j] = -J[i, j]
+        M[i, i] += shift
+        u[0, i] = f[i] + h * D[0] * f_phi[i]
+    lu_factor(M, pivots, n)
+    lu_solve(M, pivots, u[0], n)
+    for i in range(nq):
+        dq[i] = BETA[0] * g[i] + h * BETA_D * g_phi[i]
+    for stage in range(1, STAGES):
+        for i in range(n):
+            value = y[i]
+            for j in range(stage):
+                value += A[stage, j] * u[j, i]
+            y1[i] = value
+        if stage < 5:
+            surroundings(phi + NODES[stage] * h, middle, context, E_next)
+        rates(y1, E_next, context, u[stage], g_stage)
+        for i in range(n):
+            value = 0.0
+            for j in range(stage):
+                value += C[stage, j] * u[j, i]
+            u[stage, i] += value / h + h * D[stage] * f_phi[i]
+        lu_solve(M, pivots, u[stage], n)
+        for i in range(nq):
+            dq[i] += BETA[stage] * g_stage[i]
+    for i in range(n):
+        y1[i] += u[5, i]
+    for j in range(n):
+        weighted = 0.0
+        for stage in range(STAGES):
+            weighted += BETA[stage] * u[stage, j]
+        for i in range(nq):
+            dq[i] += Jq[i, j] * weighted
+    for i in range(nq):
+        dq[i] *= h
+
+
+@kernel
+def keep(step, phi, h, y, y1, q, u, times, dense, quads):
+    """Store an accepted step: its end, (y0, y1, c3, c4) of the dense output, and the quadratures."""
+    times[step + 1] = phi + h
+    for i in range(y.shape[0]):
+        c3 = 0.0
+        c4 = 0.0
+        for stage in range(5):
+            c3 += DENSE[0, stage] * u[stage, i]
+            c4 += DENSE[1, stage] * u[stage, i]
+        dense[step, 0, i] = y[i]
+        dense[step, 1, i] = y1[i]
+        dense[step, 2, i] = c3
+        dense[step, 3, i] = c4
+    for i in range(q.shape[0]):
+        quads[step, i] = q[i]
+
+
+@kernel
+def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, quads, kept, counts):
+    """Integrate y and the quadratures q (both in place) over the knots; return (status, φ reached, next step size).
+
+    Fills times[0…steps], dense[step] and quads[step] (see `keep`), kept[0] = steps so far (readable by the slots
+    while integrating); adds to counts: accepted, rejected, rates, Jacobians.
+    """
+    n = y.shape[0]
+    nq = q.shape[0]
+    E = np.empty(n_e)
+    E_next = np.empty(n_e)
+    f = np.empty(n)
+    f_phi = np.empty(n)
+    g = np.empty(nq)
+    g_phi = np.empty(nq)
+    g_stage = np.empty(nq)
+    dq = np.empty(nq)
+    y1 = np.empty(n)
+    u = np.empty((STAGES, n))
+    J = np.empty((n, n))
+    Jq = np.empty((nq, n))
+    M = np.empty((n, n))
+    pivots = np.empty(n, np.int64)
+    h = h_start
+    step = 0
+    kept[0] = 0
+    times[0] = knots[0]
+    for segment in range(n_knots - 1):
+        phi = knots[segment]
+        end = knots[segment + 1]
+        middle = 0.5 * (phi + end)
+        at_knot(phi, y, context)
+        surroundings(phi, middle, context, E)
+        fresh = True
+        while phi < end:
+            left = end - phi
+            landing = h >= left * (1.0 - 1e-10)
+            trial = left if landing else (0.5 * left if h > 0.5 * left else h)
+            if not (trial > SMALLEST * (1.0 + phi)):
+                return STEP_TOO_SMALL, phi, h
+            if fresh:
+                jacobian(y, E, context, f, g, J, Jq)
+                slopes_over_angle(phi, min(1e-6, 0.1 * trial), middle, y, context, E_next, f, g, f_phi, g_phi)
+                counts[2] += n + 2
+                counts[3] += 1
+                fresh = False
+            attempt(phi, trial, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq)
+            counts[2] += STAGES - 1
+            error = error_norm(y, y1, u[5], n) / rtol
+            if not (error <= 1.0):
+                counts[1] += 1
+                h = trial * (max(0.15, 0.85 * error ** (-0.25)) if error < 1e12 else 0.15)
+                continue
+            if step >= dense.shape[0]:
+                return TOO_MANY_STEPS, phi, h
+            for i in range(nq):
+                q[i] += dq[i]
+            keep(step, phi, trial, y, y1, q, u, times, dense, quads)
+            step += 1
+            kept[0] = step
+            counts[0] += 1
+            factor = min(5.0, 0.85 * max(error, 1e-8) ** (-0.25))
+            h = max(h, trial * factor) if factor >= 5.0 else trial * factor
+            for i in range(n):
+                y[i] = y1[i]
+            for i in range(n_e):
+                E[i] = E_next[i]
+            phi = end if landing else phi + trial
+            times[step] = phi
+            fresh = True
+    return OK, phi, h
+
+
+@kernel
+def dense_value(theta, y0, y1, c3, c4):
+    """Return the dense output at the share theta of a step."""
+    return y0 * (1.0 - theta) + theta * (y1 + (1.0 - theta) * (c3 + theta * c4))

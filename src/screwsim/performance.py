@@ -1,0 +1,120 @@
+"""Performance figures of a closed cycle: flows, powers, efficiencies (docs/model.md M25–M36)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from screwsim.effects.base import PowerLoss
+from screwsim.model.close import Array, discharge_enthalpy
+from screwsim.model.compose import Parts
+from screwsim.outputs import PERFORMANCE, Figures
+
+
+@dataclass(frozen=True)
+class CycleFigures:
+    """What a power loss can ask of a closed cycle (SI units)."""
+
+    omega: float
+    tip_speed: float
+    indicated_power: float
+    oil_mass_flow: float
+    oil_volume_flow: float
+    oil_viscosity: float | None
+    injection_pressure: float
+    oil_source_pressure: float
+
+
+@dataclass(frozen=True)
+class Lines:
+    """The states of both lines: pressures [Pa], suction temperature [K]."""
+
+    p_s: float
+    T_s: float
+    p_d: float
+
+
+def _quotient(a: float, b: float) -> float | None:
+    return a / b if b != 0.0 and np.isfinite(a / b) else None
+
+
+def efficiencies(gas: Any, lines: Lines, flow: float, shaft_power: float) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Return isothermal and isentropic efficiency (M35, M36), or None with the reason."""
+    names = ("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency")
+    if flow <= 0.0:
+        reason = "no net gas is delivered: the machine leaks more than it takes in"
+        return dict.fromkeys(names), dict.fromkeys(names, reason)
+    if shaft_power <= 0.0:
+        reason = "the shaft power is not positive"
+        return dict.fromkeys(names), dict.fromkeys(names, reason)
+    isothermal = flow * gas.isothermal_work(lines.p_s, lines.p_d, lines.T_s) / shaft_power
+    isentropic = flow * gas.isentropic_work(lines.p_s, lines.p_d, lines.T_s) / shaft_power
+    return dict(zip(names, (isothermal, isothermal, isentropic), strict=True)), {}
+
+
+def figures(
+    parts: Parts, lines: Lines, streams: Array, work: float, trapped: float, p_injection: float, injected: float,
+    d: float, peak: float, oil_viscosity: float | None, source_pressure: float, oil_mean_temperature: float | None,
+) -> tuple[Figures, dict[str, str]]:
+    """Return the performance figures of one closed cycle and why some are None.
+
+    `streams` are the sums over one chamber's life (model.close.Balances.streams); `injected` is oil [kg] a life.
+    """
+    geometry, gas, oil = parts.geometry, parts.gas, parts.oil
+    rate = parts.omega / geometry.pitch  # chamber lives per second
+    flow = float(streams[0, 0] + streams[1, 0]) * rate
+    oil_flow = injected * rate if oil is not None else 0.0
+    oil_volume = oil_flow / oil.density if oil is not None else 0.0
+    known = CycleFigures(
+        omega=parts.omega,
+        tip_speed=0.5 * geometry.settings.rotor_diameter * parts.omega,
+        indicated_power=work * rate,
+        oil_mass_flow=oil_flow,
+        oil_volume_flow=oil_volume,
+        oil_viscosity=oil_viscosity,
+        injection_pressure=p_injection,
+        oil_source_pressure=source_pressure,
+    )
+    losses = _losses(parts.effects, known)
+    lift = oil_volume * (lines.p_d - p_injection) if oil is not None else None
+    shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
+    found: dict[str, float | None] = dict.fromkeys(PERFORMANCE)
+    etas, notes = efficiencies(gas, lines, flow, shaft)
+    swept = gas.density(lines.p_s, lines.T_s) * geometry.swept_volume * rate
+    mean = discharge_enthalpy(streams)
+    found |= etas | losses | {
+        "volumetric_efficiency": flow / swept,
+        "gas_mass_flow": flow,
+        "indicated_power": known.indicated_power,
+        "shaft_power": shaft,
+        "discharge_temperature": None if mean is None else gas.temperature(lines.p_d, mean[0]),
+        "peak_pressure": peak,
+        "work_per_cycle": work,
+        "trapped_mass": trapped,
+        "injection_pressure": p_injection,
+    }
+    if mean is None:
+        notes["discharge_temperature"] = "nothing flows out to the discharge line"
+    if oil is not None:
+        found |= {
+            "oil_mass_flow": oil_flow,
+            "oil_ratio": d,
+            "oil_flow_ratio": _quotient(oil_flow, flow) if flow > 0.0 else None,
+            "oil_lift_power": lift,
+            "oil_discharge_temperature": oil_mean_temperature,
+        }
+        if flow <= 0.0:
+            notes["oil_flow_ratio"] = "no net gas is delivered"
+    return Figures(found), notes
+
+
+def _losses(effects: Mapping[str, Sequence[Any]], known: CycleFigures) -> dict[str, float]:
+    return {
+        part.figure: float(part.power(known))
+        for parts in effects.values()
+        for part in parts
+        if isinstance(part, PowerLoss)
+    }

@@ -1,0 +1,177 @@
+"""What the commands print: results as JSON documents, and as text for people in engineering units."""
+
+from __future__ import annotations
+
+import json
+import math
+import textwrap
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from screwsim.outputs import PERFORMANCE, STATUSES, Result
+from screwsim.scene import Scene
+from screwsim.study.sweep import SweepSummary
+
+WIDTH = 80
+MOST_FAILURES = 20  # listed of one sweep; all are in its file
+ZERO_CELSIUS = 273.15  # [K]
+# SI unit -> (from this size on, factor, unit), largest first
+_ENGINEERING = {
+    "W": ((1e3, 1e-3, "kW"), (0.0, 1.0, "W")),
+    "J": ((1e3, 1e-3, "kJ"), (0.0, 1.0, "J")),
+    "Pa": ((0.0, 1e-5, "bar"),),
+    "kg": ((0.1, 1.0, "kg"), (0.0, 1e3, "g")),
+    "kg s-1": ((0.0, 1.0, "kg/s"),),
+}
+
+
+def plain(value: Any) -> Any:
+    """Return a value in types of JSON: numpy's become Python's, NaN and infinities None."""
+    if isinstance(value, Mapping):
+        return {str(name): plain(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if value is None or isinstance(value, bool | int | float | str) else str(value)
+
+
+def print_json(document: Any) -> None:
+    """Print one JSON document on stdout."""
+    print(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=False))
+
+
+def engineering(name: str, value: float) -> tuple[str, str]:
+    """Return a performance figure [SI] as number and unit for people: kW, bar, %, K with °C."""
+    units = PERFORMANCE[name].units
+    if units == "K":
+        return f"{value:.2f}", f"K ({value - ZERO_CELSIUS:.2f} °C)"
+    if units == "1":
+        return (_digits(100.0 * value), "%") if name.endswith("_efficiency") else (_digits(value), "")
+    for size, factor, unit in _ENGINEERING.get(units, ()):
+        if abs(value) >= size:
+            return _digits(factor * value), unit
+    return _digits(value), units
+
+
+def _digits(value: float) -> str:
+    return f"{value:.5g}"
+
+
+def _small(value: float | None) -> str:
+    return "" if value is None else f"{value:.1e}"
+
+
+def print_result(title: str, result: Result) -> None:
+    """Print a result as a table with its balances, numerics, notes and warnings."""
+    from rich.console import Console
+
+    console = Console(highlight=False, markup=False, emoji=False)
+    if title:
+        console.print(title, style="bold")
+    console.print(_wrapped(f"status: {result.status}" + (f"; {result.message}" if result.message else "")))
+    if result.performance:
+        console.print()
+        console.print(_table(result))
+    console.print()
+    for line in _account(result):
+        console.print(_wrapped(line))
+
+
+def _table(result: Result) -> Any:
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("figure", no_wrap=True)
+    table.add_column("value", justify="right", no_wrap=True)
+    table.add_column("unit", no_wrap=True)
+    table.add_column("error", justify="right", no_wrap=True)
+    for name, value in result.performance.items():
+        if value is not None:
+            table.add_row(name.replace("_", " "), *engineering(name, value), _small(result.error.get(name)))
+    return table
+
+
+def _account(result: Result) -> Iterable[str]:
+    """Yield what stands below the figures, one subject a line."""
+    absent = [name for name, value in result.performance.items() if value is None]
+    for name in absent:
+        if name in result.notes:
+            yield f"no {name.replace('_', ' ')}: {result.notes[name]}"
+    silent = [name.replace("_", " ") for name in absent if name not in result.notes]
+    if silent:
+        yield f"not simulated: {', '.join(silent)}"
+    if result.balance:
+        yield _balance(result.balance)
+    yield _numerics(result.numerics)
+    if result.performance and not result.error:
+        yield "error: not estimated, the finer solution for it did not close"
+    for warning in result.warnings:
+        yield f"warning: {warning}"
+
+
+def _balance(balance: Mapping[str, Any]) -> str:
+    parts = [f"{name.replace('_', ' ')} {balance[name]:.1e}" for name in ("mass", "energy") if name in balance]
+    text = f"balance: {', '.join(parts)} (bound {balance['bound']:.1e})"
+    if balance.get("oil_mass") is not None:
+        text += f", oil mass {balance['oil_mass']:.1e}"
+    if balance.get("oil_residue") is not None:
+        text += f"; oil residue {balance['oil_residue']:.3g} W (paper's transport of oil)"
+    return text
+
+
+def _numerics(numerics: Mapping[str, Any]) -> str:
+    words = [f"{numerics[name]}" for name in ("integrator", "closing") if name in numerics]
+    words += [f"rtol {numerics['rtol']:.1e}"] if "rtol" in numerics else []
+    counts = {"turns": "turns", "steps": "steps", "rhs_evaluations": "RHS evaluations", "jacobians": "Jacobians"}
+    words += [f"{numerics[name]:g} {text}" for name, text in counts.items() if name in numerics]
+    words += [f"{1e3 * numerics['wall_time']:.3g} ms"] if "wall_time" in numerics else []
+    return f"numerics: {', '.join(words)}"
+
+
+def _wrapped(text: str) -> str:
+    return textwrap.fill(text, WIDTH - 1, subsequent_indent="  ", break_on_hyphens=False)
+
+
+def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
+    """Return what `sweep --json` prints: the numbers of cases, and the first that are not ok."""
+    from screwsim.results import open_results
+    from screwsim.scene import case_values
+
+    document = {
+        name: getattr(summary, name) for name in ("path", "cases", "ok", "not_closed", "failed", "reused", "seconds")
+    }
+    results = open_results(summary.path)
+    status, messages = results.performance["status"].ravel(), results.messages.ravel()
+    bad = status.nonzero()[0][:MOST_FAILURES]
+    document["failures"] = [
+        {
+            "case": int(index),
+            "status": STATUSES[status[index]],
+            "values": case_values(scene, int(index)),
+            "message": str(messages[index]),
+        }
+        for index in bad
+    ]
+    return document
+
+
+def print_sweep(document: Mapping[str, Any]) -> None:
+    """Print how a sweep ended: the file, the numbers of cases, the first failures."""
+    counts = f"{document['cases']} cases: {document['ok']} ok"
+    for name in ("not_closed", "failed"):
+        counts += f", {document[name]} {name.replace('_', ' ')}" if document[name] else ""
+    counts += f" ({document['reused']} of an earlier run)" if document["reused"] else ""
+    print(f"{document['path']}\n{counts}, {document['seconds']:.1f} s")
+    for failure in document["failures"]:
+        where = ", ".join(f"{path} = {_value(value)}" for path, value in failure["values"].items())
+        print(_wrapped(f"{failure['status']} at {where}: {failure['message']}"))
+    more = document["cases"] - document["ok"] - len(document["failures"])
+    if more:
+        print(f"… and {more} more, in the file")
+
+
+def _value(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,139 @@
+"""Figures of one cycle: the p–V loop, the states over the angle, and the flow of each path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from screwsim.report.quantities import ANGLE, GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, note
+from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
+from screwsim.results import Results
+
+_NEAR = 170.0  # [degree] marks nearer than this have their texts side by side, not centred
+
+
+def plans(results: Results) -> Iterator[tuple[str, Any]]:
+    """Yield the figures of the cycle that the file keeps, of its best case in a sweep."""
+    trace = chosen_trace(results)
+    if trace is None:
+        return
+    yield "pressure_volume", partial(_loop, trace)
+    yield "states", partial(_states, trace)
+    if flow_paths(trace.values):
+        yield "mass_flows", partial(_flows, trace)
+
+
+def _loop(trace: Trace) -> Any:
+    """Draw pressure over volume, with the lines' pressures and the points where oil and port come in."""
+    figure = new_figure(SINGLE, 68.0)
+    axes = figure.subplots()
+    V, p = trace.values["volume"] * VOLUME.factor, trace.values["pressure"] * PRESSURE.factor
+    axes.plot(V, p, color=COLOURS[0])
+    clipped = _pressure_axis(axes, trace)
+    axes.set_xlim(-0.02 * float(np.nanmax(V)), 1.05 * float(np.nanmax(V)))
+    for text, angle in trace.marks.items():
+        V_mark, p_mark = (float(np.interp(angle, trace.angle, values)) for values in (V, p))
+        axes.plot(V_mark, p_mark, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
+        right = V_mark < 0.6 * float(np.nanmax(V))  # the loop's empty corner is up and right of its compression line
+        axes.annotate(
+            f"{text}, {short(angle)}°",
+            (V_mark, p_mark),
+            xytext=(5 if right else 0, 7),
+            textcoords="offset points",
+            ha="left" if right else "right",
+            fontsize=SMALL,
+        )
+    axes.set_xlabel(VOLUME.label)
+    axes.set_ylabel(PRESSURE.label)
+    axes.minorticks_on()
+    note(figure, trace.title, clipped)
+    return figure
+
+
+def _states(trace: Trace) -> Any:
+    """Draw pressure, temperatures and gas mass over the angle, one above the other."""
+    figure = new_figure(SINGLE, 130.0)
+    upper, middle, lower = figure.subplots(3, 1, sharex=True)
+    values = trace.values
+    upper.plot(trace.angle, values["pressure"] * PRESSURE.factor, color=COLOURS[0])
+    upper.set_ylabel(PRESSURE.label)
+    clipped = _pressure_axis(upper, trace)
+    middle.plot(trace.angle, values["gas_temperature"], color=COLOURS[0], label="gas $T$")
+    if np.isfinite(values.get("oil_temperature", np.nan)).any():
+        middle.plot(
+            trace.angle, values["oil_temperature"], color=COLOURS[3], linestyle=DASHES[1], label=r"oil $T_\mathrm{oil}$"
+        )
+        middle.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
+    middle.set_ylabel(TEMPERATURE.label)
+    lower.plot(trace.angle, values["gas_mass"] * GAS_MASS.factor, color=COLOURS[0])
+    lower.set_ylabel(GAS_MASS.label)
+    lower.set_ylim(bottom=0.0)
+    lower.set_xlabel(ANGLE.label)
+    for axes in (upper, middle, lower):
+        _angle_axis(axes, trace)
+    _name_marks(upper, trace)
+    note(figure, trace.title, clipped)
+    return figure
+
+
+def _flows(trace: Trace) -> Any:
+    """Draw the mass flow of each path over the angle, a panel each; both sides of a gap in one."""
+    paths = flow_paths(trace.values)
+    rows = (len(paths) + 1) // 2
+    figure = new_figure(DOUBLE, 22.0 + 36.0 * rows)
+    panels = figure.subplots(rows, 2, squeeze=False, sharex=True).ravel()
+    for axes in panels[len(paths) :]:
+        axes.remove()
+    for axes, (words, sides) in zip(panels, paths.items(), strict=False):
+        axes.axhline(0.0, color=GREY, linewidth=0.4)
+        for i, (side, name) in enumerate(sides.items()):
+            flow = trace.values[name] * MASS_FLOW.factor
+            axes.plot(trace.angle, flow, color=COLOURS[1], linestyle=DASHES[i], label=side)
+        axes.set_title(words, loc="left", fontsize=SMALL)
+        if len(sides) > 1:
+            axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
+        _angle_axis(axes, trace)
+        axes.tick_params(labelbottom=True)
+    figure.supxlabel(ANGLE.label, fontsize=8.0)
+    figure.supylabel(MASS_FLOW.label, fontsize=8.0)
+    lines = ", ".join(f"{text} {short(angle)}°" for text, angle in trace.marks.items())
+    note(figure, trace.title, f"dotted: {lines}" if lines else "")
+    return figure
+
+
+def _pressure_axis(axes: Any, trace: Trace) -> str:
+    """Draw the lines' pressures, limit the axis, and return the note on what lies beyond it."""
+    for symbol, pressure in trace.pressures.items():
+        height = pressure * PRESSURE.factor
+        axes.axhline(height, color=GREY, linewidth=0.5, linestyle=(0, (6, 3)), zorder=1)
+        axes.annotate(symbol, (1.02, height), xycoords=("axes fraction", "data"), va="center", fontsize=SMALL)
+    top, peak, angle = pressure_limit(trace)
+    axes.set_ylim(0.0, top * PRESSURE.factor)
+    beyond = f"peak of {short(peak * PRESSURE.factor)} bar at {short(angle)}° beyond the axis"
+    return beyond if peak > top else ""
+
+
+def _angle_axis(axes: Any, trace: Trace) -> None:
+    from matplotlib.ticker import AutoMinorLocator, MultipleLocator
+
+    first, last = float(trace.angle[0]), float(trace.angle[-1])
+    axes.set_xlim(first, last)
+    axes.xaxis.set_major_locator(MultipleLocator(120.0 if last - first > 400.0 else 60.0))
+    axes.xaxis.set_minor_locator(AutoMinorLocator(4))
+    axes.yaxis.set_minor_locator(AutoMinorLocator())
+    for angle in trace.marks.values():
+        axes.axvline(angle, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
+
+
+def _name_marks(axes: Any, trace: Trace) -> None:
+    """Name the marked angles above the axes; neighbours turn away from each other."""
+    marks = list(trace.marks.items())
+    for i, (text, angle) in enumerate(marks):
+        near_left = i > 0 and angle - marks[i - 1][1] < _NEAR
+        near_right = i + 1 < len(marks) and marks[i + 1][1] - angle < _NEAR
+        side = "left" if near_left else "right" if near_right else "center"
+        axes.annotate(text, (angle, 1.02), xycoords=("data", "axes fraction"), ha=side, va="bottom", fontsize=SMALL)

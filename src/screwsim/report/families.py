@@ -1,0 +1,193 @@
+"""Families of curves from the grid of a sweep: which axis is x, which one tells the curves apart; and their optima."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.report.quantities import FIGURES, Shown, is_numeric, shown_axis, short, value_of
+from screwsim.results import Results
+from screwsim.results.schema import Axis
+
+SPEED, RATIO = "operation.speed", "oil_supply.ratio"
+FEWEST = 2  # points that make a curve
+_VARIES = 0.01  # relative: an oil ratio that changes more along the speed is an outcome
+
+
+class Curve(NamedTuple):
+    """One curve in shown units: `at` are the values of the sweep's axis, `closed` is False where a case did not close.
+
+    Points are in the order of the axis, reversed where x falls along it.
+    """
+
+    text: str
+    x: np.ndarray
+    y: np.ndarray
+    closed: np.ndarray
+    at: np.ndarray
+
+
+class Layout(NamedTuple):
+    """Places of the axes of a grid: x, the one that tells the curves apart (None: one curve), all others."""
+
+    x: int
+    curves: int | None
+    rest: tuple[int, ...]
+
+
+def efficiency_name(results: Results) -> str | None:
+    """Return the efficiency to show: the isentropic one where the isothermal one lacks values; None without any."""
+    found = {name: int(np.isfinite(results.performance[name]).sum()) for name in list(FIGURES)[:2]}
+    isothermal, isentropic = found.values()
+    if not isothermal and not isentropic:
+        return None
+    return "isothermal_efficiency" if isothermal >= isentropic else "isentropic_efficiency"
+
+
+def layout_of(results: Results) -> Layout | None:
+    """Return which axis is x (the oil ratio, else the longest one of numbers) and which tells the curves apart."""
+    axes = results.axis_list
+    lengths = [len(axis.values) if is_numeric(axis) else 0 for axis in axes]
+    if not axes or max(lengths) < FEWEST:
+        return None
+    return _layout(axes, _preferred(axes, lengths, RATIO))
+
+
+def outcome_layout(results: Results) -> Layout | None:
+    """Return the layout over the speed when the oil ratio is an outcome that varies with it; else None."""
+    axes = results.axis_list
+    paths = [axis.path for axis in axes]
+    if SPEED not in paths or RATIO in paths:
+        return None
+    place = paths.index(SPEED)
+    ratio = np.moveaxis(results.performance["oil_ratio"], place, -1)
+    finite = np.where(np.isfinite(ratio), ratio, np.nan).reshape(-1, ratio.shape[-1])
+    finite = finite[np.isfinite(finite).sum(axis=1) >= FEWEST]
+    if not len(finite):
+        return None
+    span = np.nanmax(finite, axis=1) - np.nanmin(finite, axis=1)
+    varies = np.any(span > _VARIES * np.nanmax(np.abs(finite), axis=1))
+    return _layout(axes, place) if varies else None
+
+
+def _layout(axes: tuple[Axis, ...], x: int) -> Layout:
+    others = [i for i, axis in enumerate(axes) if i != x and len(axis.values) > 1]
+    lengths = [len(axis.values) if i in others else 0 for i, axis in enumerate(axes)]
+    curves = _preferred(axes, lengths, SPEED) if others else None
+    rest = tuple(i for i in range(len(axes)) if i not in (x, curves))
+    return Layout(x, curves, rest)
+
+
+def _preferred(axes: tuple[Axis, ...], lengths: list[int], path: str) -> int:
+    """Return the place of the axis of that path when it is long enough, else of the longest axis."""
+    for i, axis in enumerate(axes):
+        if axis.path == path and lengths[i] >= FEWEST:
+            return i
+    return int(np.argmax(lengths))
+
+
+def slices(results: Results, layout: Layout) -> Iterator[tuple[str, dict[int, int]]]:
+    """Yield (what is constant, {axis: index}) of each figure: all values of the axes that are neither x nor curves."""
+    axes = results.axis_list
+    for indices in itertools.product(*(range(len(axes[i].values)) for i in layout.rest)):
+        chosen = dict(zip(layout.rest, indices, strict=True))
+        yield ", ".join(value_of(axes[i], index) for i, index in chosen.items()), chosen
+
+
+def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str | None, y_name: str) -> list[Curve]:
+    """Return the curves of one slice: figure `y_name` over the axis x, or over the figure `x_name`.
+
+    Cases without a value are left out; curves of fewer than two points too.
+    """
+    axis = results.axis_list[layout.x]
+    at = np.broadcast_to(axis.values * shown_axis(axis).factor, (_count(results, layout), len(axis.values)))
+    x = at
+    if x_name is not None:
+        x = _rows(results, layout, chosen, results.performance[x_name] * FIGURES[x_name].factor)
+    y = _rows(results, layout, chosen, results.performance[y_name] * FIGURES[y_name].factor)
+    closed = _rows(results, layout, chosen, np.asarray(results.status) == "ok")
+    failed = _rows(results, layout, chosen, np.asarray(results.status) == "failed")
+    curves = []
+    for i, text in enumerate(_texts(results, layout)):
+        kept = np.flatnonzero(np.isfinite(x[i]) & np.isfinite(y[i]) & ~failed[i])
+        kept = kept[np.argsort(at[i][kept], kind="stable")]
+        if len(kept) < FEWEST:
+            continue
+        kept = kept if x[i][kept[-1]] >= x[i][kept[0]] else kept[::-1]
+        curves.append(Curve(text, x[i][kept], y[i][kept], closed[i][kept], at[i][kept]))
+    return curves
+
+
+def left_out(results: Results, layout: Layout, chosen: dict[int, int], curves: list[Curve]) -> str:
+    """Return the note on cases without a place in the figure; empty when all are shown."""
+    cases = _rows(results, layout, chosen, np.asarray(results.status)).size
+    missing = cases - sum(len(curve.x) for curve in curves)
+    return f"{missing} of {cases} cases without a result left out" if missing else ""
+
+
+def not_closed(curves: list[Curve]) -> int:
+    """Return the number of cases shown that did not close."""
+    return sum(int(np.count_nonzero(~curve.closed)) for curve in curves)
+
+
+def _count(results: Results, layout: Layout) -> int:
+    return 1 if layout.curves is None else results.shape[layout.curves]
+
+
+def _rows(results: Results, layout: Layout, chosen: dict[int, int], values: np.ndarray) -> np.ndarray:
+    """Return values as (curves, x) of one slice."""
+    index = tuple(chosen.get(i, slice(None)) for i in range(values.ndim))
+    part = values[index]
+    if layout.curves is not None and layout.x < layout.curves:
+        part = part.T
+    return part.reshape(_count(results, layout), -1)
+
+
+def _texts(results: Results, layout: Layout) -> list[str]:
+    if layout.curves is None:
+        return [""]
+    axis = results.axis_list[layout.curves]
+    if not is_numeric(axis):
+        return [str(value) for value in axis.values]
+    return [short(value * shown_axis(axis).factor) for value in axis.values]
+
+
+def curves_heading(results: Results, layout: Layout) -> str:
+    """Return what tells the curves apart, with its unit: 'n (rpm)'."""
+    if layout.curves is None:
+        return ""
+    axis = results.axis_list[layout.curves]
+    shown: Shown = shown_axis(axis)
+    return shown.quantity if is_numeric(axis) else axis.path.split(".")[-1]
+
+
+def optimum(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
+    """Return the maximum of y by a parabola in ln x through the three best points; None unless it is interior.
+
+    The three are the highest point and its neighbours; x itself stands for ln x when it is not positive there.
+    """
+    best = int(np.argmax(y))
+    if not 0 < best < len(x) - 1:
+        return None
+    near = slice(best - 1, best + 2)
+    log = bool(np.all(x[near] > 0.0))
+    u = np.log(x[near]) if log else x[near]
+    if np.any(np.diff(u) <= 0.0):
+        return None
+    u0, v = float(u[1]), y[near]
+    left, right = (v[1] - v[0]) / (u[1] - u[0]), (v[2] - v[1]) / (u[2] - u[1])
+    curvature = (right - left) / (u[2] - u[0])
+    if curvature >= 0.0:  # a plateau
+        return float(x[best]), float(y[best])
+    slope = (left * (u[2] - u[1]) + right * (u[1] - u[0])) / (u[2] - u[0])
+    step = -slope / (2.0 * curvature)
+    peak = float(v[1] + slope * step + curvature * step * step)
+    return (float(np.exp(u0 + step)) if log else u0 + step), peak
+
+
+def is_log(x: np.ndarray) -> bool:
+    """Return whether values are shown on a logarithmic axis: positive, over a range of more than 8."""
+    return bool(np.all(x > 0.0) and np.max(x) > 8.0 * np.min(x))

@@ -1,0 +1,70 @@
+"""Figure of a displacement supply: the oil ratio is an outcome of the speed (the paper's Fig. 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+from screwsim.report.annotate import label_along, label_ends
+from screwsim.report.families import (
+    Curve,
+    Layout,
+    curves_heading,
+    efficiency_name,
+    family,
+    left_out,
+    outcome_layout,
+    slices,
+)
+from screwsim.report.quantities import FIGURES, RATIO, SPEED, short
+from screwsim.report.style import DOUBLE, new_figure, note
+from screwsim.report.sweeps import Plan, draw_curves, label_axes, remarks
+from screwsim.results import Results
+
+
+def plans(results: Results) -> Iterator[Plan]:
+    """Yield the figures of a sweep over the speed in which the oil ratio follows."""
+    layout, name = outcome_layout(results), efficiency_name(results)
+    if layout is None or name is None:
+        return
+    for number, (constant, chosen) in enumerate(slices(results, layout), start=1):
+        suffix = f"_{number}" if layout.rest and constant else ""
+        if family(results, layout, chosen, "oil_ratio", name):
+            yield f"efficiency_ratio{suffix}", partial(_draw, results, layout, chosen, constant, name)
+
+
+def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
+    """Draw the efficiency over d with the speed along the curve, and both over the speed."""
+    figure = new_figure(DOUBLE, 82.0)
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
+    main, upper, lower = (figure.add_subplot(place) for place in (grid[:, 0], grid[0, 1], grid[1, 1]))
+    over_ratio = family(results, layout, chosen, "oil_ratio", name)
+    found = draw_curves(main, over_ratio, optima=True)
+    label_axes(main, RATIO.label, FIGURES[name].label, [curve.x for curve in over_ratio])
+    main.margins(x=0.06)
+    main.autoscale(axis="x")
+    for axes, figure_name in ((upper, name), (lower, "oil_ratio")):
+        curves = family(results, layout, chosen, None, figure_name)
+        draw_curves(axes, curves, optima=False)
+        label_axes(axes, SPEED.label, FIGURES[figure_name].quantity, [curve.x for curve in curves])
+    upper.set_xlabel("")
+    upper.tick_params(labelbottom=False)
+    note(figure, constant, *remarks(over_ratio, found), left_out(results, layout, chosen, over_ratio))
+    _label(results, layout, chosen, (main, upper, lower), over_ratio, name)
+    return figure
+
+
+def _label(
+    results: Results, layout: Layout, chosen: dict[int, int], panels: tuple[Any, ...], curves: list[Curve], name: str
+) -> None:
+    """Write the speeds along a single curve, or what tells several curves apart at their ends."""
+    main, *others = panels
+    if layout.curves is None:
+        texts = [f"{short(speed)} rpm" for speed in curves[0].at]
+        label_along(main, curves[0].x, curves[0].y, texts)
+        return
+    heading = curves_heading(results, layout)
+    for axes, figure_name in zip(others, (name, "oil_ratio"), strict=True):
+        drawn = family(results, layout, chosen, None, figure_name)
+        label_ends(axes, [(c.x[-1], c.y[-1]) for c in drawn], [c.text for c in drawn], heading)

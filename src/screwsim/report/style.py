@@ -1,0 +1,114 @@
+"""Look of the figures: sizes, fonts, colours and line styles of a printed journal page; and how they are written.
+
+Nothing of matplotlib's global state is used or left changed; a reader's own matplotlibrc has no influence.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from screwsim.results.atomic import replacing
+
+MM = 1.0 / 25.4  # [inch]
+SINGLE, DOUBLE = 88.0, 180.0  # [mm] width of one and of two columns
+SMALL = 7.0  # [pt] notes and direct labels
+GREY = "#6e6e6e"  # guides: lines that are no data
+
+# Colours by descending contrast: told apart in print without colour and with any colour vision.
+COLOURS = ("#000000", "#3b2a8c", "#a01f62", "#c2561a", "#3f9e72", "#62b0dc")
+DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (5, 1.5, 1.2, 1.5)), (0, (1.2, 1.3)), (0, (9, 2)), (0, (3, 1, 1, 1, 1, 1)))
+
+_RC = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: the same figure on every machine
+    "mathtext.fontset": "dejavusans",
+    "font.size": 8.0,
+    "axes.labelsize": 8.0,
+    "axes.titlesize": 8.0,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "legend.fontsize": SMALL,
+    "figure.titlesize": SMALL,
+    "axes.linewidth": 0.6,
+    "lines.linewidth": 1.0,
+    "lines.markersize": 4.0,
+    "patch.linewidth": 0.6,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+    "xtick.major.size": 3.0,
+    "ytick.major.size": 3.0,
+    "xtick.minor.size": 1.6,
+    "ytick.minor.size": 1.6,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "legend.frameon": False,
+    "legend.handlelength": 2.4,
+    "legend.borderaxespad": 0.3,
+    "legend.borderpad": 0.1,
+    "axes.formatter.useoffset": False,
+    "axes.unicode_minus": True,
+    "savefig.dpi": 200,
+    "pdf.fonttype": 42,
+    "figure.constrained_layout.h_pad": 0.03,
+    "figure.constrained_layout.w_pad": 0.03,
+}
+_FORMATS: dict[str, dict[str, Any]] = {  # no moment of writing: the same data give the same bytes
+    "png": {"Software": None},
+    "pdf": {"Creator": "screwsim", "Producer": None, "CreationDate": None},
+}
+
+
+@contextmanager
+def journal() -> Iterator[None]:
+    """Draw and write inside this block; settings of the caller come back after it."""
+    from matplotlib import style
+
+    with style.context(["default", _RC]):
+        yield
+
+
+def new_figure(width: float, height: float) -> Any:
+    """Return an empty figure of a size [mm] on a canvas of its own."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width * MM, height * MM), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def write(figure: Any, folder: Path, name: str) -> list[str]:
+    """Write a figure as PNG and PDF and return the paths; raise UsageError in one line when the system refuses."""
+    written = []
+    for form, metadata in _FORMATS.items():
+        path = folder / f"{name}.{form}"
+        with replacing(path) as temporary, temporary.open("wb") as file:
+            figure.savefig(file, format=form, metadata=metadata)
+        written.append(str(path))
+    return written
+
+
+def note(figure: Any, *parts: str) -> None:
+    """Write the parts that are not empty above the figure, in lines that fit its width."""
+    text = "; ".join(part for part in parts if part)
+    if not text:
+        return
+    columns = int(figure.get_figwidth() * 72.0 / (0.56 * SMALL)) - 2  # 0.56 em: mean width of a letter
+    figure.suptitle("\n".join(textwrap.wrap(text, columns)), x=0.01, ha="left", linespacing=1.25)
+
+
+def line_style(index: int, count: int) -> dict[str, Any]:
+    """Return colour and dashes of one of several ordered curves: the first is the darkest."""
+    from matplotlib import colormaps
+
+    shade = 0.0 if count < 2 else 0.80 * index / (count - 1)  # viridis: luminance grows evenly; its yellow end is too pale
+    colour = colormaps["viridis"](shade) if count > 1 else COLOURS[0]
+    return {"color": colour, "linestyle": DASHES[index % len(DASHES)]}

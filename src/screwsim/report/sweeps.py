@@ -1,0 +1,126 @@
+"""Figures of a sweep: the efficiency over one axis with a curve per value of another, and the other figures so."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from screwsim.report.annotate import label_ends
+from screwsim.report.families import (
+    Curve,
+    Layout,
+    curves_heading,
+    efficiency_name,
+    family,
+    is_log,
+    layout_of,
+    left_out,
+    not_closed,
+    optimum,
+    outcome_layout,
+    slices,
+)
+from screwsim.report.quantities import FIGURES, shown_axis, short
+from screwsim.report.style import DOUBLE, SINGLE, line_style, new_figure, note
+from screwsim.results import Results
+
+Plan = tuple[str, Callable[[], Any]]  # name of a figure, and what draws it
+_OTHERS = ("volumetric_efficiency", "shaft_power", "gas_mass_flow", "discharge_temperature")
+_POINTS_SHOWN = 12  # up to so many points a curve, the computed ones are marked
+
+
+def plans(results: Results) -> Iterator[Plan]:
+    """Yield the figures over the axes of a sweep; none where the oil ratio is an outcome or no axis has numbers."""
+    layout = layout_of(results)
+    if layout is None or outcome_layout(results) is not None:
+        return
+    name = efficiency_name(results)
+    for number, (constant, chosen) in enumerate(slices(results, layout), start=1):
+        suffix = f"_{number}" if layout.rest and constant else ""
+        if name and family(results, layout, chosen, None, name):
+            yield f"efficiency{suffix}", partial(_efficiency, results, layout, chosen, constant, name)
+        if any(family(results, layout, chosen, None, other) for other in _OTHERS):
+            yield f"performance{suffix}", partial(_performance, results, layout, chosen, constant)
+
+
+def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
+    """Draw an efficiency over x, optimum of each curve marked (the paper's Fig. 1)."""
+    curves = family(results, layout, chosen, None, name)
+    figure = new_figure(SINGLE, 70.0)
+    axes = figure.subplots()
+    found = draw_curves(axes, curves, optima=True)
+    label_axes(axes, shown_axis(results.axis_list[layout.x]).label, FIGURES[name].label, [c.x for c in curves])
+    note(figure, constant, *remarks(curves, found), left_out(results, layout, chosen, curves))
+    if layout.curves is not None:
+        ends = [(curve.x[-1], curve.y[-1]) for curve in curves]
+        label_ends(axes, ends, [curve.text for curve in curves], curves_heading(results, layout))
+    return figure
+
+
+def _performance(results: Results, layout: Layout, chosen: dict[int, int], constant: str) -> Any:
+    """Draw the other figures over x, a panel each."""
+    families = {name: family(results, layout, chosen, None, name) for name in _OTHERS}
+    families = {name: curves for name, curves in families.items() if curves}
+    rows = (len(families) + 1) // 2
+    figure = new_figure(DOUBLE, 18.0 + 52.0 * rows)
+    panels = figure.subplots(rows, 2, squeeze=False).ravel()
+    for axes in panels[len(families) :]:
+        axes.remove()
+    for axes, (name, curves) in zip(panels, families.items(), strict=False):
+        draw_curves(axes, curves, optima=False)
+        label_axes(axes, shown_axis(results.axis_list[layout.x]).label, FIGURES[name].label, [c.x for c in curves])
+    widest = max(families.values(), key=len)
+    note(figure, constant, *remarks(widest, 0), left_out(results, layout, chosen, widest))
+    for axes, curves in zip(panels, families.values(), strict=False):
+        if layout.curves is not None:
+            ends = [(curve.x[-1], curve.y[-1]) for curve in curves]
+            label_ends(axes, ends, [curve.text for curve in curves], curves_heading(results, layout))
+    return figure
+
+
+def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
+    """Draw curves, crosses where a case did not close, and circles at optima; return how many optima there are."""
+    found = 0
+    for i, curve in enumerate(curves):
+        style = line_style(i, len(curves))
+        marker = "." if len(curve.x) <= _POINTS_SHOWN else ""
+        axes.plot(curve.x, curve.y, marker=marker, markersize=3.0, **style)
+        bad = ~curve.closed
+        axes.plot(curve.x[bad], curve.y[bad], "x", color=style["color"], markersize=3.5, markeredgewidth=0.7)
+        best = optimum(curve.x, curve.y) if optima else None
+        if best is not None:
+            axes.plot(*best, "o", color=style["color"], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
+            found += 1
+    return found
+
+
+def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> None:
+    """Label both axes; x is logarithmic where its values ask for it, and spans them."""
+    axes.set_xlabel(x_label)
+    axes.set_ylabel(y_label)
+    values = np.concatenate(x)
+    if is_log(values):
+        log_scale(axes, float(np.max(values) / np.min(values)))
+    axes.set_xlim(float(np.min(values)), float(np.max(values)))
+    axes.margins(y=0.07)
+    axes.minorticks_on() if not is_log(values) else None
+
+
+def log_scale(axes: Any, ratio: float) -> None:
+    """Make x logarithmic with plain numbers at 1, 2, 5, or at powers of ten when the range is wide."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.set_xscale("log")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if ratio < 300.0 else (1.0,), numticks=20))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
+    axes.xaxis.set_minor_locator(LogLocator(subs=tuple(np.arange(1.0, 10.0)), numticks=20))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def remarks(curves: list[Curve], optima: int) -> tuple[str, str]:
+    """Return what the circles and the crosses mean, where there are any."""
+    open_cases = not_closed(curves)
+    return "○ optimum" if optima else "", f"× not closed ({open_cases})" if open_cases else ""

@@ -1,0 +1,113 @@
+"""One cycle out of a results file: its traces, the pressures of the lines and the angles worth a mark."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.report.families import efficiency_name
+from screwsim.report.quantities import DEGREE, value_of
+from screwsim.results import Results
+from screwsim.results.schema import variable_name
+
+_INJECTION = 360.0  # [degree] oil is injected there (docs/model.md)
+_LONE = 0.03  # share of the angles that a spike may take to lie beyond the axis
+_ROOM = 1.25  # axis over the highest pressure that is no spike
+_SIDES = ("leading", "trailing")
+
+
+class Trace(NamedTuple):
+    """Traces [SI] over the angle [degree], pressures of the lines [Pa] by symbol, marked angles [degree] by name."""
+
+    title: str
+    angle: np.ndarray
+    values: Mapping[str, np.ndarray]
+    pressures: Mapping[str, float]
+    marks: Mapping[str, float]
+
+
+def chosen_trace(results: Results) -> Trace | None:
+    """Return the cycle of the run, or of the sweep's case of best efficiency; None when no cycle is kept."""
+    if "angle" not in results.cycle:
+        return None
+    index = _best_case(results)
+    if index is None:
+        return None
+    values = {name: results.cycle[name][index] for name in results.cycle if name != "angle"}
+    angle = results.cycle["angle"]
+    title = ", ".join(value_of(axis, i) for axis, i in zip(results.axis_list, index, strict=True))
+    status = "" if np.asarray(results.status)[index] == "ok" else "not closed"
+    title = "; ".join(part for part in (f"best case: {title}" if title else "", status) if part)
+    pressures = {
+        symbol: value
+        for symbol, path in (("$p_s$", "operation.suction.pressure"), ("$p_d$", "operation.discharge.pressure"))
+        if np.isfinite(value := _input(results, path, index))
+    }
+    return Trace(title, angle, values, pressures, _marks(results, index, angle, values))
+
+
+def _best_case(results: Results) -> tuple[int, ...] | None:
+    """Return the index of the case of best efficiency among those with a cycle, closed ones first."""
+    there = np.isfinite(results.cycle["pressure"]).any(axis=-1)
+    if not there.any():
+        return None
+    closed = there & (np.asarray(results.status) == "ok")
+    name = efficiency_name(results)
+    score = results.performance[name] if name else np.zeros(results.shape)
+    score = np.where(np.isfinite(score) & (closed if closed.any() else there), score, -np.inf)
+    if not np.isfinite(score).any():
+        score = np.where(closed if closed.any() else there, 0.0, -np.inf)
+    return tuple(int(i) for i in np.unravel_index(np.argmax(score), results.shape))
+
+
+def _input(results: Results, path: str, index: tuple[int, ...]) -> float:
+    """Return a numeric input of one case [SI]; NaN when the file has none."""
+    for axis, i in zip(results.axis_list, index, strict=True):
+        if axis.path == path:
+            return float(axis.values[i])
+    name = variable_name(path)
+    return float(results.inputs[name]) if name in results.inputs else np.nan
+
+
+def _marks(
+    results: Results, index: tuple[int, ...], angle: np.ndarray, values: Mapping[str, np.ndarray]
+) -> dict[str, float]:
+    """Return the angles of injection and of the port's opening, as far as the scene has them."""
+    marks = {}
+    if np.isfinite(_input(results, "oil_supply.temperature", index)):
+        marks["oil injection"] = _INJECTION
+    opens = _input(results, "machine.discharge_port.opens", index) * DEGREE
+    flow = np.abs(values.get("mass_flow_discharge_port", np.zeros_like(angle)))
+    if not np.isfinite(opens) and flow.any():  # a tabulated port: where its first flow is
+        opens = float(angle[max(int(np.argmax(flow > 0.0)) - 1, 0)])
+    if np.isfinite(opens) and flow.any():
+        marks["port opens"] = opens
+    return dict(sorted(marks.items(), key=lambda mark: mark[1]))
+
+
+def pressure_limit(trace: Trace) -> tuple[float, float, float]:
+    """Return the top of the pressure axis, the highest pressure [Pa] and its angle [degree].
+
+    A spike over few degrees, as the dead volume's at the end of a life, may lie beyond the top.
+    """
+    p = trace.values["pressure"]
+    place = int(np.nanargmax(p))
+    peak = float(p[place])
+    usual = max([float(np.nanquantile(p, 1.0 - _LONE)), *trace.pressures.values()])
+    top = _ROOM * usual
+    return (top if peak > 1.3 * top else 1.06 * max(peak, usual)), peak, float(trace.angle[place])
+
+
+def flow_paths(values: Mapping[str, np.ndarray]) -> dict[str, dict[str, str]]:
+    """Return {path in words: {side: name of the trace}}; ports have one side, '', gaps two. Ports come first."""
+    paths: dict[str, dict[str, str]] = {}
+    for name in values:
+        if not name.startswith("mass_flow_") or not np.isfinite(values[name]).any():
+            continue
+        effect = name.removeprefix("mass_flow_")
+        side = next((side for side in _SIDES if effect.endswith(f"_{side}")), "")
+        words = effect.removesuffix(f"_{side}") if side else effect
+        paths.setdefault(words.replace("_", " "), {})[side] = name
+    return dict(sorted(paths.items(), key=lambda path: len(path[1])))

@@ -1,0 +1,62 @@
+"""Files that are there whole or not at all: written beside, forced to disk, then renamed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from screwsim.faults import UsageError
+
+
+def _sync(path: Path) -> None:
+    """Force a file, or the entries of a folder, to disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _sync_folder(folder: Path) -> None:
+    if os.name == "posix":  # elsewhere a folder cannot be opened
+        _sync(folder)
+
+
+@contextmanager
+def replacing(path: Path, folder: Path | None = None) -> Iterator[Path]:
+    """Give a temporary path; put what was written there at `path` when the block ends well.
+
+    The temporary file lies in `folder` (default: that of `path`; it must be on the same disk). When anything
+    fails it is removed and the old file stays. Raise UsageError, in one line, when the system refuses.
+    """
+    temporary = (folder or path.parent) / f".{path.name}.{os.getpid()}.tmp"
+    try:
+        yield temporary
+        _sync(temporary)
+        os.replace(temporary, path)
+        _sync_folder(path.parent)
+    except OSError as error:
+        raise UsageError(cannot_write(path, error)) from error
+    finally:
+        _remove(temporary)
+
+
+def cannot_write(path: Path, error: OSError) -> str:
+    """Return the line that says why `path` cannot be written, and the remedy."""
+    reason = os.strerror(error.errno) if error.errno else str(error).splitlines()[0]
+    return f"{path}: cannot be written: {reason} (make room or rights there, or choose another place with -o)"
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder and those above it; raise UsageError, in one line, when the system refuses."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(cannot_write(folder, error)) from error
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):  # the folder itself is gone or refuses: that error is already on its way
+        path.unlink(missing_ok=True)

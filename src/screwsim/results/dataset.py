@@ -1,0 +1,48 @@
+"""Stored results as an xarray.Dataset: axes as coordinates, units and meanings as attributes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from screwsim.outputs import STATUSES
+from screwsim.results.read import Group, Results
+from screwsim.results.schema import Axis
+
+_PREFIXED = ("balance", "error", "numerics", "cycle")
+
+
+def dataset(results: Results, group: str | None) -> Any:
+    """Return a group of results as an xarray.Dataset; None: performance, and the others with a prefix."""
+    import xarray as xr
+
+    if group is None:
+        parts = [("", results.performance)] + [(f"{name}_", getattr(results, name)) for name in _PREFIXED]
+    else:
+        parts = [("", getattr(results, group))]
+    variables = {}
+    for prefix, part in parts:
+        variables |= _variables(part, prefix, results.axis_list)
+    coordinates = {axis.name: (axis.name, axis.values, _attributes(axis)) for axis in results.axis_list}
+    if any("angle" in part for _, part in parts):
+        angle = results.cycle.about["angle"]
+        coordinates["angle"] = ("angle", results.cycle["angle"], angle._asdict())
+    return xr.Dataset(variables, coordinates, dict(results.attributes))
+
+
+def _attributes(axis: Axis) -> dict[str, Any]:
+    return {"units": axis.units, "long_name": axis.long_name, "path": axis.path}
+
+
+def _variables(part: Group, prefix: str, axes: tuple[Axis, ...]) -> dict[str, Any]:
+    """Return (dimensions, values, attributes) by name; inputs that do not vary have no dimension."""
+    names = [axis.name for axis in axes]
+    found = {}
+    for name in part:
+        if name == "angle":
+            continue
+        values, about = part[name], part.about[name]._asdict()
+        dimensions = [*names, "angle"] if part.name == "cycle" else names[: values.ndim]
+        if name == "status":
+            about |= {"flag_values": list(range(len(STATUSES))), "flag_meanings": " ".join(STATUSES)}
+        found[prefix + name] = (dimensions, values, about)
+    return found

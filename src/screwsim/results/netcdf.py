@@ -1,0 +1,133 @@
+"""The netCDF-4 layout in HDF5: dimensions as dimension scales, texts as characters.
+
+Source: Unidata, "NetCDF-4 Format" (appendix C of the netCDF user's guide). Octave reads no strings of variable
+length, so there are none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import count
+from typing import Any
+
+import numpy as np
+
+from screwsim.outputs import Variable
+
+_COMPRESS_FROM = 4096  # [byte] below it a chunk's index costs more than it saves
+_CHUNK = 262144  # [byte]
+_BARE = "This is a netCDF dimension but not a netCDF variable.{:10d}"  # the format's own name of such a scale
+SEPARATOR = "\n\n"  # between the texts of a sweep
+_TEXT_LIMIT = 2000  # [byte]
+
+
+def set_attributes(target: Any, attributes: Mapping[str, Any]) -> None:
+    """Write attributes; texts with a fixed length, UTF-8."""
+    import h5py
+
+    for name, value in attributes.items():
+        if isinstance(value, str):
+            raw = value.encode() or b"\0"  # a length of zero is not possible
+            target.attrs.create(name, raw, dtype=h5py.string_dtype("utf-8", len(raw)))
+        elif isinstance(value, int):
+            target.attrs.create(name, np.int32(value))
+        else:
+            target.attrs.create(name, value)
+
+
+class Layout:
+    """Write groups, dimensions and variables into an open HDF5 file; it counts the dimensions of the file."""
+
+    def __init__(self, file: Any) -> None:
+        self.file = file
+        self._ids = count()
+
+    def group(self, name: str) -> Any:
+        """Make a group that remembers the order of its members, as netCDF-4 does."""
+        return self.file.create_group(name, track_order=True)
+
+    def coordinate(self, group: Any, name: str, values: np.ndarray, about: Mapping[str, Any]) -> None:
+        """Make a dimension with its coordinate variable."""
+        data = group.create_dataset(name, data=values, **_storage(values))
+        set_attributes(data, about)
+        self._scale(data, name)
+
+    def dimension(self, group: Any, name: str, size: int) -> None:
+        """Make a dimension without values, unless the group has it."""
+        if name not in group:
+            self._scale(group.create_dataset(name, (size,), ">f4"), _BARE.format(size))
+
+    def _scale(self, data: Any, name: str) -> None:
+        data.make_scale(name)
+        data.attrs.create("_Netcdf4Dimid", np.int32(next(self._ids)))
+
+    def variable(
+        self, group: Any, name: str, values: np.ndarray, dimensions: Sequence[str], about: Mapping[str, Any]
+    ) -> None:
+        """Make a variable over dimensions that the group has; `_FillValue` of `about` must have its type."""
+        fill = about.get("_FillValue")
+        data = group.create_dataset(name, data=values, fillvalue=fill, **_storage(values))
+        set_attributes(data, about)
+        for index, dimension in enumerate(dimensions):
+            data.dims[index].attach_scale(group[dimension])
+
+    def texts(self, group: Any, name: str, texts: np.ndarray, dimensions: Sequence[str], long_name: str) -> None:
+        """Make a variable of texts: of one, its characters; of an array, numbers of the texts in `<name>_text`.
+
+        One dimension of single characters is all that Octave, netCDF 4.9 and xarray read alike: Octave stops at
+        two, the netCDF library crashes on longer strings.
+        """
+        lines = np.array([_lines(str(text)) for text in texts.ravel()], np.str_)
+        if not dimensions:
+            self._characters(group, name, str(lines[0]), long_name)
+            return
+        different, number = np.unique(lines, return_inverse=True)
+        self._characters(group, f"{name}_text", SEPARATOR.join(different), f"{long_name} (texts, a blank line between)")
+        about = {"units": "1", "long_name": f"{long_name} (number of the text, from 0, in {name}_text)"}
+        self.variable(group, name, number.reshape(texts.shape).astype(np.int32), dimensions, about)
+
+    def _characters(self, group: Any, name: str, text: str, long_name: str) -> None:
+        characters = np.frombuffer(text.encode() or b"\0", "S1")
+        length = f"string{characters.size}"
+        self.dimension(group, length, characters.size)
+        about = {"units": "1", "long_name": long_name, "_Encoding": "utf-8"}
+        self.variable(group, name, characters, (length,), about)
+
+
+def number_attributes(variable: Variable) -> dict[str, Any]:
+    """Return the attributes of a variable of numbers; NaN is where there is none."""
+    return {"units": variable.units, "long_name": variable.long_name, "_FillValue": np.float64(np.nan)}
+
+
+def flag_attributes(words: Sequence[str], long_name: str, fill: int | None = None) -> dict[str, Any]:
+    """Return the attributes of an int8 variable whose values 0, 1, … stand for words (CF, section 3.5)."""
+    about: dict[str, Any] = {
+        "units": "1",
+        "long_name": long_name,
+        "flag_values": np.arange(len(words), dtype=np.int8),
+        "flag_meanings": " ".join(word.replace(" ", "_") for word in words),
+    }
+    return about if fill is None else about | {"_FillValue": np.int8(fill)}
+
+
+def _lines(text: str) -> str:
+    """Return a text, cut to the limit, without empty lines."""
+    return "\n".join(line for line in _cut(text).decode().splitlines() if line.strip())
+
+
+def _cut(text: str) -> bytes:
+    """Return a text in UTF-8, shortened to the limit between two characters."""
+    raw = text.encode()
+    return raw if len(raw) <= _TEXT_LIMIT else raw[: _TEXT_LIMIT - 3].decode(errors="ignore").encode() + "…".encode()
+
+
+def _storage(values: np.ndarray) -> dict[str, Any]:
+    """Return how an array is stored: small ones as they are, others compressed in chunks, last dimensions whole."""
+    if values.nbytes < _COMPRESS_FROM:
+        return {}
+    chunks = list(values.shape)
+    for index in range(len(chunks)):
+        while math.prod(chunks) * values.itemsize > _CHUNK and chunks[index] > 1:
+            chunks[index] = -(-chunks[index] // 2)
+    return {"chunks": tuple(chunks), "compression": "gzip", "compression_opts": 4, "shuffle": True}

@@ -1,0 +1,183 @@
+"""Results from HDF5: figures by name, read when asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.outputs import STATUSES, Variable
+from screwsim.results.netcdf import SEPARATOR
+from screwsim.results.schema import SCHEMA, Axis
+
+_REMEDY = "give a file that `screwsim run` or `screwsim sweep` wrote"
+
+
+class Group(Mapping[str, np.ndarray]):
+    """Variables of one group by name, arrays on the axes of the sweep; each is read once, when it is asked for.
+
+    Texts come as str, numbers as stored: NaN is where there is none, `status` is an index of `outputs.STATUSES`.
+    """
+
+    def __init__(self, path: Path, name: str, about: Mapping[str, Variable]) -> None:
+        self.name = name
+        self.about = about  # unit and meaning of each variable
+        self._path = path
+        self._read: dict[str, np.ndarray] = {}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self.about:
+            raise KeyError(f"{self.name} has no {name!r}; it has {', '.join(self.about) or 'nothing'}")
+        if name not in self._read:
+            with _opened(self._path) as file:
+                self._read[name] = _values(file[self.name], name)
+        return self._read[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.about)
+
+    def __len__(self) -> int:
+        return len(self.about)
+
+
+@dataclass(frozen=True)
+class Results:
+    """A results file: `axes` {dotted path: values [SI] or texts}, and one mapping a group."""
+
+    path: Path
+    attributes: Mapping[str, Any]
+    axis_list: tuple[Axis, ...]
+    inputs: Group
+    performance: Group
+    balance: Group
+    error: Group
+    numerics: Group
+    cycle: Group  # with `angle`; empty unless the traces were kept
+
+    @property
+    def scene_yaml(self) -> str:
+        """The scene's text, overrides included."""
+        return self.attributes["scene_yaml"]
+
+    @property
+    def axes(self) -> dict[str, np.ndarray]:
+        """Values of each axis by its dotted path, in the order of the dimensions."""
+        return {axis.path: axis.values for axis in self.axis_list}
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values on each axis; () for one run."""
+        return tuple(len(axis.values) for axis in self.axis_list)
+
+    @cached_property
+    def status(self) -> np.ndarray:
+        """Status of each case as a word."""
+        return np.array([*STATUSES, "not_computed"])[self.performance["status"]]
+
+    @property
+    def messages(self) -> np.ndarray:
+        """Why each case failed or did not close; empty where it did neither."""
+        return self.performance["message"]
+
+    def to_xarray(self, group: str | None = "performance") -> Any:
+        """Return one group as an xarray.Dataset; None: all in one, names of other groups with their prefix."""
+        from screwsim.results.dataset import dataset
+
+        return dataset(self, group)
+
+
+def open_results(path: str | Path) -> Results:
+    """Return the results in a file; raise UsageError, in one line, when it is not a results file of ours."""
+    path = Path(path)
+    with _opened(path) as file:
+        attributes = _root(path, file)
+        try:
+            return _results(path, file, attributes)
+        except KeyError as error:
+            raise UsageError(f"{path}: is not a complete results file: {error.args[0]} ({_REMEDY})") from error
+
+
+def _results(path: Path, file: Any, attributes: Mapping[str, Any]) -> Results:
+    axes = tuple(_axis(data) for data in file["performance"].values() if "path" in data.attrs)
+    names = tuple(axis.name for axis in axes)
+    groups = ("inputs", "performance", "balance", "error", "numerics", "cycle")
+    return Results(path, attributes, axes, *(_group(path, file, name, names) for name in groups))
+
+
+def _group(path: Path, file: Any, name: str, axes: tuple[str, ...]) -> Group:
+    if name == "cycle" and name not in file:
+        return Group(path, name, {})
+    return Group(path, name, _about_all(file[name], axes))
+
+
+def _about_all(group: Any, axes: tuple[str, ...]) -> dict[str, Variable]:
+    """Return unit and meaning of the variables that are no axis, no texts of numbers, no bare dimension."""
+    texts = {f"{name}_text" for name in group}
+    return {
+        name: _about(data)
+        for name, data in group.items()
+        if name not in axes and name not in texts and "units" in data.attrs
+    }
+
+
+def _about(data: Any) -> Variable:
+    return Variable(_text(data.attrs["units"]), _text(data.attrs["long_name"]))
+
+
+def _axis(data: Any) -> Axis:
+    values = data[()]
+    if "labels" in data.attrs:
+        values = np.array(_text(data.attrs["labels"]).split("\n"))[values]
+    return Axis(_text(data.attrs["path"]), values, *_about(data))
+
+
+def _values(group: Any, name: str) -> np.ndarray:
+    """Return a variable; texts as str, also those that are stored as numbers of a text in `<name>_text`."""
+    values = np.asarray(group[name][()])
+    if f"{name}_text" in group:
+        return np.array(_string(group[f"{name}_text"][()]).split(SEPARATOR))[values]
+    return np.array(_string(values)) if values.dtype.kind == "S" else values
+
+
+def _string(characters: np.ndarray) -> str:
+    return characters.tobytes().decode().rstrip("\0")
+
+
+def _text(value: Any) -> Any:
+    return value.decode() if isinstance(value, bytes) else value
+
+
+def _root(path: Path, file: Any) -> dict[str, Any]:
+    """Return the attributes of a file that this version can read."""
+    if "screwsim_schema" not in file.attrs:
+        raise UsageError(f"{path}: is an HDF5 file of another program ({_REMEDY})")
+    attributes = {name: _text(value) for name, value in file.attrs.items()}
+    schema = int(attributes["screwsim_schema"])
+    if schema > SCHEMA:
+        source = attributes.get("source", "a newer screwsim")
+        raise UsageError(f"{path}: was written by {source} in schema {schema}, newer than {SCHEMA} (update screwsim)")
+    return attributes
+
+
+def _opened(path: Path) -> Any:
+    """Open an HDF5 file to read; raise UsageError with what is wrong with it."""
+    import h5py
+
+    if not path.exists():
+        raise UsageError(f"{path}: there is no such file ({_REMEDY})")
+    if path.is_dir():
+        raise UsageError(f"{path}: is a folder ({_REMEDY})")
+    try:
+        with path.open("rb"):
+            pass
+        if not h5py.is_hdf5(path):
+            raise UsageError(f"{path}: is not an HDF5 file ({_REMEDY})")
+        return h5py.File(path, "r")
+    except OSError as error:
+        why = "may not be read" if isinstance(error, PermissionError) else "is damaged or cut short"
+        raise UsageError(f"{path}: {why} (write it again, or {_REMEDY})") from error

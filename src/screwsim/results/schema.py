@@ -1,0 +1,153 @@
+"""What a results file says beside the figures: identity of the scene, inputs, axes, versions.
+
+Groups: inputs, performance, balance, error, numerics (one value per case on the axes of the sweep), cycle (traces).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.declare import KINDS
+from screwsim.outputs import BALANCE, NUMERICS, PERFORMANCE, Variable
+from screwsim.results.table import FIGURES
+from screwsim.scene.types import Scene
+
+SCHEMA = 1  # raise when a reader of the older files would misread a newer one
+_LIBRARIES = ("numpy", "scipy", "numba", "CoolProp")
+_NUMERIC = {"number": "1", "count": "1", **{name: kind.si for name, kind in KINDS.items()}}
+
+
+class Axis(NamedTuple):
+    """One axis of a sweep: `values` are numbers [SI], or texts (a fluid, a kind)."""
+
+    path: str
+    values: np.ndarray
+    units: str
+    long_name: str
+
+    @property
+    def name(self) -> str:
+        """Name of the coordinate variable."""
+        return variable_name(self.path)
+
+
+class Input(NamedTuple):
+    """One declared field of a scene with its value [SI]."""
+
+    path: str
+    kind: str
+    doc: str
+    value: Any
+
+
+def variable_name(path: str) -> str:
+    """Return the HDF5 name of a dotted path."""
+    return path.replace(".", "_")
+
+
+def figure_variable(group: str, name: str) -> Variable:
+    """Return unit and meaning of a figure of a group."""
+    if group == "error":
+        return Variable("1", f"estimated relative numerical error of {name}")
+    return {"performance": PERFORMANCE, "balance": BALANCE, "numerics": NUMERICS}[group][name]
+
+
+def axis_of(path: str, values: Sequence[Any], units: str, long_name: str) -> Axis:
+    """Return an axis; values that are not all numbers are kept as texts."""
+    if all(isinstance(value, int | float | np.number) for value in values):
+        return Axis(path, np.array(values, float), units, long_name)
+    return Axis(path, np.array([str(value) for value in values], np.str_), "1", long_name)
+
+
+def axes_of(scene: Scene) -> tuple[Axis, ...]:
+    """Return the axes of the scene's sweep, in its order (none: one case)."""
+    from screwsim.scene import grid
+
+    found = []
+    for path, values in grid.axes(scene).items():
+        _, units = grid.axis_label(path, scene)
+        found.append(axis_of(path, values, units or "1", grid.leaf_of(scene, path).doc))
+    return tuple(found)
+
+
+def inputs_of(part: Any, path: str = "") -> Iterator[Input]:
+    """Yield every declared field below a part of a scene, depth first."""
+    if isinstance(part, Mapping):
+        for name, active in part.items():
+            yield from inputs_of(active.parameters, f"{path}.{name}")
+        return
+    for field in dataclasses.fields(part):
+        value = getattr(part, field.name)
+        inner = f"{path}.{field.name}" if path else field.name
+        if "kind" in field.metadata:
+            yield Input(inner, field.metadata["kind"], field.metadata["doc"], value)
+        elif field.name == "effects" or dataclasses.is_dataclass(value):
+            yield from inputs_of(value, inner)
+
+
+def numeric_inputs(scene: Scene) -> Iterator[tuple[str, Variable, float]]:
+    """Yield (path, unit and meaning, value [SI]) of every numeric input; NaN when it is not given."""
+    for path, kind, doc, value in inputs_of(scene):
+        if kind in _NUMERIC:
+            yield path, Variable(_NUMERIC[kind], doc), np.nan if value is None else float(value)
+
+
+def digest(text: str) -> str:
+    """Return the SHA-256 of a text."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def fingerprint(scene: Scene) -> str:
+    """Return what tells results apart: scene, contents of its files, figures stored, schema and version.
+
+    Only results of one fingerprint may be mixed in one file. The folder of the scene does not matter.
+    """
+    parts = [str(SCHEMA), version(), repr(FIGURES), scene.text]
+    named = [entry.value for entry in inputs_of(scene) if entry.kind == "file" and entry.value]
+    swept = [value for values in scene.sweep.values() for value in values if isinstance(value, str)]
+    for name in (*named, *swept):
+        file = Path(scene.folder) / name
+        if file.is_file():
+            parts.append(hashlib.sha256(file.read_bytes()).hexdigest())
+    return digest("\0".join(parts))
+
+
+def version() -> str:
+    """Return the version of this package."""
+    from screwsim import __version__
+
+    return __version__
+
+
+def _library_version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def root_attributes(scene: Scene, command: str) -> dict[str, str | int]:
+    """Return the attributes of the file; only `history` depends on the moment."""
+    moment = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    attributes: dict[str, str | int] = {
+        "Conventions": "CF-1.11",
+        "title": scene.title or "screwsim results",
+        "source": f"screwsim {version()}",
+        "history": f"{moment} screwsim {version()} {command}",
+        "screwsim_schema": SCHEMA,
+        "screwsim_version": version(),
+        "screwsim_fingerprint": fingerprint(scene),
+        "scene_yaml": scene.text,
+        "scene_sha256": digest(scene.text),
+        "python_version": platform.python_version(),
+    }
+    return attributes | {f"{name.lower()}_version": _library_version(name) for name in _LIBRARIES}

@@ -1,0 +1,135 @@
+"""Results of many cases as columns: compact to send between processes, to store and to write."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from screwsim.outputs import BALANCE, CYCLE, NUMERICS, NUMERICS_TEXT, PERFORMANCE, STATUSES, Result
+
+GROUPS: Mapping[str, tuple[str, ...]] = {
+    "performance": tuple(PERFORMANCE),
+    "balance": tuple(BALANCE),
+    "error": tuple(PERFORMANCE),
+    "numerics": tuple(NUMERICS),
+}
+FIGURES = tuple((group, name) for group, names in GROUPS.items() for name in names)
+COLUMN = {figure: index for index, figure in enumerate(FIGURES)}
+TEXTS = ("message", "warnings", "notes", *NUMERICS_TEXT)
+NOT_COMPUTED = -1  # the status of a case without a result
+
+
+@dataclass(frozen=True)
+class Table:
+    """Results of consecutive cases: row = case, SI units.
+
+    `status` int8 (cases,); `figures` float64 (cases, FIGURES), NaN where a figure is None; `texts` {name: str
+    array (cases,)}; `angle` [degree] (points,), empty without traces; `traces` {name: float64 (cases, points)},
+    NaN for a case without a cycle. `traces` may read from disk when it is asked.
+    """
+
+    status: np.ndarray
+    figures: np.ndarray
+    texts: Mapping[str, np.ndarray]
+    effects: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    angle: np.ndarray = field(default_factory=lambda: np.empty(0))
+    traces: Mapping[str, np.ndarray] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def column(self, group: str, name: str) -> np.ndarray:
+        """Return one figure of all cases (cases,)."""
+        return self.figures[:, COLUMN[group, name]]
+
+
+def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
+    """Return the columns of results; a figure that `outputs` does not name is a ValueError."""
+    figures = np.full((len(results), len(FIGURES)), np.nan)
+    for row, result in enumerate(results):
+        _fill_row(figures[row], result)
+    with_cycle = [row for row, result in enumerate(results) if keep_cycle and len(result.cycle)]
+    angle = np.asarray(results[with_cycle[0]].cycle["angle"], float) if with_cycle else np.empty(0)
+    return Table(
+        status=np.array([STATUSES.index(result.status) for result in results], np.int8),
+        figures=figures,
+        texts={name: np.array([_text(result, name) for result in results], np.str_) for name in TEXTS},
+        effects=next((result.effects for result in results if result.effects), ()),
+        states=next((result.states for result in results if result.states), ()),
+        angle=angle,
+        traces=_traces(results, with_cycle, angle),
+    )
+
+
+def _fill_row(row: np.ndarray, result: Result) -> None:
+    for group in GROUPS:
+        for name, value in getattr(result, group).items():
+            if name in NUMERICS_TEXT:
+                continue
+            if (group, name) not in COLUMN:
+                raise ValueError(f"{group}.{name} has no entry in screwsim.outputs (add its unit and meaning there)")
+            row[COLUMN[group, name]] = np.nan if value is None else value
+
+
+def _text(result: Result, name: str) -> str:
+    if name == "message":
+        return result.message
+    if name == "warnings":
+        return "\n".join(result.warnings)
+    if name == "notes":
+        return "\n".join(f"{figure}: {why}" for figure, why in result.notes.items())
+    return str(result.numerics.get(name) or "")
+
+
+def trace_names(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the names of traces, those of `outputs` first, without the angle; a fixed order whatever came first."""
+    found = set(names) - {"angle"}
+    known = [name for name in CYCLE if name in found]
+    return (*known, *sorted(found.difference(known)))
+
+
+def _traces(results: Sequence[Result], rows: Sequence[int], angle: np.ndarray) -> dict[str, np.ndarray]:
+    traces: dict[str, np.ndarray] = {}
+    for name in trace_names(name for row in rows for name in results[row].cycle):
+        traces[name] = np.full((len(results), len(angle)), np.nan)
+    for row in rows:
+        same_angles(angle, np.asarray(results[row].cycle["angle"], float))
+        for name in trace_names(results[row].cycle):
+            traces[name][row] = results[row].cycle[name]
+    return traces
+
+
+def same_angles(angle: np.ndarray, other: np.ndarray) -> None:
+    """Raise ValueError unless both are one grid (1e-9 degree): the traces of a sweep share one coordinate."""
+    if angle.shape != other.shape or not np.allclose(angle, other, rtol=0.0, atol=1e-9):
+        raise ValueError("the cycles of one sweep must share their angles")
+
+
+def join(tables: Sequence[Table], traces: Mapping[str, np.ndarray] | None = None) -> Table:
+    """Return one table of consecutive tables; `traces`, when given, stand for those of the tables."""
+    angle = next((table.angle for table in tables if table.angle.size), np.empty(0))
+    for table in tables:
+        if table.angle.size:
+            same_angles(angle, table.angle)
+    return Table(
+        status=np.concatenate([table.status for table in tables]),
+        figures=np.concatenate([table.figures for table in tables]),
+        texts={name: np.concatenate([table.texts[name] for table in tables]) for name in TEXTS},
+        effects=next((table.effects for table in tables if table.effects), ()),
+        states=next((table.states for table in tables if table.states), ()),
+        angle=angle,
+        traces=_joined_traces(tables, angle.size) if traces is None else traces,
+    )
+
+
+def _joined_traces(tables: Sequence[Table], points: int) -> dict[str, np.ndarray]:
+    names = trace_names(name for table in tables for name in table.traces)
+    return {name: np.concatenate([rows_of(table, name, points) for table in tables]) for name in names}
+
+
+def rows_of(table: Table, name: str, points: int) -> np.ndarray:
+    """Return the trace (cases, points) of a table, NaN when the table has none of that name."""
+    return table.traces[name] if name in table.traces else np.full((len(table), points), np.nan)

@@ -1,0 +1,131 @@
+"""What only the whole scene shows: ranges of angles, pressures, oil and its supply, effects, curve files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import Any
+
+from screwsim.declare import KINDS
+from screwsim.faults import Fault, UsageError
+from screwsim.machine.settings import check_twin_screw
+from screwsim.scene.fields import leaf_paths
+from screwsim.scene.types import Scene
+from screwsim.scene.units import format_quantity
+
+CURVE_COLUMNS = {"machine.volume.file": "volume_m3"}  # any other curve is an area
+AREA_COLUMN = "area_m2"
+
+
+def cross_check(scene: Scene) -> list[Fault]:
+    """Return the faults of a scene, or of one case of its grid, whose fields are each valid."""
+    return [
+        *check_twin_screw(scene.machine),
+        *_pressures(scene),
+        *_suction(scene),
+        *_oil_supply(scene),
+        *_effects(scene),
+    ]
+
+
+def _pressures(scene: Scene) -> Iterator[Fault]:
+    suction, discharge = scene.operation.suction.pressure, scene.operation.discharge.pressure
+    p_s, p_d = (format_quantity(KINDS["pressure"], value) for value in (suction, discharge))
+    path = "operation.discharge.pressure"
+    if suction == discharge:
+        yield Fault(path, f"{p_d} equals the suction pressure (nothing is compressed; choose another)")
+    elif scene.machine.mode == "compressor" and discharge < suction:
+        yield Fault(path, f"{p_d} is below the suction pressure {p_s} (raise it, or write machine.mode: expander)")
+    elif scene.machine.mode == "expander" and discharge > suction:
+        yield Fault(path, f"{p_d} is above the suction pressure {p_s} (lower it, or write machine.mode: compressor)")
+
+
+def _suction(scene: Scene) -> Iterator[Fault]:
+    suction = scene.operation.suction
+    if suction.temperature is None and suction.superheat is None:
+        yield Fault("operation.suction.temperature", "is missing (give temperature or superheat)")
+    if suction.temperature is not None and suction.superheat is not None:
+        yield Fault("operation.suction.superheat", "is given beside temperature (remove one of the two)")
+
+
+def _oil_supply(scene: Scene) -> Iterator[Fault]:
+    supply = scene.oil_supply
+    if supply is None:
+        return
+    if scene.oil is None:
+        yield Fault("oil", "is missing (oil_supply needs it: write density and heat_capacity, or remove oil_supply)")
+    if supply.kind == "pump":
+        yield from _pump(scene)
+    if supply.kind == "displacement":
+        yield from _displacement(scene)
+
+
+def _pump(scene: Scene) -> Iterator[Fault]:
+    supply = scene.oil_supply
+    assert supply is not None
+    if supply.ratio is None:
+        yield Fault("oil_supply.ratio", "is missing (kind: pump needs it, e.g. ratio: 3)")
+    for name in ("orifice_diameter", "orifice_length"):
+        if getattr(supply, name) is not None:
+            yield Fault(f"oil_supply.{name}", "belongs to kind: displacement (remove it, or change the kind)")
+
+
+def _displacement(scene: Scene) -> Iterator[Fault]:
+    supply = scene.oil_supply
+    assert supply is not None
+    if supply.ratio is not None:
+        yield Fault("oil_supply.ratio", "belongs to kind: pump; displacement finds it from the orifice (remove it)")
+    if supply.source != "separator":
+        yield Fault("oil_supply.source", "belongs to kind: pump; displacement draws from the separator (remove it)")
+    if supply.orifice_diameter is None:
+        yield Fault("oil_supply.orifice_diameter", "is missing (kind: displacement needs it, e.g. 3 mm)")
+    if scene.oil is not None and scene.oil.viscosity is None:
+        yield Fault("oil.viscosity", "is missing (oil_supply.kind: displacement needs it, e.g. viscosity: 20 mPa s)")
+
+
+def _effects(scene: Scene) -> Iterator[Fault]:
+    lacking = [name for name in ("oil", "oil_supply") if getattr(scene, name) is None]
+    for name, active in scene.effects.items():
+        path = f"effects.{name}"
+        if name in ("suction_port", "discharge_port") and getattr(scene.machine, name) is None:
+            yield Fault(path, f"needs the section machine.{name} (write it, or remove the effect)")
+        if active.effect.needs_oil and lacking:
+            yield Fault(path, f"needs {' and '.join(lacking)}, absent here (write that, or remove the effect)")
+        elif active.effect.check is not None:
+            yield from active.effect.check(active.parameters, scene)
+
+
+def check_files(scene: Scene) -> list[Fault]:
+    """Return the faults of the curve files that a scene names: not there, not readable, not a curve."""
+    leaves = leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()})
+    faults = []
+    for path in (path for path, leaf in leaves.items() if leaf.kind == "file"):
+        name = value_at(scene, path)
+        what = None if name is None else _curve_fault(name, CURVE_COLUMNS.get(path, AREA_COLUMN), scene.folder)
+        if what is not None:
+            faults.append(Fault(path, what))
+    return faults
+
+
+def _curve_fault(name: str, column: str, folder: str) -> str | None:
+    shown = repr(os.path.relpath(name, folder))
+    if not os.path.isfile(name):
+        return f"{shown} is not a file in {folder} (name an existing CSV file, relative to the scene)"
+    from screwsim.numerics.spline import read_curve
+
+    try:
+        read_curve(name, column)
+    except UsageError as error:
+        return f"{shown}: {str(error).removeprefix(f'{name}: ')}"
+    return None
+
+
+def value_at(scene: Scene, path: str) -> Any:
+    """Return the value [SI] at a dotted path, None where an optional section or value is absent."""
+    if path.startswith("effects."):
+        name, _, parameter = path.removeprefix("effects.").rpartition(".")
+        return getattr(scene.effects[name].parameters, parameter)
+    value: Any = scene
+    for name in path.split("."):
+        value = None if value is None else getattr(value, name)
+    return value

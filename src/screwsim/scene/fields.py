@@ -1,0 +1,124 @@
+"""What a scene may contain, read from the dataclasses: sections and leaves, and every dotted path."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import types
+import typing
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from screwsim.declare import KINDS, Kind
+from screwsim.scene.types import Scene
+from screwsim.scene.units import Refused
+
+APART = ("effects", "sweep", "text", "folder")  # parts of a scene that are not plain sections
+SWEEPABLE = {*KINDS, "number", "count", "choice"}
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """One input: its kind (a name of `KINDS`, or number, count, choice, word, file), default [SI] and limits."""
+
+    kind: str
+    doc: str
+    default: Any
+    limits: Mapping[str, Any]
+
+    @property
+    def required(self) -> bool:
+        return self.default is dataclasses.MISSING
+
+    @property
+    def dimension(self) -> Kind | None:
+        """Return the dimension of a quantity, None for anything else."""
+        return KINDS.get(self.kind)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A mapping of inputs that becomes the dataclass `type`."""
+
+    type: type
+    required: bool
+    fields: Mapping[str, Leaf | Section]
+    doc: str
+
+
+@cache
+def section_of(cls: type, required: bool = True) -> Section:
+    """Return the description of a dataclass whose fields are declared; raise TypeError for any that is not."""
+    hints = typing.get_type_hints(cls)
+    fields = {
+        item.name: _describe(cls, item, hints[item.name])
+        for item in dataclasses.fields(cls)
+        if not (cls is Scene and item.name in APART)
+    }
+    if "title" in fields:  # people write it first
+        fields = {"title": fields.pop("title"), **fields}
+    return Section(cls, required, fields, (cls.__doc__ or "").strip().splitlines()[0] if cls.__doc__ else "")
+
+
+def _describe(cls: type, item: Any, hint: Any) -> Leaf | Section:
+    if "kind" in item.metadata:
+        meta = item.metadata
+        return Leaf(meta["kind"], meta["doc"], item.default, meta["limits"])
+    optional = isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
+    inner = [part for part in typing.get_args(hint) if part is not type(None)] if optional else [hint]
+    if len(inner) != 1 or not dataclasses.is_dataclass(inner[0]):
+        raise TypeError(f"{cls.__module__}.{cls.__name__}.{item.name} is not declared (use screwsim.declare)")
+    defaulted = item.default is not dataclasses.MISSING and item.default is not None
+    return section_of(typing.cast(type, inner[0]), not optional and not defaulted)
+
+
+def scene_section() -> Section:
+    """Return the sections of a scene without `effects` and `sweep`."""
+    return section_of(Scene)
+
+
+def _leaves(section: Section, path: str) -> Iterable[tuple[str, Leaf]]:
+    for name, item in section.fields.items():
+        below = f"{path}{name}"
+        if isinstance(item, Leaf):
+            yield below, item
+        else:
+            yield from _leaves(item, f"{below}.")
+
+
+def leaf_paths(parameters: Mapping[str, type]) -> dict[str, Leaf]:
+    """Return {dotted path: leaf} of a scene with the given effects ({name: type of their parameters})."""
+    found = dict(_leaves(scene_section(), ""))
+    for name, cls in parameters.items():
+        found.update(_leaves(section_of(cls), f"effects.{name}."))
+    return found
+
+
+def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] = ()) -> Leaf:
+    """Return the leaf of a path that may be varied; raise `Refused`. `known` are names of effects not active."""
+    leaves = leaf_paths(parameters)
+    leaf = leaves.get(path)
+    if leaf is not None and leaf.kind in SWEEPABLE:
+        return leaf
+    if leaf is not None:
+        raise Refused("cannot be varied (only quantities, numbers and choices can)")
+    head, _, rest = path.partition(".")
+    inactive = next((name for name in known if rest == name or rest.startswith(f"{name}.")), None)
+    if head == "effects" and inactive is not None and inactive not in parameters:
+        raise Refused(f"the effect {inactive} is not active (name it under effects, or remove this axis)")
+    below = [name for name in leaves if name.startswith(f"{path}.")]
+    if below:
+        raise Refused(f"is a section, not a value (write e.g. {below[0]})")
+    options = [name for name, item in leaves.items() if item.kind in SWEEPABLE]
+    raise Refused(unknown(path, options, "a dotted path as in the scene"))
+
+
+def unknown(name: str, options: Iterable[str], otherwise: str = "") -> str:
+    """Return 'is not known' with the nearest option, or with all of them when none is near."""
+    options = list(options)
+    near = difflib.get_close_matches(name, options, n=1, cutoff=0.6)
+    if near:
+        return f"is not known; did you mean '{near[0]}'?"
+    return f"is not known (use {otherwise})" if otherwise else f"is not known; known here: {', '.join(options) or '-'}"

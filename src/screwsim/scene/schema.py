@@ -1,0 +1,131 @@
+"""JSON Schema of a scene, for editors and other programs, from the same declarations that read it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from screwsim.declare import KINDS, Kind
+from screwsim.effects import catalogue
+from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_section, section_of
+from screwsim.scene.units import NUMBER
+from screwsim.scene.values import limits_text, text_of
+
+OWN_EFFECT = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect
+_BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12). What a scene must have is demanded only where it has no base."""
+    section = scene_section()
+    effects = {name: section_of(effect.parameters) for name, effect in catalogue().items()}
+    base = "another scene's file, whose paths this one changes"
+    properties: dict[str, Any] = {"base": {"type": ["string", "null"], "description": base}}
+    properties |= _section(section)["properties"]
+    properties["effects"] = {
+        "type": ["object", "null"],
+        "description": "an effect that is named is simulated, one that is not named is not",
+        "properties": {
+            name: {**_section(part), "description": catalogue()[name].title} for name, part in effects.items()
+        },
+        "patternProperties": {OWN_EFFECT: {"type": ["object", "null"]}},
+        "additionalProperties": False,
+    }
+    properties["sweep"] = _sweep()
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "screwsim scene",
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": False,
+        "anyOf": [{"required": ["base"]}, {"$ref": "#/$defs/complete"}],
+        "$defs": {
+            "complete": _demands(section, effects),
+            **{f"axis_{kind}": _axis(_example(kind)) for kind in sorted(SWEEPABLE - {"choice"})},
+        },
+    }
+
+
+def _section(section: Section) -> dict[str, Any]:
+    properties = {
+        name: _section(item) if isinstance(item, Section) else _leaf(item) for name, item in section.fields.items()
+    }
+    return {
+        "type": ["object", "null"],
+        "description": section.doc,
+        "properties": properties,
+        "additionalProperties": False,
+    }
+
+
+def _leaf(leaf: Leaf) -> dict[str, Any]:
+    limits = limits_text(leaf)
+    found = {"description": f"{leaf.doc} ({limits})" if limits else leaf.doc, **_value(leaf)}
+    if not leaf.required and leaf.default is not None:
+        found["default"] = text_of(leaf, leaf.default) if leaf.dimension else leaf.default
+    if not leaf.required and "enum" in found:
+        found["enum"] = [*found["enum"], None]
+    elif not leaf.required:
+        found["type"] = [found["type"], "null"]
+    return found
+
+
+def _value(leaf: Leaf) -> dict[str, Any]:
+    if leaf.dimension is not None:
+        return _quantity(leaf.dimension)
+    if leaf.kind == "choice":
+        return {"enum": list(leaf.limits["options"])}
+    bounds = {_BOUNDS[name]: limit for name, limit in leaf.limits.items() if name in _BOUNDS}
+    return {"type": {"number": "number", "count": "integer"}.get(leaf.kind, "string"), **bounds}
+
+
+def _quantity(kind: Kind) -> dict[str, Any]:
+    return {"type": "string", "pattern": rf"^\s*{NUMBER}\s*[^\s0-9.,+-].*$", "examples": [kind.example]}
+
+
+def _demands(section: Section, effects: dict[str, Section] | None = None) -> dict[str, Any]:
+    """Return only what must be there, section by section."""
+    required = [name for name, item in section.fields.items() if item.required]
+    inner = {name: _demands(item) for name, item in section.fields.items() if isinstance(item, Section)}
+    if effects:
+        parts = {name: _demands(part) for name, part in effects.items()}
+        parts = {name: {"type": "object", **part} if part.get("required") else part for name, part in parts.items()}
+        inner["effects"] = {"properties": {name: part for name, part in parts.items() if part}}
+    inner = {name: part for name, part in inner.items() if part}
+    return {key: value for key, value in (("required", required), ("properties", inner)) if value}
+
+
+def _sweep() -> dict[str, Any]:
+    leaves = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
+    axes = {path: _axis_of(leaf) for path, leaf in leaves.items() if leaf.kind in SWEEPABLE}
+    return {
+        "type": ["object", "null"],
+        "description": "the grid is the product of all axes; a key is a whole dotted path",
+        "properties": axes,
+        "patternProperties": {r"^effects\.[^.]+(\.[^.]+){2,}$": {}},
+        "additionalProperties": False,
+    }
+
+
+def _axis_of(leaf: Leaf) -> dict[str, Any]:
+    if leaf.kind == "choice":
+        return {"type": "array", "items": {"enum": list(leaf.limits["options"])}, "minItems": 1}
+    return {"$ref": f"#/$defs/axis_{leaf.kind}"}
+
+
+def _example(kind: str) -> dict[str, Any]:
+    return _quantity(KINDS[kind]) if kind in KINDS else {"type": "integer" if kind == "count" else "number"}
+
+
+def _axis(value: dict[str, Any]) -> dict[str, Any]:
+    span = {
+        "type": "object",
+        "properties": {
+            "from": value,
+            "to": value,
+            "count": {"type": "integer", "minimum": 1},
+            "spacing": {"enum": ["linear", "log"], "default": "linear"},
+        },
+        "required": ["from", "to", "count"],
+        "additionalProperties": False,
+    }
+    return {"anyOf": [{"type": "array", "items": value, "minItems": 1}, span]}

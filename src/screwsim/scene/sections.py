@@ -1,0 +1,99 @@
+"""From nodes to the typed parts of a scene: sections and effects, with every fault at its place."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable
+from typing import Any
+
+from screwsim.effects import catalogue, find_effect
+from screwsim.effects.base import Effect
+from screwsim.scene.fields import Leaf, Section, section_of, unknown
+from screwsim.scene.types import ActiveEffect
+from screwsim.scene.units import Refused
+from screwsim.scene.values import convert, shown
+from screwsim.scene.yaml_tree import Node, Problem, join
+
+
+def read_section(section: Section, node: Node, path: str, problems: list[Problem], also: Iterable[str] = ()) -> Any:
+    """Return the dataclass of a section, or None after its faults were added; `also` are names read elsewhere."""
+    content = {} if node.value is None else node.value
+    if not isinstance(content, dict):
+        options = ", ".join(section.fields) or "nothing; write {}"
+        what = f"{shown(content)} is not a mapping (write lines NAME: value; known: {options})"
+        problems.append(Problem(node.place, path, what))
+        return None
+    before = len(problems)
+    options = [*section.fields, *also]
+    for name, child in content.items():
+        if name not in options:
+            problems.append(Problem(child.heading, join(path, name), unknown(name, options)))
+    values = {}
+    for name, item in section.fields.items():
+        child = content.get(name)
+        below = join(path, name)
+        if child is None or child.value is None:
+            _absent(item, child or node, below, problems)
+        elif isinstance(item, Section):
+            values[name] = read_section(item, child, below, problems)
+        else:
+            values[name] = read_leaf(item, child, below, problems)
+    return section.type(**values) if len(problems) == before else None
+
+
+def _absent(item: Leaf | Section, node: Node, path: str, problems: list[Problem]) -> None:
+    if isinstance(item, Section) and item.required:
+        needed = [name for name, field in item.fields.items() if field.required]
+        problems.append(Problem(node.heading, path, f"is missing (write it with {', '.join(needed or item.fields)})"))
+    if isinstance(item, Leaf) and item.required:
+        options = item.limits.get("options")
+        example = item.dimension.example if item.dimension else options[0] if options else "1"
+        remedy = f"write e.g. {path.rpartition('.')[2]}: {example}"
+        problems.append(Problem(node.heading, path, f"is missing ({remedy}; {item.doc})"))
+
+
+def read_leaf(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> Any:
+    """Return the SI value of a node, or None after its fault was added."""
+    try:
+        return convert(leaf, node.value, node.place.folder)
+    except Refused as refusal:
+        problems.append(Problem(node.place, path, str(refusal)))
+        return None
+
+
+def read_effects(node: Node | None, problems: list[Problem]) -> dict[str, ActiveEffect]:
+    """Return the active effects in the catalogue's order, the user's own after them in the order of the file."""
+    if node is None or node.value is None:
+        return {}
+    if not isinstance(node.value, dict):
+        what = f"{shown(node.value)} is not a mapping (write NAME: with its parameters under it, or NAME: null)"
+        problems.append(Problem(node.place, "effects", what))
+        return {}
+    rank = {name: index for index, name in enumerate(catalogue())}
+    active = {}
+    for name in sorted(node.value, key=lambda name: rank.get(name, len(rank))):
+        child, path = node.value[name], f"effects.{name}"
+        try:
+            effect, section = find(name)
+        except Refused as refusal:
+            problems.append(Problem(child.heading, path, str(refusal)))
+            continue
+        parameters = read_section(section, child, path, problems)
+        active[name] = ActiveEffect(effect, parameters)
+    return active
+
+
+def find(name: str) -> tuple[Effect, Section]:
+    """Return an effect and the description of its parameters; own ones may lie in the working folder."""
+    if "." in name and not {"", os.getcwd()} & set(sys.path):
+        sys.path.append(os.getcwd())  # last: it must not hide an installed package
+    try:
+        effect = find_effect(name)
+        return effect, section_of(effect.parameters)
+    except KeyError:
+        raise Refused(unknown(name, catalogue())) from None
+    except ImportError as error:
+        raise Refused(f"cannot be imported ({error}); tried PYTHONPATH and the working folder (is it there?)") from None
+    except Exception as error:  # a module of the user's may raise anything
+        raise Refused(f"fails on import ({type(error).__name__}: {error}); mend that module") from None

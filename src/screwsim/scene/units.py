@@ -1,0 +1,155 @@
+"""Quantities as people write them: '3000 rpm' to 314.159 rad/s, and back.
+
+A regular expression splits number and unit, `float` reads the number and a table the usual units; pint is imported
+for other units only and sees the unit alone, because it would evaluate an expression (`9**9**9 m`) and misread `1,5`.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from typing import Any
+
+from screwsim.declare import KINDS, Kind
+
+
+class Refused(Exception):
+    """Say why a value is refused, with the remedy; the caller adds file, line and path."""
+
+
+NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+_QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*", re.DOTALL)
+_GAUGE = re.compile(r"(bar|mbar|[kM]?Pa|psi|atm)[ _]?(\(g\)|g|gauge)", re.IGNORECASE)
+
+# Grammar of what pint may see: names with a one-digit power, at most one level of brackets, no numbers.
+_TERM = r"[A-Za-z][A-Za-z_]*(?:\^-?[1-9](?![0-9]))?"
+_GROUP = rf"(?:{_TERM}|\({_TERM}(?:[ /]{_TERM})*\))"
+_UNIT = re.compile(rf"{_GROUP}(?:[ /]{_GROUP})*")
+_LONGEST_UNIT = 40
+
+_DEGREE = (math.pi / 180.0, 1.0)  # as in math.radians, so that angles written in code compare equal
+
+# SI unit -> {unit: (multiplier, divisor)}; one of the two is 1, so that reading rounds once only.
+_TABLE: dict[str, dict[str, tuple[float, float]]] = {
+    "m": {"m": (1, 1), "cm": (1, 1e2), "mm": (1, 1e3), "um": (1, 1e6)},
+    "m^2": {"m^2": (1, 1), "cm^2": (1, 1e4), "mm^2": (1, 1e6)},
+    "m^3": {"m^3": (1, 1), "cm^3": (1, 1e6), "mm^3": (1, 1e9), "l": (1, 1e3), "L": (1, 1e3), "ml": (1, 1e6)},
+    "Pa": {"Pa": (1, 1), "hPa": (1e2, 1), "kPa": (1e3, 1), "MPa": (1e6, 1), "bar": (1e5, 1), "mbar": (1e2, 1)},
+    "K": {"K": (1, 1)},
+    "rad/s": {"rad/s": (1, 1), "rpm": (math.pi, 30), "rev/s": (2 * math.pi, 1)},
+    "rad": {"rad": (1, 1), "deg": _DEGREE, "degree": _DEGREE, "degrees": _DEGREE},
+    "kg/m^3": {"kg/m^3": (1, 1), "g/cm^3": (1e3, 1), "kg/l": (1e3, 1), "kg/L": (1e3, 1)},
+    "J/(kg K)": {"J/(kg K)": (1, 1), "kJ/(kg K)": (1e3, 1), "J/(g K)": (1e3, 1)},
+    "Pa s": {"Pa s": (1, 1), "mPa s": (1, 1e3), "cP": (1, 1e3)},
+    "W/(m^2 K)": {"W/(m^2 K)": (1, 1), "kW/(m^2 K)": (1e3, 1)},
+}
+_SPELLINGS = (("µ", "u"), ("μ", "u"), ("°", "deg"), ("²", "^2"), ("³", "^3"), ("**", "^"), ("·", " "), ("*", " "))
+_TABLE_ONLY = {"rad", "rad/s"}  # pint takes turns, radians and counts for the same thing
+_CELSIUS = {"degC", "celsius"}
+ZERO_CELSIUS = 273.15
+
+
+def describe(kind: Kind) -> str:
+    """Return a kind with its article: 'a length', 'an area'."""
+    name = kind.name.replace("_", " ")
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+
+
+def tidy_unit(unit: str) -> str:
+    """Return a unit in the table's spelling: 'W/m²/K' gives 'W/(m^2 K)'."""
+    for old, new in _SPELLINGS:
+        unit = unit.replace(old, new)
+    unit = re.sub(r"\s*/\s*", "/", " ".join(unit.split()))
+    unit = re.sub(r"\(\s*(.*?)\s*\)", r"(\1)", unit)
+    unit = re.sub(r"(?<=[A-Za-z])([23])(?![0-9])", r"^\1", unit)
+    unit = re.sub(r"^deg C$", "degC", unit)
+    return re.sub(r"^([^/()]+)/([^/()]+)/([^/()]+)$", r"\1/(\2 \3)", unit)
+
+
+def parse_quantity(kind: Kind, text: str) -> float:
+    """Return a quantity such as '128 mm' in the SI unit of its kind; raise `Refused` with the remedy."""
+    shown = repr(text if len(text) <= 40 else text[:37] + "...")
+    wrong = Refused(f"{shown} is not {describe(kind)} (write e.g. '{kind.example}')")
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise wrong
+    if re.match(r",[0-9]", match[2]):
+        raise Refused(f"{shown} has a decimal comma (write a point, e.g. '{match[1]}.{match[2][1:]}')")
+    if not match[2]:
+        raise Refused(f"{shown} has no unit (write e.g. '{kind.example}')")
+    refuse_traps(kind, match[2], shown)
+    number, unit = float(match[1]), tidy_unit(match[2])
+    value = _from_table(kind, number, unit)
+    if value is None:
+        value = _from_pint(kind, number, unit)
+    if value is None:
+        raise wrong
+    if not math.isfinite(value):
+        raise Refused(f"{shown} is not finite (write e.g. '{kind.example}')")
+    return value
+
+
+def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
+    """Refuse units that mean two things: gauge pressures, Hz, degrees Celsius of a difference."""
+    if kind.si == "Pa" and _GAUGE.fullmatch(unit):
+        raise Refused(f"{shown} is a gauge pressure (write the absolute pressure, e.g. '{kind.example}')")
+    if kind.name == "speed" and unit.lower() in ("hz", "khz", "1/s", "s^-1"):
+        raise Refused(f"{shown} is ambiguous, turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")
+    offset = tidy_unit(unit) in _CELSIUS | {"degF", "fahrenheit"}
+    if kind.name == "temperature_difference" and offset:
+        raise Refused(f"{shown} is a temperature, not a difference (write kelvin, e.g. '{kind.example}')")
+
+
+def _from_table(kind: Kind, number: float, unit: str) -> float | None:
+    if kind.name == "temperature" and unit in _CELSIUS:
+        return number + ZERO_CELSIUS
+    factor = _TABLE[kind.si].get(unit)
+    return None if factor is None else number * factor[0] / factor[1]
+
+
+@cache
+def _registry() -> Any:
+    import pint  # 0.3 s, and usual scenes never need it
+
+    return pint.UnitRegistry()
+
+
+def _from_pint(kind: Kind, number: float, unit: str) -> float | None:
+    if kind.si in _TABLE_ONLY or len(unit) > _LONGEST_UNIT or not _UNIT.fullmatch(unit):
+        return None
+    import pint
+
+    try:
+        return float(_registry().Quantity(number, unit).to(kind.si).magnitude)
+    except (pint.PintError, AttributeError, TypeError, ValueError, ArithmeticError):
+        return None
+
+
+def customary_unit(kind: Kind) -> str:
+    """Return the unit in which a kind is shown: that of its example."""
+    return kind.example.partition(" ")[2]
+
+
+def to_customary(kind: Kind, value: float) -> float:
+    """Return an SI value in its customary unit, as a bare number."""
+    multiplier, divisor = _TABLE[kind.si][customary_unit(kind)]
+    return value * divisor / multiplier
+
+
+def format_quantity(kind: Kind, value: float) -> str:
+    """Return an SI value in its customary unit, so that reading the text gives the same float again."""
+    unit = customary_unit(kind)
+    number = to_customary(kind, value)
+    for digits in (12, 15, 16, 17):
+        text = f"{number:.{digits}g}"
+        if _from_table(kind, float(text), unit) == value:
+            return f"{text} {unit}"
+    for near in (math.nextafter(number, math.inf), math.nextafter(number, -math.inf)):
+        if _from_table(kind, near, unit) == value:
+            return f"{near!r} {unit}"
+    return f"{value!r} {kind.si}"
+
+
+# A declared example must be readable; a new kind without a row in the table fails here, not in a user's scene.
+assert all(customary_unit(kind) in _TABLE[kind.si] for kind in KINDS.values())

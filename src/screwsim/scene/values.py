@@ -1,0 +1,119 @@
+"""One value of a scene: from what YAML gives to SI, and back to text."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+from typing import Any
+
+from screwsim.scene.fields import Leaf
+from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
+
+
+def shown(raw: Any) -> str:
+    """Return a value of the YAML tree as a message shows it."""
+    if isinstance(raw, dict | list):
+        return "a mapping" if isinstance(raw, dict) else "a list"
+    if isinstance(raw, bool) or raw is None:
+        return "null" if raw is None else str(raw).lower()
+    text = repr(raw) if isinstance(raw, str) else _digits(raw)
+    return text if len(text) <= 42 else text[:39] + "...'"
+
+
+def _digits(raw: int | float) -> str:
+    return repr(raw) if isinstance(raw, float) or abs(raw) < 10**30 else "a huge number"
+
+
+def convert(leaf: Leaf, raw: Any, folder: str = ".") -> Any:
+    """Return the SI value of a scalar of the YAML tree, checked against the leaf; raise `Refused`."""
+    if leaf.dimension is not None:
+        return _limited(leaf, _quantity(leaf, raw), raw)
+    return _READERS[leaf.kind](leaf, raw, folder)
+
+
+def _quantity(leaf: Leaf, raw: Any) -> float:
+    kind = leaf.dimension
+    assert kind is not None
+    if isinstance(raw, str):
+        return parse_quantity(kind, raw)
+    if isinstance(raw, int | float) and not isinstance(raw, bool):
+        raise Refused(f"{shown(raw)} has no unit (write e.g. '{kind.example}')")
+    raise Refused(f"{shown(raw)} is not {describe_leaf(leaf)} (write e.g. '{kind.example}')")
+
+
+def describe_leaf(leaf: Leaf) -> str:
+    """Return what a leaf holds, with its article."""
+    name = "whole number" if leaf.kind == "count" else leaf.kind.replace("_", " ")
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+
+
+def _number(leaf: Leaf, raw: Any, folder: str) -> float:
+    if isinstance(raw, str):
+        text = raw.strip()
+        if re.fullmatch(NUMBER, text):
+            raise Refused(f"{shown(raw)} is text, not a number (write {text} without quotes)")
+        raise Refused(f"{shown(raw)} is not a plain number (write e.g. 0.5, without a unit)")
+    if isinstance(raw, bool) or not isinstance(raw, int | float):
+        raise Refused(f"{shown(raw)} is not a number (write e.g. 0.5)")
+    if not -1e300 < raw < 1e300:
+        raise Refused(f"{shown(raw)} is not a finite number (write e.g. 0.5)")
+    return _limited(leaf, float(raw), raw)
+
+
+def _count(leaf: Leaf, raw: Any, folder: str) -> int:
+    if isinstance(raw, bool) or not isinstance(raw, int) or abs(raw) > 10**9:
+        raise Refused(f"{shown(raw)} is not a whole number (write e.g. 4)")
+    return _limited(leaf, raw, raw)
+
+
+def _choice(leaf: Leaf, raw: Any, folder: str) -> str:
+    options = leaf.limits["options"]
+    if isinstance(raw, str) and raw in options:
+        return raw
+    near = difflib.get_close_matches(raw, options, n=1, cutoff=0.7) if isinstance(raw, str) else []
+    hint = f"; did you mean '{near[0]}'?" if near else ""
+    raise Refused(f"{shown(raw)} is not an option{hint} (choose from: {', '.join(options)})")
+
+
+def _word(leaf: Leaf, raw: Any, folder: str) -> str:
+    if not isinstance(raw, str):
+        raise Refused(f"{shown(raw)} is not text (write it in quotes)")
+    return raw
+
+
+def _file(leaf: Leaf, raw: Any, folder: str) -> str:
+    if not isinstance(raw, str) or not raw.strip() or "\0" in raw:
+        raise Refused(f"{shown(raw)} is not the name of a file (write e.g. volume.csv)")
+    return os.path.abspath(os.path.join(folder, raw))
+
+
+_READERS = {"number": _number, "count": _count, "choice": _choice, "word": _word, "file": _file}
+_WORDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
+_HOLDS = {
+    "gt": lambda value, limit: value > limit,
+    "ge": lambda value, limit: value >= limit,
+    "lt": lambda value, limit: value < limit,
+    "le": lambda value, limit: value <= limit * (1.0 + 1e-12) if limit > 0.0 else value <= limit,  # 720 deg is 4 pi
+}
+
+
+def _limited(leaf: Leaf, value: Any, raw: Any) -> Any:
+    if all(_HOLDS[name](value, limit) for name, limit in leaf.limits.items()):
+        return value
+    raise Refused(f"{shown(raw)} is out of range (it must be {limits_text(leaf)})")
+
+
+def limits_text(leaf: Leaf) -> str:
+    """Return the limits of a leaf in customary units: 'greater than 0 mm'."""
+    known = [f"{_WORDS[name]} {text_of(leaf, limit)}" for name, limit in leaf.limits.items() if name in _WORDS]
+    return " and ".join(known)
+
+
+def text_of(leaf: Leaf, value: Any) -> str:
+    """Return an SI value as YAML text that reads back to the same value (words are quoted by the caller)."""
+    if leaf.dimension is not None:
+        return format_quantity(leaf.dimension, value)
+    if leaf.kind == "number":
+        return repr(float(value)) if not float(value).is_integer() or abs(value) >= 1e15 else str(int(value))
+    return str(value)

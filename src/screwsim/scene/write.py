@@ -1,0 +1,69 @@
+"""A scene as canonical YAML: every value with its unit, in the order of the schema; reading it gives the same scene."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from typing import Any
+
+from screwsim.scene.fields import Leaf, Section, leaf_paths, scene_section, section_of
+from screwsim.scene.types import Scene
+from screwsim.scene.values import text_of
+
+
+def scene_text(scene: Scene) -> str:
+    """Return the YAML text that alone, beside its curve files, reproduces the scene; absent values are left out."""
+    lines = list(_section(scene_section(), scene, scene.folder, ""))
+    lines.append("effects:" if scene.effects else "effects: {}")
+    for name, active in scene.effects.items():
+        parameters = list(_section(section_of(type(active.parameters)), active.parameters, scene.folder, "    "))
+        lines += [f"  {_key(name)}:" if parameters else f"  {_key(name)}: {{}}", *parameters]
+    leaves = leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()})
+    lines += ["sweep:"] if scene.sweep else []
+    for path, values in scene.sweep.items():
+        texts = ", ".join(_scalar(leaves[path], value, scene.folder) for value in values)
+        lines.append(f"  {path}: [{texts}]")
+    return "\n".join(lines) + "\n"
+
+
+def _section(section: Section, value: Any, folder: str, indent: str) -> Iterator[str]:
+    for name, item in section.fields.items():
+        part = getattr(value, name)
+        if part is None:
+            continue
+        if isinstance(item, Section):
+            yield f"{indent}{name}:"
+            yield from _section(item, part, folder, indent + "  ")
+        else:
+            yield f"{indent}{name}: {_scalar(item, part, folder)}"
+
+
+def _scalar(leaf: Leaf, value: Any, folder: str) -> str:
+    if leaf.kind == "file":
+        return quoted(_relative(value, folder))
+    return quoted(value) if leaf.kind == "word" else text_of(leaf, value)
+
+
+def _relative(path: str, folder: str) -> str:
+    try:
+        return os.path.relpath(path, folder)
+    except ValueError:  # another drive
+        return path
+
+
+def _key(name: str) -> str:
+    return name if name.replace("_", "").replace(".", "").isalnum() else quoted(name)
+
+
+def quoted(text: str) -> str:
+    """Return a double-quoted YAML scalar."""
+    return '"' + "".join(_escaped(letter) for letter in text) + '"'
+
+
+def _escaped(letter: str) -> str:
+    if letter in '"\\':
+        return "\\" + letter
+    code = ord(letter)
+    if 0x20 <= code < 0x7F:
+        return letter
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"

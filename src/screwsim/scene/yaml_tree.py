@@ -1,0 +1,190 @@
+"""YAML text as a tree of nodes that know their file, line and column.
+
+Scalars follow YAML 1.2: `1e-3` is a number and `no` a word. Faults are collected, each with its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
+
+ROOT = "<root>"
+
+
+@dataclass(frozen=True, order=True)
+class Place:
+    """Where a node stands; `rank` orders files (scene, its base, overrides), `folder` resolves its file names."""
+
+    rank: int
+    source: str
+    line: int = 1
+    column: int = 1
+    folder: str = "."
+
+    def __str__(self) -> str:
+        return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
+
+    def at(self, line: int, column: int) -> Place:
+        """Return another position in the same source."""
+        return replace(self, line=line, column=column) if self.line else self
+
+
+@dataclass(frozen=True)
+class Node:
+    """A scalar, a list of nodes or a mapping of nodes; `key` is where its name stands in the mapping."""
+
+    value: Any
+    place: Place
+    key: Place | None = None
+
+    @property
+    def heading(self) -> Place:
+        """Return where to point when the node as a whole is meant."""
+        return self.key or self.place
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A fault with its place."""
+
+    place: Place
+    path: str
+    what: str
+
+    def __str__(self) -> str:
+        return one_line(f"{self.place}: {self.path or ROOT}: {self.what}")
+
+
+def one_line(text: str) -> str:
+    """Return a text without line breaks and control characters: a fault is one line."""
+    return "".join(letter if letter.isprintable() else " " for letter in text)
+
+
+def join(path: str, name: str) -> str:
+    """Return the dotted path of a child."""
+    return f"{path}.{name}" if path else name
+
+
+def compose(text: str, start: Place, problems: list[Problem], path: str = "") -> Node | None:
+    """Return the tree of a YAML text that begins at `start`, or None when it is not YAML or empty."""
+    try:
+        root = YAML(typ="safe", pure=True).compose(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = start if mark is None else start.at(mark.line + 1, mark.column + 1)
+        what = " ".join(str(error.problem or error.context).split())
+        problems.append(Problem(place, path, f"is not YAML: {what} (mend the indentation, brackets or quotes here)"))
+        return None
+    except YAMLError as error:
+        what = str(error).splitlines()[0]
+        problems.append(Problem(start, path, f"is not YAML: {what} (save the file as plain text)"))
+        return None
+    except RecursionError:
+        problems.append(Problem(start, path, "is nested too deeply (a scene has at most five levels)"))
+        return None
+    return None if root is None else _Converter(start, problems).convert(root, path)
+
+
+class _Converter:
+    """Turn ruamel's nodes into ours, each once: an alias shares the node of its anchor."""
+
+    def __init__(self, start: Place, problems: list[Problem]) -> None:
+        self.start = start
+        self.problems = problems
+        self.done: dict[int, Node | None] = {}
+
+    def convert(self, node: Any, path: str) -> Node:
+        place = self.place(node)
+        if id(node) not in self.done:
+            self.done[id(node)] = None  # while it stands so, the node is inside itself
+            self.done[id(node)] = Node(self.value(node, path), place)
+        found = self.done[id(node)]
+        if found is None:
+            self.problems.append(Problem(place, path, "contains itself (write the values out instead of the alias)"))
+            return Node(None, place)
+        return found
+
+    def place(self, node: Any) -> Place:
+        return self.start.at(node.start_mark.line + 1, node.start_mark.column + 1)
+
+    def value(self, node: Any, path: str) -> Any:
+        if isinstance(node, ScalarNode):
+            return scalar(node.tag, node.value)
+        if isinstance(node, SequenceNode):
+            return [self.convert(item, path) for item in node.value]
+        return dict(self.items(node, path))
+
+    def items(self, node: MappingNode, path: str) -> Iterator[tuple[str, Node]]:
+        seen: dict[str, Place] = {}
+        for key, child in node.value:
+            name, place = str(key.value), self.place(key)
+            what = None
+            if not isinstance(key, ScalarNode):
+                name, what = "?", "has a key that is not a word (write NAME: value)"
+            elif key.tag.endswith(":merge"):
+                what = "merge keys are not supported (write the keys out, or use base:)"
+            elif name in seen:
+                what = f"is there twice, first in line {seen[name].line} (remove one)"
+            if what is not None:
+                self.problems.append(Problem(place, join(path, name), what))
+                continue
+            seen[name] = place
+            yield name, replace(self.convert(child, join(path, name)), key=place)
+
+
+def scalar(tag: str, text: str) -> Any:
+    """Return the value of a YAML 1.2 scalar: None, bool, int, float or str."""
+    kind = tag.rpartition(":")[2]
+    try:
+        if kind == "int":
+            digits = text.replace("_", "")
+            return int(digits, 0) if digits.lstrip("+-")[:2].lower() in ("0x", "0o", "0b") else int(digits)
+        if kind == "float":
+            return float(text.replace("_", "").replace(".inf", "inf").replace(".nan", "nan"))
+    except ValueError:  # e.g. more digits than an int may have, .Inf
+        return text
+    if kind == "bool":
+        return text.lower() == "true"
+    return None if kind == "null" else text
+
+
+def merge(below: Node, above: Node) -> Node:
+    """Return `below` changed by `above`: mappings merge, anything else is replaced."""
+    if not (isinstance(below.value, dict) and isinstance(above.value, dict)):
+        return above
+    merged = dict(below.value)
+    for name, node in above.value.items():
+        merged[name] = merge(merged[name], node) if name in merged else node
+    return Node(merged, above.place, above.key)
+
+
+def step(mapping: dict[str, Node], path: str) -> tuple[str, str] | None:
+    """Return (key, rest) of the longest key that begins a dotted path; keys themselves may have dots."""
+    keys = [key for key in mapping if path == key or path.startswith(key + ".")]
+    if not keys:
+        return None
+    key = max(keys, key=len)
+    return key, path[len(key) + 1 :]
+
+
+def locate(root: Node, path: str) -> tuple[Node, bool]:
+    """Return the node at a dotted path, or its nearest ancestor, and whether the path itself was found."""
+    node = root
+    while path:
+        found = step(node.value, path) if isinstance(node.value, dict) else None
+        if found is None:
+            return node, False
+        node, path = node.value[found[0]], found[1]
+    return node, True
+
+
+def pointer(root: Node, path: str) -> Place:
+    """Return the place to show for a fault at a path: the value itself, else the heading of what it belongs to."""
+    node, found = locate(root, path)
+    leaf = found and node.value is not None and not isinstance(node.value, dict)  # null stands nowhere
+    return node.place if leaf else node.heading

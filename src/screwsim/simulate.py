@@ -1,0 +1,271 @@
+"""One scene → one result: build the parts, compose, close the cycle, take the figures."""
+
+from __future__ import annotations
+
+import math
+import time
+from functools import lru_cache
+
+import numpy as np
+
+from screwsim import performance
+from screwsim.build import build_parts, suction_temperature, wanted_of
+from screwsim.errors import relative_errors
+from screwsim.model import close as closing
+from screwsim.model.compose import Parts, compose
+from screwsim.model.guess import first_guess
+from screwsim.model.run import Machinery
+from screwsim.model.slots import (
+    ENTHALPY,
+    OIL_RATIO,
+    OIL_TEMPERATURE,
+    R_DISCHARGE,
+    R_INJECTED,
+    R_OIL_BEFORE,
+    R_PRESSURE,
+    R_RATIO,
+    R_SUCTION,
+    R_TRAPPED,
+)
+from screwsim.outputs import Figures, Result
+from screwsim.scene.types import Scene
+
+TRACE_ANGLES = np.arange(0.0, 720.5, 1.0)  # degrees
+FINER = 0.05  # tolerance and regularisation of the second solution that estimates the error
+
+
+@lru_cache(maxsize=8)
+def _shelf(text: str) -> dict[str, Machinery]:
+    return {}
+
+
+def machinery_for(parts: Parts) -> Machinery:
+    """Return working arrays for the parts; those of the last scene of the same structure are used again."""
+    composition = compose(parts)
+    shelf = _shelf(composition.text)
+    if "it" in shelf:
+        shelf["it"].composition = composition
+    else:
+        shelf["it"] = Machinery(composition)
+    return shelf["it"]
+
+
+class Solution:
+    """One scene being solved: the machinery, the lines, and what is asked of the closing."""
+
+    def __init__(self, scene: Scene, refine: float = 1.0) -> None:
+        self.scene = scene
+        self.parts = build_parts(scene, refine)
+        self.wanted = wanted_of(scene, refine)
+        operation = scene.operation
+        self.lines = performance.Lines(operation.suction.pressure, suction_temperature(scene), operation.discharge.pressure)
+        self.machinery = machinery_for(self.parts)
+        c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
+        self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
+
+    def _oil_in(self) -> tuple[float, float]:
+        T_oil = self.parts.oil.temperature if self.parts.oil else 0.0
+        return float(self.machinery.R[R_INJECTED]), T_oil
+
+    def start(self) -> closing.Array:
+        """Set the plenums and a first guess; return the state at 0°."""
+        machinery, lines, gas = self.machinery, self.lines, self.parts.gas
+        machinery.reset()
+        y = first_guess(self.parts, machinery.composition, machinery, lines.p_s, lines.T_s, lines.p_d)
+        T_d = self.scene.operation.discharge.temperature or float(y[0])
+        T_oil = self.parts.oil.temperature if self.parts.oil else lines.T_s
+        machinery.R[R_SUCTION : R_SUCTION + 8] = *gas.place(lines.p_s, lines.T_s), 0.0, T_oil
+        machinery.R[R_DISCHARGE : R_DISCHARGE + 8] = *gas.place(lines.p_d, T_d), 0.0, T_oil
+        return y
+
+    def close(self) -> closing.Closed:
+        """Close the cycle from the first guess."""
+        return closing.close(self, self.start())
+
+    def plenum(self) -> closing.Array:
+        """Return the discharge plenum's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
+        place = self.machinery.R[R_DISCHARGE:]
+        cells = (ENTHALPY, OIL_RATIO, OIL_TEMPERATURE) if self.machinery.composition.carried else (ENTHALPY,)
+        return np.array([max(float(place[cell]), 1e-12) for cell in cells])
+
+    def outflow(self, q: closing.Array) -> closing.Array:
+        """Return the plenum that the outflow of a cycle makes: its flow-weighted mean (M27), or the given temperature."""
+        mean = closing.discharge_enthalpy(self.balances.streams(q))
+        plenum = self.plenum()
+        if mean is None:
+            return plenum
+        if self.scene.operation.discharge.temperature is None:
+            plenum[0] = mean[0]
+        if len(plenum) == 3 and mean[1] > 0.0:
+            plenum[1:] = mean[1:]
+        return plenum
+
+    def set_plenum(self, plenum: closing.Array) -> None:
+        """Give the discharge plenum its enthalpy and oil."""
+        gas, p_d = self.parts.gas, self.lines.p_d
+        R = self.machinery.R
+        place = gas.place(p_d, gas.temperature(p_d, float(plenum[0])))
+        R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
+        if len(plenum) == 3:
+            R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:]
+
+    def residue(self, q: closing.Array) -> float:
+        """Return the larger of the relative residues of mass and energy."""
+        return max(self.balances.residues(q, float(self.machinery.R[R_TRAPPED]), self._h_suction())[:2])
+
+    def _h_suction(self) -> float:
+        return self.parts.gas.enthalpy(self.lines.p_s, self.lines.T_s)
+
+    # ---- taking the figures ----------------------------------------------------------------------------------
+
+    def figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
+        """Return performance figures, and why some are None."""
+        R, m = self.machinery.R, self.machinery
+        supply, oil = self.scene.oil_supply, self.scene.oil
+        source = self.lines.p_s if supply is not None and supply.source == "suction" else self.lines.p_d
+        limit = self.parts.geometry.widest_discharge()
+        times, dense, _, steps = m.last()
+        return performance.figures(
+            self.parts,
+            self.lines,
+            self.balances.streams(q),
+            float(q[0]),
+            trapped=float(R[R_TRAPPED]),
+            p_injection=float(R[R_PRESSURE]),
+            injected=float(R[R_INJECTED]),
+            d=float(R[R_RATIO]),
+            peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
+            oil_viscosity=oil.viscosity if oil is not None else None,
+            source_pressure=source,
+            oil_mean_temperature=self._oil_discharge_temperature(q),
+        )
+
+    def _oil_discharge_temperature(self, q: closing.Array) -> float | None:
+        """Return the oil's flow-weighted mean temperature at discharge; None without an oil temperature."""
+        c = self.machinery.composition
+        if not c.carried:
+            return self._paper_oil_temperature() if "T_oil" in c.states else None
+        mean = closing.discharge_enthalpy(self.balances.streams(q))
+        return mean[2] if mean is not None and mean[2] > 0.0 else None
+
+    def _paper_oil_temperature(self) -> float | None:
+        """Return the oil temperature weighted with the gas outflow, oil leaving at constant d (oil.transport: paper)."""
+        m = self.machinery
+        times, dense, _, steps = m.last()
+        heat, mass = m.module.trace__oil_with_outflow(times, dense, steps, m.context, m.composition.n_E)
+        return float(heat / mass) if mass != 0.0 else None
+
+    def balance(self, q: closing.Array) -> Figures:
+        """Return the balances of a closed cycle (contract: balance)."""
+        m, c = self.machinery, self.machinery.composition
+        mass, energy, oil_mass = self.balances.residues(q, float(m.R[R_TRAPPED]), self._h_suction())
+        residue = None
+        if "T_oil" in c.states and not c.carried:
+            times, dense, _, steps = m.last()
+            lost = m.module.trace__oil_lost_with_leaks(times, dense, steps, m.context, c.n_E)
+            residue = float(lost * c.P[5] * self.parts.omega / self.parts.geometry.pitch)
+        return Figures(
+            mass=mass, energy=energy, oil_mass=oil_mass if c.carried else None, oil_residue=residue, bound=self.wanted.bound
+        )
+
+    def cycle(self) -> dict[str, np.ndarray]:
+        """Return the traces over the angle (contract: cycle)."""
+        m, c = self.machinery, self.machinery.composition
+        out = np.empty((len(TRACE_ANGLES), 3 + len(c.states)))
+        flows = np.empty((len(TRACE_ANGLES), len(c.plenum_paths) + 2 * len(c.gap_paths)))
+        angles = np.minimum(np.radians(TRACE_ANGLES), self.parts.geometry.life)
+        m.module.trace__sample(angles, *m.last(), m.context, c.n_E, out, flows)
+        traces = {"angle": TRACE_ANGLES.copy(), "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
+        traces |= {"gas_temperature": out[:, 3], "gas_mass": out[:, 4]}
+        if "T_oil" in c.states:
+            present = c.carried | (TRACE_ANGLES >= math.degrees(self.parts.geometry.injection_angle))
+            traces["oil_temperature"] = np.where(present, out[:, 5], np.nan)
+            d = float(m.R[R_RATIO])
+            traces["oil_mass"] = out[:, 6] if c.carried else np.where(present, d * out[:, 4], 0.0)
+        for i, name in enumerate(c.plenum_paths):
+            traces[f"mass_flow_{name}"] = flows[:, i]
+        for i, (name, _) in enumerate(c.gap_paths):
+            for side, word in enumerate(("leading", "trailing")):
+                key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
+                traces[key] = traces.get(key, 0.0) + flows[:, column]
+        return traces
+
+
+def _numerics(solution: Solution, closed: closing.Closed, counts: closing.Array, wall_time: float) -> Figures:
+    return Figures(
+        integrator=solution.scene.numerics.integrator,
+        closing=closed.how,
+        rtol=solution.wanted.rtol,
+        turns=closed.turns,
+        steps=int(counts[0]),
+        rhs_evaluations=int(counts[2]),
+        jacobians=int(counts[3]),
+        wall_time=wall_time,
+    )
+
+
+def _failure(solution: Solution, closed: closing.Closed) -> str:
+    y = ", ".join(f"{name} = {value:.6g}" for name, value in zip(solution.machinery.composition.states, closed.y, strict=False))
+    return (
+        f"the integration stopped at {math.degrees(closed.angle):.2f} deg ({y}); "
+        "check port areas, clearances and pressures, or ask for a tighter numerics.accuracy"
+    )
+
+
+def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
+    R, supply = solution.machinery.R, solution.scene.oil_supply
+    warnings = []
+    if supply is not None and supply.kind == "pump" and found.oil_ratio and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9):
+        warnings.append(
+            f"leaks bring more oil ({float(R[R_OIL_BEFORE]):.3g} kg) into the chamber than oil_supply.ratio asks for; "
+            f"nothing is injected and the ratio is {found.oil_ratio:.4g}"
+        )
+    return tuple(warnings)
+
+
+def simulate(scene: Scene, trace: bool = True, estimate_error: bool = False) -> Result:
+    """Return the result of one scene; bad physics gives a status and what there is, never an exception.
+
+    `trace` keeps the cycle over the angle; `estimate_error` solves a second time with a twentieth of the tolerances
+    and reports the differences. Raises UsageError when the scene asks for a fluid that is not there.
+    """
+    solution = Solution(scene)
+    machinery = solution.machinery
+    machinery.warm_up(solution.start)
+    counted = machinery.counts.copy()
+    compiling = machinery.compile_time
+    started = time.perf_counter()
+    closed = solution.close()
+    wall_time = time.perf_counter() - started - (machinery.compile_time - compiling)
+    numerics = _numerics(solution, closed, machinery.counts - counted, wall_time)
+    effects, states = tuple(scene.effects), machinery.composition.states
+    if closed.status == "failed":
+        return Result("failed", _failure(solution, closed), effects=effects, states=states, numerics=numerics)
+    found, notes = solution.figures(closed.q)
+    balance = solution.balance(closed.q)
+    bad = not all(math.isfinite(value) for value in found.values() if value is not None)
+    if bad:
+        message = "a figure is not finite; ask for a tighter numerics.accuracy"
+        return Result("failed", message, effects=effects, states=states, numerics=numerics)
+    status, message = closed.status, ""
+    if status == "not_closed" or max(balance.mass, balance.energy) > balance.bound:
+        status = "not_closed"
+        message = (
+            f"mass {balance.mass:.2g}, energy {balance.energy:.2g} against the bound {balance.bound:.2g}, last change "
+            f"{closed.change:.2g}; try numerics.closing: coupled, or a tighter numerics.accuracy"
+        )
+    cycle = solution.cycle() if trace else {}
+    error = Figures()
+    if estimate_error:
+        finer = Solution(scene, FINER)
+        better = finer.close()
+        if better.status == "ok":
+            error = relative_errors(found, finer.figures(better.q)[0])
+    return Result(
+        status, message, _warnings(solution, found), effects, states, found, balance, error, numerics, notes, cycle
+    )
+
+
+def warm_up(scene: Scene) -> None:
+    """Compile or load what the scene needs, so that workers find it ready."""
+    simulate(scene, trace=False)

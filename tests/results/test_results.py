@@ -1,0 +1,362 @@
+"""Results files: what is written is read back, by us and by the programs that others use."""
+
+import hashlib
+import math
+import resource
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from result_fakes import CYCLE, GRID, SCENE, fake_simulate, scene
+
+from screwsim.faults import UsageError
+from screwsim.outputs import BALANCE, NUMERICS, PERFORMANCE, Figures, Result
+from screwsim.results import open_results, save
+from screwsim.scene import case, case_count
+
+GROUPS = ("inputs", "performance", "balance", "error", "numerics", "cycle")
+ENGINES = ("h5netcdf", "netcdf4")
+
+
+def results_of(swept):
+    return [fake_simulate(case(swept, index)) for index in range(case_count(swept))]
+
+
+@pytest.fixture(scope="module")
+def single(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("single") / "run.h5"
+    save(path, scene(), fake_simulate(scene()))
+    return path
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("swept") / "sweep.h5"
+    grid = scene(SCENE + GRID + CYCLE)
+    save(path, grid, results_of(grid), "sweep")
+    return path
+
+
+def datasets(file):
+    found = {}
+    file.visititems(lambda name, item: found.update({name: item}) if isinstance(item, h5py.Dataset) else None)
+    return found
+
+
+def test_one_run_reads_back_as_it_was(single):
+    result, results = fake_simulate(scene()), open_results(single)
+    assert results.axes == {}
+    assert results.status == "ok"
+    assert results.performance["shaft_power"] == result.performance.shaft_power
+    assert results.numerics["integrator"] == "rodas4"
+    assert results.performance["warnings"] == "first warning\nη of 2"
+    assert results.performance["notes"] == "isothermal_efficiency: no meaning here"
+    np.testing.assert_array_equal(results.cycle["angle"], result.cycle["angle"])
+    np.testing.assert_array_equal(results.cycle["pressure"], result.cycle["pressure"])
+    assert results.attributes["effects"] == "suction_port, tip_leakage"
+
+
+def test_a_figure_without_a_value_is_nan(single):
+    results = open_results(single)
+    assert math.isnan(results.performance["oil_pump_power"])
+    assert math.isnan(results.error["isothermal_efficiency"])
+
+
+def test_every_figure_of_the_tables_is_there_whatever_was_simulated(single):
+    results = open_results(single)
+    assert set(PERFORMANCE) <= set(results.performance)
+    assert set(BALANCE) == set(results.balance)
+    assert set(PERFORMANCE) == set(results.error)
+    assert set(NUMERICS) <= set(results.numerics)
+
+
+def test_the_scene_is_stored_whole_with_its_hash(single):
+    results = open_results(single)
+    text = scene().text
+    assert results.scene_yaml == text
+    assert results.attributes["scene_sha256"] == hashlib.sha256(text.encode()).hexdigest()
+
+
+def test_root_attributes_name_conventions_and_versions(single):
+    attributes = open_results(single).attributes
+    assert attributes["Conventions"] == "CF-1.11"
+    assert attributes["screwsim_schema"] == 1
+    for name in ("title", "source", "history", "python_version", "numpy_version", "scipy_version", "numba_version"):
+        assert attributes[name]
+    assert attributes["coolprop_version"]
+
+
+def test_inputs_are_stored_in_si_with_their_paths(single):
+    with h5py.File(single) as file:
+        gap = file["inputs/effects_tip_leakage_gap"]
+        assert gap[()] == pytest.approx(50e-6, rel=1e-12)
+        texts = {name: value.decode() for name, value in gap.attrs.items() if isinstance(value, bytes)}
+    assert (texts["path"], texts["units"], texts["long_name"]) == ("effects.tip_leakage.gap", "m", "clearance")
+
+
+@pytest.mark.parametrize("name", ["single", "swept"])
+def test_every_variable_has_units_and_long_name(name, request):
+    with h5py.File(request.getfixturevalue(name)) as file:
+        for path, data in datasets(file).items():
+            if not path.rpartition("/")[2].startswith("string"):  # a dimension without values
+                assert data.attrs["units"], path
+                assert data.attrs["long_name"], path
+
+
+@pytest.mark.parametrize("name", ["single", "swept"])
+def test_no_string_has_a_variable_length(name, request):
+    def kinds(item):
+        yield from (item.attrs.get_id(key).dtype for key in item.attrs if key not in ("DIMENSION_LIST",))
+        if isinstance(item, h5py.Dataset):
+            yield item.dtype
+
+    with h5py.File(request.getfixturevalue(name)) as file:
+        for item in [file, *(file[group] for group in file), *datasets(file).values()]:
+            for dtype in kinds(item):
+                text = h5py.check_string_dtype(dtype)
+                assert text is None or text.length is not None, item.name
+
+
+def test_each_axis_is_a_coordinate_of_every_group(swept):
+    for group in GROUPS:
+        data = xr.open_dataset(swept, group=group, engine="h5netcdf")
+        assert list(data.sizes)[:2] == ["operation_speed", "oil_supply_ratio"], group
+        np.testing.assert_allclose(data.oil_supply_ratio, np.arange(10.0), atol=1e-12)
+        assert data.operation_speed.attrs["path"] == "operation.speed"
+        assert data.operation_speed.attrs["units"] == "rad/s"
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("name", ["single", "swept"])
+def test_xarray_opens_every_group(engine, name, request):
+    path = request.getfixturevalue(name)
+    results = open_results(path)
+    for group in GROUPS:
+        data = xr.open_dataset(path, group=group, engine=engine).load()
+        for variable in getattr(results, group):
+            if variable == "status" or f"{variable}_text" in data:
+                continue
+            np.testing.assert_array_equal(data[variable].values, getattr(results, group)[variable], err_msg=variable)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_xarray_opens_the_whole_tree(engine, swept):
+    tree = xr.open_datatree(swept, engine=engine)
+    assert set(tree.groups) == {"/", *(f"/{group}" for group in GROUPS)}
+    assert tree["cycle"]["pressure"].dims == ("operation_speed", "oil_supply_ratio", "angle")
+    performance = tree["performance"].to_dataset()
+    texts = str(performance.message_text.values).split("\n\n")
+    assert texts[performance.message.values[0, 5]] == "pressure left the range at 123° (choose a smaller gap)"
+
+
+def test_the_status_is_a_flag_variable(swept):
+    data = xr.open_dataset(swept, group="performance", mask_and_scale=False)
+    assert data.status.dtype == np.int8
+    assert data.status.attrs["flag_values"].tolist() == [0, 1, 2]
+    assert data.status.attrs["flag_meanings"] == "ok not_closed failed"
+    assert data.status.attrs["_FillValue"] == -1
+    assert data.status.values[0].tolist() == [0, 0, 0, 0, 1, 2, 0, 0, 0, 0]
+
+
+def test_the_netcdf_library_sees_ordered_dimensions_and_texts(swept):
+    import netCDF4
+
+    with netCDF4.Dataset(swept) as file:
+        group = file["performance"]
+        assert list(group.dimensions)[:2] == ["operation_speed", "oil_supply_ratio"]
+        assert group["shaft_power"].dimensions == ("operation_speed", "oil_supply_ratio")
+        texts = "".join(group["message_text"][:].tolist())
+        assert texts.split("\n\n")[group["message"][0, 4]] == "energy residue 1e-3 above the bound"
+
+
+@pytest.mark.parametrize("command", [["ncdump"], ["h5dump"]])
+def test_the_dump_programs_print_the_file(command, swept):
+    if shutil.which(command[0]) is None:  # then the netCDF library and h5py above stand for it
+        return
+    done = subprocess.run([*command, str(swept)], capture_output=True, text=True, check=True)
+    assert "oil_supply_ratio" in done.stdout
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize("name", ["single", "swept"])
+def test_texts_are_single_characters_in_one_dimension_the_only_form_that_all_read(name, request):
+    with h5py.File(request.getfixturevalue(name)) as file:
+        texts = [data for data in datasets(file).values() if data.dtype.kind not in "if"]
+        assert texts
+        assert {(data.ndim, data.dtype) for data in texts} == {(1, np.dtype("S1"))}
+
+
+def test_octave_reads_the_file(swept):
+    if shutil.which("octave-cli") is None:  # then the rules on strings above stand for it
+        return
+    code = f"a = load('{swept}'); disp(size(a.cycle.pressure)); disp(a.performance.message_text(3:8)')"
+    done = subprocess.run(["octave-cli", "--no-gui", "--eval", code], capture_output=True, text=True, timeout=60)
+    assert done.stdout.split() == ["73", "10", "3", "energy"]
+
+
+def test_an_axis_of_words_reads_back_as_words(tmp_path):
+    grid = scene(SCENE + "sweep: {oil_supply.source: [separator, suction], oil_supply.ratio: [1, 2]}\n")
+    save(tmp_path / "x.h5", grid, results_of(grid))
+    results = open_results(tmp_path / "x.h5")
+    assert results.axes["oil_supply.source"].tolist() == ["separator", "suction"]
+    assert results.to_xarray().sel(oil_supply_source="suction", oil_supply_ratio=2.0).oil_ratio == 2.0
+    stored = xr.open_dataset(tmp_path / "x.h5", group="performance")
+    assert stored.oil_supply_source.attrs["flag_meanings"] == "separator suction"
+
+
+def test_the_same_results_give_the_same_file_apart_from_its_history(tmp_path):
+    contents = []
+    for name in ("a.h5", "b.h5"):
+        save(tmp_path / name, scene(), fake_simulate(scene()))
+        with h5py.File(tmp_path / name, "r+") as file:
+            del file.attrs["history"]
+        with h5py.File(tmp_path / name) as file:
+            contents.append({path: data[()].tobytes() for path, data in datasets(file).items()} | dict(file.attrs))
+    assert contents[0] == contents[1]
+
+
+def test_a_scene_longer_than_64_kb_is_stored(tmp_path):
+    ratios = ", ".join(f"{0.001 * index:.6f}" for index in range(12000))
+    grid = scene(SCENE + f"sweep: {{oil_supply.ratio: [{ratios}]}}\n")
+    assert len(grid.text) > 65536
+    save(tmp_path / "x.h5", grid, [Result("failed")] * 12000)
+    assert open_results(tmp_path / "x.h5").scene_yaml == grid.text
+    assert xr.open_dataset(tmp_path / "x.h5", engine="netcdf4").attrs["scene_yaml"] == grid.text
+
+
+def test_a_long_message_is_cut_between_two_characters(tmp_path):
+    save(tmp_path / "x.h5", scene(), Result("failed", message="°" * 3000))
+    assert set(str(open_results(tmp_path / "x.h5").messages)) == {"°", "…"}
+
+
+def test_a_failed_run_without_a_cycle_is_stored(tmp_path):
+    save(tmp_path / "x.h5", scene(), Result("failed", message="no start"))
+    results = open_results(tmp_path / "x.h5")
+    assert results.status == "failed"
+    assert len(results.cycle) == 0
+
+
+def test_a_file_without_xarray_asked_for_opens_without_importing_it(single):
+    code = "import sys, screwsim.results as r; r.open_results(sys.argv[1]); sys.exit('xarray' in sys.modules)"
+    paths = ":".join(path for path in sys.path if path)
+    subprocess.run([sys.executable, "-c", code, str(single)], check=True, env={"PYTHONPATH": paths})
+
+
+def test_importing_results_and_sweeps_loads_no_heavy_library():
+    heavy = ("h5py", "xarray", "rich", "numba", "CoolProp", "pandas", "multiprocessing.pool")
+    code = f"import sys, screwsim.results, screwsim.study.sweep; sys.exit(bool(set({heavy}) & set(sys.modules)))"
+    paths = ":".join(path for path in sys.path if path)
+    done = subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": paths}, stderr=-1)
+    assert done.returncode == 0, done.stderr.decode()[-3000:]
+
+
+def test_a_figure_that_no_table_names_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"performance\.beauty has no entry"):
+        save(tmp_path / "x.h5", scene(), Result("ok", performance=Figures(beauty=1.0)))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_traces_over_different_angles_are_refused(tmp_path):
+    grid = scene(SCENE + "sweep: {oil_supply.ratio: [1, 2]}\n" + CYCLE)
+    one, two = results_of(grid)
+    other = replace(two, cycle={**two.cycle, "angle": two.cycle["angle"] * 0.5})
+    with pytest.raises(ValueError, match="must share their angles"):
+        save(tmp_path / "x.h5", grid, [one, other])
+
+
+# What can be wrong with a file: one line, what and the remedy
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(UsageError) as caught:
+        open_results(path)
+    text = str(caught.value)
+    assert text.startswith(f"{path}: ")
+    assert "\n" not in text
+    return text
+
+
+def test_a_missing_file_is_told(tmp_path):
+    assert "there is no such file" in refusal(tmp_path / "x.h5")
+
+
+def test_a_folder_is_told(tmp_path):
+    assert "is a folder" in refusal(tmp_path)
+
+
+@pytest.mark.parametrize("content", ["", "speed,power\n1,2\n"])
+def test_a_file_that_is_not_hdf5_is_told(content, tmp_path):
+    (tmp_path / "x.h5").write_text(content)
+    assert "is not an HDF5 file" in refusal(tmp_path / "x.h5")
+
+
+def test_a_file_of_another_program_is_told(tmp_path):
+    with h5py.File(tmp_path / "x.h5", "w") as file:
+        file["a"] = 1.0
+    assert "of another program" in refusal(tmp_path / "x.h5")
+
+
+@pytest.mark.parametrize("kept", [0.1, 0.5, 0.9])
+def test_a_truncated_file_is_told(kept, single, tmp_path):
+    raw = single.read_bytes()
+    (tmp_path / "x.h5").write_bytes(raw[: int(kept * len(raw))])
+    assert "is damaged or cut short" in refusal(tmp_path / "x.h5")
+
+
+def test_a_newer_schema_is_told(single, tmp_path):
+    shutil.copy(single, tmp_path / "x.h5")
+    with h5py.File(tmp_path / "x.h5", "r+") as file:
+        file.attrs["screwsim_schema"] = 2
+    assert "schema 2, newer than 1 (update screwsim)" in refusal(tmp_path / "x.h5")
+
+
+def test_a_file_without_a_group_is_told(single, tmp_path):
+    shutil.copy(single, tmp_path / "x.h5")
+    with h5py.File(tmp_path / "x.h5", "r+") as file:
+        del file["balance"]
+    assert "is not a complete results file" in refusal(tmp_path / "x.h5")
+
+
+def test_an_unknown_figure_is_told_with_those_there_are(single):
+    with pytest.raises(KeyError, match="performance has no 'shaft'; it has status, isothermal_efficiency"):
+        open_results(single).performance["shaft"]
+
+
+# A place that refuses
+
+
+def test_a_place_that_cannot_be_written_is_told(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(UsageError, match="cannot be written"):
+        save(tmp_path / "file" / "x.h5", scene(), fake_simulate(scene()))
+
+
+@pytest.mark.parametrize("room", [100, 20_000, 50_000])
+def test_a_full_disk_keeps_the_old_file_and_leaves_no_other(room, single, tmp_path):
+    path = tmp_path / "x.h5"
+    shutil.copy(single, path)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
+    try:
+        with pytest.raises(UsageError, match=r"x\.h5: cannot be written: File too large \(make room"):
+            save(path, scene(), fake_simulate(scene()))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert path.read_bytes() == single.read_bytes()
+    assert [file.name for file in tmp_path.iterdir()] == ["x.h5"]
+
+
+def test_a_result_too_large_for_memory_goes_to_disk_with_the_same_data(swept, tmp_path, monkeypatch):
+    monkeypatch.setattr("screwsim.results.write._IN_MEMORY", 0)
+    grid = scene(SCENE + GRID + CYCLE)
+    save(tmp_path / "x.h5", grid, results_of(grid))
+    one, other = open_results(swept), open_results(tmp_path / "x.h5")
+    for group in GROUPS:
+        for name in getattr(one, group):
+            np.testing.assert_array_equal(getattr(one, group)[name], getattr(other, group)[name])

@@ -1,0 +1,277 @@
+"""Rules of faults: each is one line with file, line, column, path, what and the remedy; all come at once."""
+
+import pytest
+
+from screwsim.faults import SceneError, UsageError
+from screwsim.scene import load, loads
+
+
+def faults_of(text, **options):
+    with pytest.raises(SceneError) as error:
+        loads(text, "x.yaml", **options)
+    return error.value.lines
+
+
+TYPICAL = [
+    # (text in the example, what a person wrote instead, the message)
+    ("160 mm", "abc", "x.yaml:6:19: machine.rotor_diameter: 'abc' is not a length (write e.g. '128 mm')"),
+    ("160 mm", "160", "x.yaml:6:19: machine.rotor_diameter: 160 has no unit (write e.g. '128 mm')"),
+    ("160 mm", "0", "x.yaml:6:19: machine.rotor_diameter: 0 has no unit (write e.g. '128 mm')"),
+    ("160 mm", "true", "x.yaml:6:19: machine.rotor_diameter: true is not a length (write e.g. '128 mm')"),
+    ("160 mm", "[1]", "x.yaml:6:19: machine.rotor_diameter: a list is not a length (write e.g. '128 mm')"),
+    (
+        "160 mm",
+        "-3 mm",
+        "x.yaml:6:19: machine.rotor_diameter: '-3 mm' is out of range (it must be greater than 0 mm)",
+    ),
+    (
+        "  rotor_diameter: 160 mm\n",
+        "",
+        "x.yaml:2:1: machine.rotor_diameter: is missing "
+        "(write e.g. rotor_diameter: 128 mm; outer diameter of the male rotor)",
+    ),
+    ("male_lobes: 4", "male_lobes: 4.5", "x.yaml:4:15: machine.male_lobes: 4.5 is not a whole number (write e.g. 4)"),
+    (
+        "male_lobes: 4",
+        "male_lobes: 40",
+        "x.yaml:4:15: machine.male_lobes: 40 is out of range (it must be at least 1 and at most 12)",
+    ),
+    (
+        "male_lobes: 4",
+        "male_lobs: 4",
+        "x.yaml:4:3: machine.male_lobs: is not known; did you mean 'male_lobes'?",
+    ),
+    ("ratio: 3", 'ratio: "3"', "x.yaml:28:10: oil_supply.ratio: '3' is text, not a number (write 3 without quotes)"),
+    ("ratio: 3", "ratio: true", "x.yaml:28:10: oil_supply.ratio: true is not a number (write e.g. 0.5)"),
+    ("ratio: 3", "ratio: .nan", "x.yaml:28:10: oil_supply.ratio: nan is not a finite number (write e.g. 0.5)"),
+    (
+        "ratio: 3",
+        "ratio: 3 kg",
+        "x.yaml:28:10: oil_supply.ratio: '3 kg' is not a plain number (write e.g. 0.5, without a unit)",
+    ),
+    (
+        "kind: pump",
+        "kind: pmp",
+        "x.yaml:27:9: oil_supply.kind: 'pmp' is not an option; did you mean 'pump'? (choose from: pump, displacement)",
+    ),
+    ("model: ideal", "model: real", "x.yaml:13:10: gas.model: 'real' is not an option (choose from: ideal)"),
+    ("title: example", "title: 5", "x.yaml:1:8: title: 5 is not text (write it in quotes)"),
+    (
+        "blow_hole: {area: 6 mm^2}",
+        "blow_hole:",
+        "x.yaml:35:3: effects.blow_hole.area: is missing (write e.g. area: 20 cm^2; area of one blow-hole)",
+    ),
+    ("blow_hole:", "blowhole:", "x.yaml:35:3: effects.blowhole: is not known; did you mean 'blow_hole'?"),
+    (
+        "transport: paper",
+        "transport: paper\n  transport: carried",
+        "x.yaml:19:3: oil.transport: is there twice, first in line 18 (remove one)",
+    ),
+    (
+        "title: example",
+        "<<: {title: a}",
+        "x.yaml:1:1: <<: merge keys are not supported (write the keys out, or use base:)",
+    ),
+    (
+        "1.5 bar",
+        "0.5 barg",
+        "x.yaml:22:15: operation.suction.pressure: '0.5 barg' is a gauge pressure "
+        "(write the absolute pressure, e.g. '2 bar')",
+    ),
+    (
+        "12 bar",
+        "1 bar",
+        "x.yaml:25:15: operation.discharge.pressure: 1 bar is below the suction pressure 1.5 bar "
+        "(raise it, or write machine.mode: expander)",
+    ),
+    (
+        "12 bar",
+        "1.5 bar",
+        "x.yaml:25:15: operation.discharge.pressure: 1.5 bar equals the suction pressure "
+        "(nothing is compressed; choose another)",
+    ),
+    (
+        "male_lobes: 4",
+        "mode: expander",
+        "x.yaml:25:15: operation.discharge.pressure: 12 bar is above the suction pressure 1.5 bar "
+        "(lower it, or write machine.mode: compressor)",
+    ),
+    (
+        "    temperature: 283 K\n",
+        "",
+        "x.yaml:21:3: operation.suction.temperature: is missing (give temperature or superheat)",
+    ),
+    (
+        "temperature: 283 K",
+        "temperature: 283 K\n    superheat: 5 K",
+        "x.yaml:24:16: operation.suction.superheat: is given beside temperature (remove one of the two)",
+    ),
+    (
+        "opens: 600 deg",
+        "opens: 800 deg",
+        "x.yaml:10:54: machine.discharge_port.opens: 800 deg lies outside (360 deg, 720 deg); choose an angle inside",
+    ),
+    ("  ratio: 3\n", "", "x.yaml:26:1: oil_supply.ratio: is missing (kind: pump needs it, e.g. ratio: 3)"),
+    (
+        "ratio: 3",
+        "ratio: 3\n  orifice_diameter: 3 mm",
+        "x.yaml:29:21: oil_supply.orifice_diameter: belongs to kind: displacement (remove it, or change the kind)",
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "line"), TYPICAL)
+def test_a_typical_mistake_gives_its_one_line(example, old, new, line):
+    assert old in example
+    assert faults_of(example.replace(old, new, 1)) == [line]
+
+
+def test_a_word_of_yaml_1_1_is_a_word(example):
+    lines = faults_of(example.replace("transport: paper", "transport: no"))
+    assert lines == ["x.yaml:18:14: oil.transport: 'no' is not an option (choose from: paper, carried)"]
+
+
+def test_a_misspelt_required_name_is_both_unknown_and_missing(example):
+    lines = faults_of(example.replace("rotor_length:", "rotor_lenght:"))
+    assert lines == [
+        "x.yaml:2:1: machine.rotor_length: is missing (write e.g. rotor_length: 128 mm; length of the rotors)",
+        "x.yaml:7:3: machine.rotor_lenght: is not known; did you mean 'rotor_length'?",
+    ]
+
+
+def test_an_unknown_name_far_from_all_lists_the_known_ones(example):
+    lines = faults_of(example.replace("{gap: 50 um}", "{gap: 50 um, xyz: 1}"))
+    assert lines == [
+        "x.yaml:33:29: effects.tip_leakage.xyz: is not known; known here: flow_coefficient, area_file, gap"
+    ]
+
+
+def test_every_fault_comes_at_once_in_the_order_of_the_file(example):
+    text = example.replace("160 mm", "160").replace("3000 rpm", "50 Hz").replace("area: 6 mm^2", "area: 6 mm")
+    text = text.replace("title: example", "title: example\nsweep: {oil_supply.ratio: [-1]}")
+    assert [line.split(": ")[0] for line in faults_of(text)] == [
+        "x.yaml:2:28",
+        "x.yaml:7:19",
+        "x.yaml:21:10",
+        "x.yaml:36:21",
+    ]
+
+
+def test_every_cross_check_comes_at_once(example):
+    text = example.replace("12 bar", "1 bar").replace("phi_A: 60 deg", "phi_A: 0 deg").replace("  ratio: 3\n", "")
+    assert [line.split(": ")[1] for line in faults_of(text)] == [
+        "machine.volume.phi_A",
+        "operation.discharge.pressure",
+        "oil_supply.ratio",
+    ]
+
+
+def test_an_effect_that_needs_oil_names_what_is_absent(example):
+    oil, operation = example.index("oil:"), example.index("operation:")
+    supply, effects = example.index("oil_supply:"), example.index("effects:")
+    dry = example[:oil] + example[operation:supply] + example[effects:]
+    text = dry.replace("  oil_pump: {efficiency: 0.6}\n  hydromechanical:\n", "")
+    assert faults_of(text) == [
+        "x.yaml:28:3: effects.oil_heat: needs oil and oil_supply, absent here (write that, or remove the effect)"
+    ]
+
+
+def test_displacement_demands_orifice_and_viscosity_and_refuses_ratio_and_pump(example):
+    text = example.replace("kind: pump", "kind: displacement\n  source: suction").replace("  viscosity: 20 mPa s\n", "")
+    assert [": ".join(line.split(": ")[:2]) for line in faults_of(text)] == [
+        "x.yaml:14:1: oil.viscosity",
+        "x.yaml:25:1: oil_supply.orifice_diameter",
+        "x.yaml:27:11: oil_supply.source",
+        "x.yaml:28:10: oil_supply.ratio",
+        "x.yaml:40:3: effects.oil_pump",
+    ]
+
+
+def test_an_effect_of_a_port_demands_its_section(example):
+    text = "\n".join(line for line in example.splitlines() if not line.startswith("  suction_port: {"))
+    assert faults_of(text) == [
+        "x.yaml:30:3: effects.suction_port: needs the section machine.suction_port (write it, or remove the effect)"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("", "x.yaml:1:1: <root>: is empty (write at least machine, gas, operation)"),
+        ("# nothing\n", "x.yaml:1:1: <root>: is empty (write at least machine, gas, operation)"),
+        ("- a\n", "x.yaml:1:1: <root>: is a list, not a mapping (write lines such as machine: …)"),
+        ("word", "x.yaml:1:1: <root>: is 'word', not a mapping (write lines such as machine: …)"),
+        (
+            "a: [1,\nb: 2",
+            "x.yaml:2:5: <root>: is not YAML: expected ',' or ']', but got '<stream end>' "
+            "(mend the indentation, brackets or quotes here)",
+        ),
+        (
+            "machine:\n\tkind: x",
+            "x.yaml:2:1: <root>: is not YAML: found character '\\t' that cannot start any token "
+            "(mend the indentation, brackets or quotes here)",
+        ),
+        (
+            "a: *b",
+            "x.yaml:1:4: <root>: is not YAML: found undefined alias 'b' "
+            "(mend the indentation, brackets or quotes here)",
+        ),
+    ],
+)
+def test_a_file_that_is_no_scene_gives_one_line(text, line):
+    assert faults_of(text) == [line]
+
+
+def test_an_alias_inside_its_own_anchor_is_refused(example):
+    lines = faults_of(example.replace("title: example", "title: &a [*a]"))
+    assert "x.yaml:1:8: title: contains itself (write the values out instead of the alias)" in lines
+
+
+def test_a_fault_stays_on_one_line(example):
+    (line,) = faults_of(example.replace("title: example", '"a\\nb\\e": 1'))
+    assert line.startswith("x.yaml:1:1: a b : is not known")
+
+
+@pytest.mark.parametrize(
+    ("make", "what"),
+    [
+        (lambda path: None, "No such file or directory"),
+        (lambda path: path.mkdir(), "Is a directory"),
+        (lambda path: path.write_bytes(b"\xff\xfe"), "it is not UTF-8 text"),
+    ],
+    ids=["missing", "folder", "binary"],
+)
+def test_an_unreadable_file_gives_one_line(tmp_path, monkeypatch, make, what):
+    monkeypatch.chdir(tmp_path)
+    make(tmp_path / "x.yaml")
+    with pytest.raises(SceneError) as error:
+        load("x.yaml")
+    expected = f"x.yaml:1:1: <root>: cannot be read: {what} (name an existing scene file, saved as UTF-8)"
+    assert error.value.lines == [expected]
+
+
+def test_a_byte_order_mark_is_no_fault(tmp_path, example):
+    (tmp_path / "x.yaml").write_text(example, encoding="utf-8-sig")
+    assert load(tmp_path / "x.yaml").title == "example"
+
+
+def test_an_own_effect_that_is_not_there_says_what_was_tried(example):
+    assert faults_of(example.replace("  mechanical: {fraction: 0.05}", "  no_such_package.effect:")) == [
+        "x.yaml:42:3: effects.no_such_package.effect: cannot be imported (No module named 'no_such_package'); "
+        "tried PYTHONPATH and the working folder (is it there?)"
+    ]
+
+
+@pytest.mark.parametrize("override", ["operation.speed", "=3", "a..b=3", ".a=3", "base=y.yaml"])
+def test_a_malformed_override_is_a_wrong_use(example, override):
+    with pytest.raises(UsageError):
+        loads(example, overrides=[override])
+
+
+def test_without_an_inactive_effect_lists_the_active_ones(example):
+    text = example[: example.index("  tip_leakage")]
+    with pytest.raises(UsageError) as error:
+        loads(text, without=["blow_hole"])
+    assert str(error.value) == (
+        "--without blow_hole: that effect is not active in this scene (active: suction_port, discharge_port)"
+    )
