@@ -91,7 +91,9 @@ def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
     machine = scene.machine
     length = KINDS["length"]
     size = f"{format_quantity(length, machine.rotor_diameter)} x {format_quantity(length, machine.rotor_length)}"
-    yield _row("kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}")
+    yield _row(
+        "kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}"
+    )
     laws = {"volume": machine.volume, "suction_port": machine.suction_port, "discharge_port": machine.discharge_port}
     numbers = {"volume": "M16", "suction_port": "M17", "discharge_port": "M18"}
     for name, law in laws.items():

@@ -87,10 +87,12 @@ def _table(result: Result) -> Any:
     table.add_column("figure", no_wrap=True)
     table.add_column("value", justify="right", no_wrap=True)
     table.add_column("unit", no_wrap=True)
-    table.add_column("error", justify="right", no_wrap=True)
+    if result.error:
+        table.add_column("error", justify="right", no_wrap=True)
     for name, value in result.performance.items():
         if value is not None:
-            table.add_row(name.replace("_", " "), *engineering(name, value), _small(result.error.get(name)))
+            error = [_small(result.error.get(name))] if result.error else []
+            table.add_row(name.replace("_", " "), *engineering(name, value), *error)
     return table
 
 
@@ -126,8 +128,8 @@ def _numerics(numerics: Mapping[str, Any]) -> str:
     words = [f"{numerics[name]}" for name in ("integrator", "closing") if name in numerics]
     words += [f"rtol {numerics['rtol']:.1e}"] if "rtol" in numerics else []
     counts = {"turns": "turns", "steps": "steps", "rhs_evaluations": "RHS evaluations", "jacobians": "Jacobians"}
-    words += [f"{numerics[name]:g} {text}" for name, text in counts.items() if name in numerics]
-    words += [f"{1e3 * numerics['wall_time']:.3g} ms"] if "wall_time" in numerics else []
+    words += [f"{round(numerics[name], 2):.12g} {text}" for name, text in counts.items() if name in numerics]
+    words += [f"{1e3 * numerics['wall_time']:.1f} ms"] if "wall_time" in numerics else []
     return f"numerics: {', '.join(words)}"
 
 

@@ -74,13 +74,14 @@ class Solution:
         y = first_guess(self.parts, machinery.composition, machinery, lines.p_s, lines.T_s, lines.p_d)
         T_d = self.scene.operation.discharge.temperature or float(y[0])
         T_oil = self.parts.oil.temperature if self.parts.oil else lines.T_s
+        d = float(y[3] / y[1]) if machinery.composition.carried else 0.0
         machinery.R[R_SUCTION : R_SUCTION + 8] = *gas.place(lines.p_s, lines.T_s), 0.0, T_oil
-        machinery.R[R_DISCHARGE : R_DISCHARGE + 8] = *gas.place(lines.p_d, T_d), 0.0, T_oil
+        machinery.R[R_DISCHARGE : R_DISCHARGE + 8] = *gas.place(lines.p_d, T_d), d, T_oil
         return y
 
     def close(self) -> closing.Closed:
         """Close the cycle from the first guess."""
-        return closing.close(self, self.start())
+        return closing.close(self, self.start(), self.scene.numerics.integrator)
 
     def plenum(self) -> closing.Array:
         """Return the discharge plenum's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
@@ -90,15 +91,24 @@ class Solution:
 
     def outflow(self, q: closing.Array) -> closing.Array:
         """Return the plenum that the outflow of a cycle makes: its flow-weighted mean (M27), or the given temperature."""
-        mean = closing.discharge_enthalpy(self.balances.streams(q))
+        streams = self.balances.streams(q)
+        mean = closing.discharge_enthalpy(streams)
         plenum = self.plenum()
-        if mean is None:
+        given = self.scene.operation.discharge.temperature is not None
+        if mean is None or streams[2, 0] + streams[3, 0] >= 0.0:
+            # nothing is delivered, so no outflow can set the state of what comes in from the line
+            plenum[0] = plenum[0] if given else self._h_isentropic()
+            plenum[1:] = (1e-12, self.parts.oil.temperature) if len(plenum) == 3 and self.parts.oil else plenum[1:]
             return plenum
-        if self.scene.operation.discharge.temperature is None:
+        if not given:
             plenum[0] = mean[0]
         if len(plenum) == 3 and mean[1] > 0.0:
             plenum[1:] = mean[1:]
         return plenum
+
+    def _h_isentropic(self) -> float:
+        lines = self.lines
+        return self._h_suction() + self.parts.gas.isentropic_work(lines.p_s, lines.p_d, lines.T_s)
 
     def set_plenum(self, plenum: closing.Array) -> None:
         """Give the discharge plenum its enthalpy and oil."""
@@ -198,7 +208,7 @@ def _numerics(solution: Solution, closed: closing.Closed, counts: closing.Array,
         rtol=solution.wanted.rtol,
         turns=closed.turns,
         steps=int(counts[0]),
-        rhs_evaluations=int(counts[2]),
+        rhs_evaluations=int(counts[2] + counts[3] * len(solution.machinery.composition.states)),
         jacobians=int(counts[3]),
         wall_time=wall_time,
     )
@@ -219,6 +229,11 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
         warnings.append(
             f"leaks bring more oil ({float(R[R_OIL_BEFORE]):.3g} kg) into the chamber than oil_supply.ratio asks for; "
             f"nothing is injected and the ratio is {found.oil_ratio:.4g}"
+        )
+    if found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
+        warnings.append(
+            "no net gas is delivered; what flows in from the discharge line has operation.discharge.temperature, or where "
+            "that is not given the temperature of isentropic compression"
         )
     return tuple(warnings)
 

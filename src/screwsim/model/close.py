@@ -23,6 +23,7 @@ PATIENCE = 7  # turns before, and estimated turns ahead at which, the histories 
 FIRST_RTOL = 3e-3  # of the first turn; later ones follow the gap
 MAX_TURNS = 40
 MAX_PITCHES = 400
+MAX_EVALUATIONS = 20_000_000  # of one chamber's rates, after which a cycle that does not close is given up
 
 
 @dataclass(frozen=True)
@@ -167,7 +168,10 @@ def by_coupling(task: Task, y: Array) -> Closed:
     images: list[Array] = []
     seen: list[tuple[float, float]] = []
     n, gap, pitch = len(y), 1.0, 0
+    budget = int(machinery.counts[2]) + MAX_EVALUATIONS
     for pitch in range(1, MAX_PITCHES + 1):
+        if machinery.counts[2] > budget:
+            break
         point = np.log(np.concatenate([y, plenum]))
         end = y.copy()
         status, angle, _, q = machinery.pitch(end, wanted.rtol, 1e-3)
@@ -209,8 +213,20 @@ def chambers_at_pitches(machinery: Machinery) -> Array:
     return np.concatenate(states)
 
 
-def close(task: Task, y: Array) -> Closed:
-    """Close the cycle from a first guess that is installed as the last history."""
+def close(task: Task, y: Array, integrator: str = "rodas4") -> Closed:
+    """Close the cycle from a first guess that is installed as the last history.
+
+    With one of scipy's integrators the coupled chambers are closed under it, from where our own method closes.
+    """
+    task.machinery.integrator = "rodas4"
+    closed = _close(task, y)
+    if integrator == "rodas4" or closed.status == "failed":
+        return closed
+    task.machinery.integrator = integrator
+    return by_coupling(task, chambers_at_pitches(task.machinery))
+
+
+def _close(task: Task, y: Array) -> Closed:
     if task.wanted.closing in ("auto", "histories"):
         first = by_histories(task, y.copy(), task.wanted.closing == "histories")
         if first is not None:

@@ -16,6 +16,7 @@ import numpy as np
 from screwsim.model import compiled
 from screwsim.model.compose import Composition
 from screwsim.model.slots import PLACE, R_SIZE
+from screwsim.numerics.scipy_integrators import METHODS, integrate
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
 KEPT_IMAGES = 5  # histories kept for acceleration, one more than Anderson's depth + 1
@@ -44,6 +45,7 @@ class Machinery:
         self._together: dict[str, Any] = {}
         self._warm: set[str] = set()
         self.compile_time = 0.0
+        self.integrator = "rodas4"
 
     @staticmethod
     def _history(steps: int, n: int, nq: int) -> tuple[Array, Array, Array]:
@@ -158,16 +160,49 @@ class Machinery:
         if "all" not in self._warm:
             with self._compiling("all"):
                 self._pitch(y.copy(), 1e-2, h)
+        if self.integrator in METHODS:
+            return self._scipy_pitch(y, rtol, h)
         return self._pitch(y, rtol, h)
+
+    def _scipy_pitch(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+        """Do what `_pitch` does with one of scipy's integrators; a loose own pitch gives the quadratures' scale."""
+        _, _, _, q_scale = self._pitch(y.copy(), 1e-3, h)
+        space, c = self._coupled_space(), self.composition
+        self.inject(y)
+        E, f, g = np.empty(c.n_E_all), np.empty(len(y)), np.empty(self.nq)
+        J, Jq = np.empty((len(y), len(y))), np.empty((self.nq, len(y)))
+        module, context = self.module, self.coupled_context
+
+        def rates(s: float, middle: float, state: Array) -> Array:
+            module.coupled__all_surroundings(s, middle, context, E)
+            module.coupled__all_rates(np.ascontiguousarray(state), E, context, f, g)
+            return np.concatenate([f, g])
+
+        def jacobian(s: float, middle: float, state: Array) -> Array:
+            module.coupled__all_surroundings(s, middle, context, E)
+            module.coupled__all_jacobian(np.ascontiguousarray(state), E, context, f, g, J, Jq)
+            return np.vstack([J, Jq])
+
+        end, q, path = integrate(rates, jacobian, space["knots"], y, np.abs(q_scale), rtol, self.integrator)
+        y[:] = end
+        steps = len(path.dense)
+        self.counts += np.array([steps, 0, path.calls * c.chambers, 0])
+        if steps > len(space["history"][1]):
+            space["history"] = self._history(steps, len(y), self.nq)
+        space["history"][0][: steps + 1], space["history"][1][:steps] = path.times, path.dense
+        space["kept"][0] = steps
+        return int(path.message != ""), path.times[-1], h, q
 
     def _pitch(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
         space, c = self._coupled_space(), self.composition
         self.inject(y)
         q = np.zeros(self.nq)
+        counts = np.zeros(4, np.int64)
         status, s, h = self.module.rodas__integrate_all(
             space["knots"], len(space["knots"]), y, q, self.coupled_context, rtol, h, c.n_E_all, *space["history"],
-            space["kept"], self.counts,
+            space["kept"], counts,
         )
+        self.counts += counts * (1, 1, c.chambers, c.chambers)  # evaluations are those of one chamber
         return int(status), float(s), float(h), q
 
     def inject(self, y: Array) -> None:

@@ -158,7 +158,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
     """Integrate y and the quadratures q (both in place) over the knots; return (status, φ reached, next step size).
 
     Fills times[0…steps], dense[step] and quads[step] (see `keep`), kept[0] = steps so far (readable by the slots
-    while integrating); adds to counts: accepted, rejected, rates, Jacobians.
+    while integrating); adds to counts: accepted steps, rejected ones, calls of `rates`, Jacobians.
     """
     n = y.shape[0]
     nq = q.shape[0]
@@ -196,7 +196,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
             if fresh:
                 jacobian(y, E, context, f, g, J, Jq)
                 slopes_over_angle(phi, min(1e-6, 0.1 * trial), middle, y, context, E_next, f, g, f_phi, g_phi)
-                counts[2] += n + 2
+                counts[2] += 1
                 counts[3] += 1
                 fresh = False
             attempt(phi, trial, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq)

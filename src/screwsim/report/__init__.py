@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-import logging
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from screwsim.faults import UsageError
+
+if TYPE_CHECKING:
+    from screwsim.results import Results
 
 __all__ = ["plot"]
 
@@ -28,7 +31,6 @@ def plot(path: str | Path, folder: str | Path | None = None) -> list[str]:
         raise UsageError(f"{path}: has nothing to draw: {_why(results)}")
     target = path.with_suffix("") if folder is None else Path(folder)
     make_folder(target)
-    logging.getLogger("fontTools").setLevel(logging.WARNING)
     written = []
     for name, draw in plans:
         with journal():
@@ -36,7 +38,7 @@ def plot(path: str | Path, folder: str | Path | None = None) -> list[str]:
     return written
 
 
-def _why(results) -> str:
+def _why(results: Results) -> str:
     """Return why nothing of a file can be drawn, with the remedy."""
     if set(results.status.reshape(-1).tolist()) == {"failed"}:
         first = str(results.messages.ravel()[0]).splitlines()

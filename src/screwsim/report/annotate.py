@@ -10,7 +10,12 @@ import numpy as np
 from screwsim.report.style import GREY, SMALL
 
 _GAP = 1.18  # distance of two lines of text over the size of the font
-_AROUND = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
+_MOST = 9  # labels at the ends of curves
+_LEADER = {"arrowstyle": "-", "color": GREY, "linewidth": 0.4, "shrinkA": 1.0, "shrinkB": 2.0}
+_LOOSE = 8.0  # [pt] texts farther from their point than this have a leader
+Point = tuple[float, float]
+Way = tuple[int, int]  # −1, 0 or 1 to the right and up
+_AROUND: tuple[Way, ...] = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
 
 
 def spread(wanted: np.ndarray, gap: float, low: float, high: float) -> np.ndarray:
@@ -39,15 +44,16 @@ def spread(wanted: np.ndarray, gap: float, low: float, high: float) -> np.ndarra
 def label_ends(axes: Any, ends: Sequence[tuple[float, float]], texts: Sequence[str], heading: str) -> None:
     """Label curves right of the axes at the height of their ends (data coordinates), the heading above.
 
-    When there are more labels than lines of text, every second, third … is left out.
+    Of more labels than a reader can follow, or than there are lines of text, every second, third … is drawn.
     """
     figure = axes.figure
-    axes.annotate(heading, (1.045, 1.0), xycoords="axes fraction", va="top", fontsize=SMALL)
+    if heading:
+        axes.annotate(heading, (1.045, 1.02), xycoords="axes fraction", va="bottom", fontsize=SMALL)
     figure.draw_without_rendering()
     box = axes.get_window_extent()
     gap = _GAP * SMALL * figure.dpi / 72.0 / box.height
-    low, high = 0.5 * gap, 1.0 - 1.8 * gap
-    stride = 1 + int((len(ends) - 1) * gap / (high - low))
+    low, high = 0.4 * gap, 1.0 - 0.4 * gap
+    stride = 1 + max(int((len(ends) - 1) * gap / (high - low)), (len(ends) - 1) // _MOST)
     kept = range(0, len(ends), stride)
     heights = (axes.transData.transform([ends[i] for i in kept])[:, 1] - box.y0) / box.height
     for i, height in zip(kept, spread(heights, gap, low, high), strict=True):
@@ -58,7 +64,7 @@ def label_ends(axes: Any, ends: Sequence[tuple[float, float]], texts: Sequence[s
             textcoords="axes fraction",
             va="center",
             fontsize=SMALL,
-            arrowprops={"arrowstyle": "-", "color": GREY, "linewidth": 0.4, "shrinkA": 1.0, "shrinkB": 1.5},
+            arrowprops=_LEADER | {"relpos": (0.0, 0.5)},  # from the text's left edge
         )
 
 
@@ -66,10 +72,18 @@ def label_along(axes: Any, x: np.ndarray, y: np.ndarray, texts: Sequence[str], m
     """Label some points of a curve, evenly along its drawn length, where the text crosses nothing."""
     axes.figure.draw_without_rendering()
     points = axes.transData.transform(np.column_stack([x, y]))
-    path = _dense(points)
+    label_points(axes, [((x[i], y[i]), texts[i], _AROUND) for i in _evenly(points, most)], points)
+
+
+def label_points(axes: Any, labels: Sequence[tuple[Point, str, Sequence[Way]]], line: np.ndarray) -> None:
+    """Label points (x, y), text, directions to try first; the texts keep off the line [pixel] and off each other.
+
+    A text without any free place is left out.
+    """
+    path = _dense(line[np.isfinite(line).all(axis=1)])
     taken: list[Any] = []
-    for i in _evenly(points, most):
-        _label_one(axes, (x[i], y[i]), texts[i], path, taken)
+    for xy, text, ways in labels:
+        _label_one(axes, xy, text, path, taken, (*ways, *_AROUND))
 
 
 def _evenly(points: np.ndarray, most: int) -> list[int]:
@@ -80,16 +94,20 @@ def _evenly(points: np.ndarray, most: int) -> list[int]:
 
 
 def _dense(points: np.ndarray) -> np.ndarray:
-    """Return points every pixel or so along a polyline."""
-    pieces = [np.linspace(a, b, 2 + int(np.hypot(*(b - a)))) for a, b in zip(points[:-1], points[1:], strict=True)]
+    """Return points every pixel or so along a polyline; far jumps are thinned."""
+    pieces = [
+        np.linspace(a, b, 2 + min(int(np.hypot(*(b - a))), 5000)) for a, b in zip(points[:-1], points[1:], strict=True)
+    ]
     return np.concatenate(pieces) if pieces else points
 
 
-def _label_one(axes: Any, xy: tuple[float, float], text: str, path: np.ndarray, taken: list[Any]) -> None:
-    """Put one text beside its point in the first direction that is free; leave it out when there is none."""
+def _label_one(axes: Any, xy: Point, text: str, path: np.ndarray, taken: list[Any], ways: Sequence[Way]) -> None:
+    """Put one text beside its point in the first direction that is free."""
+    from matplotlib.text import Text
+
     frame = axes.get_window_extent()
-    for distance in (3.0, 6.0, 10.0):
-        for right, up in _AROUND:
+    for distance in (3.5, 7.0, 11.0, 16.0):
+        for right, up in ways:
             label = axes.annotate(
                 text,
                 xy,
@@ -98,17 +116,21 @@ def _label_one(axes: Any, xy: tuple[float, float], text: str, path: np.ndarray, 
                 ha=("right", "center", "left")[right + 1],
                 va=("top", "center", "bottom")[up + 1],
                 fontsize=SMALL,
+                arrowprops=_LEADER if distance > _LOOSE else None,
             )
-            box = label.get_window_extent()
-            if _free(box, frame, path, taken):
+            label.get_window_extent()  # puts it in place
+            box = Text.get_window_extent(label)  # without the leader
+            if _free(box, frame, path, taken, axes.figure.dpi / 72.0):
                 taken.append(box)
                 return
             label.remove()
 
 
-def _free(box: Any, frame: Any, path: np.ndarray, taken: Sequence[Any]) -> bool:
-    """Return whether a box lies inside the frame, off the path and off the other boxes."""
-    inside = frame.x0 < box.x0 - 2 and box.x1 + 2 < frame.x1 and frame.y0 < box.y0 - 2 and box.y1 + 2 < frame.y1
+def _free(box: Any, frame: Any, path: np.ndarray, taken: Sequence[Any], point: float) -> bool:
+    """Return whether a box lies inside the frame and its ticks, off the path and off the other boxes."""
+    edge = 4.0 * point
+    inside = frame.x0 + edge < box.x0 and box.x1 < frame.x1 - edge
+    inside = inside and frame.y0 + edge < box.y0 and box.y1 < frame.y1 - edge
     x, y = path[:, 0], path[:, 1]
-    crossed = (box.x0 - 2 < x) & (x < box.x1 + 2) & (box.y0 - 2 < y) & (y < box.y1 + 2)
+    crossed = (box.x0 - point < x) & (x < box.x1 + point) & (box.y0 - point < y) & (y < box.y1 + point)
     return bool(inside and not crossed.any() and not any(box.overlaps(other) for other in taken))

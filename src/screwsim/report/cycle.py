@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.report.annotate import label_points
 from screwsim.report.quantities import ANGLE, GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, note
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, note, plain_ticks
 from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
 from screwsim.results import Results
 
@@ -35,23 +36,23 @@ def _loop(trace: Trace) -> Any:
     axes.plot(V, p, color=COLOURS[0])
     clipped = _pressure_axis(axes, trace)
     axes.set_xlim(-0.02 * float(np.nanmax(V)), 1.05 * float(np.nanmax(V)))
-    for text, angle in trace.marks.items():
-        V_mark, p_mark = (float(np.interp(angle, trace.angle, values)) for values in (V, p))
-        axes.plot(V_mark, p_mark, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
-        right = V_mark < 0.6 * float(np.nanmax(V))  # the loop's empty corner is up and right of its compression line
-        axes.annotate(
-            f"{text}, {short(angle)}°",
-            (V_mark, p_mark),
-            xytext=(5 if right else 0, 7),
-            textcoords="offset points",
-            ha="left" if right else "right",
-            fontsize=SMALL,
-        )
     axes.set_xlabel(VOLUME.label)
     axes.set_ylabel(PRESSURE.label)
-    axes.minorticks_on()
+    plain_ticks(axes.xaxis)
     note(figure, trace.title, clipped)
+    _mark_loop(axes, trace, V, p)
     return figure
+
+
+def _mark_loop(axes: Any, trace: Trace, V: Any, p: Any) -> None:
+    """Mark injection and port opening on the p–V loop; the empty corner is up and right of the compression line."""
+    axes.figure.draw_without_rendering()
+    labels = []
+    for text, angle in trace.marks.items():
+        at = float(np.interp(angle, trace.angle, V)), float(np.interp(angle, trace.angle, p))
+        axes.plot(*at, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
+        labels.append((at, f"{text}, {short(angle)}°", ((1, 1), (-1, 1))))
+    label_points(axes, labels, axes.transData.transform(np.column_stack([V, p])))
 
 
 def _states(trace: Trace) -> Any:
@@ -94,10 +95,11 @@ def _flows(trace: Trace) -> Any:
             flow = trace.values[name] * MASS_FLOW.factor
             axes.plot(trace.angle, flow, color=COLOURS[1], linestyle=DASHES[i], label=side)
         axes.set_title(words, loc="left", fontsize=SMALL)
-        if len(sides) > 1:
-            axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
         _angle_axis(axes, trace)
+    for axes in panels[: len(paths)][-2:]:  # the lowest of each column
         axes.tick_params(labelbottom=True)
+    if any(len(sides) > 1 for sides in paths.values()):
+        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=2)
     figure.supxlabel(ANGLE.label, fontsize=8.0)
     figure.supylabel(MASS_FLOW.label, fontsize=8.0)
     lines = ", ".join(f"{text} {short(angle)}°" for text, angle in trace.marks.items())
@@ -113,7 +115,8 @@ def _pressure_axis(axes: Any, trace: Trace) -> str:
         axes.annotate(symbol, (1.02, height), xycoords=("axes fraction", "data"), va="center", fontsize=SMALL)
     top, peak, angle = pressure_limit(trace)
     axes.set_ylim(0.0, top * PRESSURE.factor)
-    beyond = f"peak of {short(peak * PRESSURE.factor)} bar at {short(angle)}° beyond the axis"
+    plain_ticks(axes.yaxis)
+    beyond = f"peak of {peak * PRESSURE.factor:.3g} bar at {short(angle)}° not shown"
     return beyond if peak > top else ""
 
 
@@ -124,7 +127,7 @@ def _angle_axis(axes: Any, trace: Trace) -> None:
     axes.set_xlim(first, last)
     axes.xaxis.set_major_locator(MultipleLocator(120.0 if last - first > 400.0 else 60.0))
     axes.xaxis.set_minor_locator(AutoMinorLocator(4))
-    axes.yaxis.set_minor_locator(AutoMinorLocator())
+    plain_ticks(axes.yaxis, 6)
     for angle in trace.marks.values():
         axes.axvline(angle, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
 

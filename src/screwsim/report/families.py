@@ -8,12 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.report.quantities import FIGURES, Shown, is_numeric, shown_axis, short, value_of
+from screwsim.report.quantities import FIGURES, is_numeric, short, shown_axis, value_of
 from screwsim.results import Results
 from screwsim.results.schema import Axis
 
 SPEED, RATIO = "operation.speed", "oil_supply.ratio"
 FEWEST = 2  # points that make a curve
+_SHORT_HEADING = 12  # letters that fit above labels of numbers
 _VARIES = 0.01  # relative: an oil ratio that changes more along the speed is an outcome
 
 
@@ -155,13 +156,13 @@ def _texts(results: Results, layout: Layout) -> list[str]:
     return [short(value * shown_axis(axis).factor) for value in axis.values]
 
 
-def curves_heading(results: Results, layout: Layout) -> str:
-    """Return what tells the curves apart, with its unit: 'n (rpm)'."""
+def curves_heading(results: Results, layout: Layout) -> tuple[str, str]:
+    """Return what tells the curves apart, with its unit: the heading of their labels, or for long words a note."""
     if layout.curves is None:
-        return ""
+        return "", ""
     axis = results.axis_list[layout.curves]
-    shown: Shown = shown_axis(axis)
-    return shown.quantity if is_numeric(axis) else axis.path.split(".")[-1]
+    words = shown_axis(axis).quantity if is_numeric(axis) else axis.path.split(".")[-1]
+    return (words, "") if "$" in words or len(words) <= _SHORT_HEADING else ("", f"at the curves: {words}")
 
 
 def optimum(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
-from screwsim.report.annotate import label_along, label_ends
+from screwsim.report.annotate import label_along
 from screwsim.report.families import (
-    Curve,
     Layout,
     curves_heading,
     efficiency_name,
@@ -17,9 +16,9 @@ from screwsim.report.families import (
     outcome_layout,
     slices,
 )
-from screwsim.report.quantities import FIGURES, RATIO, SPEED, short
+from screwsim.report.quantities import FIGURES, RATIO, SPEED
 from screwsim.report.style import DOUBLE, new_figure, note
-from screwsim.report.sweeps import Plan, draw_curves, label_axes, remarks
+from screwsim.report.sweeps import Plan, draw_curves, label_axes, label_curves, remarks
 from screwsim.results import Results
 
 
@@ -50,21 +49,11 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
         label_axes(axes, SPEED.label, FIGURES[figure_name].quantity, [curve.x for curve in curves])
     upper.set_xlabel("")
     upper.tick_params(labelbottom=False)
-    note(figure, constant, *remarks(over_ratio, found), left_out(results, layout, chosen, over_ratio))
-    _label(results, layout, chosen, (main, upper, lower), over_ratio, name)
-    return figure
-
-
-def _label(
-    results: Results, layout: Layout, chosen: dict[int, int], panels: tuple[Any, ...], curves: list[Curve], name: str
-) -> None:
-    """Write the speeds along a single curve, or what tells several curves apart at their ends."""
-    main, *others = panels
+    heading, words = curves_heading(results, layout)
+    note(figure, constant, words, *remarks(over_ratio, found), left_out(results, layout, chosen, over_ratio))
     if layout.curves is None:
-        texts = [f"{short(speed)} rpm" for speed in curves[0].at]
-        label_along(main, curves[0].x, curves[0].y, texts)
-        return
-    heading = curves_heading(results, layout)
-    for axes, figure_name in zip(others, (name, "oil_ratio"), strict=True):
-        drawn = family(results, layout, chosen, None, figure_name)
-        label_ends(axes, [(c.x[-1], c.y[-1]) for c in drawn], [c.text for c in drawn], heading)
+        label_along(main, over_ratio[0].x, over_ratio[0].y, [f"{speed:.0f} rpm" for speed in over_ratio[0].at])
+        return figure
+    for axes, figure_name in ((upper, name), (lower, "oil_ratio")):
+        label_curves(axes, family(results, layout, chosen, None, figure_name), heading)
+    return figure

@@ -20,7 +20,14 @@ GREY = "#6e6e6e"  # guides: lines that are no data
 
 # Colours by descending contrast: told apart in print without colour and with any colour vision.
 COLOURS = ("#000000", "#3b2a8c", "#a01f62", "#c2561a", "#3f9e72", "#62b0dc")
-DASHES: tuple[Any, ...] = ("-", (0, (5, 1.6)), (0, (5, 1.5, 1.2, 1.5)), (0, (1.2, 1.3)), (0, (9, 2)), (0, (3, 1, 1, 1, 1, 1)))
+DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (5, 1.6)),
+    (0, (5, 1.5, 1.2, 1.5)),
+    (0, (1.2, 1.3)),
+    (0, (9, 2)),
+    (0, (3, 1, 1, 1, 1, 1)),
+)
 
 _RC = {
     "font.family": "sans-serif",
@@ -105,10 +112,19 @@ def note(figure: Any, *parts: str) -> None:
     figure.suptitle("\n".join(textwrap.wrap(text, columns)), x=0.01, ha="left", linespacing=1.25)
 
 
+def plain_ticks(axis: Any, most: int = 7) -> None:
+    """Put ticks of a linear axis at round numbers (1, 2, 5), with smaller ones between."""
+    from matplotlib.ticker import AutoMinorLocator, MaxNLocator
+
+    axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
+    axis.set_minor_locator(AutoMinorLocator())
+
+
 def line_style(index: int, count: int) -> dict[str, Any]:
     """Return colour and dashes of one of several ordered curves: the first is the darkest."""
     from matplotlib import colormaps
 
-    shade = 0.0 if count < 2 else 0.80 * index / (count - 1)  # viridis: luminance grows evenly; its yellow end is too pale
-    colour = colormaps["viridis"](shade) if count > 1 else COLOURS[0]
+    if count < 2:
+        return {"color": COLOURS[0], "linestyle": DASHES[0]}
+    colour = colormaps["viridis"](0.80 * index / (count - 1))  # luminance grows evenly; the yellow end is too pale
     return {"color": colour, "linestyle": DASHES[index % len(DASHES)]}

@@ -23,13 +23,14 @@ from screwsim.report.families import (
     outcome_layout,
     slices,
 )
-from screwsim.report.quantities import FIGURES, shown_axis, short
-from screwsim.report.style import DOUBLE, SINGLE, line_style, new_figure, note
+from screwsim.report.quantities import FIGURES, short, shown_axis
+from screwsim.report.style import DOUBLE, SINGLE, line_style, new_figure, note, plain_ticks
 from screwsim.results import Results
 
 Plan = tuple[str, Callable[[], Any]]  # name of a figure, and what draws it
 _OTHERS = ("volumetric_efficiency", "shaft_power", "gas_mass_flow", "discharge_temperature")
-_POINTS_SHOWN = 12  # up to so many points a curve, the computed ones are marked
+_LEAST_SPAN = 0.01  # of an axis over its values: numerical noise is not blown up
+_POINTS_SHOWN = 60  # up to so many computed points in a panel they are marked
 
 
 def plans(results: Results) -> Iterator[Plan]:
@@ -53,10 +54,10 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
     axes = figure.subplots()
     found = draw_curves(axes, curves, optima=True)
     label_axes(axes, shown_axis(results.axis_list[layout.x]).label, FIGURES[name].label, [c.x for c in curves])
-    note(figure, constant, *remarks(curves, found), left_out(results, layout, chosen, curves))
+    heading, words = curves_heading(results, layout)
+    note(figure, constant, words, *remarks(curves, found), left_out(results, layout, chosen, curves))
     if layout.curves is not None:
-        ends = [(curve.x[-1], curve.y[-1]) for curve in curves]
-        label_ends(axes, ends, [curve.text for curve in curves], curves_heading(results, layout))
+        label_curves(axes, curves, heading)
     return figure
 
 
@@ -73,28 +74,48 @@ def _performance(results: Results, layout: Layout, chosen: dict[int, int], const
         draw_curves(axes, curves, optima=False)
         label_axes(axes, shown_axis(results.axis_list[layout.x]).label, FIGURES[name].label, [c.x for c in curves])
     widest = max(families.values(), key=len)
-    note(figure, constant, *remarks(widest, 0), left_out(results, layout, chosen, widest))
+    heading, words = curves_heading(results, layout)
+    note(figure, constant, words, *remarks(widest, 0), left_out(results, layout, chosen, widest))
     for axes, curves in zip(panels, families.values(), strict=False):
         if layout.curves is not None:
-            ends = [(curve.x[-1], curve.y[-1]) for curve in curves]
-            label_ends(axes, ends, [curve.text for curve in curves], curves_heading(results, layout))
+            label_curves(axes, curves, heading)
     return figure
 
 
 def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
     """Draw curves, crosses where a case did not close, and circles at optima; return how many optima there are."""
     found = 0
+    marker = "." if sum(len(curve.x) for curve in curves) <= _POINTS_SHOWN else "None"
     for i, curve in enumerate(curves):
         style = line_style(i, len(curves))
-        marker = "." if len(curve.x) <= _POINTS_SHOWN else ""
-        axes.plot(curve.x, curve.y, marker=marker, markersize=3.0, **style)
-        bad = ~curve.closed
-        axes.plot(curve.x[bad], curve.y[bad], "x", color=style["color"], markersize=3.5, markeredgewidth=0.7)
+        axes.plot(curve.x, curve.y, **style)
+        _mark(axes, curve.x[curve.closed], curve.y[curve.closed], marker, style["color"])
+        _mark(axes, curve.x[~curve.closed], curve.y[~curve.closed], "x", style["color"])
         best = optimum(curve.x, curve.y) if optima else None
         if best is not None:
             axes.plot(*best, "o", color=style["color"], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
             found += 1
     return found
+
+
+def _mark(axes: Any, x: np.ndarray, y: np.ndarray, marker: str, colour: Any) -> None:
+    """Draw markers that the frame does not cut; the layout need not make room for them."""
+    axes.plot(
+        x,
+        y,
+        marker=marker,
+        color=colour,
+        markersize=3.0,
+        markeredgewidth=0.6,
+        linestyle="",
+        clip_on=False,
+        in_layout=False,
+    )
+
+
+def label_curves(axes: Any, curves: list[Curve], heading: str) -> None:
+    """Label curves beside their ends."""
+    label_ends(axes, [(curve.x[-1], curve.y[-1]) for curve in curves], [curve.text for curve in curves], heading)
 
 
 def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> None:
@@ -105,8 +126,12 @@ def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> No
     if is_log(values):
         log_scale(axes, float(np.max(values) / np.min(values)))
     axes.set_xlim(float(np.min(values)), float(np.max(values)))
-    axes.margins(y=0.07)
-    axes.minorticks_on() if not is_log(values) else None
+    low, high = axes.dataLim.intervaly
+    span = max(1.14 * (high - low), _LEAST_SPAN * max(abs(low), abs(high)))
+    axes.set_ylim(0.5 * (low + high) - 0.5 * span, 0.5 * (low + high) + 0.5 * span)
+    plain_ticks(axes.yaxis)
+    if not is_log(values):
+        plain_ticks(axes.xaxis)
 
 
 def log_scale(axes: Any, ratio: float) -> None:

@@ -110,4 +110,4 @@ def flow_paths(values: Mapping[str, np.ndarray]) -> dict[str, dict[str, str]]:
         side = next((side for side in _SIDES if effect.endswith(f"_{side}")), "")
         words = effect.removesuffix(f"_{side}") if side else effect
         paths.setdefault(words.replace("_", " "), {})[side] = name
-    return dict(sorted(paths.items(), key=lambda path: len(path[1])))
+    return dict(sorted(paths.items(), key=lambda path: (len(path[1]), path[0] == "discharge port")))

@@ -1,0 +1,75 @@
+"""scipy's integrators over knots, as an independent check of our own: Radau, BDF, LSODA.
+
+Each segment between knots is integrated by itself. Tolerances are relative to the state; quadratures are states here,
+with an absolute tolerance from their scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+Array = np.ndarray
+METHODS = {"scipy-radau": "Radau", "scipy-bdf": "BDF", "scipy-lsoda": "LSODA"}
+
+
+class Path:
+    """An integrated path: times, dense[step] = (y0, y1, c3, c4) as `rodas.keep` stores them, end values, calls."""
+
+    def __init__(self) -> None:
+        self.times: list[float] = []
+        self.dense: list[Array] = []
+        self.calls = 0
+        self.message = ""
+
+    def add(self, t: Array, y: Array, slopes: Array) -> None:
+        """Add accepted steps with Hermite's cubic between them."""
+        if not self.times:
+            self.times.append(float(t[0]))
+        for i in range(len(t) - 1):
+            h = t[i + 1] - t[i]
+            rise = y[i + 1] - y[i]
+            c3 = h * slopes[i] - rise
+            self.dense.append(np.array([y[i], y[i + 1], c3, rise - h * slopes[i + 1] - c3]))
+            self.times.append(float(t[i + 1]))
+
+
+Slopes = Callable[[float, float, Array], Array]
+
+
+def integrate(
+    rates: Slopes, jacobian: Slopes, knots: Array, y: Array, q_scale: Array, rtol: float, method: str
+) -> tuple[Array, Array, Path]:
+    """Integrate y and the quadratures (appended to it in `rates`) over the knots; return y, q and the path.
+
+    `rates(t, middle, y)` returns both slopes in one vector, `jacobian` their derivatives by y. The Jacobian is given
+    because scipy's own differences overflow for quadratures, on which nothing depends. `path.message` is empty when
+    the end was reached.
+    """
+    from scipy.integrate import solve_ivp
+
+    n = len(y)
+    z = np.concatenate([y, np.zeros(len(q_scale))])
+    path = Path()
+    for start, end in zip(knots[:-1], knots[1:], strict=True):
+        middle = 0.5 * (start + end)
+        atol = np.concatenate([1e-3 * rtol * np.abs(z[:n]), rtol * np.maximum(q_scale, 1e-300)])
+
+        def slopes_at(t: float, state: Array, middle: float = middle) -> Array:
+            return rates(t, middle, state[:n])
+
+        def derivatives_at(t: float, state: Array, middle: float = middle) -> Array:
+            full = np.zeros((len(z), len(z)))
+            full[:, :n] = jacobian(t, middle, state[:n])
+            return full
+
+        found = solve_ivp(slopes_at, (start, end), z, METHODS[method], rtol=rtol, atol=atol, jac=derivatives_at)
+        path.calls += found.nfev
+        slopes = np.array([slopes_at(t, state) for t, state in zip(found.t, found.y.T, strict=True)])
+        path.add(found.t, found.y.T[:, :n], slopes[:, :n])
+        z = found.y[:, -1]
+        if found.status != 0 or not np.all(np.isfinite(z)):
+            path.message = str(found.message)
+            break
+    return z[:n], z[n:], path

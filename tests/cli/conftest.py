@@ -1,0 +1,82 @@
+"""A small scene in a folder of its own, and the command run in this process or in a new one."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import screwsim
+from screwsim import cli
+
+SCENE = """\
+title: small
+machine:
+  rotor_diameter: 160 mm
+  rotor_length: 176 mm
+  volume: {max: 600 cm^3, phi_A: 60 deg}
+  suction_port: {area: 40 cm^2, phi_B: 60 deg}
+  discharge_port: {area: 12 cm^2, opens: 600 deg, phi_C: 640 deg}
+gas: {fluid: R134a, isentropic_exponent: 1.12}
+operation:
+  speed: 3000 rpm
+  suction: {pressure: 1.5 bar, temperature: 283 K}
+  discharge: {pressure: 12 bar}
+effects:
+  suction_port:
+  discharge_port:
+  tip_leakage: {gap: 50 um}
+"""
+
+OILED = """\
+oil: {density: 1000 kg/m^3, heat_capacity: 2 kJ/(kg K), transport: paper}
+oil_supply: {kind: pump, ratio: 3, temperature: 293 K}
+effects:
+  oil_heat: {droplet_radius: 100 um, heat_transfer_coefficient: 500 W/(m^2 K)}
+"""
+
+
+class Answer(NamedTuple):
+    """How a command ended, and what it printed."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Work in a folder with small.yaml, swept.yaml and oiled.yaml."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.yaml").write_text(SCENE)
+    (tmp_path / "swept.yaml").write_text("base: small.yaml\nsweep:\n  operation.speed: [2000 rpm, 3000 rpm]\n")
+    (tmp_path / "oiled.yaml").write_text("base: small.yaml\n" + OILED)
+    return tmp_path
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
+    """Return a function that runs `screwsim ARGUMENTS…` in this process."""
+
+    def call(*arguments: str) -> Answer:
+        code = cli.exit_code(arguments)
+        return Answer(code, *capsys.readouterr())
+
+    return call
+
+
+@pytest.fixture
+def python() -> Callable[..., Answer]:
+    """Return a function that runs a new Python in which the package is found."""
+
+    def call(*arguments: str, **variables: str) -> Answer:
+        path = str(Path(screwsim.__file__).parents[1])
+        environment = os.environ | {"PYTHONPATH": path} | variables
+        command = [sys.executable, *arguments]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        return Answer(done.returncode, done.stdout, done.stderr)
+
+    return call

@@ -1,0 +1,114 @@
+"""What a misuse of the command answers: its exit code, and one line with the remedy on stderr."""
+
+import pytest
+
+from screwsim import cli
+
+
+def test_unknown_effect_is_a_bad_scene_at_its_line(folder, command):
+    text = (folder / "small.yaml").read_text().replace("tip_leakage", "tip_leackage")
+    (folder / "bad.yaml").write_text(text)
+    answer = command("run", "bad.yaml")
+    line = 1 + text.splitlines().index("  tip_leackage: {gap: 50 um}")
+    message = f"bad.yaml:{line}:3: effects.tip_leackage: is not known; did you mean 'tip_leakage'?\n"
+    assert answer == (3, "", message)
+
+
+def test_bad_unit_is_a_bad_scene_at_its_column(folder, command):
+    (folder / "bad.yaml").write_text("base: small.yaml\nmachine:\n  rotor_diameter: 160 bar\n")
+    answer = command("explain", "bad.yaml")
+    message = "bad.yaml:3:19: machine.rotor_diameter: '160 bar' is not a length (write e.g. '128 mm')\n"
+    assert answer == (3, "", message)
+
+
+def test_every_fault_has_a_line(folder, command):
+    (folder / "bad.yaml").write_text("base: small.yaml\nmachine:\n  rotor_diameter: 1\noperation:\n  speed: 50 Hz\n")
+    answer = command("sweep", "bad.yaml")
+    assert answer.code == 3
+    assert [line.split(": ")[0] for line in answer.err.splitlines()] == ["bad.yaml:3:19", "bad.yaml:5:10"]
+
+
+def test_missing_file_is_a_bad_scene(folder, command):
+    answer = command("run", "nowhere.yaml")
+    assert (answer.code, answer.out) == (3, "")
+    assert answer.err.startswith("nowhere.yaml")
+    assert answer.err.endswith(
+        "cannot be read: No such file or directory (name an existing scene file, saved as UTF-8)\n"
+    )
+
+
+def test_override_is_checked_like_the_file(folder, command):
+    answer = command("run", "small.yaml", "--set", "operation.speed=1000")
+    assert answer.code == 3
+    assert "operation.speed: 1000 has no unit (write e.g. '3000 rpm')" in answer.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ("run", "small.yaml", "--set", "operation.speed"),
+            "--set operation.speed: is not PATH=VALUE (write e.g. --set operation.speed='1000 rpm')\n",
+        ),
+        (
+            ("run", "small.yaml", "--without", "blow_hole"),
+            "--without blow_hole: that effect is not active in this scene "
+            "(active: suction_port, discharge_port, tip_leakage)\n",
+        ),
+        (
+            ("sweep", "small.yaml"),
+            "small.yaml: has no sweep (write a block sweep:, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
+            "one point is simulated by screwsim run)\n",
+        ),
+    ],
+)
+def test_usage_error_is_one_line(folder, command, arguments, message):
+    assert command(*arguments) == (2, "", message)
+
+
+@pytest.mark.parametrize(
+    "arguments", [("rum",), ("run",), ("run", "small.yaml", "--jason"), ("sweep", "swept.yaml", "--jobs", "0"), ()]
+)
+def test_arguments_without_sense_are_usage_errors(folder, command, arguments):
+    answer = command(*arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("Usage: screwsim")
+
+
+def _fail(*_: object, **__: object) -> None:
+    raise ZeroDivisionError("float division\nby zero")
+
+
+def test_internal_error_is_told_without_traceback(folder, command, monkeypatch):
+    monkeypatch.setattr(cli, "_loaded", _fail)
+    monkeypatch.delenv("SCREWSIM_DEBUG", raising=False)
+    answer = command("explain", "small.yaml")
+    assert (answer.code, answer.out) == (1, "")
+    first, second = answer.err.splitlines()
+    assert first == "internal error: ZeroDivisionError: float division by zero"
+    assert "please report it" in second
+
+
+def test_debugging_shows_the_traceback(folder, command, monkeypatch):
+    monkeypatch.setattr(cli, "_loaded", _fail)
+    monkeypatch.setenv("SCREWSIM_DEBUG", "1")
+    answer = command("explain", "small.yaml")
+    assert answer.code == 1
+    assert answer.err.startswith("Traceback")
+
+
+def test_interrupt_has_its_own_code(folder, command, monkeypatch):
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "_loaded", interrupt)
+    answer = command("sweep", "swept.yaml")
+    assert (answer.code, answer.out) == (130, "")
+    assert answer.err == "interrupted; a sweep resumes when it is started again\n"
+
+
+def test_file_of_another_scene_is_refused(folder, command):
+    (folder / "out.h5").write_bytes(b"not HDF5")
+    answer = command("sweep", "swept.yaml", "-o", "out.h5")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith("out.h5: is not an HDF5 file")

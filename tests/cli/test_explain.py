@@ -1,0 +1,44 @@
+"""`explain` tells what is simulated and what is not."""
+
+import screwsim
+from screwsim.effects import catalogue
+from screwsim.explain import explain
+
+
+def test_active_and_left_out_are_the_catalogue(folder):
+    found = explain(screwsim.load("small.yaml"))
+    assert set(found.active) | set(found.left_out) == set(catalogue())
+    assert not set(found.active) & set(found.left_out)
+    assert "oil_heat" in found.left_out
+
+
+def test_every_active_effect_shows_title_equations_and_source(folder):
+    scene = screwsim.load("oiled.yaml")
+    words = " ".join(str(explain(scene)).split())
+    for active in scene.effects.values():
+        for text in (active.effect.title, ", ".join(active.effect.equations), active.effect.source):
+            assert text in words
+
+
+def test_states_follow_the_effects(folder, command):
+    assert explain(screwsim.load("small.yaml")).states == ("T", "m")
+    assert explain(screwsim.load("oiled.yaml")).states == ("T", "m", "T_oil")
+    carried = screwsim.load("oiled.yaml", ["oil.transport=carried"])
+    assert explain(carried).states == ("T", "m", "T_oil", "m_oil")
+    answer = command("explain", "oiled.yaml", "--without", "oil_heat")
+    assert answer.code == 0
+    assert "oil_heat" in answer.out.partition("Left out")[2]
+
+
+def test_parameters_come_in_customary_units_with_defaults_marked(folder):
+    text = str(explain(screwsim.load("small.yaml")))
+    assert "flow_coefficient 0.7 (default), gap 0.05 mm" in text
+
+
+def test_text_fits_a_terminal(folder):
+    for name in ("small.yaml", "swept.yaml", "oiled.yaml"):
+        assert max(map(len, str(explain(screwsim.load(name))).splitlines())) <= 80
+
+
+def test_sweep_is_counted(folder):
+    assert "Sweep (2 cases)" in str(explain(screwsim.load("swept.yaml")))

@@ -1,0 +1,109 @@
+"""`run` and `sweep` on a small scene: the JSON document, the files, the table for people."""
+
+import importlib
+import json
+
+import pytest
+
+import screwsim
+from screwsim.outputs import BALANCE, NUMERICS, NUMERICS_TEXT, PERFORMANCE, Figures, Result
+
+
+def _document(text: str) -> dict:
+    def refuse(constant: str) -> None:
+        raise AssertionError(f"{constant} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+def test_json_of_run_has_the_names_of_the_contract(folder, command):
+    answer = command("run", "small.yaml", "--json")
+    assert answer.code == 0, answer.err
+    document = _document(answer.out)
+    assert (document["status"], document["message"]) == ("ok", "")
+    assert document["effects"] == ["suction_port", "discharge_port", "tip_leakage"]
+    assert document["states"] == ["T", "m"]
+    assert set(document["performance"]) == set(PERFORMANCE)
+    assert set(document["balance"]) == set(BALANCE)
+    assert set(document["error"]) == set(PERFORMANCE)
+    assert set(document["numerics"]) == {*NUMERICS, *NUMERICS_TEXT}
+    assert document["performance"]["mechanical_power"] is None  # not simulated
+    assert 0.0 < document["performance"]["volumetric_efficiency"] < 1.0
+
+
+def test_run_writes_the_base_point_only_when_asked(folder, command):
+    before = {path.name for path in folder.iterdir()}
+    assert command("run", "swept.yaml").code == 0
+    assert {path.name for path in folder.iterdir()} == before
+    assert command("run", "swept.yaml", "-o", "out/point.h5").code == 0
+    stored = screwsim.open_results("out/point.h5")
+    assert stored.shape == ()
+    assert "pressure" in stored.cycle
+    assert "sweep" not in stored.scene_yaml
+
+
+def test_table_is_clean_in_a_pipe(folder, command):
+    answer = command("run", "small.yaml")
+    assert answer.code == 0, answer.err
+    lines = answer.out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert "\x1b" not in answer.out
+    assert lines[:2] == ["small", "status: ok"]
+    table = {line[:28].strip(): line[28:].split() for line in lines}
+    assert table["shaft power"][1] == "kW"
+    assert table["peak pressure"][1] == "bar"
+    assert table["isothermal efficiency"][1] == "%"
+    assert any(line.startswith("not simulated: oil mass flow") for line in lines)
+
+
+@pytest.mark.parametrize(
+    "ended",
+    [
+        Result("failed", "the integration stopped at 12.00 deg", numerics=Figures(integrator="rodas4", wall_time=0.01)),
+        Result("not_closed", "mass 1e-3", performance=Figures(shaft_power=float("nan"), oil_ratio=None)),
+    ],
+)
+@pytest.mark.parametrize("extra", [(), ("--json",)])
+def test_a_point_that_is_not_ok_ends_with_4(folder, command, monkeypatch, ended, extra):
+    monkeypatch.setattr(importlib.import_module("screwsim.simulate"), "simulate", lambda scene, **_: ended)
+    answer = command("run", "small.yaml", *extra)
+    assert answer.code == 4
+    if extra:
+        document = _document(answer.out)
+        assert (document["status"], document["message"]) == (ended.status, ended.message)
+    else:
+        assert f"status: {ended.status}; {ended.message}" in answer.out
+
+
+def test_sweep_writes_resumes_and_starts_over(folder, command):
+    answer = command("sweep", "swept.yaml", "--jobs", "1", "--json")
+    assert answer.code == 0, answer.err
+    document = _document(answer.out)
+    assert list(document) == ["path", "cases", "ok", "not_closed", "failed", "reused", "seconds", "failures"]
+    assert document["path"] == "results/swept.h5"
+    assert [document[name] for name in ("cases", "ok", "failed", "reused")] == [2, 2, 0, 0]
+    assert screwsim.open_results("results/swept.h5").shape == (2,)
+    assert _document(command("sweep", "swept.yaml", "--json").out)["reused"] == 2
+    assert _document(command("sweep", "swept.yaml", "--jobs", "1", "--restart", "--json").out)["reused"] == 0
+
+
+def test_sweep_lists_what_failed_and_ends_with_4(folder, command):
+    # discharge below suction pressure: a fault of one case only
+    grid = "sweep.operation.discharge.pressure=[1 bar, 12 bar]"
+    answer = command("sweep", "small.yaml", "--set", grid, "--jobs", "1", "--json", "-o", "grid.h5")
+    assert answer.code == 4
+    document = _document(answer.out)
+    assert [document[name] for name in ("cases", "ok", "failed")] == [2, 1, 1]
+    [failure] = document["failures"]
+    assert (failure["case"], failure["status"]) == (0, "failed")
+    assert failure["values"] == {"operation.discharge.pressure": 1e5}
+    assert "below the suction pressure" in failure["message"]
+    text = command("sweep", "small.yaml", "--set", grid, "-o", "grid.h5")
+    assert text.code == 4
+    assert "2 cases: 1 ok, 1 failed (2 of an earlier run)" in text.out
+
+
+def test_schema_is_one_document(command):
+    answer = command("schema")
+    assert (answer.code, answer.err) == (0, "")
+    assert "machine" in _document(answer.out)["properties"]

@@ -1,0 +1,63 @@
+"""The front door opens without the house: what must not be imported, and the public names."""
+
+import json
+
+import pytest
+
+HEAVY = {"numba", "CoolProp", "matplotlib", "h5py", "scipy", "pint", "numpy", "pandas", "xarray"}
+LOADED = "print(json.dumps(sorted({name.partition('.')[0] for name in sys.modules})), file=sys.stderr)"
+
+
+def _loaded(answer) -> set[str]:
+    return set(json.loads(answer.err.splitlines()[-1]))
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["--version"]])
+def test_help_imports_nothing_heavy(python, arguments):
+    answer = python("-c", f"import json, sys; from screwsim import cli; cli.exit_code({arguments!r}); {LOADED}")
+    assert answer.code == 0, answer.err
+    assert not _loaded(answer) & HEAVY
+
+
+def test_package_imports_nothing(python):
+    answer = python("-c", f"import json, sys, screwsim; {LOADED}")
+    assert not _loaded(answer) & (HEAVY | {"typer", "rich", "ruamel"})
+
+
+def test_explaining_imports_no_compiler(folder, python):
+    code = f"import json, sys; from screwsim import cli; cli.exit_code(['explain', 'small.yaml']); {LOADED}"
+    answer = python("-c", code, SCREWSIM_CACHE=str(folder / "cache"))
+    loaded = _loaded(answer)
+    assert "numba" not in loaded
+    assert not loaded & {"matplotlib", "h5py", "scipy", "pint", "xarray"}
+
+
+def test_module_is_the_command(python):
+    answer = python("-m", "screwsim", "--version")
+    assert (answer.code, answer.err) == (0, "")
+    assert answer.out.startswith("screwsim 0.")
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import screwsim; screwsim.simulate",
+        "import screwsim; import screwsim.simulate",
+        "import screwsim.simulate",
+        "from screwsim.simulate import warm_up; import screwsim",
+        "import screwsim; screwsim.simulate; import screwsim.simulate",
+        "import screwsim; screwsim.sweep; from screwsim.simulate import simulate",
+        "import screwsim; from screwsim import simulate",
+    ],
+)
+def test_simulate_is_the_function_in_any_order_of_imports(python, code):
+    check = "import types; assert isinstance(screwsim.simulate, types.FunctionType), screwsim.simulate"
+    pickled = "import pickle; assert pickle.loads(pickle.dumps(screwsim.simulate)) is screwsim.simulate"
+    answer = python("-c", f"{code}; {check}; {pickled}")
+    assert answer.code == 0, answer.err
+
+
+def test_every_public_name_is_there(python):
+    code = "import screwsim; assert all(getattr(screwsim, n) is not None for n in screwsim.__all__); screwsim.nonsense"
+    answer = python("-c", code)
+    assert answer.err.splitlines()[-1] == "AttributeError: module 'screwsim' has no attribute 'nonsense'"

@@ -1,0 +1,41 @@
+"""What holds the house together: shipped scenes load, one version, names of results written once."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim import outputs
+
+ROOT = Path(__file__).parents[2]
+CONFIGS = sorted((ROOT / "configs").glob("**/*.yaml"))
+
+
+@pytest.mark.parametrize("path", CONFIGS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_shipped_scene_loads(path):
+    scene = screwsim.load(path)
+    again = screwsim.loads(scene.text, folder=scene.folder)
+    assert again.text == scene.text
+
+
+def test_version_has_one_source():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    assert project["project"]["dynamic"] == ["version"]
+    assert project["tool"]["hatch"]["version"]["path"] == "src/screwsim/__init__.py"
+    assert f"\nversion: {screwsim.__version__}\n" in (ROOT / "CITATION.cff").read_text()
+
+
+def test_every_dependency_is_pinned():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    wanted = project["dependencies"] + [name for extra in project["optional-dependencies"].values() for name in extra]
+    names = {re.split(r"[\[<>=~ ]", item)[0].lower() for item in wanted} - {"screwsim"}
+    lines = [line for line in (ROOT / "constraints.txt").read_text().splitlines() if not line.startswith("#")]
+    assert all(re.fullmatch(r"[A-Za-z0-9_.-]+==[A-Za-z0-9_.+-]+", line) for line in lines)
+    assert names <= {line.partition("==")[0].lower() for line in lines}
+
+
+def test_every_result_has_unit_and_meaning():
+    for table in (outputs.PERFORMANCE, outputs.BALANCE, outputs.NUMERICS, outputs.CYCLE):
+        assert all(about.units and about.long_name for about in table.values())

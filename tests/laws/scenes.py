@@ -1,0 +1,81 @@
+"""The scenes of these tests: one complete machine, and small changes of it that share compiled models."""
+
+from __future__ import annotations
+
+import copy
+import json
+from functools import cache
+from typing import Any
+
+from screwsim.outputs import Result
+from screwsim.scene import Scene, loads
+from screwsim.simulate import simulate
+
+BASE: dict[str, Any] = {
+    "machine": {
+        "male_lobes": 4,
+        "female_lobes": 6,
+        "rotor_diameter": "160 mm",
+        "rotor_length": "176 mm",
+        "volume": {"law": "paper", "max": "600 cm^3", "phi_A": "60 deg"},
+        "suction_port": {"law": "paper", "area": "40 cm^2", "phi_B": "60 deg"},
+        "discharge_port": {"law": "paper", "area": "12 cm^2", "opens": "600 deg", "phi_C": "640 deg"},
+    },
+    "gas": {"fluid": "R134a", "model": "ideal"},
+    "oil": {
+        "density": "1000 kg/m^3",
+        "heat_capacity": "2 kJ/(kg K)",
+        "viscosity": "20 mPa s",
+        "transport": "paper",
+    },
+    "operation": {
+        "speed": "3000 rpm",
+        "suction": {"pressure": "1.5 bar", "temperature": "283 K"},
+        "discharge": {"pressure": "12 bar"},
+    },
+    "oil_supply": {"kind": "pump", "ratio": 3, "temperature": "293 K"},
+    "effects": {
+        "suction_port": {},
+        "discharge_port": {},
+        "tip_leakage": {"gap": "50 um"},
+        "interlobe_leakage": {"gap": "40 um", "length": "150 mm"},
+        "blow_hole": {"area": "6 mm^2"},
+        "end_face_leakage": {"gap": "50 um", "length": "80 mm"},
+        "oil_heat": {"droplet_radius": "100 um", "heat_transfer_coefficient": "500 W/(m^2 K)"},
+        "oil_pump": {"efficiency": 0.6},
+        "hydromechanical": {},
+        "mechanical": {"fraction": 0.05},
+    },
+}
+SPEEDS = (5000, 3000, 1000, 500, 250)
+DROP = object()  # as a value: the field is left out
+
+
+def scene_dict(changes: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return the base scene with changes by dotted path; the value DROP removes a field."""
+    scene = copy.deepcopy(BASE)
+    for path, value in (changes or {}).items():
+        *parents, last = path.split(".")
+        place = scene
+        for name in parents:
+            place = place.setdefault(name, {})
+        if value is DROP:
+            place.pop(last, None)
+        else:
+            place[last] = value
+    return scene
+
+
+def make(changes: dict[str, Any] | None = None) -> Scene:
+    """Return the scene of `scene_dict` (JSON is YAML)."""
+    return loads(json.dumps(scene_dict(changes)))
+
+
+def run(changes: dict[str, Any] | None = None) -> Result:
+    """Simulate, once for each set of changes: results are never written to."""
+    return _run(json.dumps(scene_dict(changes)))
+
+
+@cache
+def _run(text: str) -> Result:
+    return simulate(loads(text))

@@ -1,0 +1,99 @@
+"""Results files without a simulation: efficiencies with a known optimum, a cycle of simple shapes."""
+
+from pathlib import Path
+
+import numpy as np
+
+from screwsim.outputs import Figures, Result
+from screwsim.results import save
+from screwsim.scene import Scene, grid, loads
+
+SCENE = """\
+title: fake
+machine:
+  rotor_diameter: 128 mm
+  rotor_length: 140 mm
+  volume: {max: 500 cm^3, phi_A: 60 deg}
+  suction_port: {area: 40 cm^2, phi_B: 60 deg}
+  discharge_port: {area: 12 cm^2, opens: 600 deg, phi_C: 640 deg}
+gas: {fluid: R134a}
+oil: {density: 1000 kg/m^3, heat_capacity: 2 kJ/(kg K), viscosity: 20 mPa s}
+operation:
+  speed: 3000 rpm
+  suction: {pressure: 1.5 bar, temperature: 283 K}
+  discharge: {pressure: 12 bar}
+oil_supply: {kind: pump, ratio: 3, temperature: 293 K}
+effects:
+  suction_port:
+  discharge_port:
+  tip_leakage: {gap: 50 um}
+"""
+DISPLACED = SCENE.replace("kind: pump, ratio: 3", "kind: displacement, orifice_diameter: 3 mm")
+SPEEDS = "  operation.speed: [5000 rpm, 3000 rpm, 1000 rpm, 500 rpm, 250 rpm]\n"
+RATIOS = "  oil_supply.ratio: {from: 0.1, to: 10, count: 20, spacing: log}\n"
+PUMP = SCENE + "sweep:\n" + SPEEDS + RATIOS
+SPEED = DISPLACED + "sweep:\n  operation.speed: {from: 250 rpm, to: 6000 rpm, count: 14, spacing: log}\n"
+CYCLE = "output: {keep: cycle}\n"
+BEST_RATIO, BEST = 1.7, 0.6  # of every curve over the ratio
+
+
+def cycle(peak: float = 14e5) -> dict[str, np.ndarray]:
+    """Return traces of a compression from 1.5 bar; the pressure ends in a spike of one degree."""
+    angle = np.arange(0.0, 721.0)
+    volume = 5e-4 * np.sin(np.radians(angle / 4.0)) ** 2 + 1e-7
+    pressure = np.where(angle < 360.0, 1.5e5, np.minimum(1.5e5 * 5e-4 / volume, 12e5))
+    pressure[-1] = peak
+    flow = np.where(angle > 600.0, -1.0, 0.0)
+    return {
+        "angle": angle,
+        "volume": volume,
+        "pressure": pressure,
+        "gas_temperature": 280.0 + pressure / 2e4,
+        "oil_temperature": np.where(angle < 360.0, np.nan, 293.0),
+        "gas_mass": 1e-3 + 1e-9 * pressure,
+        "mass_flow_suction_port": np.where(angle < 360.0, 0.4, 0.0),
+        "mass_flow_discharge_port": flow,
+        "mass_flow_tip_leakage_leading": 0.01 * np.sin(np.radians(angle)),
+        "mass_flow_tip_leakage_trailing": -0.01 * np.sin(np.radians(angle)),
+    }
+
+
+def ok(case: Scene, keep: bool = False) -> Result:
+    """Return figures of a case: η is a parabola in ln d around BEST_RATIO; without a given d, d falls with speed."""
+    speed = case.operation.speed
+    ratio = case.oil_supply.ratio or 300.0 / speed
+    efficiency = BEST - 0.03 * np.log(ratio / BEST_RATIO) ** 2 + 1e-5 * speed
+    figures = Figures(
+        isothermal_efficiency=efficiency,
+        isentropic_efficiency=0.9 * efficiency,
+        volumetric_efficiency=0.9,
+        shaft_power=10.0 * speed,
+        gas_mass_flow=1e-3 * speed,
+        discharge_temperature=330.0 + 1e-9 * ratio,
+        oil_ratio=ratio,
+    )
+    return Result("ok", performance=figures, cycle=cycle() if keep else {})
+
+
+def some_fail(case: Scene) -> Result:
+    """Fail at the two lowest ratios, do not close at the highest, and lose the value of one more."""
+    result, ratio = ok(case), case.oil_supply.ratio
+    if ratio < 0.13:
+        return Result("failed", message="the integration stopped")
+    return Result("not_closed" if ratio > 9.0 else "ok", performance=result.performance)
+
+
+def file(path: Path, text: str, simulate=ok) -> Path:
+    """Write a results file of a scene, of its sweep when it has one."""
+    scene = loads(text)
+    if scene.sweep:
+        results = [simulate(grid.case(scene, i)) for i in range(grid.case_count(scene))]
+        save(path, scene, results, "sweep")
+    else:
+        save(path, scene, simulate(scene))
+    return path
+
+
+def with_cycle(case: Scene) -> Result:
+    """Return figures and a cycle."""
+    return ok(case, keep=True)
