@@ -48,19 +48,27 @@ def build_oil(scene: Scene) -> OilPart | None:
 def build_parts(scene: Scene, refine: float = 1.0) -> Parts:
     """Return what the scene names, built for the composer; `refine` multiplies the regularisation width."""
     geometry = Geometry(scene.machine)
+    port_width, gap_width = regularisation(scene)
     return Parts(
         geometry=geometry,
         gas=build_gas(scene),
         omega=scene.operation.speed,
-        width=refine * regularisation(scene),
+        port_width=refine * port_width,
+        gap_width=refine * gap_width,
         effects={name: active.effect.build(active.parameters, geometry) for name, active in scene.effects.items()},
         oil=build_oil(scene),
     )
 
 
-def regularisation(scene: Scene) -> float:
-    """Return the width ε [Pa] below which a pressure difference is smoothed (docs/numerics.md)."""
-    return 0.2 * scene.numerics.accuracy * scene.operation.suction.pressure
+def regularisation(scene: Scene) -> tuple[float, float]:
+    """Return the widths ε [Pa] of ports and gaps below which a pressure difference is smoothed (docs/numerics.md).
+
+    A gap's may be wider: at Δp = ε its flow is some hundredths of what it is under load, and a wide one keeps the
+    noise of two chambers at one pressure out of their exchange.
+    """
+    accuracy, operation = scene.numerics.accuracy, scene.operation
+    p_s, p_d = operation.suction.pressure, operation.discharge.pressure
+    return 0.2 * accuracy * p_s, accuracy * max(p_s, p_d)
 
 
 def wanted_of(scene: Scene, refine: float = 1.0) -> closing.Wanted:

@@ -19,6 +19,7 @@ from screwsim.model.slots import (
     ENTHALPY,
     OIL_RATIO,
     OIL_TEMPERATURE,
+    P_C_OIL,
     R_DISCHARGE,
     R_INJECTED,
     R_OIL_BEFORE,
@@ -173,7 +174,7 @@ class Solution:
         if "T_oil" in c.states and not c.carried:
             times, dense, _, steps = m.last()
             lost = m.module.trace__oil_lost_with_leaks(times, dense, steps, m.context, c.n_E)
-            residue = float(lost * c.P[5] * self.parts.omega / self.parts.geometry.pitch)
+            residue = float(lost * c.P[P_C_OIL] * self.parts.omega / self.parts.geometry.pitch)
         return Figures(
             mass=mass, energy=energy, oil_mass=oil_mass if c.carried else None, oil_residue=residue, bound=self.wanted.bound
         )
@@ -181,17 +182,18 @@ class Solution:
     def cycle(self) -> dict[str, np.ndarray]:
         """Return the traces over the angle (contract: cycle)."""
         m, c = self.machinery, self.machinery.composition
-        out = np.empty((len(TRACE_ANGLES), 3 + len(c.states)))
+        out = np.empty((len(TRACE_ANGLES), 4 + len(c.states)))
         flows = np.empty((len(TRACE_ANGLES), len(c.plenum_paths) + 2 * len(c.gap_paths)))
         angles = np.minimum(np.radians(TRACE_ANGLES), self.parts.geometry.life)
         m.module.trace__sample(angles, *m.last(), m.context, c.n_E, out, flows)
         traces = {"angle": TRACE_ANGLES.copy(), "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
-        traces |= {"gas_temperature": out[:, 3], "gas_mass": out[:, 4]}
+        traces |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5]}
         if "T_oil" in c.states:
             present = c.carried | (TRACE_ANGLES >= math.degrees(self.parts.geometry.injection_angle))
-            traces["oil_temperature"] = np.where(present, out[:, 5], np.nan)
+            traces["oil_temperature"] = np.where(present, out[:, 6], np.nan)
             d = float(m.R[R_RATIO])
-            traces["oil_mass"] = out[:, 6] if c.carried else np.where(present, d * out[:, 4], 0.0)
+            traces["oil_mass"] = out[:, 7] if c.carried else np.where(present, d * out[:, 5], 0.0)
+        _smooth_plenum_flows(flows, len(c.plenum_paths), self.parts.omega * out[:, 3])
         for i, name in enumerate(c.plenum_paths):
             traces[f"mass_flow_{name}"] = flows[:, i]
         for i, (name, _) in enumerate(c.gap_paths):
@@ -199,6 +201,19 @@ class Solution:
                 key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
                 traces[key] = traces.get(key, 0.0) + flows[:, column]
         return traces
+
+
+def _smooth_plenum_flows(flows: np.ndarray, paths: int, mass_rate: np.ndarray) -> None:
+    """Where one port alone is open, take its flow from the mass balance, in place.
+
+    Between steps a wide port's tiny Δp carries the whole error of the interpolated pressure; dm/dφ does not.
+    """
+    open_ports = np.abs(flows[:, :paths]) > 0.0
+    alone = np.count_nonzero(open_ports, axis=1) == 1
+    leaks = flows[:, paths:].sum(axis=1)
+    for i in range(paths):
+        mine = alone & open_ports[:, i]
+        flows[mine, i] = mass_rate[mine] - leaks[mine]
 
 
 def _numerics(solution: Solution, closed: closing.Closed, counts: closing.Array, wall_time: float) -> Figures:

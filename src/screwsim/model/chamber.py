@@ -37,13 +37,14 @@ from screwsim.model.slots import (
     OIL_TEMPERATURE,
     OILED,
     P_C_OIL,
+    P_GAP_WIDTH,
     P_INJECTION,
     P_LIFE,
     P_OMEGA,
     P_PITCH,
     P_T_OIL,
     P_TO_RATIO,
-    P_WIDTH,
+    P_PORT_WIDTH,
     PLACE,
     PLENUM,
     PRESSURE,
@@ -149,7 +150,7 @@ def surroundings(phi, middle, context, E):
 
 
 @kernel
-def place_flow(area, own, a, other, b, P):
+def place_flow(area, own, a, other, b, width):
     """Return the mass flow [kg/s] from place `other[b]` into place `own[a]`."""
     return flow(
         area,
@@ -163,12 +164,12 @@ def place_flow(area, own, a, other, b, P):
         other[b + EXPONENT],
         other[b + CHOKE],
         other[b + CHOKED],
-        P[P_WIDTH],
+        width,
     )
 
 
 @kernel
-def place_slopes(area, own, a, other, b, P):
+def place_slopes(area, own, a, other, b, width):
     """Return the mass flow and its slopes by pressure and density of both places."""
     return flow_slopes(
         area,
@@ -182,7 +183,7 @@ def place_slopes(area, own, a, other, b, P):
         other[b + EXPONENT],
         other[b + CHOKE],
         other[b + CHOKED],
-        P[P_WIDTH],
+        width,
     )
 
 
@@ -269,7 +270,7 @@ def rates(y, E, context, f, g):
     for i in range(N_PLENUM):
         if E[E_AREAS + i] > 0.0:
             b = R_DISCHARGE * PLENUM[i]
-            m = place_flow(E[E_AREAS + i], own, 0, R, b, P)
+            m = place_flow(E[E_AREAS + i], own, 0, R, b, P[P_PORT_WIDTH])
             if m >= 0.0:
                 add_stream(work, category(PLENUM[i], m) * width, m, R, b)
             else:
@@ -278,7 +279,7 @@ def rates(y, E, context, f, g):
     for i in range(2 * N_GAPS):
         if E[areas + i] > 0.0:
             b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
-            m = place_flow(E[areas + i], own, 0, E, b, P)
+            m = place_flow(E[areas + i], own, 0, E, b, P[P_GAP_WIDTH])
             if m >= 0.0:
                 add_stream(work, gap_category(E, b, m) * width, m, E, b)
             else:
@@ -296,11 +297,13 @@ def path_flows(y, E, context, out):
     P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
     fill_place(y, 0, E[E_VOLUME], P, own, 0)
     for i in range(N_PLENUM):
-        out[i] = place_flow(E[E_AREAS + i], own, 0, R, R_DISCHARGE * PLENUM[i], P) if E[E_AREAS + i] > 0.0 else 0.0
+        out[i] = 0.0
+        if E[E_AREAS + i] > 0.0:
+            out[i] = place_flow(E[E_AREAS + i], own, 0, R, R_DISCHARGE * PLENUM[i], P[P_PORT_WIDTH])
     areas = E_AREAS + N_PLENUM
     for i in range(2 * N_GAPS):
         b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
-        out[N_PLENUM + i] = place_flow(E[areas + i], own, 0, E, b, P) if E[areas + i] > 0.0 else 0.0
+        out[N_PLENUM + i] = place_flow(E[areas + i], own, 0, E, b, P[P_GAP_WIDTH]) if E[areas + i] > 0.0 else 0.0
 
 
 @kernel
@@ -325,78 +328,119 @@ def place_derivatives(y, at, V, P, place, row, changed, d):
 
 
 @kernel
-def jacobian(y, E, context, f, g, J, Jq):
-    """Fill f, g and their derivatives by y: flows by their analytic slopes, smooth state functions by differences.
+def flow_over_angle(area, darea, m_1, by_p1, by_rho1, by_p2, by_rho2, d_own, a, d_other, b):
+    """Return dṁ/dφ at fixed states from the flow and slopes per unit area, and the places' derivatives by the angle."""
+    of_places = by_p1 * d_own[a + PRESSURE] + by_rho1 * d_own[a + DENSITY]
+    of_places += by_p2 * d_other[b + PRESSURE] + by_rho2 * d_other[b + DENSITY]
+    return m_1 * darea + area * of_places
 
-    The square-root behaviour of a flow near equal pressures never enters a difference.
+
+@kernel
+def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
+    """Fill f, g and their derivatives by y and by φ: flows by their analytic slopes, smooth functions by differences.
+
+    E_next is E at φ + delta. The square-root behaviour of a flow near equal pressures never enters a difference: a
+    step of 1e-6 in the angle alone would change p by more than a wide port's Δp.
     """
     P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, work = context
     width = 4 if CARRIED == 1 else 2
     n_sums = CATEGORIES * width
-    d = n_sums  # work: sums, derivatives of the own place, derivatives of the sums
-    ds = d + N * PLACE
+    d = n_sums  # work: sums; derivatives of the own place by each state, then by φ; derivatives of the sums likewise
+    ds = d + (N + 1) * PLACE
+    other = ds + (N + 1) * n_sums + N + 2
     fill_place(y, 0, E[E_VOLUME], P, own, 0)
     place_derivatives(y, 0, E[E_VOLUME], P, own, 0, state, work[d:])
+    d_phi = d + N * PLACE
+    fill_place(y, 0, E_next[E_VOLUME], P, work, d_phi)
+    for i in range(PLACE):
+        work[d_phi + i] = (work[d_phi + i] - own[i]) / delta
+        work[other + i] = 0.0
     for i in range(n_sums):
         work[i] = 0.0
-    for i in range(ds, ds + N * n_sums):
+    for i in range(ds, ds + (N + 1) * n_sums):
         work[i] = 0.0
     areas = E_AREAS + N_PLENUM
     for i in range(N_PLENUM + 2 * N_GAPS):
-        if E[E_AREAS + i] > 0.0:
+        area = E[E_AREAS + i]
+        darea = (E_next[E_AREAS + i] - area) / delta
+        if area > 0.0 or darea > 0.0:
             gap = i - N_PLENUM
             if gap < 0:
                 b = R_DISCHARGE * PLENUM[i]
-                m, by_p, by_rho, _, _ = place_slopes(E[E_AREAS + i], own, 0, R, b, P)
+                source = R
+                m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, R, b, P[P_PORT_WIDTH])
                 at = category(PLENUM[i], m) * width
             else:
                 b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE
-                m, by_p, by_rho, _, _ = place_slopes(E[E_AREAS + i], own, 0, E, b, P)
-                at = gap_category(E, b, m) * width
-            if m < 0.0:
+                source = E if area > 0.0 else E_next
+                m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, source, b, P[P_GAP_WIDTH])
+                at = gap_category(source, b, m) * width
+                if area > 0.0:
+                    for k in range(PLACE):
+                        work[other + k] = (E_next[b + k] - E[b + k]) / delta
+            by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi, work, other)
+            m *= area
+            if m < 0.0 or (area == 0.0 and by_phi < 0.0):
                 add_stream(work, at, m, own, 0)
-            elif gap < 0:
-                add_stream(work, at, m, R, b)
+                add_stream_slope(work, ds + N * n_sums + at, m, by_phi, own, 0, work, d_phi)
             else:
-                add_stream(work, at, m, E, b)
+                add_stream(work, at, m, source, b)
+                add_stream_slope(work, ds + N * n_sums + at, m, by_phi, source, b, work, other)
+            for k in range(PLACE):
+                work[other + k] = 0.0
             for j in range(N):
                 row = d + j * PLACE
-                dm = by_p * work[row + PRESSURE] + by_rho * work[row + DENSITY]
+                dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
                 if m < 0.0:
                     add_stream_slope(work, ds + j * n_sums + at, m, dm, own, 0, work, row)
-                elif gap < 0:
-                    add_stream(work, ds + j * n_sums + at, dm, R, b)
                 else:
-                    add_stream(work, ds + j * n_sums + at, dm, E, b)
+                    add_stream(work, ds + j * n_sums + at, dm, source, b)
     g[Q_WORK] = 0.0
     g[Q_HEAT] = 0.0
     finish(y, 0, E, 0, own, 0, R, P, work, 0, f, g)
     for i in range(n_sums):
         g[Q_STREAMS + i] = work[i] / P[P_OMEGA]
-    own_columns(y, E, own, state, work, d, ds, n_sums, P, R, f, g, J, Jq)
+    for j in range(N):
+        own_column(y, j, E, own, state, work, ds, n_sums, P, R, f, g, J, Jq)
+    angle_column(y, E_next, delta, own, work, ds + N * n_sums, n_sums, P, R, f, g, f_phi, g_phi)
 
 
 @kernel
-def own_columns(y, E, own, state, work, d, ds, n_sums, P, R, f, g, J, Jq):
-    """Fill J and Jq: change one state, its place and (linearly) its streams, and difference the first law."""
-    f_changed = ds + N * n_sums
-    for j in range(N):
-        delta = perturbation(y, 0, j)
-        for i in range(N):
-            state[i] = y[i]
-        state[j] += delta
-        fill_place(state, 0, E[E_VOLUME], P, own, 0)
-        sums = ds + j * n_sums
-        for i in range(n_sums):
-            Jq[Q_STREAMS + i, j] = work[sums + i] / P[P_OMEGA]
-            work[sums + i] = work[i] + delta * work[sums + i]
-        work[f_changed + N] = 0.0
-        work[f_changed + N + 1] = 0.0
-        finish(state, 0, E, 0, own, 0, R, P, work, sums, work[f_changed:], work[f_changed + N :])
-        for i in range(N):
-            J[i, j] = (work[f_changed + i] - f[i]) / delta
-        for i in range(Q_STREAMS):
-            Jq[i, j] = (work[f_changed + N + i] - g[i]) / delta
+def own_column(y, j, E, own, state, work, ds, n_sums, P, R, f, g, J, Jq):
+    """Fill column j of J and Jq: change one state, its place and (linearly) its streams, and difference the first law."""
+    changed = ds + (N + 1) * n_sums
+    delta = perturbation(y, 0, j)
+    for i in range(N):
+        state[i] = y[i]
+    state[j] += delta
+    fill_place(state, 0, E[E_VOLUME], P, own, 0)
+    sums = ds + j * n_sums
+    for i in range(n_sums):
+        Jq[Q_STREAMS + i, j] = work[sums + i] / P[P_OMEGA]
+        work[sums + i] = work[i] + delta * work[sums + i]
+    work[changed + N] = 0.0
+    work[changed + N + 1] = 0.0
+    finish(state, 0, E, 0, own, 0, R, P, work, sums, work[changed:], work[changed + N :])
+    for i in range(N):
+        J[i, j] = (work[changed + i] - f[i]) / delta
+    for i in range(Q_STREAMS):
+        Jq[i, j] = (work[changed + N + i] - g[i]) / delta
+
+
+@kernel
+def angle_column(y, E_next, delta, own, work, sums, n_sums, P, R, f, g, f_phi, g_phi):
+    """Fill ∂f/∂φ and ∂g/∂φ in the same way, from the surroundings at φ + delta."""
+    fill_place(y, 0, E_next[E_VOLUME], P, own, 0)
+    for i in range(n_sums):
+        g_phi[Q_STREAMS + i] = work[sums + i] / P[P_OMEGA]
+        work[sums + i] = work[i] + delta * work[sums + i]
+    g_phi[Q_WORK] = 0.0
+    g_phi[Q_HEAT] = 0.0
+    finish(y, 0, E_next, 0, own, 0, R, P, work, sums, f_phi, g_phi)
+    for i in range(N):
+        f_phi[i] = (f_phi[i] - f[i]) / delta
+    for i in range(Q_STREAMS):
+        g_phi[i] = (g_phi[i] - g[i]) / delta
 
 
 @kernel

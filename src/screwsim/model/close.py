@@ -112,12 +112,13 @@ def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
     angles = np.linspace(0.0, c.P[P_LIFE], 8 * c.chambers, endpoint=False) + 1e-3
     accelerate = Anderson(depth=3)
     plenum = task.plenum()
-    before, gap, turn = (0.0, 0.0), 1.0, 0
+    before, gap, turn, q = (0.0, 0.0), 1.0, 0, np.zeros(machinery.nq)
     gaps: list[float] = []
+    finest = wanted.rtol
     for turn in range(1, MAX_TURNS + 1):
         point = np.concatenate([np.log(y), np.log(machinery.states_at(angles)).ravel(), np.log(plenum)])
-        rtol = max(wanted.rtol, min(FIRST_RTOL, 0.03 * gap)) if turn > 1 else FIRST_RTOL
-        status, angle, _, q = machinery.turn(y, max(rtol, wanted.rtol), 1e-3)
+        rtol = max(finest, min(FIRST_RTOL, 0.03 * gap)) if turn > 1 else max(finest, FIRST_RTOL)
+        status, angle, _, q = machinery.turn(y, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, turn, "histories", "", angle) if last else None
         machinery.swap()
@@ -126,8 +127,10 @@ def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
         now = (float(machinery.R[R_TRAPPED]), float(q[0]))
         gap, before = max(_change(now, before), float(np.max(np.abs(image_plenum / plenum - 1.0)))), now
         gaps.append(gap)
-        if gap <= wanted.tolerance and rtol <= wanted.rtol and task.residue(q) <= 0.5 * wanted.bound:
-            return Closed("ok", q, y, turn, "histories", change=gap)
+        if gap <= wanted.tolerance and rtol <= finest:
+            if task.residue(q) <= 0.5 * wanted.bound:
+                return Closed("ok", q, y, turn, "histories", change=gap)
+            finest = _finer(finest)
         if not last and _too_slow(gaps, wanted.tolerance):
             return None
         machinery.remember()
@@ -167,22 +170,25 @@ def by_coupling(task: Task, y: Array) -> Closed:
     plenum = task.plenum()
     images: list[Array] = []
     seen: list[tuple[float, float]] = []
-    n, gap, pitch = len(y), 1.0, 0
+    n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
+    rtol = wanted.rtol
     budget = int(machinery.counts[2]) + MAX_EVALUATIONS
     for pitch in range(1, MAX_PITCHES + 1):
         if machinery.counts[2] > budget:
             break
         point = np.log(np.concatenate([y, plenum]))
         end = y.copy()
-        status, angle, _, q = machinery.pitch(end, wanted.rtol, 1e-3)
+        status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, pitch / c.chambers, "coupled", "", angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
         image = np.log(np.concatenate([machinery.shift(end), task.outflow(q)]))
         gap = float(np.max(np.abs(image - point)))
-        if _settled(seen, wanted.tolerance) and gap <= 10 * wanted.tolerance and task.residue(q) <= 0.5 * wanted.bound:
-            machinery.install_coupled()
-            return Closed("ok", q, y, pitch / c.chambers, "coupled", change=gap)
+        if _settled(seen, wanted.tolerance) and gap <= 10 * wanted.tolerance:
+            if task.residue(q) <= 0.5 * wanted.bound:
+                machinery.install_coupled()
+                return Closed("ok", q, y, pitch / c.chambers, "coupled", change=gap)
+            rtol = _finer(rtol)
         weights = accelerate.weights(point, image)
         images = [*images, image][-len(weights) :]
         mixed = weights @ np.array(images)
@@ -192,6 +198,11 @@ def by_coupling(task: Task, y: Array) -> Closed:
         task.set_plenum(plenum)
     machinery.install_coupled()
     return Closed("not_closed", q, y, pitch / c.chambers, "coupled", change=gap)
+
+
+def _finer(rtol: float) -> float:
+    """Return the next tolerance where the cycle stands but its balances show the error of the integration."""
+    return max(0.25 * rtol, 1e-13)
 
 
 def _settled(seen: list[tuple[float, float]], tolerance: float) -> bool:

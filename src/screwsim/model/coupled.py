@@ -16,6 +16,7 @@ from screwsim.model.chamber import (
     category,
     fill_place,
     finish,
+    flow_over_angle,
     perturbation,
     place_derivatives,
     place_flow,
@@ -34,8 +35,10 @@ from screwsim.model.slots import (
     N_GAPS,
     N_PLENUM,
     OFFSETS,
+    P_GAP_WIDTH,
     P_OMEGA,
     P_PITCH,
+    P_PORT_WIDTH,
     PLACE,
     PLENUM,
     PRESSURE,
@@ -77,7 +80,7 @@ def all_rates(y, E, context, f, g):
         for i in range(N_PLENUM):
             if E[e + i] > 0.0:
                 b = R_DISCHARGE * PLENUM[i]
-                m = place_flow(E[e + i], places, j * PLACE, R, b, P)
+                m = place_flow(E[e + i], places, j * PLACE, R, b, P[P_PORT_WIDTH])
                 at = j * n_sums + category(PLENUM[i], m) * width
                 if m >= 0.0:
                     add_stream(work, at, m, R, b)
@@ -88,12 +91,12 @@ def all_rates(y, E, context, f, g):
             if area > 0.0:
                 ahead = j + OFFSETS[GAP_OFFSET[i]]
                 if ahead < CHAMBERS:
-                    m = place_flow(area, places, j * PLACE, places, ahead * PLACE, P)
+                    m = place_flow(area, places, j * PLACE, places, ahead * PLACE, P[P_GAP_WIDTH])
                     source = (ahead if m >= 0.0 else j) * PLACE
                     add_stream(work, j * n_sums + BETWEEN * width, m, places, source)
                     add_stream(work, ahead * n_sums + BETWEEN * width, -m, places, source)
                 else:
-                    m = place_flow(area, places, j * PLACE, R, R_DISCHARGE, P)
+                    m = place_flow(area, places, j * PLACE, R, R_DISCHARGE, P[P_GAP_WIDTH])
                     if m >= 0.0:
                         add_stream(work, j * n_sums + DISCHARGE_IN * width, m, R, R_DISCHARGE)
                     else:
@@ -116,107 +119,155 @@ def total_rates(y, E, P, R, places, work, f, g):
 
 
 @kernel
-def opening_slopes(y, E, e, j, i, context, sums, d, ds):
-    """Add flow i of chamber j (plenum paths, then gaps) and its derivatives to the sums of both its chambers."""
-    P, _TAB, R, places, _changed, work = context
+def gap_slopes(area, darea, j, ahead, at, context, d, ds):
+    """Add the flow of a gap between chambers j and `ahead`, and its derivatives, to the sums of both."""
+    P, _TAB, _R, places, _changed, work = context
     width = 4 if CARRIED == 1 else 2
     n_sums = CATEGORIES * width
-    n_all = CHAMBERS * N
-    area = E[e + i]
-    ahead = j + OFFSETS[GAP_OFFSET[i - N_PLENUM]] if i >= N_PLENUM else -1
+    n_cols = CHAMBERS * N + 1
     own = j * PLACE
-    if 0 <= ahead < CHAMBERS:
-        other = ahead * PLACE
-        m, p_1, rho_1, p_2, rho_2 = place_slopes(area, places, own, places, other, P)
-        source = other if m >= 0.0 else own
-        at = BETWEEN * width
-        add_stream(work, sums + j * n_sums + at, m, places, source)
-        add_stream(work, sums + ahead * n_sums + at, -m, places, source)
-        for side in range(2):
-            c = j if side == 0 else ahead
-            by_p = p_1 if side == 0 else p_2
-            by_rho = rho_1 if side == 0 else rho_2
-            upstream = (m < 0.0) == (side == 0)
-            for k in range(N):
-                row = d + (c * N + k) * PLACE
-                dm = by_p * work[row + PRESSURE] + by_rho * work[row + DENSITY]
-                mine = ds + (j * n_all + c * N + k) * n_sums + at
-                theirs = ds + (ahead * n_all + c * N + k) * n_sums + at
-                if upstream:
-                    add_stream_slope(work, mine, m, dm, places, source, work, row)
-                    add_stream_slope(work, theirs, -m, -dm, places, source, work, row)
-                else:
-                    add_stream(work, mine, dm, places, source)
-                    add_stream(work, theirs, -dm, places, source)
-        return
-    to = 1 if i >= N_PLENUM else PLENUM[i]
+    other = ahead * PLACE
+    d_phi = d + CHAMBERS * N * PLACE
+    m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, places, own, places, other, P[P_GAP_WIDTH])
+    source = other if m >= 0.0 else own
+    by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi + own, work, d_phi + other)
+    m *= area
+    mine = ds + (j * n_cols + CHAMBERS * N) * n_sums + at
+    theirs = ds + (ahead * n_cols + CHAMBERS * N) * n_sums + at
+    add_stream(work, j * n_sums + at, m, places, source)
+    add_stream(work, ahead * n_sums + at, -m, places, source)
+    add_stream_slope(work, mine, m, by_phi, places, source, work, d_phi + source)
+    add_stream_slope(work, theirs, -m, -by_phi, places, source, work, d_phi + source)
+    for side in range(2):
+        c = j if side == 0 else ahead
+        by_p = area * (p_1 if side == 0 else p_2)
+        by_rho = area * (rho_1 if side == 0 else rho_2)
+        for k in range(N):
+            row = d + (c * N + k) * PLACE
+            dm = by_p * work[row + PRESSURE] + by_rho * work[row + DENSITY]
+            mine = ds + (j * n_cols + c * N + k) * n_sums + at
+            theirs = ds + (ahead * n_cols + c * N + k) * n_sums + at
+            if source == c * PLACE:
+                add_stream_slope(work, mine, m, dm, places, source, work, row)
+                add_stream_slope(work, theirs, -m, -dm, places, source, work, row)
+            else:
+                add_stream(work, mine, dm, places, source)
+                add_stream(work, theirs, -dm, places, source)
+
+
+@kernel
+def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
+    """Add the flow between chamber j and a plenum (0 suction, 1 discharge), and its derivatives, to its sums."""
+    _P, _TAB, R, places, _changed, work = context
+    width = 4 if CARRIED == 1 else 2
+    n_sums = CATEGORIES * width
+    n_cols = CHAMBERS * N + 1
+    own = j * PLACE
     b = R_DISCHARGE * to
-    m, p_1, rho_1, _p, _rho = place_slopes(area, places, own, R, b, P)
+    d_phi = d + (CHAMBERS * N + j) * PLACE
+    m, p_1, rho_1, _p, _rho = place_slopes(1.0, places, own, R, b, epsilon)
     at = category(to, m) * width
-    if m >= 0.0:
-        add_stream(work, sums + j * n_sums + at, m, R, b)
+    by_phi = m * darea + area * (p_1 * work[d_phi + PRESSURE] + rho_1 * work[d_phi + DENSITY])
+    inward = m >= 0.0
+    m *= area
+    over_phi = ds + (j * n_cols + CHAMBERS * N) * n_sums + at
+    if inward:
+        add_stream(work, j * n_sums + at, m, R, b)
+        add_stream(work, over_phi, by_phi, R, b)
     else:
-        add_stream(work, sums + j * n_sums + at, m, places, own)
+        add_stream(work, j * n_sums + at, m, places, own)
+        add_stream_slope(work, over_phi, m, by_phi, places, own, work, d_phi)
     for k in range(N):
         row = d + (j * N + k) * PLACE
-        dm = p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY]
-        mine = ds + (j * n_all + j * N + k) * n_sums + at
-        if m >= 0.0:
+        dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
+        mine = ds + (j * n_cols + j * N + k) * n_sums + at
+        if inward:
             add_stream(work, mine, dm, R, b)
         else:
             add_stream_slope(work, mine, m, dm, places, own, work, row)
 
 
 @kernel
-def all_jacobian(y, E, context, f, g, J, Jq):
-    """Fill f, g and their derivatives by y, as `chamber.jacobian` does, for all chambers and interfaces."""
+def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
+    """Fill f, g and their derivatives by y and φ, as `chamber.jacobian` does, for all chambers and interfaces."""
     P, _TAB, R, places, changed, work = context
     size = E_AREAS + N_PLENUM + N_GAPS
     width = 4 if CARRIED == 1 else 2
     n_sums = CATEGORIES * width
     n_all = CHAMBERS * N
-    d = CHAMBERS * n_sums
-    ds = d + n_all * PLACE
-    spare = ds + CHAMBERS * n_all * n_sums
+    d = CHAMBERS * n_sums  # work: sums; place derivatives by each state, then by φ; derivatives of the sums
+    ds = d + (n_all + CHAMBERS) * PLACE
+    spare = ds + CHAMBERS * (n_all + 1) * n_sums
     for i in range(d):
         work[i] = 0.0
     for i in range(ds, spare):
         work[i] = 0.0
     for j in range(CHAMBERS):
-        fill_place(y, j * N, E[j * size + E_VOLUME], P, places, j * PLACE)
-        place_derivatives(
-            y, j * N, E[j * size + E_VOLUME], P, places, j * PLACE, changed, work[d + j * N * PLACE :]
-        )
+        V = E[j * size + E_VOLUME]
+        fill_place(y, j * N, V, P, places, j * PLACE)
+        place_derivatives(y, j * N, V, P, places, j * PLACE, changed, work[d + j * N * PLACE :])
+        row = d + (n_all + j) * PLACE
+        fill_place(y, j * N, E_next[j * size + E_VOLUME], P, work, row)
+        for i in range(PLACE):
+            work[row + i] = (work[row + i] - places[j * PLACE + i]) / delta
     for j in range(CHAMBERS):
         for i in range(N_PLENUM + N_GAPS):
-            if E[j * size + E_AREAS + i] > 0.0:
-                opening_slopes(y, E, j * size + E_AREAS, j, i, context, 0, d, ds)
+            area = E[j * size + E_AREAS + i]
+            darea = (E_next[j * size + E_AREAS + i] - area) / delta
+            if area > 0.0 or darea > 0.0:
+                ahead = j + OFFSETS[GAP_OFFSET[i - N_PLENUM]] if i >= N_PLENUM else -1
+                if i < N_PLENUM:
+                    opening_slopes(area, darea, j, PLENUM[i], P[P_PORT_WIDTH], context, d, ds)
+                elif ahead < CHAMBERS:
+                    gap_slopes(area, darea, j, ahead, BETWEEN * width, context, d, ds)
+                else:
+                    opening_slopes(area, darea, j, 1, P[P_GAP_WIDTH], context, d, ds)
     total_rates(y, E, P, R, places, work, f, g)
     for c in range(CHAMBERS):
         for k in range(N):
-            column(y, E, c, k, context, ds, spare, f, g, J, Jq)
+            column(y, E, c, k, context, ds, spare, g, J, Jq)
+    angle_columns(y, E_next, delta, context, ds, f, g, f_phi, g_phi)
 
 
 @kernel
-def column(y, E, c, k, context, ds, spare, f, g, J, Jq):
+def angle_columns(y, E_next, delta, context, ds, f, g, f_phi, g_phi):
+    """Fill ∂f/∂φ and ∂g/∂φ of all chambers, from the surroundings at φ + delta; the sums are used up."""
+    P, _TAB, R, places, _changed, work = context
+    size = E_AREAS + N_PLENUM + N_GAPS
+    width = 4 if CARRIED == 1 else 2
+    n_sums = CATEGORIES * width
+    n_cols = CHAMBERS * N + 1
+    for j in range(CHAMBERS):
+        fill_place(y, j * N, E_next[j * size + E_VOLUME], P, places, j * PLACE)
+        for i in range(n_sums):
+            work[j * n_sums + i] += delta * work[ds + (j * n_cols + CHAMBERS * N) * n_sums + i]
+    total_rates(y, E_next, P, R, places, work, f_phi, g_phi)
+    for i in range(CHAMBERS * N):
+        f_phi[i] = (f_phi[i] - f[i]) / delta
+    for i in range(Q_STREAMS + n_sums):
+        g_phi[i] = (g_phi[i] - g[i]) / delta
+
+
+@kernel
+def column(y, E, c, k, context, ds, spare, g, J, Jq):
     """Fill the column of state k of chamber c: its own first law differenced, the others' linear in their streams."""
     P, _TAB, R, places, changed, work = context
     size = E_AREAS + N_PLENUM + N_GAPS
     width = 4 if CARRIED == 1 else 2
     n_sums = CATEGORIES * width
-    n_all = CHAMBERS * N
+    n_cols = CHAMBERS * N + 1
     col = c * N + k
     delta = perturbation(y, c * N, k)
     for i in range(n_sums):
         total = 0.0
         for r in range(CHAMBERS):
-            total += work[ds + (r * n_all + col) * n_sums + i]
+            total += work[ds + (r * n_cols + col) * n_sums + i]
         Jq[Q_STREAMS + i, col] = total / P[P_OMEGA]
     base = work[spare : spare + N + 2]
     new = work[spare + N + 2 : spare + 2 * N + 4]
     row = places[CHAMBERS * PLACE :]
     for r in range(CHAMBERS):
-        sums = ds + (r * n_all + col) * n_sums
+        sums = ds + (r * n_cols + col) * n_sums
         touched = r == c
         for i in range(n_sums):
             if work[sums + i] != 0.0:

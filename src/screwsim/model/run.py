@@ -39,7 +39,7 @@ class Machinery:
         self.vectors: list[Array] = []
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
-        work = np.zeros(n_sums + n * PLACE + n * n_sums + n + 2)
+        work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + 2)
         self._spaces = (np.zeros(n), np.zeros(PLACE), work)
         self.counts = np.zeros(4, np.int64)
         self._together: dict[str, Any] = {}
@@ -137,7 +137,7 @@ class Machinery:
         if not self._together:
             c, n = self.composition, self.n
             n_all = c.chambers * n
-            work = np.zeros(c.chambers * c.n_sums + n_all * PLACE + c.chambers * n_all * c.n_sums + 2 * n + 4)
+            work = np.zeros(c.chambers * (c.n_sums * (n_all + 2) + PLACE) + n_all * PLACE + 2 * n + 4)
             knots = np.sort(np.mod(c.knots, c.P[1]))
             knots = np.append(knots[knots < c.P[1] - 1e-7], c.P[1])
             knots = np.concatenate([[0.0], knots[np.diff(knots, prepend=0.0) > 1e-7]])
@@ -170,7 +170,8 @@ class Machinery:
         space, c = self._coupled_space(), self.composition
         self.inject(y)
         E, f, g = np.empty(c.n_E_all), np.empty(len(y)), np.empty(self.nq)
-        J, Jq = np.empty((len(y), len(y))), np.empty((self.nq, len(y)))
+        J, Jq, E_next = np.empty((len(y), len(y))), np.empty((self.nq, len(y))), np.empty(c.n_E_all)
+        f_phi, g_phi = np.empty(len(y)), np.empty(self.nq)
         module, context = self.module, self.coupled_context
 
         def rates(s: float, middle: float, state: Array) -> Array:
@@ -180,7 +181,9 @@ class Machinery:
 
         def jacobian(s: float, middle: float, state: Array) -> Array:
             module.coupled__all_surroundings(s, middle, context, E)
-            module.coupled__all_jacobian(np.ascontiguousarray(state), E, context, f, g, J, Jq)
+            module.coupled__all_surroundings(s + 1e-6, middle, context, E_next)
+            z = np.ascontiguousarray(state)
+            module.coupled__all_jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
             return np.vstack([J, Jq])
 
         end, q, path = integrate(rates, jacobian, space["knots"], y, np.abs(q_scale), rtol, self.integrator)

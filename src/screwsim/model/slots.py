@@ -14,30 +14,32 @@ Indices into P, R and a place that are fixed for every composition stand here to
 
 from __future__ import annotations
 
+from typing import Any
+
 from screwsim.numerics.kernel import Slot
 
-gas_state = Slot("gas_state")
-volume_at = Slot("volume_at")
-volume_slope_at = Slot("volume_slope_at")
-plenum_area = Slot("plenum_area")
-gap_area = Slot("gap_area")
-heat_rates = Slot("heat_rates")
-injected_oil = Slot("injected_oil")
+gas_state: Any = Slot("gas_state")
+volume_at: Any = Slot("volume_at")
+volume_slope_at: Any = Slot("volume_slope_at")
+plenum_area: Any = Slot("plenum_area")
+gap_area: Any = Slot("gap_area")
+heat_rates: Any = Slot("heat_rates")
+injected_oil: Any = Slot("injected_oil")
 
-N = Slot("N")
-HEATED = Slot("HEATED")
-CARRIED = Slot("CARRIED")
-OILED = Slot("OILED")
-N_PLENUM = Slot("N_PLENUM")
-PLENUM = Slot("PLENUM")
-N_GAPS = Slot("N_GAPS")
-GAP_OFFSET = Slot("GAP_OFFSET")
-N_OFFSETS = Slot("N_OFFSETS")
-OFFSETS = Slot("OFFSETS")
-CHAMBERS = Slot("CHAMBERS")
+N: Any = Slot("N")
+HEATED: Any = Slot("HEATED")
+CARRIED: Any = Slot("CARRIED")
+OILED: Any = Slot("OILED")
+N_PLENUM: Any = Slot("N_PLENUM")
+PLENUM: Any = Slot("PLENUM")
+N_GAPS: Any = Slot("N_GAPS")
+GAP_OFFSET: Any = Slot("GAP_OFFSET")
+N_OFFSETS: Any = Slot("N_OFFSETS")
+OFFSETS: Any = Slot("OFFSETS")
+CHAMBERS: Any = Slot("CHAMBERS")
 
 # P: parameters of the run
-P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_WIDTH, P_C_OIL, P_T_OIL, P_TO_RATIO, FIRST_FREE = range(9)
+P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_GAP_WIDTH, P_C_OIL, P_T_OIL, P_TO_RATIO, FIRST_FREE = range(10)
 
 # a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T
 PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT = range(10)

@@ -11,6 +11,7 @@ from screwsim.model.slots import (
     N_PLENUM,
     P_INJECTION,
     P_OMEGA,
+    P_T_OIL,
     PLENUM,
     PRESSURE,
     R_RATIO,
@@ -24,11 +25,11 @@ from screwsim.numerics.kernel import kernel
 
 @kernel
 def peak_pressure(times, dense, steps, limit, context):
-    """Return the highest chamber pressure [Pa] at the ends of the steps up to the angle `limit` [rad]."""
+    """Return the highest chamber pressure [Pa] at the ends of the steps from injection up to the angle `limit` [rad]."""
     P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, _work = context
     peak = 0.0
     for i in range(steps):
-        if times[i + 1] <= limit + 1e-9:
+        if P[P_INJECTION] < times[i + 1] <= limit + 1e-9:
             for j in range(N):
                 state[j] = dense[i, 1, j]
             fill_place(state, 0, volume_at(times[i + 1], P, TAB), P, own, 0)
@@ -38,7 +39,7 @@ def peak_pressure(times, dense, steps, limit, context):
 
 @kernel
 def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
-    """Fill out[i] = (V, p, work, state…) and flows[i] = mass flow of each path [kg/s] at the given angles [rad]."""
+    """Fill out[i] = (V, p, work, dm/dφ, state…) and flows[i] = flow of each path [kg/s] at the given angles [rad]."""
     P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
     E = np.empty(n_e)
     y = np.empty(N)
@@ -55,8 +56,11 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         out[a, 0] = E[E_VOLUME]
         out[a, 1] = own[PRESSURE]
         out[a, 2] = before + theta * (quads[i, 0] - before)
+        rise = dense[i, 1, 1] - dense[i, 0, 1]
+        bend = (1.0 - 2.0 * theta) * dense[i, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[i, 3, 1]
+        out[a, 3] = (rise + bend) / (times[i + 1] - times[i])
         for j in range(N):
-            out[a, 3 + j] = y[j]
+            out[a, 4 + j] = y[j]
         path_flows(y, E, context, flows[a])
 
 
@@ -80,7 +84,7 @@ def work_along(times, dense, quads, steps, context):
 
 @kernel
 def oil_lost_with_leaks(times, dense, steps, context, n_e):
-    """Return Σ d ṁ T_oil over the gaps of a life [kg K], the oil that a constant d makes appear or vanish.
+    """Return Σ d ṁ (T_oil − T_injected) over the gaps of a life [kg K]: the heat of oil that a constant d makes or loses.
 
     Trapezium over the steps: a printed diagnosis of `oil.transport: paper`, not part of a balance.
     """
@@ -101,7 +105,7 @@ def oil_lost_with_leaks(times, dense, steps, context, n_e):
                 leak = 0.0
                 for k in range(N_PLENUM, N_PLENUM + 2 * N_GAPS):
                     leak += flows[k]
-                total += 0.5 * h / P[P_OMEGA] * leak * R[R_RATIO] * y[2]
+                total += 0.5 * h / P[P_OMEGA] * leak * R[R_RATIO] * (y[2] - P[P_T_OIL])
     return total
 
 

@@ -8,13 +8,11 @@ Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they red
 q += h [Σ β_i g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for
 the system enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
 
-The model is reached by four slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and exact
-derivatives), `at_knot` (jumps of the state). Steps land on knots and keep their size across them.
+The model is reached by four slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
+derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state). Steps land on knots and keep their size across them.
 """
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
@@ -66,6 +64,7 @@ BETA_D = float(BETA @ D)
 OK = 0
 STEP_TOO_SMALL = 1
 TOO_MANY_STEPS = 2
+ANGLE_STEP = 1e-6  # rad, for differences of what is smooth over the angle
 SMALLEST = 1e-13  # a step below this share of the angle means that the rates are not finite or not solvable
 
 
@@ -78,17 +77,6 @@ def error_norm(y0, y1, error, n):
         if not (e <= worst):
             worst = e
     return worst
-
-
-@kernel
-def slopes_over_angle(phi, delta, middle, y, context, E_next, f, g, f_phi, g_phi):
-    """Fill ∂f/∂φ and ∂g/∂φ by a forward difference inside the segment."""
-    surroundings(phi + delta, middle, context, E_next)
-    rates(y, E_next, context, f_phi, g_phi)
-    for i in range(f.shape[0]):
-        f_phi[i] = (f_phi[i] - f[i]) / delta
-    for i in range(g.shape[0]):
-        g_phi[i] = (g_phi[i] - g[i]) / delta
 
 
 @kernel
@@ -177,6 +165,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
     M = np.empty((n, n))
     pivots = np.empty(n, np.int64)
     h = h_start
+    phi = knots[0]
     step = 0
     kept[0] = 0
     times[0] = knots[0]
@@ -194,9 +183,9 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
             if not (trial > SMALLEST * (1.0 + phi)):
                 return STEP_TOO_SMALL, phi, h
             if fresh:
-                jacobian(y, E, context, f, g, J, Jq)
-                slopes_over_angle(phi, min(1e-6, 0.1 * trial), middle, y, context, E_next, f, g, f_phi, g_phi)
-                counts[2] += 1
+                delta = min(ANGLE_STEP, 0.1 * trial)
+                surroundings(phi + delta, middle, context, E_next)
+                jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)
                 counts[3] += 1
                 fresh = False
             attempt(phi, trial, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq)

@@ -1,0 +1,94 @@
+"""The page on adding an effect is true: its code runs as it stands, in the scene that it names."""
+
+import importlib.util
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+from screwsim import scene as scenes
+from screwsim.build import build_parts
+from screwsim.explain import explain
+from screwsim.model.compose import compose
+
+PAGE = (Path(__file__).parents[2] / "docs" / "adding-an-effect.md").read_text(encoding="utf-8")
+NAME = "my_effects.suction_leak"
+MACHINE = """\
+machine:
+  rotor_diameter: 160 mm
+  rotor_length: 176 mm
+  volume: {law: paper, max: 600 cm^3, phi_A: 60 deg}
+  suction_port: {law: paper, area: 40 cm^2, phi_B: 60 deg}
+  discharge_port: {law: paper, area: 12 cm^2, opens: 600 deg, phi_C: 640 deg}
+gas: {fluid: R134a, model: ideal}
+operation:
+  speed: 3000 rpm
+  suction: {pressure: 2 bar, temperature: 283 K}
+  discharge: {pressure: 8 bar}
+"""
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE, flags=re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Lay out what the page shows: the effect, a scene that names it, its test."""
+    folder = tmp_path_factory.mktemp("page")
+    (folder / "my_effects").mkdir()
+    effect, test = blocks("python")
+    (yaml,) = blocks("yaml")
+    (folder / "my_effects" / "suction_leak.py").write_text(effect, encoding="utf-8")
+    scene = f"{MACHINE}{yaml.rstrip()}\n  suction_port:\n  discharge_port:\n"
+    (folder / "scene.yaml").write_text(scene, encoding="utf-8")
+    (folder / "page_test.py").write_text(test, encoding="utf-8")
+    sys.path.insert(0, str(folder))
+    yield folder
+    sys.path.remove(str(folder))
+    for name in [name for name in sys.modules if name.partition(".")[0] == "my_effects"]:
+        del sys.modules[name]
+
+
+@pytest.fixture(scope="module")
+def page_test(folder):
+    spec = importlib.util.spec_from_file_location("page_test", folder / "page_test.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_test_of_the_page_passes(page_test):
+    tests = [value for name, value in vars(page_test).items() if name.startswith("test_")]
+    assert len(tests) == 3
+    for test in tests:
+        test()
+
+
+def test_result_names_the_effect(page_test):
+    assert NAME in page_test.WITH.effects
+    assert NAME not in page_test.WITHOUT.effects
+    assert f"mass_flow_{NAME}" in page_test.WITH.cycle
+    assert f"mass_flow_{NAME}" not in page_test.WITHOUT.cycle
+
+
+def test_explanation_names_the_effect(folder):
+    text = str(explain(scenes.load(folder / "scene.yaml")))
+    assert NAME in text
+    assert "hole in the housing, to the suction line" in text
+    assert "passage 120 deg" in text
+
+
+def test_scene_without_the_effect_has_no_kernel_of_it(folder):
+    texts = [
+        compose(build_parts(scenes.load(folder / "scene.yaml", without=without))).text for without in ((), (NAME,))
+    ]
+    assert "suction_leak__area" in texts[0]
+    assert "suction_leak" not in texts[1]
+
+
+def test_schema_allows_it_by_its_dotted_name():
+    effects = scenes.schema()["properties"]["effects"]
+    assert NAME not in effects["properties"]
+    assert any(re.search(pattern, NAME) for pattern in effects["patternProperties"])

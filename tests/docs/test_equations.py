@@ -1,0 +1,64 @@
+"""docs/model.md is the one list of equations: what code and effects cite stands there, with formula and source."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from screwsim.effects import catalogue
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "model.md").read_text(encoding="utf-8")
+SECTIONS = dict(re.findall(r"^#### (M\d+) .+?\n(.*?)(?=^#{2,4} |\Z)", PAGE, flags=re.MULTILINE | re.DOTALL))
+PAGES = sorted((ROOT / "docs").glob("*.md"))
+
+
+def cited(text: str) -> set[str]:
+    """Return the numbers in a text, ranges such as M20–M22 included."""
+    found = set(re.findall(r"\bM\d+\b", text))
+    for first, last in re.findall(r"\bM(\d+)–M(\d+)\b", text):
+        found |= {f"M{number}" for number in range(int(first), int(last) + 1)}
+    return found
+
+
+def test_numbers_run_without_gap_or_repetition():
+    numbers = re.findall(r"^#### M(\d+) ", PAGE, flags=re.MULTILINE)
+    assert sorted(map(int, numbers)) == list(range(1, len(numbers) + 1))
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_equation_has_a_formula_and_a_source(name):
+    assert "$$" in SECTIONS[name]
+    assert re.search(r"^Source: ", SECTIONS[name], flags=re.MULTILINE)
+
+
+def test_everything_cited_in_the_code_is_there():
+    files = sorted((ROOT / "src").glob("**/*.py"))
+    missing = {(path.name, name) for path in files for name in cited(path.read_text(encoding="utf-8")) - set(SECTIONS)}
+    assert files
+    assert not missing
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_everything_cited_in_the_docs_is_there(page):
+    assert cited(page.read_text(encoding="utf-8")) <= set(SECTIONS)
+
+
+@pytest.mark.parametrize("name", catalogue())
+def test_effect_cites_equations_that_are_there(name):
+    equations = catalogue()[name].equations
+    assert equations
+    assert set(equations) <= set(SECTIONS)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_links_between_pages_lead_somewhere(page):
+    def anchors(text: str) -> set[str]:
+        heads = re.findall(r"^#+ (.+)$", re.sub(r"^```.*?^```$", "", text, flags=re.M | re.S), flags=re.MULTILINE)
+        return {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+
+    for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
+        name, _, anchor = target.partition("#")
+        file = page.parent / name if name else page
+        assert file.exists(), target
+        assert not anchor or anchor in anchors(file.read_text(encoding="utf-8")), target

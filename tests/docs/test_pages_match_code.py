@@ -1,0 +1,64 @@
+"""What the pages state as names and numbers is what the code has."""
+
+import dataclasses
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+from screwsim.build import regularisation, wanted_of
+from screwsim.machine.geometry import Geometry
+from screwsim.model.compose import HEAT_SYMBOLS, OilPart, Parts, symbols_of
+from screwsim.performance import CycleFigures
+from screwsim.scene import loads
+
+DOCS = Path(__file__).parents[2] / "docs"
+NUMERICS = (DOCS / "numerics.md").read_text(encoding="utf-8")
+NOMENCLATURE = (DOCS / "nomenclature.md").read_text(encoding="utf-8")
+CONSTANTS = re.findall(r"^\| `([\w.]+)\.([A-Z_]+)` \| ([\d.e-]+) \|", NUMERICS, flags=re.MULTILINE)
+SCENE = """\
+machine: {rotor_diameter: 160 mm, rotor_length: 176 mm, volume: {max: 600 cm^3, phi_A: 60 deg}}
+gas: {fluid: R134a}
+operation:
+  speed: 3000 rpm
+  suction: {pressure: 2 bar, temperature: 283 K}
+  discharge: {pressure: 8 bar}
+numerics: {accuracy: 1e-3}
+"""
+
+
+@pytest.mark.parametrize(("module", "name", "value"), CONSTANTS)
+def test_constant_is_that_of_the_code(module, name, value):
+    assert float(value) == getattr(importlib.import_module(f"screwsim.{module}"), name)
+
+
+def test_the_page_lists_constants():
+    assert len(CONSTANTS) >= 5
+
+
+def test_tolerances_follow_from_the_accuracy_as_stated():
+    scene = loads(SCENE)
+    wanted = wanted_of(scene)
+    assert "| 0.5 · accuracy, or `numerics.rtol` |" in NUMERICS
+    assert wanted.rtol == pytest.approx(0.5e-3)
+    assert "| 0.2 · accuracy · p_s |" in NUMERICS
+    assert regularisation(scene) == pytest.approx(0.2e-3 * 2e5)
+    assert "| 0.1 · accuracy |" in NUMERICS
+    assert wanted.tolerance == pytest.approx(0.1e-3)
+    assert wanted.bound == 1e-3
+    assert wanted_of(scene, 0.05).bound == 1e-3
+
+
+def test_every_symbol_of_a_kernel_is_listed():
+    oil = OilPart(1000.0, 2000.0, 300.0, "carried", {"ratio": 1.0})
+    parts = Parts(Geometry(loads(SCENE).machine), None, 300.0, 1.0, {}, oil)
+    table = NOMENCLATURE.partition("## Names that a kernel may ask for")[2]
+    for name in (*HEAT_SYMBOLS, *symbols_of(parts), "TAB"):
+        assert f"`{name}`" in table, name
+
+
+def test_every_figure_that_a_power_loss_gets_is_listed():
+    table = NOMENCLATURE.partition("A power loss is no kernel")[2]
+    for field in dataclasses.fields(CycleFigures):
+        assert f"`{field.name}`" in table, field.name

@@ -1,0 +1,160 @@
+"""Whole solutions: balances, both closings, convergence with accuracy, an independent integrator, repeatability."""
+
+import numpy as np
+import pytest
+from scenes import SPEEDS, make, run
+
+from screwsim.simulate import simulate
+
+SEEN = ("gas_mass_flow", "work_per_cycle", "trapped_mass", "shaft_power", "peak_pressure", "discharge_temperature")
+
+
+def at(speed, transport="paper", **numerics):
+    return run({"operation.speed": f"{speed} rpm", "oil.transport": transport, "numerics": numerics})
+
+
+def difference(one, other, names=SEEN):
+    """Return the largest relative difference of figures."""
+    return max(abs(one.performance[name] / other.performance[name] - 1.0) for name in names)
+
+
+CASES = [(speed, transport) for transport in ("paper", "carried") for speed in SPEEDS]
+
+
+@pytest.mark.parametrize(("speed", "transport"), CASES)
+def test_the_cycle_closes(speed, transport):
+    assert at(speed, transport).status == "ok"
+
+
+@pytest.mark.parametrize("kind", ["mass", "energy"])
+@pytest.mark.parametrize(("speed", "transport"), CASES)
+def test_what_enters_leaves(speed, transport, kind):
+    result = at(speed, transport)
+    assert result.status != "ok" or result.balance[kind] <= result.balance.bound  # the contract of status ok
+
+
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_carried_oil_that_enters_leaves(speed):
+    result = at(speed, "carried")
+    assert result.status != "ok" or result.balance.oil_mass <= 10 * result.balance.bound  # not part of the bound itself
+
+
+@pytest.mark.parametrize("transport", ["paper", "carried"])
+@pytest.mark.parametrize("speed", [3000, 1000])
+def test_both_closings_find_one_cycle(speed, transport):
+    one, other = (at(speed, transport, closing=way) for way in ("histories", "coupled"))
+    assert difference(one, other, ("work_per_cycle", "trapped_mass", "gas_mass_flow")) < 3e-4  # numerics.accuracy
+
+
+@pytest.fixture(scope="module")
+def errors():
+    """Return the largest error of the figures at three accuracies, against a reference at 1e-7."""
+    reference = at(3000, accuracy=1e-7)
+    return [difference(at(3000, accuracy=a), reference) for a in (3e-3, 3e-4, 3e-5)]
+
+
+def test_figures_converge_with_accuracy(errors):
+    assert errors[0] > errors[1] > errors[2]
+
+
+@pytest.mark.parametrize("index", range(3))
+def test_figures_are_as_accurate_as_asked(errors, index):
+    assert errors[index] < (3e-3, 3e-4, 3e-5)[index]  # what numerics.accuracy promises
+
+
+@pytest.mark.slow
+def test_radau_finds_the_same_cycle():
+    """scipy's implicit Runge–Kutta method shares nothing with ours but the rates."""
+    theirs = at(3000, accuracy=1e-6, integrator="scipy-radau")
+    assert difference(theirs, at(3000)) < 3e-4  # the default accuracy
+
+
+@pytest.mark.slow
+def test_radau_is_what_ran():
+    assert at(3000, accuracy=1e-6, integrator="scipy-radau").numerics.integrator == "scipy-radau"
+
+
+def test_gas_between_chambers_cancels():
+    """Coupled chambers: what leaves one enters another, so the sum over all is rounding."""
+    between, moved = exchanged("paper")
+    assert abs(between[0]) < 1e-13 * moved
+
+
+def exchanged(transport):
+    """Return the summed streams between chambers of a coupled solution [kg, J, …] and the mass moved [kg] in a life."""
+    from screwsim.simulate import Solution
+
+    scene = make({"operation.speed": "1000 rpm", "oil.transport": transport, "numerics": {"closing": "coupled"}})
+    solution = Solution(scene)
+    closed = solution.close()
+    flows = [trace for name, trace in solution.cycle().items() if name.startswith("mass_flow_") and "port" not in name]
+    life = solution.parts.geometry.life / solution.parts.omega
+    return solution.balances.streams(closed.q)[4], float(np.mean(np.abs(flows).sum(axis=0))) * life
+
+
+def test_energy_between_chambers_cancels():
+    between, moved = exchanged("paper")
+    assert abs(between[1]) < 1e-13 * moved * 3e5  # enthalpies are about 3e5 J/kg
+
+
+def test_carried_oil_between_chambers_cancels():
+    between, moved = exchanged("carried")
+    assert abs(between[2]) < 1e-13 * moved * 3  # ratios are about 3
+
+
+def equal(one, other):
+    """Assert that two results agree bit for bit, wall time apart."""
+    assert one.performance == other.performance
+    assert one.balance == other.balance
+    for name in one.cycle:
+        np.testing.assert_array_equal(one.cycle[name], other.cycle[name])
+    assert {**one.numerics, "wall_time": 0} == {**other.numerics, "wall_time": 0}
+
+
+OTHER_ANGLES = {
+    "machine.volume.phi_A": "90 deg",
+    "machine.suction_port.phi_B": "100 deg",
+    "machine.discharge_port.opens": "570 deg",
+    "machine.discharge_port.phi_C": "600 deg",
+    "operation.speed": "1500 rpm",
+    "operation.discharge.pressure": "9 bar",
+}
+
+
+@pytest.mark.parametrize("transport", ["paper", "carried"])
+@pytest.mark.parametrize("way", ["histories", "coupled"])
+def test_a_scene_simulated_again_gives_the_same_bits(way, transport):
+    scene = make({"numerics": {"closing": way}, "oil.transport": transport})
+    simulate(scene)  # whatever has to be compiled
+    equal(simulate(scene), simulate(scene))
+
+
+@pytest.mark.parametrize("transport", ["paper", "carried"])
+@pytest.mark.parametrize("way", ["histories", "coupled"])
+def test_a_scene_leaves_nothing_behind_for_the_next(way, transport):
+    """Sweeps reuse the arrays of a composition: another scene in between must not be seen."""
+    ours = make({"numerics": {"closing": way}, "oil.transport": transport})
+    other = make({"numerics": {"closing": way}, "oil.transport": transport, **OTHER_ANGLES})
+    simulate(ours)
+    first = simulate(ours)
+    between = simulate(other)
+    assert between.performance.shaft_power != first.performance.shaft_power
+    equal(first, simulate(ours))
+    equal(between, simulate(other))
+
+
+@pytest.mark.parametrize("way", ["histories", "coupled"])
+def test_every_scene_is_solved_as_if_it_were_the_first(way):
+    from screwsim.model.run import Machinery
+    from screwsim.simulate import Solution, machinery_for
+
+    ours, other = (make({"numerics": {"closing": way}, **changes}) for changes in ({}, OTHER_ANGLES))
+    simulate(ours)
+    after = simulate(other)
+    solution = Solution(other)
+    shared, fresh = machinery_for(solution.parts), Machinery(solution.machinery.composition)
+    assert shared is not fresh
+    solution.machinery = solution.balances.machinery = fresh
+    fresh.warm_up(solution.start)
+    found, _ = solution.figures(solution.close().q)
+    assert found == after.performance

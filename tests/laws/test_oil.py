@@ -1,0 +1,97 @@
+"""Oil: none of it changes nothing, the displacement supply gives what its orifice gives, heat cools the gas."""
+
+from math import pi
+
+import numpy as np
+import pytest
+from scenes import DROP, run
+
+from screwsim.fluid.orifice import orifice_flow
+
+GAS_FIGURES = ("gas_mass_flow", "work_per_cycle", "trapped_mass", "peak_pressure", "discharge_temperature", "volumetric_efficiency")
+DISPLACEMENT = {"oil_supply": {"kind": "displacement", "temperature": "293 K", "orifice_diameter": "6 mm"}, "effects.oil_pump": DROP}
+
+
+def displaced(speed):
+    return run({**DISPLACEMENT, "operation.speed": f"{speed} rpm"})
+
+
+def test_no_oil_is_as_no_oil_heat():
+    none, without = run({"oil_supply.ratio": 0}), run({"oil_supply.ratio": 0, "effects.oil_heat": DROP})
+    for name in GAS_FIGURES:
+        # both at the default accuracy; they differ in the steps that the idle oil temperature asks for
+        assert none.performance[name] == pytest.approx(without.performance[name], rel=3e-4), name
+
+
+@pytest.mark.xfail(reason="carried: ln of an oil mass that tends to 0 never settles, nor does the plenum's ratio", strict=False)
+def test_carried_no_oil_closes():
+    assert run({"oil_supply.ratio": 0, "oil.transport": "carried"}).status == "ok"
+
+
+@pytest.mark.parametrize("transport", ["paper", "carried"])
+def test_the_pump_gives_the_ratio_it_is_told(transport):
+    result = run({"oil.transport": transport})
+    assert result.performance.oil_ratio == pytest.approx(3.0, rel=1e-12)  # an input
+
+
+def test_more_oil_makes_the_gas_leave_cooler():
+    temperatures = [run({"oil_supply.ratio": d}).performance.discharge_temperature for d in (0, 1, 3, 8)]
+    assert temperatures == sorted(temperatures, reverse=True)
+
+
+@pytest.mark.parametrize("speed", [3000, 1000])
+def test_displacement_gives_the_orifices_flow(speed):
+    """d = ṁ_oil · (time of one pitch)/(trapped gas), by hand from the result's own figures (M30)."""
+    result = displaced(speed)
+    p = result.performance
+    oil = orifice_flow(12e5 - p.injection_pressure, 1000.0, 0.02, 6e-3, 12e-3, 1.0)
+    per_life = oil * 60.0 / (4 * speed)
+    assert p.oil_ratio == pytest.approx(per_life / p.trapped_mass, rel=1e-10)  # algebra only
+
+
+@pytest.mark.parametrize("speed", [3000, 1000])
+def test_displacement_flow_is_the_orifices(speed):
+    p = displaced(speed).performance
+    oil = orifice_flow(12e5 - p.injection_pressure, 1000.0, 0.02, 6e-3, 12e-3, 1.0)
+    assert p.oil_mass_flow == pytest.approx(oil, rel=1e-10)  # one chamber faces the port at any time
+
+
+def test_displacement_gives_less_oil_per_gas_the_faster_it_turns():
+    ratios = [displaced(speed).performance.oil_ratio for speed in (1000, 3000, 5000)]
+    assert ratios == sorted(ratios, reverse=True)
+
+
+def test_oil_is_heated_by_what_cools_the_gas():
+    """Over 361°–595° with the ports shut: oil warms while the gas is hotter."""
+    cycle = run().cycle
+    inside = slice(480, 596)
+    assert np.all(cycle["gas_temperature"][inside] > cycle["oil_temperature"][inside])
+    assert np.all(np.diff(cycle["oil_temperature"][inside]) > 0.0)
+
+
+def test_oil_mass_is_the_ratio_times_the_gas_with_the_papers_transport():
+    cycle = run().cycle
+    np.testing.assert_allclose(cycle["oil_mass"][360:], 3.0 * cycle["gas_mass"][360:], rtol=1e-12)  # its definition
+
+
+def test_carried_oil_mass_jumps_at_the_injection_to_the_ratio():
+    cycle = run({"oil.transport": "carried"}).cycle
+    assert cycle["oil_mass"][360] == pytest.approx(3.0 * cycle["gas_mass"][360], rel=1e-6)  # angles are 1e-9 apart
+
+
+def test_the_pump_of_a_sump_pays_the_rise_to_the_chamber():
+    """P = V̇ (p_injection − p_s)/η (M31)."""
+    p = run({"oil_supply.source": "suction"}).performance
+    expected = p.oil_mass_flow / 1000.0 * (p.injection_pressure - 1.5e5) / 0.6
+    assert p.oil_pump_power == pytest.approx(expected, rel=1e-10)  # algebra only
+
+
+def test_lift_power_is_the_oils_way_up():
+    p = run().performance
+    assert p.oil_lift_power == pytest.approx(p.oil_mass_flow / 1000.0 * (12e5 - p.injection_pressure), rel=1e-12)
+
+
+def test_acceleration_power_is_kinetic_energy_at_tip_speed():
+    p = run().performance
+    tip = 0.08 * 3000 * 2 * pi / 60
+    assert p.hydromechanical_power == pytest.approx(0.5 * p.oil_mass_flow * tip**2, rel=1e-12)

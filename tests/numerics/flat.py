@@ -1,0 +1,69 @@
+"""Rodas4 as the generated modules hold it: flattened kernels with slots filled here, run without a compiler."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.numerics import rodas
+from screwsim.numerics.kernel import flatten
+
+Array = np.ndarray
+SLOTS = ("surroundings", "rates", "jacobian", "at_knot")
+
+
+class Path(NamedTuple):
+    """What an integration leaves behind."""
+
+    status: int
+    end: float
+    y: Array
+    q: Array
+    times: Array
+    dense: Array
+    quads: Array
+    counts: Array
+
+
+class Problem(NamedTuple):
+    """y' = f(φ, y) and q' = g(φ, y) with exact derivatives by y: `rates(φ, y)` → (f, g), `slopes(φ, y)` → (J, Jq)."""
+
+    rates: Callable[[float, Array], tuple[Sequence[float], Sequence[float]]]
+    slopes: Callable[[float, Array], tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]]]
+    jump: Callable[[float, Array], None] = lambda phi, y: None
+
+
+def emitted(problem: Problem) -> dict[str, Any]:
+    """Return the names of the flat module with the problem in its slots."""
+
+    def surroundings(phi: float, middle: float, context: Any, E: Array) -> None:
+        E[0] = phi
+
+    def rates(y: Array, E: Array, context: Any, f: Array, g: Array) -> None:
+        f[:], g[:] = problem.rates(E[0], y)
+
+    def jacobian(y: Array, E: Array, context: Any, f: Array, g: Array, J: Array, Jq: Array) -> None:
+        f[:], g[:] = problem.rates(E[0], y)
+        J[:], Jq[:] = problem.slopes(E[0], y)
+
+    def at_knot(phi: float, y: Array, context: Any) -> None:
+        problem.jump(phi, y)
+
+    names: dict[str, Any] = {"np": np, "math": __import__("math"), "njit": lambda **_: lambda function: function}
+    names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian, "p_at_knot": at_knot}
+    text = flatten((rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p")
+    exec("\n\n".join(text.values()), names)
+    return names
+
+
+def integrate(problem: Problem, knots: Sequence[float], y0: Sequence[float], nq: int = 1, **options: Any) -> Path:
+    """Integrate over the knots; without `rtol` every stretch between two knots is one step."""
+    rtol, h, room = options.get("rtol", 1e30), options.get("h", 1e30), options.get("room", 5000)
+    y, q, counts, kept = np.array(y0, float), np.zeros(nq), np.zeros(4, np.int64), np.zeros(2, np.int64)
+    times, dense, quads = np.zeros(room + 1), np.zeros((room, 4, len(y))), np.zeros((room, nq))
+    function = emitted(problem)["rodas__integrate_p"]
+    status, end, _ = function(np.array(knots, float), len(knots), y, q, (), rtol, h, 1, times, dense, quads, kept, counts)
+    steps = int(kept[0])
+    return Path(status, end, y, q, times[: steps + 1], dense[:steps], quads[:steps], counts)
