@@ -43,7 +43,8 @@ def test_tolerances_follow_from_the_accuracy_as_stated():
     assert "| 0.5 · accuracy, or `numerics.rtol` |" in NUMERICS
     assert wanted.rtol == pytest.approx(0.5e-3)
     assert "| 0.2 · accuracy · p_s |" in NUMERICS
-    assert regularisation(scene) == pytest.approx(0.2e-3 * 2e5)
+    assert "| accuracy · max(p_s, p_d) |" in NUMERICS
+    assert regularisation(scene) == pytest.approx((0.2e-3 * 2e5, 1e-3 * 8e5))
     assert "| 0.1 · accuracy |" in NUMERICS
     assert wanted.tolerance == pytest.approx(0.1e-3)
     assert wanted.bound == 1e-3
@@ -52,7 +53,7 @@ def test_tolerances_follow_from_the_accuracy_as_stated():
 
 def test_every_symbol_of_a_kernel_is_listed():
     oil = OilPart(1000.0, 2000.0, 300.0, "carried", {"ratio": 1.0})
-    parts = Parts(Geometry(loads(SCENE).machine), None, 300.0, 1.0, {}, oil)
+    parts = Parts(Geometry(loads(SCENE).machine), None, omega=300.0, port_width=1.0, gap_width=1.0, effects={}, oil=oil)
     table = NOMENCLATURE.partition("## Names that a kernel may ask for")[2]
     for name in (*HEAT_SYMBOLS, *symbols_of(parts), "TAB"):
         assert f"`{name}`" in table, name

@@ -79,9 +79,9 @@ def test_the_work_trace_ends_at_the_work(result):
 
 def test_net_flow_is_the_integral_of_the_suction_ports_flow(result):
     c = result.cycle
-    mean = np.trapezoid(c["mass_flow_suction_port"], c["angle"]) / 180.0  # two revolutions in a life, four lives a turn
-    # the suction port is the only way to the suction line; trapezium over 1°
-    assert result.performance.gas_mass_flow == pytest.approx(mean * 4 / 4 * 1.0, rel=2e-3) or mean > 0.0
+    per_life = np.trapezoid(c["mass_flow_suction_port"], np.radians(c["angle"])) / (3000 * 2 * math.pi / 60)
+    # the suction port is the only way to the suction line; the first and last flows over 1° are kinked: 0.2 %
+    assert result.performance.gas_mass_flow == pytest.approx(per_life * PER_SECOND, rel=2e-3)
 
 
 def test_traces_obey_the_gas_law(result):
@@ -102,7 +102,7 @@ def test_figures_of_absent_effects_are_none():
     assert p.oil_discharge_temperature is None
 
 
-def test_peak_pressure_is_not_below_any_pressure_before_the_widest_opening(result):
+def test_peak_pressure_is_the_traces_from_injection_to_the_widest_opening(result):
     c = result.cycle
-    before = c["angle"] <= 660.0
-    assert result.performance.peak_pressure >= c["pressure"][before].max() * (1 - 3e-4)  # ends of steps only
+    seen = (c["angle"] >= 360.0) & (c["angle"] <= 660.0)
+    assert result.performance.peak_pressure == pytest.approx(c["pressure"][seen].max(), rel=1e-3)  # steps against 1° rows

@@ -1,0 +1,112 @@
+"""Print what a point costs: by accuracy, by effect, by speed, and the start-up of the commands.
+
+Run: .venv/bin/python scripts/benchmark.py [SCENE.yaml]. Times are medians on one core of this machine, compiled and
+warm unless they say otherwise; compare ratios, and the counts of evaluations, which do not depend on the machine.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from screwsim.scene import Scene, load, with_values
+from screwsim.simulate import simulate
+
+ROOT = Path(__file__).resolve().parent.parent
+POINT = ROOT / "configs" / "paper" / "point.yaml"
+RPM = 2.0 * np.pi / 60.0
+FIGURES = ("isothermal_efficiency", "gas_mass_flow", "shaft_power", "discharge_temperature")
+
+
+def timed(scene: Scene, runs: int = 15):
+    """Return the result and the median of its wall time [ms]."""
+    simulate(scene, trace=False)
+    results = [simulate(scene, trace=False) for _ in range(runs)]
+    return results[-1], 1e3 * statistics.median(result.numerics.wall_time for result in results)
+
+
+def with_accuracy(scene: Scene, accuracy: float) -> Scene:
+    """Return the scene at another wanted accuracy."""
+    return replace(scene, numerics=replace(scene.numerics, accuracy=accuracy))
+
+
+def accuracy_table(scene: Scene) -> None:
+    """Print time and true error against the wanted accuracy; the reference is wanted at 1e-8 with closing: coupled."""
+    print("\nWhat accuracy costs (error: largest of efficiency, mass flow, shaft power, discharge temperature)")
+    print(f"{'speed':>10} {'accuracy':>9} {'ms':>8} {'RHS evaluations':>16} {'turns':>6} {'closing':>10} {'true error':>11}")
+    for rpm in (3000, 1000):
+        base = with_values(scene, {"operation.speed": rpm * RPM})
+        tight = replace(base.numerics, accuracy=1e-8, closing="coupled")
+        reference = simulate(replace(base, numerics=tight), trace=False).performance
+        for accuracy in (3e-3, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6):
+            result, ms = timed(with_accuracy(base, accuracy), 15 if accuracy > 5e-5 else 3)
+            error = max(abs(result.performance[name] / reference[name] - 1.0) for name in FIGURES)
+            n = result.numerics
+            print(
+                f"{rpm:>6} rpm {accuracy:>9.0e} {ms:>8.2f} {n.rhs_evaluations:>16} {n.turns:>6.3g} {n.closing:>10} {error:>11.1e}"
+            )
+
+
+def speed_table(scene: Scene) -> None:
+    """Print the cost of slow and fast machines at the scene's accuracy, with the balances."""
+    print("\nHard speeds (default accuracy)")
+    print(f"{'speed':>10} {'status':>10} {'ms':>9} {'RHS evaluations':>16} {'closing':>10} {'mass':>8} {'energy':>8}")
+    for rpm in (10, 50, 250, 500, 1000, 3000, 5000, 10000, 30000):
+        result, ms = timed(with_values(scene, {"operation.speed": rpm * RPM}), 3)
+        n, b = result.numerics, result.balance
+        print(
+            f"{rpm:>6} rpm {result.status:>10} {ms:>9.2f} {n.rhs_evaluations:>16} {n.closing:>10} {b.mass:>8.1e} {b.energy:>8.1e}"
+        )
+
+
+def effects_table(scene: Scene) -> None:
+    """Print what each effect costs in time and changes in the efficiency, by leaving it out."""
+    print("\nWhat each effect costs and changes (left out, one at a time)")
+    full, ms_full = timed(scene)
+    eta = full.performance.isothermal_efficiency
+    print(f"{'all':>20} {ms_full:>8.2f} ms  eta {eta:.4f}")
+    for name in scene.effects:
+        if name in ("suction_port", "discharge_port"):
+            continue
+        rest = {key: value for key, value in scene.effects.items() if key != name}
+        result, ms = timed(replace(scene, effects=rest))
+        change = 100.0 * ((result.performance.isothermal_efficiency or np.nan) - eta)
+        print(f"{'without ' + name:>28} {ms:>8.2f} ms ({ms / ms_full - 1.0:+.0%})  {change:+.2f} points")
+
+
+def command_times(scene_path: Path) -> None:
+    """Print the start-up of the commands, warm, and the first compilation, in a cache folder of its own."""
+    print("\nCommands (whole processes; median of 5 warm runs)")
+    screwsim = [sys.executable, "-m", "screwsim"]
+    with tempfile.TemporaryDirectory() as folder:
+        environment = os.environ | {"SCREWSIM_CACHE": folder}
+        run = [*screwsim, "run", str(scene_path), "--json"]
+        for label, command, count in (("run, cold cache", run, 1), ("run, warm", run, 5), ("--help", [*screwsim, "--help"], 5)):
+            times = []
+            for _ in range(count):
+                started = time.perf_counter()
+                subprocess.run(command, env=environment, check=True, capture_output=True)
+                times.append(time.perf_counter() - started)
+            print(f"{label:>20} {statistics.median(times):>7.2f} s")
+
+
+def main() -> None:
+    """Print all tables for one scene."""
+    path = Path(sys.argv[1]) if len(sys.argv) > 1 else POINT
+    scene = load(str(path))
+    accuracy_table(scene)
+    speed_table(scene)
+    effects_table(scene)
+    command_times(path)
+
+
+if __name__ == "__main__":
+    main()

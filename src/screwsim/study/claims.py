@@ -1,0 +1,198 @@
+"""The claims A1–A7 of Chernov et al. 2015, measured on stored sweeps (docs/paper.md says what each means).
+
+`python -m screwsim.study.claims FIG1.h5 FIG2.h5` prints the table. A verdict is `holds`, `fails` or, for the number to
+which the machine was fitted, `calibrated`.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from screwsim.results import open_results
+from screwsim.study.curves import Array, Optimum, optimum, value_at
+
+RPM = 2.0 * np.pi / 60.0
+A5_RATIO, A5_SPEED, A5_EFFICIENCY, A5_TOLERANCE = 3.0, 1000.0, 0.68, 0.005
+A6_EFFICIENCY, A6_TOLERANCE = 0.44, 0.02
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim: what the paper says, how it is measured, what was found."""
+
+    name: str
+    says: str
+    measure: str
+    found: str
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Pump:
+    """Fig. 1: speeds [rpm] from fast to slow, oil ratios, η by (speed, ratio), one optimum a speed."""
+
+    speeds: Array
+    ratios: Array
+    efficiency: Array
+    optima: list[Optimum | None]
+
+
+@dataclass(frozen=True)
+class Displacement:
+    """Fig. 2: speeds [rpm], and the oil ratio and η that each gives."""
+
+    speeds: Array
+    ratio: Array
+    efficiency: Array
+
+
+def read_pump(path: str) -> Pump:
+    """Return the curves of a stored sweep over operation.speed and oil_supply.ratio."""
+    data = open_results(path)
+    eta = np.array(data.performance["isothermal_efficiency"])
+    names = list(data.axes)
+    if names.index("operation.speed") > names.index("oil_supply.ratio"):
+        eta = eta.T
+    speeds, ratios = np.array(data.axes["operation.speed"]) / RPM, np.array(data.axes["oil_supply.ratio"])
+    order = np.argsort(-speeds)
+    return Pump(speeds[order], ratios, eta[order], [optimum(ratios, row) for row in eta[order]])
+
+
+def read_displacement(path: str) -> Displacement:
+    """Return the curve of a stored sweep over operation.speed with displacement supply."""
+    data = open_results(path)
+    figures = data.performance
+    speeds = np.array(data.axes["operation.speed"]) / RPM
+    return Displacement(speeds, np.array(figures["oil_ratio"]), np.array(figures["isothermal_efficiency"]))
+
+
+def _verdict(holds: bool) -> str:
+    return "holds" if holds else "fails"
+
+
+
+def _ordered(pump: Pump, pick: Callable[[Optimum], float | None], rising: bool) -> bool:
+    """Tell whether a measure rises (or falls) strictly as speed falls, with an interior optimum everywhere."""
+    values = [pick(best) if best is not None and best.interior else None for best in pump.optima]
+    known = [value for value in values if value is not None]
+    if len(known) < len(values):
+        return False
+    steps = np.diff(known)
+    return bool(np.all(steps > 0.0) if rising else np.all(steps < 0.0))
+
+
+def _list(pump: Pump, pick: Callable[[Optimum], float | None], form: str) -> str:
+    parts = []
+    for best in pump.optima:
+        value = pick(best) if best is not None and best.interior else None
+        parts.append("none" if value is None else format(value, form))
+    return ", ".join(parts)
+
+
+def shape_claims(pump: Pump) -> list[Claim]:
+    """Return A1–A4, the shapes of Fig. 1; lists run from the fastest speed to the slowest."""
+    speeds = "/".join(f"{speed:.0f}" for speed in pump.speeds)
+    interior = all(best is not None and best.interior for best in pump.optima)
+    sharper = _ordered(pump, lambda best: best.curvature, True) and _ordered(pump, lambda best: best.drop, True)
+    sharp = f"{_list(pump, lambda b: b.curvature, '.3f')}; {_list(pump, lambda b: b.drop, '.1%')}"
+    return [
+        Claim(
+            "A1",
+            "every curve has a maximum over d",
+            f"maximum inside the range of d, at {speeds} rpm",
+            _list(pump, lambda best: best.efficiency, ".1%"),
+            _verdict(interior),
+        ),
+        Claim(
+            "A2",
+            "slower: lower maxima",
+            "highest efficiency falls with speed",
+            _list(pump, lambda best: best.efficiency, ".2%"),
+            _verdict(_ordered(pump, lambda best: best.efficiency, False)),
+        ),
+        Claim("A3", "slower: more pronounced maxima", "-d2eta/d(ln d)2/eta; drop at d/3 and 3d", sharp, _verdict(sharper)),
+        Claim(
+            "A4",
+            "slower: maxima at higher d",
+            "optimal oil ratio rises as speed falls",
+            _list(pump, lambda best: best.ratio, ".2f"),
+            _verdict(_ordered(pump, lambda best: best.ratio, True)),
+        ),
+    ]
+
+
+def pump_point(pump: Pump) -> Claim:
+    """Return A5, to which the machine was calibrated."""
+    row = int(np.argmin(np.abs(pump.speeds - A5_SPEED)))
+    eta = value_at(pump.ratios, pump.efficiency[row], A5_RATIO)
+    off = eta is None or abs(eta - A5_EFFICIENCY) > A5_TOLERANCE or abs(pump.speeds[row] - A5_SPEED) > 1.0
+    found = "none" if eta is None else f"{eta:.2%}"
+    return Claim("A5", "pump, 1000 rpm, d = 3: 68 %", "within 0.5 points (fitted)", found, "fails" if off else "calibrated")
+
+
+def _speed_of_ratio(line: Displacement, d: float) -> float | None:
+    """Return the speed [rpm] at which displacement gives the oil ratio d, interpolated in logarithms."""
+    good = np.isfinite(line.ratio) & (line.ratio > 0.0) & np.isfinite(line.efficiency)
+    order = np.argsort(line.ratio[good])
+    x, y = np.log(line.ratio[good])[order], np.log(line.speeds[good])[order]
+    if len(x) < 2 or not x[0] <= np.log(d) <= x[-1]:
+        return None
+    return float(np.exp(np.interp(np.log(d), x, y)))
+
+
+def displacement_claims(pump: Pump, line: Displacement) -> list[Claim]:
+    """Return A6 and A7: the point d = 3 with the speed at which it occurs, and the optimum of Fig. 2."""
+    speed, eta = _speed_of_ratio(line, A5_RATIO), value_at(line.ratio, line.efficiency, A5_RATIO)
+    at_1000 = value_at(line.speeds, line.efficiency, A5_SPEED)
+    d_1000 = value_at(line.speeds, line.ratio, A5_SPEED)
+    found = "d = 3 is not reached" if speed is None or eta is None else f"{eta:.1%} at {speed:.0f} rpm, where d = 3"
+    if at_1000 is not None and d_1000 is not None:
+        found += f"; {at_1000:.1%} at 1000 rpm, where d = {d_1000:.2f}"
+    close = eta is not None and speed is not None and abs(eta - A6_EFFICIENCY) <= A6_TOLERANCE
+    best = optimum(line.ratio, line.efficiency)
+    return [
+        Claim("A6", "displacement, d = 3: 44 %", "within 2 points, at the speed that gives d = 3", found, _verdict(close)),
+        _a7(pump, line, best),
+    ]
+
+
+def _a7(pump: Pump, line: Displacement, best: Optimum | None) -> Claim:
+    says = "displacement has an optimum, at rather high d, and is less economical than the pump"
+    measure = "interior maximum; its d above the pump's optimum at that speed; efficiency below the pump's best there"
+    if best is None or not best.interior:
+        return Claim("A7", says, measure, "no maximum inside the range", "fails")
+    speed = _speed_of_ratio(line, best.ratio)
+    optima = [(s, o) for s, o in zip(pump.speeds, pump.optima, strict=True) if o is not None and o.interior]
+    if speed is None or len(optima) < 2:
+        return Claim("A7", says, measure, "no curve of the pump to compare with", "fails")
+    x = np.log([s for s, _ in optima])[::-1]
+    d_pump = float(np.exp(np.interp(np.log(speed), x, np.log([o.ratio for _, o in optima])[::-1])))
+    eta_pump = float(np.interp(np.log(speed), x, [o.efficiency for _, o in optima][::-1]))
+    found = (
+        f"maximum {best.efficiency:.1%} at d = {best.ratio:.2f} ({speed:.0f} rpm); pump there: {eta_pump:.1%} at d = {d_pump:.2f}"
+    )
+    return Claim("A7", says, measure, found, _verdict(best.ratio > d_pump and best.efficiency < eta_pump))
+
+
+def claims(fig1: str, fig2: str) -> list[Claim]:
+    """Return A1–A7 from the stored sweeps of Fig. 1 and Fig. 2."""
+    pump, line = read_pump(fig1), read_displacement(fig2)
+    return [*shape_claims(pump), pump_point(pump), *displacement_claims(pump, line)]
+
+
+def table(found: list[Claim]) -> str:
+    """Return the claims as text, three lines each."""
+    lines = []
+    for claim in found:
+        lines.append(f"{claim.name}  {claim.verdict:<10}  {claim.says}")
+        lines.append(f"    measure: {claim.measure}")
+        lines.append(f"    found:   {claim.found}")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(table(claims(sys.argv[1], sys.argv[2])))

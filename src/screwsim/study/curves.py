@@ -1,0 +1,62 @@
+"""Shape of efficiency curves over the oil ratio: optimum, curvature, drop to both sides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The maximum of η over ln d: where, how high, how sharp.
+
+    `curvature` is −d²η/d(ln d)²/η there; `drop` the mean relative loss at a third and at three times the optimal d
+    (None where the curve does not reach so far). `interior` is False when the maximum lies at an end.
+    """
+
+    ratio: float
+    efficiency: float
+    curvature: float
+    drop: float | None
+    interior: bool
+
+
+def optimum(ratio: Array, efficiency: Array) -> Optimum | None:
+    """Return the optimum of one curve, from a parabola in ln d through the points within a factor 1.6 of the best.
+
+    Points that are not finite are left out; None when fewer than five are left.
+    """
+    good = np.isfinite(efficiency) & (ratio > 0.0)
+    if np.count_nonzero(good) < 5:
+        return None
+    order = np.argsort(ratio[good])
+    x, eta = np.log(ratio[good])[order], efficiency[good][order]
+    best = int(np.argmax(eta))
+    if best in (0, len(x) - 1):
+        return Optimum(float(np.exp(x[best])), float(eta[best]), 0.0, None, False)
+    near = np.abs(x - x[best]) <= np.log(1.6)
+    near[best - 1 : best + 2] = True
+    a, b, c = np.polyfit(x[near] - x[best], eta[near], 2)
+    if a >= 0.0:
+        return Optimum(float(np.exp(x[best])), float(eta[best]), 0.0, None, True)
+    shift = float(np.clip(-b / (2.0 * a), x[best - 1] - x[best], x[best + 1] - x[best]))
+    top = float(a * shift**2 + b * shift + c)
+    at = x[best] + shift
+    sides = [float(np.interp(at + s, x, eta)) for s in (-np.log(3.0), np.log(3.0)) if x[0] <= at + s <= x[-1]]
+    drop = float(np.mean([1.0 - side / top for side in sides])) if len(sides) == 2 else None
+    return Optimum(float(np.exp(at)), top, float(-2.0 * a / top), drop, True)
+
+
+def value_at(ratio: Array, efficiency: Array, d: float) -> float | None:
+    """Return η at the oil ratio d, linear in ln d; None outside the curve or without values there."""
+    good = np.isfinite(efficiency) & (ratio > 0.0)
+    if np.count_nonzero(good) < 2:
+        return None
+    order = np.argsort(ratio[good])
+    x, eta = np.log(ratio[good])[order], efficiency[good][order]
+    if not x[0] - 1e-9 <= np.log(d) <= x[-1] + 1e-9:
+        return None
+    return float(np.interp(np.log(d), x, eta))

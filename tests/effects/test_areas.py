@@ -1,0 +1,150 @@
+"""Areas of all flow paths: never negative, continuous, zero outside their windows, kinked at their knots only."""
+
+import math
+
+import numpy as np
+import pytest
+from scenes import make
+
+from screwsim.build import build_parts
+from screwsim.effects import catalogue, find_effect, gap, tip_leakage
+from screwsim.effects.base import Effect, FlowPath
+from screwsim.model.compose import symbols_of
+from screwsim.numerics.spline import pack_curve
+
+PARTS = build_parts(make())
+PITCH, LIFE, DEG = PARTS.geometry.pitch, PARTS.geometry.life, math.pi / 180
+FINE = np.radians(np.arange(-10.0, 730.0, 0.05)) + 1e-9
+PATHS = {
+    f"{name} {path.to} {path.offset}": path
+    for name, items in PARTS.effects.items()
+    for path in items
+    if isinstance(path, FlowPath)
+}
+GAPS = {name: path for name, path in PATHS.items() if path.to == "neighbour"}
+
+
+def areas(path, angles):
+    """Return the area [m²] over the angles, arguments taken by name as the composer does."""
+    numbers = {**symbols_of(PARTS), **path.values}
+    names = [name for name in path.area.arguments if name != "phi"]
+    return np.array([path.area(phi, *(numbers[name] for name in names)) for phi in angles])
+
+
+def degrees(values):
+    return np.degrees(FINE[np.nonzero(values)[0]])
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_no_area_is_negative(name):
+    assert areas(PATHS[name], FINE).min() >= 0.0
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_areas_are_continuous(name):
+    found = areas(PATHS[name], FINE[(FINE >= 0.0) & (FINE <= LIFE)])
+    # the steepest goes from nothing to its most within 20°, 1.5 times as steep in the middle: 0.4 % in 0.05°
+    assert np.max(np.abs(np.diff(found))) < 0.005 * found.max()
+
+
+@pytest.mark.parametrize("name", PATHS)
+def test_areas_are_kinked_at_their_knots_only(name):
+    """Where the second difference jumps, a knot of the path (or an end of the life) stands."""
+    inside = FINE[(FINE >= 0.0) & (FINE <= LIFE)]
+    bends = np.diff(areas(PATHS[name], inside), 2)
+    jumps = np.degrees(inside[1:-2][np.abs(np.diff(bends)) > 0.02 * np.max(np.abs(bends))])
+    known = np.degrees([*PATHS[name].knots, 0.0, LIFE])
+    assert all(np.min(np.abs(known - jump)) < 0.2 for jump in jumps)
+
+
+@pytest.mark.parametrize(
+    ("name", "opens", "closes"),
+    [
+        ("suction_port suction 0", 0.0, 360.0),
+        ("discharge_port discharge 0", 600.0, 720.0),
+        ("tip_leakage neighbour 1", 0.0, 720.0),
+        ("interlobe_leakage neighbour 4", 0.0, 360.0),  # of the filling chamber, a turn behind the compressing one
+        ("blow_hole neighbour 1", 373.0 - 90.0, 693.0 - 90.0),  # of the trailing chamber, a pitch of 90° behind
+        ("end_face_leakage neighbour 1", 360.0 - 90.0, 720.0 - 90.0),
+        ("end_face_leakage neighbour 4", 0.0, 360.0),
+    ],
+)
+def test_a_path_is_open_inside_its_window_and_nowhere_else(name, opens, closes):
+    at = degrees(areas(PATHS[name], FINE))
+    assert (at.min(), at.max()) == pytest.approx((opens, closes), abs=0.06)  # the grid
+
+
+def test_every_path_of_the_scene_has_a_window_above():
+    assert len(PATHS) == 7
+
+
+def test_tip_area_is_the_papers_at_360_degrees():
+    path = PATHS["tip_leakage neighbour 1"]
+    assert areas(path, [2 * math.pi])[0] == pytest.approx(9.83 * 50e-6 * 0.16, rel=1e-12)  # (19)
+
+
+@pytest.mark.parametrize(("phi", "share"), [(90.0, 0.25), (180.0, 0.5), (540.0, 0.5), (720.0, 0.0)])
+def test_tip_area_is_linear_up_and_down(phi, share):
+    full = tip_leakage.TIP_LENGTH * 50e-6 * 0.16
+    assert areas(PATHS["tip_leakage neighbour 1"], [phi * DEG])[0] == pytest.approx(share * full, abs=1e-15 * full + 1e-20)
+
+
+def test_both_end_face_paths_together_are_the_whole_length():
+    most = [areas(PATHS[f"end_face_leakage neighbour {offset}"], FINE).max() for offset in (1, 4)]
+    assert sum(most) == pytest.approx(50e-6 * 0.08, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", GAPS)
+def test_gap_areas_are_proportional_to_their_clearance(name):
+    path = GAPS[name]
+    key = "size" if "size" in path.values else "gap"
+    twice = FlowPath(path.to, path.area, {**path.values, key: 2 * path.values[key]}, path.knots, path.offset)
+    np.testing.assert_allclose(areas(twice, FINE[::50]), 2 * areas(path, FINE[::50]), rtol=1e-13)
+
+
+@pytest.mark.parametrize("name", ["tip_leakage", "interlobe_leakage", "blow_hole"])
+def test_a_table_takes_the_place_of_the_built_in_area(name, tmp_path):
+    from scenes import loads, scene_dict
+
+    (tmp_path / "a.csv").write_text("angle_deg,area_m2\n100,0\n200,3e-6\n300,0\n")
+    parameters = {**scene_dict()["effects"][name], "area_file": str(tmp_path / "a.csv")}
+    path = build_parts(loads(__import__("json").dumps(scene_dict({f"effects.{name}": parameters})))).effects[name][0]
+    assert gap.table_area(200 * DEG, pack_curve(*path.tables["curve"]), 0.0) == pytest.approx(3e-6, rel=1e-12)
+
+
+@pytest.mark.parametrize("x", [-1.0, 0.0, 5.0, 6.0])
+def test_ramp_is_zero_outside(x):
+    assert gap.ramp(x, 0.0, 1.0, 4.0, 5.0) == 0.0
+
+
+def test_ramp_is_c1():
+    x = np.arange(-0.5, 5.5, 1e-4)
+    slope = np.diff([gap.ramp(a, 0.0, 1.0, 4.0, 5.0) for a in x]) / 1e-4
+    assert np.max(np.abs(np.diff(slope))) < 1e-3  # a curvature of 6 over 1e-4: no jump
+
+
+# ---- the catalogue ----
+
+
+def test_every_effect_states_what_it_is():
+    for name, effect in catalogue().items():
+        assert effect.name == name
+        assert effect.title and effect.source and effect.equations
+
+
+def test_ports_come_first():
+    assert list(catalogue())[:2] == ["suction_port", "discharge_port"]
+
+
+def test_an_effect_of_ones_own_is_found_by_its_dotted_name():
+    assert isinstance(find_effect("screwsim.effects.tip_leakage"), Effect)
+
+
+def test_a_module_without_effect_is_refused():
+    with pytest.raises(ImportError, match="defines no EFFECT"):
+        find_effect("screwsim.effects.gap")
+
+
+def test_an_unknown_name_is_a_key_error():
+    with pytest.raises(KeyError):
+        find_effect("tip_leakge")
