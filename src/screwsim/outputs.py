@@ -49,7 +49,9 @@ BALANCE = {
     "mass": Variable("1", "relative residue of the gas mass balance"),
     "energy": Variable("1", "relative residue of the energy balance"),
     "oil_mass": Variable("1", "relative residue of the oil mass balance (oil.transport: carried)"),
-    "oil_residue": Variable("W", "power that appears with oil that leaks at constant d (oil.transport: paper)"),
+    "oil_residue": Variable(
+        "W", "heat taken up by the oil beyond what injected oil carries to discharge (oil.transport: paper)"
+    ),
     "bound": Variable("1", "bound on mass and energy residues"),
 }
 
@@ -126,4 +128,3 @@ class Result:
             "numerics": dict(self.numerics),
             "notes": dict(self.notes),
         }
-

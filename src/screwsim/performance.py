@@ -41,7 +41,9 @@ def _quotient(a: float, b: float) -> float | None:
     return a / b if b != 0.0 and np.isfinite(a / b) else None
 
 
-def efficiencies(gas: Any, lines: Lines, flow: float, shaft_power: float) -> tuple[dict[str, float | None], dict[str, str]]:
+def efficiencies(
+    gas: Any, lines: Lines, flow: float, shaft_power: float
+) -> tuple[dict[str, float | None], dict[str, str]]:
     """Return isothermal and isentropic efficiency (M35, M36), or None with the reason."""
     names = ("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency")
     if flow <= 0.0:
@@ -56,8 +58,18 @@ def efficiencies(gas: Any, lines: Lines, flow: float, shaft_power: float) -> tup
 
 
 def figures(
-    parts: Parts, lines: Lines, streams: Array, work: float, trapped: float, p_injection: float, injected: float,
-    d: float, peak: float, oil_viscosity: float | None, source_pressure: float, oil_mean_temperature: float | None,
+    parts: Parts,
+    lines: Lines,
+    streams: Array,
+    work: float,
+    trapped: float,
+    p_injection: float,
+    injected: float,
+    d: float,
+    peak: float,
+    oil_viscosity: float | None,
+    source_pressure: float,
+    oil_mean_temperature: float | None,
 ) -> tuple[Figures, dict[str, str]]:
     """Return the performance figures of one closed cycle and why some are None.
 
@@ -85,17 +97,21 @@ def figures(
     etas, notes = efficiencies(gas, lines, flow, shaft)
     swept = gas.density(lines.p_s, lines.T_s) * geometry.swept_volume * rate
     mean = discharge_enthalpy(streams)
-    found |= etas | losses | {
-        "volumetric_efficiency": flow / swept,
-        "gas_mass_flow": flow,
-        "indicated_power": known.indicated_power,
-        "shaft_power": shaft,
-        "discharge_temperature": None if mean is None else gas.temperature(lines.p_d, mean[0]),
-        "peak_pressure": peak,
-        "work_per_cycle": work,
-        "trapped_mass": trapped,
-        "injection_pressure": p_injection,
-    }
+    found |= (
+        etas
+        | losses
+        | {
+            "volumetric_efficiency": flow / swept,
+            "gas_mass_flow": flow,
+            "indicated_power": known.indicated_power,
+            "shaft_power": shaft,
+            "discharge_temperature": None if mean is None else gas.temperature(lines.p_d, mean[0]),
+            "peak_pressure": peak,
+            "work_per_cycle": work,
+            "trapped_mass": trapped,
+            "injection_pressure": p_injection,
+        }
+    )
     if mean is None:
         notes["discharge_temperature"] = "nothing flows out to the discharge line"
     if oil is not None:

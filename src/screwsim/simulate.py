@@ -19,7 +19,6 @@ from screwsim.model.slots import (
     ENTHALPY,
     OIL_RATIO,
     OIL_TEMPERATURE,
-    P_C_OIL,
     R_DISCHARGE,
     R_INJECTED,
     R_OIL_BEFORE,
@@ -59,7 +58,9 @@ class Solution:
         self.parts = build_parts(scene, refine)
         self.wanted = wanted_of(scene, refine)
         operation = scene.operation
-        self.lines = performance.Lines(operation.suction.pressure, suction_temperature(scene), operation.discharge.pressure)
+        self.lines = performance.Lines(
+            operation.suction.pressure, suction_temperature(scene), operation.discharge.pressure
+        )
         self.machinery = machinery_for(self.parts)
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
@@ -172,12 +173,23 @@ class Solution:
         mass, energy, oil_mass = self.balances.residues(q, float(m.R[R_TRAPPED]), self._h_suction())
         residue = None
         if "T_oil" in c.states and not c.carried:
-            times, dense, _, steps = m.last()
-            lost = m.module.trace__oil_lost_with_leaks(times, dense, steps, m.context, c.n_E)
-            residue = float(lost * c.P[P_C_OIL] * self.parts.omega / self.parts.geometry.pitch)
+            residue = self._oil_residue(q)
         return Figures(
-            mass=mass, energy=energy, oil_mass=oil_mass if c.carried else None, oil_residue=residue, bound=self.wanted.bound
+            mass=mass,
+            energy=energy,
+            oil_mass=oil_mass if c.carried else None,
+            oil_residue=residue,
+            bound=self.wanted.bound,
         )
+
+    def _oil_residue(self, q: closing.Array) -> float | None:
+        """Return the heat [W] that the oil takes up beyond what the injected oil carries to discharge (M40)."""
+        oil, T_out = self.parts.oil, self._paper_oil_temperature()
+        if oil is None or T_out is None:
+            return None
+        rate = self.parts.omega / self.parts.geometry.pitch
+        carried = float(self.machinery.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
+        return float(-q[1] - carried) * rate
 
     def cycle(self) -> dict[str, np.ndarray]:
         """Return the traces over the angle (contract: cycle)."""
@@ -195,7 +207,7 @@ class Solution:
             traces["oil_mass"] = out[:, 7] if c.carried else np.where(present, d * out[:, 5], 0.0)
         _smooth_plenum_flows(flows, len(c.plenum_paths), self.parts.omega * out[:, 3])
         for i, name in enumerate(c.plenum_paths):
-            traces[f"mass_flow_{name}"] = flows[:, i]
+            traces[f"mass_flow_{name}"] = traces.get(f"mass_flow_{name}", 0.0) + flows[:, i]
         for i, (name, _) in enumerate(c.gap_paths):
             for side, word in enumerate(("leading", "trailing")):
                 key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
@@ -220,7 +232,7 @@ def _numerics(solution: Solution, closed: closing.Closed, counts: closing.Array,
     return Figures(
         integrator=solution.scene.numerics.integrator,
         closing=closed.how,
-        rtol=solution.wanted.rtol,
+        rtol=closed.rtol,
         turns=closed.turns,
         steps=int(counts[0]),
         rhs_evaluations=int(counts[2] + counts[3] * len(solution.machinery.composition.states)),
@@ -230,7 +242,9 @@ def _numerics(solution: Solution, closed: closing.Closed, counts: closing.Array,
 
 
 def _failure(solution: Solution, closed: closing.Closed) -> str:
-    y = ", ".join(f"{name} = {value:.6g}" for name, value in zip(solution.machinery.composition.states, closed.y, strict=False))
+    y = ", ".join(
+        f"{name} = {value:.6g}" for name, value in zip(solution.machinery.composition.states, closed.y, strict=False)
+    )
     return (
         f"the integration stopped at {math.degrees(closed.angle):.2f} deg ({y}); "
         "check port areas, clearances and pressures, or ask for a tighter numerics.accuracy"
@@ -240,7 +254,12 @@ def _failure(solution: Solution, closed: closing.Closed) -> str:
 def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
     R, supply = solution.machinery.R, solution.scene.oil_supply
     warnings = []
-    if supply is not None and supply.kind == "pump" and found.oil_ratio and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9):
+    if (
+        supply is not None
+        and supply.kind == "pump"
+        and found.oil_ratio
+        and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9)
+    ):
         warnings.append(
             f"leaks bring more oil ({float(R[R_OIL_BEFORE]):.3g} kg) into the chamber than oil_supply.ratio asks for; "
             f"nothing is injected and the ratio is {found.oil_ratio:.4g}"

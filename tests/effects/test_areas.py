@@ -86,7 +86,9 @@ def test_tip_area_is_the_papers_at_360_degrees():
 @pytest.mark.parametrize(("phi", "share"), [(90.0, 0.25), (180.0, 0.5), (540.0, 0.5), (720.0, 0.0)])
 def test_tip_area_is_linear_up_and_down(phi, share):
     full = tip_leakage.TIP_LENGTH * 50e-6 * 0.16
-    assert areas(PATHS["tip_leakage neighbour 1"], [phi * DEG])[0] == pytest.approx(share * full, abs=1e-15 * full + 1e-20)
+    assert areas(PATHS["tip_leakage neighbour 1"], [phi * DEG])[0] == pytest.approx(
+        share * full, abs=1e-15 * full + 1e-20
+    )
 
 
 def test_both_end_face_paths_together_are_the_whole_length():

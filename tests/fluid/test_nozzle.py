@@ -96,7 +96,9 @@ def test_flow_is_smooth_through_the_series_for_small_drops():
 
 def test_flow_is_continuous_at_choking():
     a, choke, choked = 1 / GAS.k, *choking(GAS.k)
-    assert expansion(choke * (1 - 1e-13), a, choke, choked) == pytest.approx(expansion(choke, a, choke, choked), rel=1e-12)
+    assert expansion(choke * (1 - 1e-13), a, choke, choked) == pytest.approx(
+        expansion(choke, a, choke, choked), rel=1e-12
+    )
 
 
 def test_the_slope_by_the_pressure_below_vanishes_at_choking():

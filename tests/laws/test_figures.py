@@ -86,15 +86,15 @@ def test_net_flow_is_the_integral_of_the_suction_ports_flow(result):
 
 def test_traces_obey_the_gas_law(result):
     c = result.cycle
-    np.testing.assert_allclose(
-        c["pressure"] * c["volume"], c["gas_mass"] * GAS.R * c["gas_temperature"], rtol=1e-12
-    )
+    np.testing.assert_allclose(c["pressure"] * c["volume"], c["gas_mass"] * GAS.R * c["gas_temperature"], rtol=1e-12)
 
 
 def test_the_life_ends_as_it_begins(result):
     for name in ("pressure", "gas_temperature", "gas_mass"):
         trace = result.cycle[name]
-        assert trace[-1] == pytest.approx(trace[0], rel=2e-3), name  # the dead volume follows within ten times the accuracy
+        assert trace[-1] == pytest.approx(trace[0], rel=2e-3), (
+            name
+        )  # the dead volume follows within ten times the accuracy
 
 
 def test_figures_of_absent_effects_are_none():
@@ -105,4 +105,6 @@ def test_figures_of_absent_effects_are_none():
 def test_peak_pressure_is_the_traces_from_injection_to_the_widest_opening(result):
     c = result.cycle
     seen = (c["angle"] >= 360.0) & (c["angle"] <= 660.0)
-    assert result.performance.peak_pressure == pytest.approx(c["pressure"][seen].max(), rel=1e-3)  # steps against 1° rows
+    assert result.performance.peak_pressure == pytest.approx(
+        c["pressure"][seen].max(), rel=1e-3
+    )  # steps against 1° rows

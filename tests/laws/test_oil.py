@@ -8,8 +8,18 @@ from scenes import DROP, run
 
 from screwsim.fluid.orifice import orifice_flow
 
-GAS_FIGURES = ("gas_mass_flow", "work_per_cycle", "trapped_mass", "peak_pressure", "discharge_temperature", "volumetric_efficiency")
-DISPLACEMENT = {"oil_supply": {"kind": "displacement", "temperature": "293 K", "orifice_diameter": "6 mm"}, "effects.oil_pump": DROP}
+GAS_FIGURES = (
+    "gas_mass_flow",
+    "work_per_cycle",
+    "trapped_mass",
+    "peak_pressure",
+    "discharge_temperature",
+    "volumetric_efficiency",
+)
+DISPLACEMENT = {
+    "oil_supply": {"kind": "displacement", "temperature": "293 K", "orifice_diameter": "6 mm"},
+    "effects.oil_pump": DROP,
+}
 
 
 def displaced(speed):
@@ -23,7 +33,9 @@ def test_no_oil_is_as_no_oil_heat():
         assert none.performance[name] == pytest.approx(without.performance[name], rel=3e-4), name
 
 
-@pytest.mark.xfail(reason="carried: ln of an oil mass that tends to 0 never settles, nor does the plenum's ratio", strict=False)
+@pytest.mark.xfail(
+    reason="carried: ln of an oil mass that tends to 0 never settles, nor does the plenum's ratio", strict=False
+)
 def test_carried_no_oil_closes():
     assert run({"oil_supply.ratio": 0, "oil.transport": "carried"}).status == "ok"
 

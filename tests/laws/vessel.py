@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from functools import cache
 from pathlib import Path
@@ -28,10 +29,10 @@ class Vessel(NamedTuple):
 
 def vessel(folder: Path) -> Vessel:
     """Return the vessel: volume and area laws are tables that do not change over the angle."""
-    import json
-
     for name, column, value in (("V", "volume_m3", VOLUME), ("S", "area_m2", AREA)):
-        (folder / f"{name}.csv").write_text(f"angle_deg,{column}\n" + "".join(f"{a},{value}\n" for a in (0, 180, 360, 540, 720)))
+        (folder / f"{name}.csv").write_text(
+            f"angle_deg,{column}\n" + "".join(f"{a},{value}\n" for a in (0, 180, 360, 540, 720))
+        )
     scene = scene_dict(
         {
             "machine.volume": {"law": "table", "max": f"{VOLUME} m^3", "min": "1e-12 m^3", "file": "V.csv"},
@@ -63,11 +64,32 @@ def run(v: Vessel, inside: tuple[float, float], outside: tuple[float, float], ti
     y = np.array([inside[1], v.gas.density(*inside) * (VOLUME + 1e-12)])
     nq, room, n = v.composition.n_quadratures, 3000, 2
     history = np.zeros(room + 1), np.zeros((room, 4, n)), np.zeros((room, nq))
-    spaces = np.zeros(n), np.zeros(10), np.zeros(200)
+    spaces = np.zeros(n), np.zeros(10), np.zeros(400)
     kept = np.zeros(2, np.int64)
-    context = (P, v.composition.TAB, R, history[0], history[1], history[0], history[1], kept, np.zeros(64, np.int64), *spaces)
+    context = (
+        P,
+        v.composition.TAB,
+        R,
+        history[0],
+        history[1],
+        history[0],
+        history[1],
+        kept,
+        np.zeros(64, np.int64),
+        *spaces,
+    )
     status, end, _ = v.names["rodas__integrate_one"](
-        np.array([0.0, time]), 2, y, np.zeros(nq), context, 1e-9, 1e-3 * time, v.composition.n_E, *history, kept, np.zeros(4, np.int64)
+        np.array([0.0, time]),
+        2,
+        y,
+        np.zeros(nq),
+        context,
+        1e-9,
+        1e-3 * time,
+        v.composition.n_E,
+        *history,
+        kept,
+        np.zeros(4, np.int64),
     )
     assert status == 0 and math.isclose(end, time)
     return float(y[0]), float(y[1])

@@ -23,7 +23,10 @@ GRID = np.radians(np.arange(0.0, 720.5, 1.0))
 
 
 def write(path, angles, column, values):
-    rows = "\n".join(f"{np.degrees(a)!r},{v!r}".replace("np.float64(", "").replace(")", "") for a, v in zip(angles, values, strict=True))
+    rows = "\n".join(
+        f"{np.degrees(a)!r},{v!r}".replace("np.float64(", "").replace(")", "")
+        for a, v in zip(angles, values, strict=True)
+    )
     path.write_text(f"angle_deg,{column}\n{rows}\n")
     return str(path)
 

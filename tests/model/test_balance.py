@@ -20,7 +20,9 @@ def test_compression_alone_is_adiabatic():
     assert slope() == pytest.approx(-(GAS.k - 1) * T / V * DV, rel=ROUNDING)  # the last term of the paper's (5)
 
 
-@pytest.mark.parametrize(("mass_in", "T_in", "mass_out", "heat"), [(0.3, 290.0, 0.0, 0.0), (0.1, 400.0, 0.5, 2e3), (0.0, 0.0, 0.7, -1e3)])
+@pytest.mark.parametrize(
+    ("mass_in", "T_in", "mass_out", "heat"), [(0.3, 290.0, 0.0, 0.0), (0.1, 400.0, 0.5, 2e3), (0.0, 0.0, 0.7, -1e3)]
+)
 def test_inner_energy_changes_by_enthalpies_heat_and_work(mass_in, T_in, mass_out, heat):
     """d(m c_v T) = (Σ ṁ h + Q̇)/ω − p dV (M2)."""
     enthalpy = mass_in * GAS.c_p * T_in - mass_out * GAS.c_p * T

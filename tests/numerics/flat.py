@@ -44,9 +44,15 @@ def emitted(problem: Problem) -> dict[str, Any]:
     def rates(y: Array, E: Array, context: Any, f: Array, g: Array) -> None:
         f[:], g[:] = problem.rates(E[0], y)
 
-    def jacobian(y: Array, E: Array, context: Any, f: Array, g: Array, J: Array, Jq: Array) -> None:
+    def jacobian(
+        y: Array, E: Array, E_next: Array, delta: float, context: Any,
+        f: Array, g: Array, J: Array, Jq: Array, f_phi: Array, g_phi: Array,
+    ) -> None:  # fmt: skip
         f[:], g[:] = problem.rates(E[0], y)
         J[:], Jq[:] = problem.slopes(E[0], y)
+        f_phi[:], g_phi[:] = (
+            (np.array(b) - a) / delta for a, b in zip((f, g), problem.rates(E_next[0], y), strict=True)
+        )
 
     def at_knot(phi: float, y: Array, context: Any) -> None:
         problem.jump(phi, y)
@@ -64,6 +70,8 @@ def integrate(problem: Problem, knots: Sequence[float], y0: Sequence[float], nq:
     y, q, counts, kept = np.array(y0, float), np.zeros(nq), np.zeros(4, np.int64), np.zeros(2, np.int64)
     times, dense, quads = np.zeros(room + 1), np.zeros((room, 4, len(y))), np.zeros((room, nq))
     function = emitted(problem)["rodas__integrate_p"]
-    status, end, _ = function(np.array(knots, float), len(knots), y, q, (), rtol, h, 1, times, dense, quads, kept, counts)
+    status, end, _ = function(
+        np.array(knots, float), len(knots), y, q, (), rtol, h, 1, times, dense, quads, kept, counts
+    )
     steps = int(kept[0])
     return Path(status, end, y, q, times[: steps + 1], dense[:steps], quads[:steps], counts)

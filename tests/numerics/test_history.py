@@ -1,5 +1,7 @@
 """Histories: sides of a jump, reading, and exact combination of cubics on different steps."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ def cubic(phi):
 def dense_of(times):
     """Return the dense form of the cubics on steps: y0, y1, c3, c4 of y0(1−θ) + θ(y1 + (1−θ)(c3 + θ c4))."""
     pieces = []
-    for a, b in zip(times[:-1], times[1:], strict=True):
+    for a, b in pairwise(times):
         h = b - a
         y0, y1 = cubic(a), cubic(b)
         slope0 = h * np.array([np.polyval(np.polyder(c[::-1]), a) for c in CUBICS])

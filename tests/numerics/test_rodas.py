@@ -103,7 +103,9 @@ def test_a_linear_invariant_is_kept_to_rounding():
 
 
 def test_a_decay_far_faster_than_the_step_is_gone_after_one_step():
-    path = integrate(Problem(lambda phi, y: ((-1e6 * y[0],), (0.0,)), lambda phi, y: (((-1e6,),), ((0.0,),))), (0.0, 1.0), (1.0,))
+    path = integrate(
+        Problem(lambda phi, y: ((-1e6 * y[0],), (0.0,)), lambda phi, y: (((-1e6,),), ((0.0,),))), (0.0, 1.0), (1.0,)
+    )
     assert abs(path.y[0]) < 1e-5  # L-stable: R(z) → 0, of the order of 1/z = 1e-6
 
 

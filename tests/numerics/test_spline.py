@@ -45,7 +45,9 @@ def test_the_slope_is_continuous_at_the_points(curve):
 
 def test_the_curve_is_constant_outside(curve):
     x, y, TAB, at = curve
-    assert (table_value(x[0] - 1, TAB, at), table_value(x[-1] + 1, TAB, at)) == pytest.approx((y[0], y[-1]), abs=ROUNDING)
+    assert (table_value(x[0] - 1, TAB, at), table_value(x[-1] + 1, TAB, at)) == pytest.approx(
+        (y[0], y[-1]), abs=ROUNDING
+    )
 
 
 def test_the_slope_is_zero_outside(curve):

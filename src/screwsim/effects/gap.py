@@ -21,7 +21,9 @@ class GapParameters:
     """Parameters of every gap."""
 
     flow_coefficient: float = number("flow coefficient of the gap", GAP_FLOW_COEFFICIENT, ge=0.0)
-    area_file: str | None = file("CSV with columns angle_deg, area_m2 of the trailing chamber; replaces the built-in area")
+    area_file: str | None = file(
+        "CSV with columns angle_deg, area_m2 of the trailing chamber; replaces the built-in area"
+    )
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,9 @@
 
 What: nozzle flow through gap × sealing-line length, M20. Across the sealing line of a compressing groove pair lies
 the chamber that is filling in the same grooves, one revolution (z1 lobe pitches) behind it.
-Source: ours. The length over the angle is a trapezium fitted to the sealing line computed from a 4/6 asymmetric
-profile with 300° wrap (0.18 at 330°, full from 420° to 590°, 0.24 at 710°); the paper cites Amosov et al. 1977.
+Source: ours. The length over the angle is a trapezium, full from 420° to 590° as is the sealing line computed from a
+4/6 asymmetric profile with 300° wrap; that line is already 0.18 of its length at 330° and still 0.24 at 710°, where
+the trapezium has 0 and 0.08. The paper cites Amosov et al. 1977.
 Assumptions: quasi-steady nozzle with a flow coefficient; one mean clearance.
 Parameters: gap, length (of the full sealing line), flow_coefficient; area_file.
 """

@@ -48,7 +48,9 @@ def build(parameters: Parameters, machine) -> list[HeatRate]:
 
 def check(parameters: Parameters, facts) -> list[Fault]:
     if parameters.equation_12 == "printed" and facts.oil.transport != "paper":
-        return [Fault("effects.oil_heat.equation_12", "the printed form has a constant d: it needs oil.transport: paper")]
+        return [
+            Fault("effects.oil_heat.equation_12", "the printed form has a constant d: it needs oil.transport: paper")
+        ]
     return []
 
 

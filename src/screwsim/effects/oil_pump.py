@@ -35,7 +35,9 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
 
 def check(parameters: Parameters, facts) -> list[Fault]:
     if facts.oil_supply is not None and facts.oil_supply.kind != "pump":
-        return [Fault("effects.oil_pump", "displacement supply has no pump (remove it, or write oil_supply.kind: pump)")]
+        return [
+            Fault("effects.oil_pump", "displacement supply has no pump (remove it, or write oil_supply.kind: pump)")
+        ]
     return []
 
 

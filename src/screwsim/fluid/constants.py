@@ -43,7 +43,9 @@ def _abstract_state(fluid: str) -> Any:
         return coolprop.AbstractState("HEOS", fluid), coolprop
     except ValueError as error:
         reason = str(error).splitlines()[0][:120]
-        raise UsageError(f"gas.fluid: CoolProp has no pure fluid {fluid!r} ({reason}); name one such as R134a") from None
+        raise UsageError(
+            f"gas.fluid: CoolProp has no pure fluid {fluid!r} ({reason}); name one such as R134a"
+        ) from None
 
 
 def gas_constant(fluid: str) -> float:

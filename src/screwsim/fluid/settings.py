@@ -24,7 +24,9 @@ class OilSettings:
 
     density: float = quantity("density", "density", gt=0.0)
     heat_capacity: float = quantity("heat_capacity", "specific heat capacity", gt=0.0)
-    viscosity: float | None = quantity("viscosity", "dynamic viscosity (for losses and the injection orifice)", None, gt=0.0)
+    viscosity: float | None = quantity(
+        "viscosity", "dynamic viscosity (for losses and the injection orifice)", None, gt=0.0
+    )
     transport: str = choice(
         "paper: ratio d constant after 360 deg; carried: oil mass is a state from 0 deg, leaks carry the donor's ratio",
         ("paper", "carried"),

@@ -54,7 +54,9 @@ class TwinScrew:
     """A twin-screw machine: one chamber per male lobe and revolution, living 720° of the male rotor."""
 
     kind: str = choice("kind of machine", ("twin_screw",), "twin_screw")
-    mode: str = choice("compressor, or expander (discharge below suction pressure)", ("compressor", "expander"), "compressor")
+    mode: str = choice(
+        "compressor, or expander (discharge below suction pressure)", ("compressor", "expander"), "compressor"
+    )
     male_lobes: int = count("number of male lobes z1", 4, ge=1, le=12)
     female_lobes: int = count("number of female lobes z2", 6, ge=1, le=14)
     rotor_diameter: float = quantity("length", "outer diameter of the male rotor", gt=0.0)
@@ -69,13 +71,20 @@ class TwinScrew:
         return TURN / self.male_lobes
 
 
-def _inside(path: str, value: float | None, low: float, high: float, low_text: str, high_text: str, closed: bool) -> list[Fault]:
+def _inside(
+    path: str, value: float | None, low: float, high: float, low_text: str, high_text: str, closed: bool
+) -> list[Fault]:
     if value is None:
         return [Fault(path, f"is missing (law: paper needs it; give an angle between {low_text} and {high_text})")]
     if value > low and (value <= high * (1 + 1e-12) if closed else value < high):
         return []
     bracket = "]" if closed else ")"
-    return [Fault(path, f"{math.degrees(value):.6g} deg lies outside ({low_text}, {high_text}{bracket}; choose an angle inside")]
+    return [
+        Fault(
+            path,
+            f"{math.degrees(value):.6g} deg lies outside ({low_text}, {high_text}{bracket}; choose an angle inside",
+        )
+    ]
 
 
 def check_twin_screw(machine: TwinScrew) -> list[Fault]:
@@ -103,7 +112,9 @@ def check_twin_screw(machine: TwinScrew) -> list[Fault]:
         if law.law == "table" and law.file is None:
             faults.append(Fault(f"machine.{name}.file", "is missing (law: table needs a CSV file)"))
         if law.law == "paper" and law.file is not None:
-            faults.append(Fault(f"machine.{name}.file", "belongs to law: table (write `law: table`, or remove the file)"))
+            faults.append(
+                Fault(f"machine.{name}.file", "belongs to law: table (write `law: table`, or remove the file)")
+            )
         faults += [
             Fault(f"machine.{name}.{field}", "is missing (law: paper needs it)")
             for field in extra

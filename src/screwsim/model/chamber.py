@@ -238,7 +238,17 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
         if CARRIED == 1:
             f[at + 3] = oil / omega
     f[at] = temperature_slope(
-        T, m, rho, place[row + ENTHALPY], place[row + C_V], place[row + TPT], mass, enthalpy, heat, E[e + E_SLOPE], omega
+        T,
+        m,
+        rho,
+        place[row + ENTHALPY],
+        place[row + C_V],
+        place[row + TPT],
+        mass,
+        enthalpy,
+        heat,
+        E[e + E_SLOPE],
+        omega,
     )
     f[at + 1] = mass / omega
     g[Q_WORK] -= place[row + PRESSURE] * E[e + E_SLOPE]

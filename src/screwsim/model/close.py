@@ -45,7 +45,7 @@ class Closed:
     y: Array
     turns: float
     how: str
-    message: str = ""
+    rtol: float
     angle: float = 0.0
     change: float = 0.0
 
@@ -53,7 +53,9 @@ class Closed:
 class Balances:
     """Relative residues of mass and energy, and the discharge plenum that the outflow makes, from quadratures."""
 
-    def __init__(self, machinery: Machinery, oil_heat_capacity: float, oil_in: Callable[[], tuple[float, float]]) -> None:
+    def __init__(
+        self, machinery: Machinery, oil_heat_capacity: float, oil_in: Callable[[], tuple[float, float]]
+    ) -> None:
         self.machinery = machinery
         self.c_oil = oil_heat_capacity
         self.oil_in = oil_in
@@ -120,7 +122,7 @@ def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
         rtol = max(finest, min(FIRST_RTOL, 0.03 * gap)) if turn > 1 else max(finest, FIRST_RTOL)
         status, angle, _, q = machinery.turn(y, rtol, 1e-3)
         if status != 0:
-            return Closed("failed", q, y, turn, "histories", "", angle) if last else None
+            return Closed("failed", q, y, turn, "histories", rtol, angle) if last else None
         machinery.swap()
         image_plenum = task.outflow(q)
         image = np.concatenate([np.log(y), np.log(machinery.states_at(angles)).ravel(), np.log(image_plenum)])
@@ -129,7 +131,7 @@ def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
         gaps.append(gap)
         if gap <= wanted.tolerance and rtol <= finest:
             if task.residue(q) <= 0.5 * wanted.bound:
-                return Closed("ok", q, y, turn, "histories", change=gap)
+                return Closed("ok", q, y, turn, "histories", finest, change=gap)
             finest = _finer(finest)
         if not last and _too_slow(gaps, wanted.tolerance):
             return None
@@ -137,10 +139,12 @@ def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
         y_new, plenum = _mixed(machinery, accelerate, point, image, len(plenum))
         y[:] = y_new
         task.set_plenum(plenum)
-    return Closed("not_closed", q, y, turn, "histories", change=gaps[-1])
+    return Closed("not_closed", q, y, turn, "histories", finest, change=gaps[-1])
 
 
-def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array, n_plenum: int) -> tuple[Array, Array]:
+def _mixed(
+    machinery: Machinery, accelerate: Anderson, point: Array, image: Array, n_plenum: int
+) -> tuple[Array, Array]:
     """Mix the last images in place as the next history; return the next state at 0° and the next plenum."""
     weights = accelerate.weights(point, image)
     machinery.vectors = [*machinery.vectors, image][-len(weights) :]
@@ -180,14 +184,14 @@ def by_coupling(task: Task, y: Array) -> Closed:
         end = y.copy()
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
-            return Closed("failed", q, y, pitch / c.chambers, "coupled", "", angle)
+            return Closed("failed", q, y, pitch / c.chambers, "coupled", rtol, angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
         image = np.log(np.concatenate([machinery.shift(end), task.outflow(q)]))
         gap = float(np.max(np.abs(image - point)))
         if _settled(seen, wanted.tolerance) and gap <= 10 * wanted.tolerance:
             if task.residue(q) <= 0.5 * wanted.bound:
                 machinery.install_coupled()
-                return Closed("ok", q, y, pitch / c.chambers, "coupled", change=gap)
+                return Closed("ok", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
             rtol = _finer(rtol)
         weights = accelerate.weights(point, image)
         images = [*images, image][-len(weights) :]
@@ -197,7 +201,7 @@ def by_coupling(task: Task, y: Array) -> Closed:
         y, plenum = np.exp(mixed[:n]), np.exp(mixed[n:])
         task.set_plenum(plenum)
     machinery.install_coupled()
-    return Closed("not_closed", q, y, pitch / c.chambers, "coupled", change=gap)
+    return Closed("not_closed", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
 
 
 def _finer(rtol: float) -> float:

@@ -206,9 +206,7 @@ def compose(parts: Parts) -> Composition:
     carried = bool(heats) and oil is not None and oil.transport == "carried"
     states = ("T", "m", *(("T_oil",) if heats else ()), *(("m_oil",) if carried else ()))
     law = geometry.volume_law()
-    writer.function(
-        "gas_state(T, rho, P)", [f"return {writer.call(gas.state, gas.values, {}, ('T', 'rho'))}"]
-    )
+    writer.function("gas_state(T, rho, P)", [f"return {writer.call(gas.state, gas.values, {}, ('T', 'rho'))}"])
     for name, kernel in (("volume_at", law.volume), ("volume_slope_at", law.slope)):
         call = writer.call(kernel, law.values, law.tables, ("phi", "TAB"))
         writer.function(f"{name}(phi, P, TAB)", [f"return {call}"])
@@ -258,7 +256,9 @@ def _fixed_numbers(writer: _Writer, parts: Parts) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def _module_text(own_functions: tuple[str, ...], kernels: tuple[Kernel, ...], named: tuple[tuple[str, Any], ...]) -> str:
+def _module_text(
+    own_functions: tuple[str, ...], kernels: tuple[Kernel, ...], named: tuple[tuple[str, Any], ...]
+) -> str:
     """Return the flat module: constants, pasted kernels, the composition's functions, the drivers."""
     constants = dict(named)
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
@@ -268,12 +268,15 @@ def _module_text(own_functions: tuple[str, ...], kernels: tuple[Kernel, ...], na
     model |= flatten((history.add_history, history.states_at))
     model |= flatten((trace.peak_pressure, trace.sample, trace.work_along), own)
     if constants["HEATED"] and not constants["CARRIED"]:
-        model |= flatten((trace.oil_lost_with_leaks, trace.oil_with_outflow), own)
+        model |= flatten((trace.oil_with_outflow,), own)
     model |= flatten((coupled.all_surroundings, coupled.all_rates, coupled.all_jacobian, coupled.no_knot), own)
     blocks = flatten(kernels)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     blocks |= {name: text for name, text in model.items() if name not in blocks}
-    for kind, room, prefix, knot in (("_one", chamber, "", chamber.at_knot), ("_all", coupled, "all_", coupled.no_knot)):
+    for kind, room, prefix, knot in (
+        ("_one", chamber, "", chamber.at_knot),
+        ("_all", coupled, "all_", coupled.no_knot),
+    ):
         slots = {name: getattr(room, prefix + name).flat_name for name in ("surroundings", "rates", "jacobian")}
         slots["at_knot"] = knot.flat_name
         driver = flatten((rodas.integrate,), slots, kind)

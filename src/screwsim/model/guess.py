@@ -10,7 +10,9 @@ from screwsim.model.run import Machinery
 Array = np.ndarray
 
 
-def first_guess(parts: Parts, composition: Composition, machinery: Machinery, p_s: float, T_s: float, p_d: float) -> Array:
+def first_guess(
+    parts: Parts, composition: Composition, machinery: Machinery, p_s: float, T_s: float, p_d: float
+) -> Array:
     """Install a guessed history and return the state to start from at 0°.
 
     The polytropic exponent is that of gas and oil at one temperature, n = 1 + R/(c_v + d c_oil).

@@ -202,8 +202,17 @@ class Machinery:
         q = np.zeros(self.nq)
         counts = np.zeros(4, np.int64)
         status, s, h = self.module.rodas__integrate_all(
-            space["knots"], len(space["knots"]), y, q, self.coupled_context, rtol, h, c.n_E_all, *space["history"],
-            space["kept"], counts,
+            space["knots"],
+            len(space["knots"]),
+            y,
+            q,
+            self.coupled_context,
+            rtol,
+            h,
+            c.n_E_all,
+            *space["history"],
+            space["kept"],
+            counts,
         )
         self.counts += counts * (1, 1, c.chambers, c.chambers)  # evaluations are those of one chamber
         return int(status), float(s), float(h), q

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from screwsim.model.chamber import fill_place, path_flows, surroundings
+from screwsim.model.chamber import SIDE, fill_place, path_flows, surroundings
 from screwsim.model.slots import (
+    E_AREAS,
     E_VOLUME,
+    GAP_OFFSET,
     N_GAPS,
     N_PLENUM,
     P_INJECTION,
-    P_OMEGA,
-    P_T_OIL,
+    PLACE,
     PLENUM,
     PRESSURE,
-    R_RATIO,
     N,
     volume_at,
     volume_slope_at,
@@ -83,35 +83,8 @@ def work_along(times, dense, quads, steps, context):
 
 
 @kernel
-def oil_lost_with_leaks(times, dense, steps, context, n_e):
-    """Return Σ d ṁ (T_oil − T_injected) over the gaps of a life [kg K]: the heat of oil that a constant d makes or loses.
-
-    Trapezium over the steps: a printed diagnosis of `oil.transport: paper`, not part of a balance.
-    """
-    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
-    E = np.empty(n_e)
-    y = np.empty(N)
-    flows = np.empty(N_PLENUM + 2 * N_GAPS)
-    total = 0.0
-    for i in range(steps):
-        h = times[i + 1] - times[i]
-        middle = times[i] + 0.5 * h
-        if middle > P[P_INJECTION]:
-            for end in range(2):
-                for j in range(N):
-                    y[j] = dense[i, end, j]
-                surroundings(times[i + end], middle, context, E)
-                path_flows(y, E, context, flows)
-                leak = 0.0
-                for k in range(N_PLENUM, N_PLENUM + 2 * N_GAPS):
-                    leak += flows[k]
-                total += 0.5 * h / P[P_OMEGA] * leak * R[R_RATIO] * (y[2] - P[P_T_OIL])
-    return total
-
-
-@kernel
 def oil_with_outflow(times, dense, steps, context, n_e):
-    """Return (Σ ṁ T_oil, Σ ṁ) of what flows out to the discharge plenum of a life; trapezium over the steps."""
+    """Return (Σ ṁ T_oil, Σ ṁ) of what flows out to the discharge plenum, gaps beyond 720° included; trapezium."""
     P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
     E = np.empty(n_e)
     y = np.empty(N)
@@ -127,8 +100,14 @@ def oil_with_outflow(times, dense, steps, context, n_e):
                     y[j] = dense[i, end, j]
                 surroundings(times[i + end], middle, context, E)
                 path_flows(y, E, context, flows)
-                for k in range(N_PLENUM):
-                    if PLENUM[k] == 1 and flows[k] < 0.0:
+                for k in range(N_PLENUM + 2 * N_GAPS):
+                    gap = k - N_PLENUM
+                    if gap < 0:
+                        outward = PLENUM[k] == 1
+                    else:
+                        side = E_AREAS + N_PLENUM + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE
+                        outward = E[side + PLACE] > 0.0
+                    if outward and flows[k] < 0.0:
                         heat += 0.5 * h * flows[k] * y[2]
                         mass += 0.5 * h * flows[k]
     return heat, mass

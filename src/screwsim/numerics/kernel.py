@@ -26,18 +26,21 @@ class Kernel:
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
         self.arguments = tuple(inspect.signature(function).parameters)
+        self.source = textwrap.dedent(inspect.getsource(function))  # now: a file may be edited while we run
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
 
     @property
     def flat_name(self) -> str:
-        """Name in the flat module: last part of the module's name, two underscores, the function's name."""
-        return f"{self.function.__module__.rpartition('.')[2]}__{self.__name__}"
+        """Name in the flat module: the module's (its last part for our own), two underscores, the function's name."""
+        return f"{flat_module(self.function)}__{self.__name__}"
 
-    @property
-    def source(self) -> str:
-        return textwrap.dedent(inspect.getsource(self.function))
+
+def flat_module(function: Callable[..., Any]) -> str:
+    """Return a module's name as part of a flat name; a user's module never shares one with ours."""
+    name = function.__module__
+    return name.rpartition(".")[2] if name.startswith("screwsim.") else "user_" + name.replace(".", "_")
 
 
 class Slot:
@@ -81,15 +84,14 @@ class _Rename(ast.NodeTransformer):
         return node
 
 
-def flatten(
-    kernels: Iterable[Kernel], slots: Mapping[str, str] | None = None, instance: str = ""
-) -> dict[str, str]:
+def flatten(kernels: Iterable[Kernel], slots: Mapping[str, str] | None = None, instance: str = "") -> dict[str, str]:
     """Return {flat name: source} of kernels and all they use, callees first.
 
     `slots` maps a slot's name to the function that fills it; `instance` is added to the names of the kernels
     that use a slot, so that one method can be compiled for several models in one module.
     """
     found: dict[str, str] = {}
+    seen: dict[str, Kernel] = {}
     slots = slots or {}
 
     def uses_slot(item: Kernel) -> bool:
@@ -105,7 +107,11 @@ def flatten(
     def visit(item: Kernel) -> None:
         name = emitted_name(item)
         if name in found:
+            if seen[name] is not item:
+                raise TypeError(f"two kernels are called {name}; rename one of them")
             return
+        seen[name] = item
+        found[name] = ""  # holds its place; callees come before it
         renames = {item.__name__: name}
         for used in item.function.__code__.co_names:
             value = item.function.__globals__.get(used)
@@ -121,10 +127,11 @@ def flatten(
                 text = _constant(value)
                 if text is None:
                     raise TypeError(f"kernel {item.__name__} uses {used}, which is neither kernel, number nor array")
-                constant = f"{item.function.__module__.rpartition('.')[2]}__{used}"
+                constant = f"{flat_module(item.function)}__{used}"
                 found[constant] = f"{constant} = {text}"
                 renames[used] = constant
         tree = _Rename(renames).visit(ast.parse(item.source))
+        del found[name]
         found[name] = decorate(ast.unparse(tree))
 
     for each in kernels:

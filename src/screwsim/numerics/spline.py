@@ -27,16 +27,22 @@ def read_curve(path: str, column: str) -> tuple[Array, Array]:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(f"{path}: cannot be read ({error}); name an existing CSV file") from None
-    rows = list(csv.DictReader(line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")))
+    rows = list(
+        csv.DictReader(line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#"))
+    )
     header = tuple(rows[0]) if rows else ()
     if "angle_deg" not in header or column not in header:
-        raise UsageError(f"{path}: needs the columns angle_deg and {column} (found: {', '.join(map(str, header)) or 'none'})")
+        raise UsageError(
+            f"{path}: needs the columns angle_deg and {column} (found: {', '.join(map(str, header)) or 'none'})"
+        )
     angles, values = [], []
     for number, row in enumerate(rows, start=2):
         try:
             angle, value = float(row["angle_deg"]), float(row[column])
         except (TypeError, ValueError):
-            raise UsageError(f"{path}: row {number}: {row['angle_deg']!r}, {row[column]!r} are not two numbers") from None
+            raise UsageError(
+                f"{path}: row {number}: {row['angle_deg']!r}, {row[column]!r} are not two numbers"
+            ) from None
         if not (math.isfinite(angle) and math.isfinite(value) and value >= 0.0):
             raise UsageError(f"{path}: row {number}: values must be finite and not negative")
         if angles and math.radians(angle) <= angles[-1]:

@@ -13,7 +13,8 @@ from screwsim.scene.fields import leaf_paths
 from screwsim.scene.types import Scene
 from screwsim.scene.units import format_quantity
 
-CURVE_COLUMNS = {"machine.volume.file": "volume_m3"}  # any other curve is an area
+VOLUME_COLUMN = "volume_m3"
+CURVE_COLUMNS = {"machine.volume.file": VOLUME_COLUMN}  # any other curve is an area
 AREA_COLUMN = "area_m2"
 
 
@@ -114,9 +115,11 @@ def _curve_fault(name: str, column: str, folder: str) -> str | None:
     from screwsim.numerics.spline import read_curve
 
     try:
-        read_curve(name, column)
+        _, values = read_curve(name, column)
     except UsageError as error:
         return f"{shown}: {str(error).removeprefix(f'{name}: ')}"
+    if column == VOLUME_COLUMN and abs(values[0] - values[-1]) > 1e-6 * max(values):
+        return f"{shown}: the volume must end as it begins (what is left at 720 deg is what the chamber starts with)"
     return None
 
 

@@ -74,7 +74,6 @@ def _verdict(holds: bool) -> str:
     return "holds" if holds else "fails"
 
 
-
 def _ordered(pump: Pump, pick: Callable[[Optimum], float | None], rising: bool) -> bool:
     """Tell whether a measure rises (or falls) strictly as speed falls, with an interior optimum everywhere."""
     values = [pick(best) if best is not None and best.interior else None for best in pump.optima]
@@ -114,7 +113,9 @@ def shape_claims(pump: Pump) -> list[Claim]:
             _list(pump, lambda best: best.efficiency, ".2%"),
             _verdict(_ordered(pump, lambda best: best.efficiency, False)),
         ),
-        Claim("A3", "slower: more pronounced maxima", "-d2eta/d(ln d)2/eta; drop at d/3 and 3d", sharp, _verdict(sharper)),
+        Claim(
+            "A3", "slower: more pronounced maxima", "-d2eta/d(ln d)2/eta; drop at d/3 and 3d", sharp, _verdict(sharper)
+        ),
         Claim(
             "A4",
             "slower: maxima at higher d",
@@ -131,7 +132,9 @@ def pump_point(pump: Pump) -> Claim:
     eta = value_at(pump.ratios, pump.efficiency[row], A5_RATIO)
     off = eta is None or abs(eta - A5_EFFICIENCY) > A5_TOLERANCE or abs(pump.speeds[row] - A5_SPEED) > 1.0
     found = "none" if eta is None else f"{eta:.2%}"
-    return Claim("A5", "pump, 1000 rpm, d = 3: 68 %", "within 0.5 points (fitted)", found, "fails" if off else "calibrated")
+    return Claim(
+        "A5", "pump, 1000 rpm, d = 3: 68 %", "within 0.5 points (fitted)", found, "fails" if off else "calibrated"
+    )
 
 
 def _speed_of_ratio(line: Displacement, d: float) -> float | None:
@@ -155,7 +158,9 @@ def displacement_claims(pump: Pump, line: Displacement) -> list[Claim]:
     close = eta is not None and speed is not None and abs(eta - A6_EFFICIENCY) <= A6_TOLERANCE
     best = optimum(line.ratio, line.efficiency)
     return [
-        Claim("A6", "displacement, d = 3: 44 %", "within 2 points, at the speed that gives d = 3", found, _verdict(close)),
+        Claim(
+            "A6", "displacement, d = 3: 44 %", "within 2 points, at the speed that gives d = 3", found, _verdict(close)
+        ),
         _a7(pump, line, best),
     ]
 
@@ -172,9 +177,7 @@ def _a7(pump: Pump, line: Displacement, best: Optimum | None) -> Claim:
     x = np.log([s for s, _ in optima])[::-1]
     d_pump = float(np.exp(np.interp(np.log(speed), x, np.log([o.ratio for _, o in optima])[::-1])))
     eta_pump = float(np.interp(np.log(speed), x, [o.efficiency for _, o in optima][::-1]))
-    found = (
-        f"maximum {best.efficiency:.1%} at d = {best.ratio:.2f} ({speed:.0f} rpm); pump there: {eta_pump:.1%} at d = {d_pump:.2f}"
-    )
+    found = f"maximum {best.efficiency:.1%} at d = {best.ratio:.2f} ({speed:.0f} rpm); pump there: {eta_pump:.1%} at d = {d_pump:.2f}"
     return Claim("A7", says, measure, found, _verdict(best.ratio > d_pump and best.efficiency < eta_pump))
 
 
