@@ -48,32 +48,31 @@ def build_oil(scene: Scene) -> OilPart | None:
 def build_parts(scene: Scene, refine: float = 1.0) -> Parts:
     """Return what the scene names, built for the composer; `refine` multiplies the regularisation width."""
     geometry = Geometry(scene.machine)
-    port_width, gap_width = regularisation(scene)
+    suction, discharge, gaps = regularisation(scene)
     return Parts(
         geometry=geometry,
         gas=build_gas(scene),
         omega=scene.operation.speed,
-        port_width=refine * port_width,
-        gap_width=refine * gap_width,
+        widths=(refine * suction, refine * discharge, refine * gaps),
         effects={name: active.effect.build(active.parameters, geometry) for name, active in scene.effects.items()},
         oil=build_oil(scene),
     )
 
 
-def regularisation(scene: Scene) -> tuple[float, float]:
-    """Return the widths ε [Pa] of ports and gaps below which a pressure difference is smoothed (docs/numerics.md).
+def regularisation(scene: Scene) -> tuple[float, float, float]:
+    """Return the widths ε [Pa] below which a pressure difference is smoothed: suction port, discharge port, gaps.
 
-    A gap's may be wider: at Δp = ε its flow is some hundredths of what it is under load, and a wide one keeps the
-    noise of two chambers at one pressure out of their exchange.
+    ε is the wanted accuracy times the pressure. The error control lets the pressure err by about as much; a narrower
+    ε would let that error jump across the flow law's steep middle, which costs many small steps and gains nothing.
     """
     accuracy, operation = scene.numerics.accuracy, scene.operation
     p_s, p_d = operation.suction.pressure, operation.discharge.pressure
-    return 0.2 * accuracy * p_s, accuracy * max(p_s, p_d)
+    return accuracy * p_s, accuracy * p_d, accuracy * max(p_s, p_d)
 
 
 def wanted_of(scene: Scene, refine: float = 1.0) -> closing.Wanted:
     """Return tolerances from the wanted accuracy (docs/numerics.md); `refine` multiplies them."""
     numerics = scene.numerics
-    rtol = refine * (numerics.rtol or 0.5 * numerics.accuracy)
+    rtol = refine * (numerics.rtol or 0.3 * numerics.accuracy)
     accuracy = refine * numerics.accuracy
-    return closing.Wanted(rtol, 0.1 * accuracy, numerics.accuracy, numerics.closing)
+    return closing.Wanted(rtol, 0.2 * accuracy, numerics.accuracy, numerics.closing)

@@ -203,8 +203,9 @@ def _numerics(scene: Scene) -> Iterator[str]:
     origin = "given" if numerics.rtol is not None else "from the accuracy"
     yield _row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g} ({origin})")
     yield _row("closing", CLOSING.get(numerics.closing, numerics.closing))
-    port, gap = regularisation(scene)
-    yield _row("regularisation", f"pressure differences below {port:.3g} Pa (ports), {gap:.3g} Pa (gaps) are smoothed")
+    suction, discharge, gaps = regularisation(scene)
+    text = f"pressure differences below {suction:.3g} Pa (suction port), {discharge:.3g} Pa (discharge port)"
+    yield _row("regularisation", f"{text}, {gaps:.3g} Pa (gaps) are smoothed")
 
 
 def _size(model: Composition) -> Iterator[str]:

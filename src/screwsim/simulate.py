@@ -62,6 +62,7 @@ class Solution:
             operation.suction.pressure, suction_temperature(scene), operation.discharge.pressure
         )
         self.machinery = machinery_for(self.parts)
+        self.pv = self.lines.p_s / self.parts.gas.density(self.lines.p_s, self.lines.T_s)
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
 
@@ -89,7 +90,7 @@ class Solution:
         """Return the discharge plenum's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
         place = self.machinery.R[R_DISCHARGE:]
         cells = (ENTHALPY, OIL_RATIO, OIL_TEMPERATURE) if self.machinery.composition.carried else (ENTHALPY,)
-        return np.array([max(float(place[cell]), 1e-12) for cell in cells])
+        return np.array([max(float(place[cell]), 1e-9) for cell in cells])
 
     def outflow(self, q: closing.Array) -> closing.Array:
         """Return the plenum that the outflow of a cycle makes: its flow-weighted mean (M27), or the given temperature."""
@@ -100,12 +101,12 @@ class Solution:
         if mean is None or streams[2, 0] + streams[3, 0] >= 0.0:
             # nothing is delivered, so no outflow can set the state of what comes in from the line
             plenum[0] = plenum[0] if given else self._h_isentropic()
-            plenum[1:] = (1e-12, self.parts.oil.temperature) if len(plenum) == 3 and self.parts.oil else plenum[1:]
+            plenum[1:] = (1e-9, self.parts.oil.temperature) if len(plenum) == 3 and self.parts.oil else plenum[1:]
             return plenum
         if not given:
             plenum[0] = mean[0]
-        if len(plenum) == 3 and mean[1] > 0.0:
-            plenum[1:] = mean[1:]
+        if len(plenum) == 3 and mean[2] > 0.0:
+            plenum[1:] = max(mean[1], 1e-9), mean[2]
         return plenum
 
     def _h_isentropic(self) -> float:
@@ -123,7 +124,7 @@ class Solution:
 
     def residue(self, q: closing.Array) -> float:
         """Return the larger of the relative residues of mass and energy."""
-        return max(self.balances.residues(q, float(self.machinery.R[R_TRAPPED]), self._h_suction())[:2])
+        return max(self.balances.residues(q, float(self.machinery.R[R_TRAPPED]), self._h_suction(), self.pv)[:2])
 
     def _h_suction(self) -> float:
         return self.parts.gas.enthalpy(self.lines.p_s, self.lines.T_s)
@@ -170,7 +171,7 @@ class Solution:
     def balance(self, q: closing.Array) -> Figures:
         """Return the balances of a closed cycle (contract: balance)."""
         m, c = self.machinery, self.machinery.composition
-        mass, energy, oil_mass = self.balances.residues(q, float(m.R[R_TRAPPED]), self._h_suction())
+        mass, energy, oil_mass = self.balances.residues(q, float(m.R[R_TRAPPED]), self._h_suction(), self.pv)
         residue = None
         if "T_oil" in c.states and not c.carried:
             residue = self._oil_residue(q)

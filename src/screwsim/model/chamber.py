@@ -280,7 +280,7 @@ def rates(y, E, context, f, g):
     for i in range(N_PLENUM):
         if E[E_AREAS + i] > 0.0:
             b = R_DISCHARGE * PLENUM[i]
-            m = place_flow(E[E_AREAS + i], own, 0, R, b, P[P_PORT_WIDTH])
+            m = place_flow(E[E_AREAS + i], own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
             if m >= 0.0:
                 add_stream(work, category(PLENUM[i], m) * width, m, R, b)
             else:
@@ -309,7 +309,7 @@ def path_flows(y, E, context, out):
     for i in range(N_PLENUM):
         out[i] = 0.0
         if E[E_AREAS + i] > 0.0:
-            out[i] = place_flow(E[E_AREAS + i], own, 0, R, R_DISCHARGE * PLENUM[i], P[P_PORT_WIDTH])
+            out[i] = place_flow(E[E_AREAS + i], own, 0, R, R_DISCHARGE * PLENUM[i], P[P_PORT_WIDTH + PLENUM[i]])
     areas = E_AREAS + N_PLENUM
     for i in range(2 * N_GAPS):
         b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
@@ -378,7 +378,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
             if gap < 0:
                 b = R_DISCHARGE * PLENUM[i]
                 source = R
-                m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, R, b, P[P_PORT_WIDTH])
+                m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
                 at = category(PLENUM[i], m) * width
             else:
                 b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE

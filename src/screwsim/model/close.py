@@ -15,11 +15,15 @@ from typing import Protocol
 import numpy as np
 
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_LIFE, R_TRAPPED
+from screwsim.model.slots import P_LIFE, P_PITCH, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
 
 Array = np.ndarray
-PATIENCE = 7  # turns before, and estimated turns ahead at which, the histories give way to coupled chambers
+PATIENCE = 6  # turns before the histories may give way to coupled chambers
+DEAR = 18.0  # turns ahead that cost as much as coupled chambers
+ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
+LEAST_OIL = 1e-4  # oil per gas below which its change does not count
+LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 FIRST_RTOL = 3e-3  # of the first turn; later ones follow the gap
 MAX_TURNS = 40
 MAX_PITCHES = 400
@@ -65,8 +69,8 @@ class Balances:
         """Return the sums as rows: suction in, suction out, discharge in, discharge out, between chambers."""
         return q[2:].reshape(5, self.width)
 
-    def residues(self, q: Array, trapped: float, h_suction: float) -> tuple[float, float, float]:
-        """Return relative residues of gas mass, energy and oil mass over one life (contract: balance)."""
+    def residues(self, q: Array, trapped: float, h_suction: float, pv: float) -> tuple[float, float, float]:
+        """Return relative residues of gas mass, energy and oil mass over one life (M37–M39); pv is p/ρ at suction."""
         flows = self.streams(q)[:4]
         mass = flows[:, 0]
         enthalpy = flows[:, 1] - h_suction * mass
@@ -80,7 +84,7 @@ class Balances:
         else:
             energy += q[1]
         mass_scale = max(trapped, 0.5 * np.abs(mass).sum())
-        return abs(mass.sum()) / mass_scale, abs(energy) / max(scale, 1e-300), oil
+        return abs(mass.sum()) / mass_scale, abs(energy) / max(scale, LEAST_WORK * trapped * pv), oil
 
 
 class Task(Protocol):
@@ -91,6 +95,7 @@ class Task(Protocol):
 
     machinery: Machinery
     wanted: Wanted
+    pv: float  # p/ρ of the suction line [J/kg], the scale of work
 
     def plenum(self) -> Array: ...
     def set_plenum(self, plenum: Array) -> None: ...
@@ -98,9 +103,23 @@ class Task(Protocol):
     def residue(self, q: Array) -> float: ...
 
 
-def _change(new: tuple[float, float], old: tuple[float, float]) -> float:
+def _change(new: tuple[float, float], old: tuple[float, float], least_work: float) -> float:
     """Return the larger relative change of trapped mass and work."""
-    return max(abs(a - b) / max(abs(a), abs(b), 1e-300) for a, b in zip(new, old, strict=True))
+    mass = abs(new[0] - old[0]) / max(new[0], old[0], 1e-300)
+    return max(mass, abs(new[1] - old[1]) / max(abs(new[1]), abs(old[1]), least_work))
+
+
+def _plenum_change(new: Array, old: Array) -> float:
+    """Return the largest relative change of the discharge plenum; small oil ratios count against LEAST_OIL."""
+    return float(np.max(np.abs(new - old) / np.maximum(old, LEAST_OIL)))
+
+
+def _logarithms(states: Array, n: int) -> Array:
+    """Return ln of states of n values each, oil not below LEAST_OIL of the gas."""
+    rows = np.maximum(states.reshape(-1, n), 1e-300)
+    if n == 4:
+        rows[:, 3] = np.maximum(rows[:, 3], LEAST_OIL * rows[:, 1])
+    return np.log(rows).ravel()
 
 
 def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
@@ -116,30 +135,38 @@ def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
     plenum = task.plenum()
     before, gap, turn, q = (0.0, 0.0), 1.0, 0, np.zeros(machinery.nq)
     gaps: list[float] = []
-    finest = wanted.rtol
+    finest = rtol = wanted.rtol
     for turn in range(1, MAX_TURNS + 1):
-        point = np.concatenate([np.log(y), np.log(machinery.states_at(angles)).ravel(), np.log(plenum)])
-        rtol = max(finest, min(FIRST_RTOL, 0.03 * gap)) if turn > 1 else max(finest, FIRST_RTOL)
+        point = _vector(machinery, y, angles, plenum)
+        rtol = max(finest, FIRST_RTOL if turn == 1 else min(rtol / 3.0, 0.03 * gap))
         status, angle, _, q = machinery.turn(y, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, turn, "histories", rtol, angle) if last else None
         machinery.swap()
         image_plenum = task.outflow(q)
-        image = np.concatenate([np.log(y), np.log(machinery.states_at(angles)).ravel(), np.log(image_plenum)])
+        image = _vector(machinery, y, angles, image_plenum)
         now = (float(machinery.R[R_TRAPPED]), float(q[0]))
-        gap, before = max(_change(now, before), float(np.max(np.abs(image_plenum / plenum - 1.0)))), now
+        least = LEAST_WORK * now[0] * task.pv
+        gap, before = max(_change(now, before, least), _plenum_change(image_plenum, plenum)), now
         gaps.append(gap)
         if gap <= wanted.tolerance and rtol <= finest:
-            if task.residue(q) <= 0.5 * wanted.bound:
+            if task.residue(q) <= ENOUGH * wanted.bound:
                 return Closed("ok", q, y, turn, "histories", finest, change=gap)
             finest = _finer(finest)
+            gaps.clear()
         if not last and _too_slow(gaps, wanted.tolerance):
             return None
         machinery.remember()
         y_new, plenum = _mixed(machinery, accelerate, point, image, len(plenum))
         y[:] = y_new
         task.set_plenum(plenum)
-    return Closed("not_closed", q, y, turn, "histories", finest, change=gaps[-1])
+    return Closed("not_closed", q, y, turn, "histories", finest, change=gap)
+
+
+def _vector(machinery: Machinery, y: Array, angles: Array, plenum: Array) -> Array:
+    """Return what one turn maps: state at 0°, states of the last history, discharge plenum, in logarithms."""
+    states = np.concatenate([y, machinery.states_at(angles).ravel()])
+    return np.concatenate([_logarithms(states, machinery.n), np.log(plenum)])
 
 
 def _mixed(
@@ -163,7 +190,7 @@ def _too_slow(gaps: list[float], tolerance: float) -> bool:
     contraction = (gaps[-1] / max(gaps[-4], 1e-300)) ** (1.0 / 3.0)
     if gaps[-1] <= tolerance:
         return len(gaps) >= 3 * PATIENCE
-    return contraction >= 1.0 or np.log(tolerance / gaps[-1]) / np.log(contraction) > PATIENCE
+    return contraction >= 1.0 or np.log(tolerance / gaps[-1]) / np.log(contraction) > DEAR
 
 
 def by_coupling(task: Task, y: Array) -> Closed:
@@ -180,19 +207,21 @@ def by_coupling(task: Task, y: Array) -> Closed:
     for pitch in range(1, MAX_PITCHES + 1):
         if machinery.counts[2] > budget:
             break
-        point = np.log(np.concatenate([y, plenum]))
+        point = np.concatenate([_logarithms(y, machinery.n), np.log(plenum)])
         end = y.copy()
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, pitch / c.chambers, "coupled", rtol, angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
-        image = np.log(np.concatenate([machinery.shift(end), task.outflow(q)]))
+        image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), np.log(task.outflow(q))])
         gap = float(np.max(np.abs(image - point)))
-        if _settled(seen, wanted.tolerance) and gap <= 10 * wanted.tolerance:
-            if task.residue(q) <= 0.5 * wanted.bound:
+        least = LEAST_WORK * seen[-1][0] * task.pv
+        if _settled(seen, wanted.tolerance, least) and gap <= 10 * wanted.tolerance:
+            if task.residue(q) <= ENOUGH * wanted.bound:
                 machinery.install_coupled()
                 return Closed("ok", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
-            rtol = _finer(rtol)
+            if gap <= wanted.tolerance:
+                rtol = _finer(rtol)
         weights = accelerate.weights(point, image)
         images = [*images, image][-len(weights) :]
         mixed = weights @ np.array(images)
@@ -209,9 +238,9 @@ def _finer(rtol: float) -> float:
     return max(0.25 * rtol, 1e-13)
 
 
-def _settled(seen: list[tuple[float, float]], tolerance: float) -> bool:
+def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
     """Tell whether trapped mass and work of the last three pitches agree."""
-    return len(seen) >= 3 and max(_change(seen[-1], old) for old in seen[-3:-1]) <= tolerance
+    return len(seen) >= 3 and max(_change(seen[-1], old, least) for old in seen[-3:-1]) <= tolerance
 
 
 def chambers_at_pitches(machinery: Machinery) -> Array:
@@ -220,9 +249,9 @@ def chambers_at_pitches(machinery: Machinery) -> Array:
     times, dense, _, steps = machinery.last()
     states = []
     for j in range(c.chambers):
-        i = int(np.searchsorted(times[: steps + 1], j * c.P[1] + 1e-9, side="right")) - 1
-        i = max(0, i - 1) if abs(times[i] - j * c.P[1]) < 1e-9 and i > 0 else i
-        theta = (j * c.P[1] - times[i]) / (times[i + 1] - times[i])
+        i = int(np.searchsorted(times[: steps + 1], j * c.P[P_PITCH] + 1e-9, side="right")) - 1
+        i = max(0, i - 1) if abs(times[i] - j * c.P[P_PITCH]) < 1e-9 and i > 0 else i
+        theta = (j * c.P[P_PITCH] - times[i]) / (times[i + 1] - times[i])
         y0, y1, c3, c4 = dense[i]
         states.append(y0 * (1 - theta) + theta * (y1 + (1 - theta) * (c3 + theta * c4)))
     return np.concatenate(states)

@@ -46,8 +46,7 @@ class Parts:
     geometry: Any
     gas: Any
     omega: float
-    port_width: float
-    gap_width: float
+    widths: tuple[float, float, float]  # regularisation [Pa]: suction port, discharge port, gaps
     effects: Mapping[str, Sequence[Any]]
     oil: OilPart | None
 
@@ -249,7 +248,7 @@ def _fixed_numbers(writer: _Writer, parts: Parts) -> np.ndarray:
     """Return P with its fixed head filled in (slots.P_OMEGA …)."""
     oil, geometry = parts.oil, parts.geometry
     head = [parts.omega, geometry.pitch, geometry.life, geometry.injection_angle]
-    head += [parts.port_width, parts.gap_width]
+    head += parts.widths
     head += [oil.heat_capacity, oil.temperature, float("ratio" in oil.supply)] if oil is not None else [1.0, 0.0, 0.0]
     writer.numbers.values[:FIRST_FREE] = head
     return np.array(writer.numbers.values)

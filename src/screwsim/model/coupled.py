@@ -80,7 +80,7 @@ def all_rates(y, E, context, f, g):
         for i in range(N_PLENUM):
             if E[e + i] > 0.0:
                 b = R_DISCHARGE * PLENUM[i]
-                m = place_flow(E[e + i], places, j * PLACE, R, b, P[P_PORT_WIDTH])
+                m = place_flow(E[e + i], places, j * PLACE, R, b, P[P_PORT_WIDTH + PLENUM[i]])
                 at = j * n_sums + category(PLENUM[i], m) * width
                 if m >= 0.0:
                     add_stream(work, at, m, R, b)
@@ -217,7 +217,7 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
             if area > 0.0 or darea > 0.0:
                 ahead = j + OFFSETS[GAP_OFFSET[i - N_PLENUM]] if i >= N_PLENUM else -1
                 if i < N_PLENUM:
-                    opening_slopes(area, darea, j, PLENUM[i], P[P_PORT_WIDTH], context, d, ds)
+                    opening_slopes(area, darea, j, PLENUM[i], P[P_PORT_WIDTH + PLENUM[i]], context, d, ds)
                 elif ahead < CHAMBERS:
                     gap_slopes(area, darea, j, ahead, BETWEEN * width, context, d, ds)
                 else:

@@ -15,7 +15,7 @@ import numpy as np
 
 from screwsim.model import compiled
 from screwsim.model.compose import Composition
-from screwsim.model.slots import PLACE, R_SIZE
+from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH, PLACE, R_SIZE
 from screwsim.numerics.scipy_integrators import METHODS, integrate
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
@@ -70,12 +70,18 @@ class Machinery:
         if "one" not in self._warm:
             with self._compiling("one"):
                 self.turn(start(), 1e-2, 1e-3)
+                self.swap()
+                self.states_at(np.array([0.1]))
+                self.remember()
+                self.images.append(self.images[0])
+                self.mix(np.array([0.5, 0.5]))
 
     @contextmanager
     def _compiling(self, driver: str) -> Iterator[None]:
-        started = time.perf_counter()
+        started, counts, R = time.perf_counter(), self.counts.copy(), self.R.copy()
         with compiled.announced(self.composition.text, driver):
             yield
+        self.counts[:], self.R[:] = counts, R
         self._warm.add(driver)
         self.compile_time += time.perf_counter() - started
 
@@ -138,16 +144,19 @@ class Machinery:
             c, n = self.composition, self.n
             n_all = c.chambers * n
             work = np.zeros(c.chambers * (c.n_sums * (n_all + 2) + PLACE) + n_all * PLACE + 2 * n + 4)
-            knots = np.sort(np.mod(c.knots, c.P[1]))
-            knots = np.append(knots[knots < c.P[1] - 1e-7], c.P[1])
-            knots = np.concatenate([[0.0], knots[np.diff(knots, prepend=0.0) > 1e-7]])
             self._together = {
                 "spaces": (np.zeros((c.chambers + 1) * PLACE), np.zeros(n), work),
                 "history": self._history(self.max_steps, n_all, self.nq),
                 "kept": np.zeros(1, np.int64),
-                "knots": knots,
             }
         return self._together
+
+    def _pitch_knots(self) -> Array:
+        """Return the knots of all chambers within one pitch [rad]."""
+        pitch = self.composition.P[P_PITCH]
+        knots = np.sort(np.mod(self.composition.knots, pitch))
+        knots = np.append(knots[knots < pitch - 1e-7], pitch)
+        return np.concatenate([[0.0], knots[np.diff(knots, prepend=0.0) > 1e-7]])
 
     @property
     def coupled_context(self) -> tuple[Any, ...]:
@@ -186,7 +195,7 @@ class Machinery:
             module.coupled__all_jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
             return np.vstack([J, Jq])
 
-        end, q, path = integrate(rates, jacobian, space["knots"], y, np.abs(q_scale), rtol, self.integrator)
+        end, q, path = integrate(rates, jacobian, self._pitch_knots(), y, np.abs(q_scale), rtol, self.integrator)
         y[:] = end
         steps = len(path.dense)
         self.counts += np.array([steps, 0, path.calls * c.chambers, 0])
@@ -200,10 +209,10 @@ class Machinery:
         space, c = self._coupled_space(), self.composition
         self.inject(y)
         q = np.zeros(self.nq)
-        counts = np.zeros(4, np.int64)
+        counts, knots = np.zeros(4, np.int64), self._pitch_knots()
         status, s, h = self.module.rodas__integrate_all(
-            space["knots"],
-            len(space["knots"]),
+            knots,
+            len(knots),
             y,
             q,
             self.coupled_context,
@@ -220,7 +229,7 @@ class Machinery:
     def inject(self, y: Array) -> None:
         """Let the oil into the chamber that stands at the injection angle."""
         c = self.composition
-        index = round(c.P[3] / c.P[1])
+        index = round(c.P[P_INJECTION] / c.P[P_PITCH])
         if index < c.chambers:
             self.module.chamber__inject(y, index * self.n, c.P, c.TAB, self.R)
 
@@ -233,7 +242,7 @@ class Machinery:
         space, c = self._coupled_space(), self.composition
         times, dense, quads = space["history"]
         steps = int(space["kept"][0])
-        t = np.concatenate([times[:steps] + j * c.P[1] for j in range(c.chambers)] + [[c.P[2]]])
+        t = np.concatenate([times[:steps] + j * c.P[P_PITCH] for j in range(c.chambers)] + [[c.P[P_LIFE]]])
         states = dense[:steps].reshape(steps, 4, c.chambers, self.n)
         life = np.concatenate([states[:, :, j] for j in range(c.chambers)])
         self.install(t, life, np.zeros((len(life), self.nq)))

@@ -1,7 +1,7 @@
 """The names that a composition defines in its generated module; the kernels of this package are written with them.
 
 Functions: `gas_state(T, rho, P)`, `volume_at(phi, P, TAB)`, `volume_slope_at(phi, P, TAB)`,
-`plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (flow coefficient included),
+`plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
 `heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W],
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg].
 
@@ -38,8 +38,9 @@ N_OFFSETS: Any = Slot("N_OFFSETS")
 OFFSETS: Any = Slot("OFFSETS")
 CHAMBERS: Any = Slot("CHAMBERS")
 
-# P: parameters of the run
-P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_GAP_WIDTH, P_C_OIL, P_T_OIL, P_TO_RATIO, FIRST_FREE = range(10)
+# P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
+P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)
+P_C_OIL, P_T_OIL, P_TO_RATIO, FIRST_FREE = range(7, 11)
 
 # a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T
 PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT = range(10)
