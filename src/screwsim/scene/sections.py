@@ -79,6 +79,8 @@ def read_effects(node: Node | None, problems: list[Problem]) -> dict[str, Active
         except Refused as refusal:
             problems.append(Problem(child.heading, path, str(refusal)))
             continue
+        if child.value == "off":  # takes out what a base names
+            continue
         parameters = read_section(section, child, path, problems)
         active[name] = ActiveEffect(effect, parameters)
     return active
@@ -95,5 +97,5 @@ def find(name: str) -> tuple[Effect, Section]:
         raise Refused(unknown(name, catalogue())) from None
     except ImportError as error:
         raise Refused(f"cannot be imported ({error}); tried PYTHONPATH and the working folder (is it there?)") from None
-    except Exception as error:  # a module of the user's may raise anything
+    except Exception as error:  # noqa: BLE001 - a module of the user's may raise anything
         raise Refused(f"fails on import ({type(error).__name__}: {error}); mend that module") from None
