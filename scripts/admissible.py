@@ -46,13 +46,25 @@ class Open(NamedTuple):
 OPEN = (
     Open("diameter_mm", 120, 250, True, "common refrigeration machines"),
     Open("suction_area", 0.35, 0.80, True, "port area over D^2: axial and radial opening of a 4/6 profile together"),
-    Open("discharge_area", 0.12, 0.40, True, "port area over D^2: 0.10-0.25 by geometry for built-in ratios 3.2-2.2, and beyond"),
+    Open(
+        "discharge_area",
+        0.12,
+        0.40,
+        True,
+        "port area over D^2: 0.10-0.25 by geometry for built-in ratios 3.2-2.2, and beyond",
+    ),
     Open("opens_deg", 560, 660, False, "built-in volume ratio 1.6-5 of law (16) at phi_A = 65 deg"),
     Open("tip_gap_um", 8, 30, True, "manufacturing practice for such diameters"),
     Open("interlobe_gap_um", 8, 30, True, "the same"),
     Open("end_face_gap_um", 15, 50, True, "discharge end, thermal growth allowed for"),
     Open("blow_hole_mm2", 2, 6, True, "at D = 100 mm: 2.9-5.4 for asymmetric profiles; scales with D^2"),
-    Open("droplet_radius_um", 5, 60, True, "fitted: alpha and r enter as alpha/r only; alpha = 0.01463 W/(m K)/r is Nu = 2"),
+    Open(
+        "droplet_radius_um",
+        5,
+        60,
+        True,
+        "fitted: alpha and r enter as alpha/r only; alpha = 0.01463 W/(m K)/r is Nu = 2",
+    ),
     Open("oil_temperature_K", 278, 300, False, "cooled oil, not below suction by much"),
     Open("suction_bar", 1.0, 1.8, True, "evaporation of R134a at -26 to -13 C"),
     Open("discharge_bar", 10, 14, False, "condensation of R134a at 39 to 52 C"),
@@ -117,7 +129,9 @@ def curves(scene: Scene) -> np.ndarray:
     found = np.full((len(SPEEDS), len(RATIOS)), np.nan)
     for i, rpm in enumerate(SPEEDS):
         for j, d in enumerate(RATIOS):
-            result = simulate(with_values(scene, {"operation.speed": rpm * RPM, "oil_supply.ratio": float(d)}), trace=False)
+            result = simulate(
+                with_values(scene, {"operation.speed": rpm * RPM, "oil_supply.ratio": float(d)}), trace=False
+            )
             eta = result.performance.get("isothermal_efficiency")
             found[i, j] = np.nan if eta is None else eta
     return found
@@ -148,7 +162,10 @@ def judge(x: np.ndarray) -> Verdict:
     sharp = np.log([max(o.curvature, 1e-4) for o in inside])
     where = np.log([o.ratio for o in inside])
     margins = (0.004 + np.diff(height), 0.05 - np.diff(sharp), 0.05 - np.diff(where))
-    miss = sum(float(np.sum(np.maximum(0.0, margin) * weight)) for margin, weight in zip(margins, (30.0, 2.0, 3.0), strict=True))
+    miss = sum(
+        float(np.sum(np.maximum(0.0, margin) * weight))
+        for margin, weight in zip(margins, (30.0, 2.0, 3.0), strict=True)
+    )
     holds = [bool(np.all(np.diff(row) * sign > 0.0)) for row, sign in ((height, -1.0), (sharp, 1.0), (where, 1.0))]
     return Verdict(True, *holds, point, miss + 10.0 * abs(point - 0.68))
 
@@ -168,8 +185,11 @@ def sample(count: int) -> None:
         writer.writerows(sorted(rows, key=lambda row: row[-1]))
     held = np.array([row[-6:-2] for row in rows], bool)
     eta = np.array([row[-2] for row in rows], float)
-    print(f"\n{count} machines: A1 {held[:, 0].sum()}, A2 {held[:, 1].sum()}, A3 {held[:, 2].sum()}, A4 {held[:, 3].sum()},")
-    print(f"all four {held.all(axis=1).sum()}, with A5 within 5 points {np.sum(held.all(axis=1) & (np.abs(eta - 0.68) < 0.05))}")
+    print(f"\n{count} machines: " + ", ".join(f"A{i + 1} {held[:, i].sum()}" for i in range(4)) + ",")
+    print(
+        f"all four {held.all(axis=1).sum()}, with A5 within 5 points "
+        f"{np.sum(held.all(axis=1) & (np.abs(eta - 0.68) < 0.05))}"
+    )
 
 
 def refine(count: int) -> None:

@@ -41,7 +41,7 @@ def with_accuracy(scene: Scene, accuracy: float) -> Scene:
 def accuracy_table(scene: Scene) -> None:
     """Print time and true error against the wanted accuracy; the reference is wanted at 1e-8 with closing: coupled."""
     print("\nWhat accuracy costs (error: largest of efficiency, mass flow, shaft power, discharge temperature)")
-    print(f"{'speed':>10} {'accuracy':>9} {'ms':>8} {'RHS evaluations':>16} {'turns':>6} {'closing':>10} {'true error':>11}")
+    print(f"{'speed':>10} {'accuracy':>9} {'ms':>8} {'RHS evaluations':>16} {'turns':>6} {'closing':>10} {'error':>8}")
     for rpm in (3000, 1000):
         base = with_values(scene, {"operation.speed": rpm * RPM})
         tight = replace(base.numerics, accuracy=1e-8, closing="coupled")
@@ -51,7 +51,8 @@ def accuracy_table(scene: Scene) -> None:
             error = max(abs(result.performance[name] / reference[name] - 1.0) for name in FIGURES)
             n = result.numerics
             print(
-                f"{rpm:>6} rpm {accuracy:>9.0e} {ms:>8.2f} {n.rhs_evaluations:>16} {n.turns:>6.3g} {n.closing:>10} {error:>11.1e}"
+                f"{rpm:>6} rpm {accuracy:>9.0e} {ms:>8.2f} {n.rhs_evaluations:>16} {n.turns:>6.3g} "
+                f"{n.closing:>10} {error:>8.1e}"
             )
 
 
@@ -63,7 +64,8 @@ def speed_table(scene: Scene) -> None:
         result, ms = timed(with_values(scene, {"operation.speed": rpm * RPM}), 3)
         n, b = result.numerics, result.balance
         print(
-            f"{rpm:>6} rpm {result.status:>10} {ms:>9.2f} {n.rhs_evaluations:>16} {n.closing:>10} {b.mass:>8.1e} {b.energy:>8.1e}"
+            f"{rpm:>6} rpm {result.status:>10} {ms:>9.2f} {n.rhs_evaluations:>16} {n.closing:>10} "
+            f"{b.mass:>8.1e} {b.energy:>8.1e}"
         )
 
 
@@ -89,7 +91,11 @@ def command_times(scene_path: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         environment = os.environ | {"SCREWSIM_CACHE": folder}
         run = [*screwsim, "run", str(scene_path), "--json"]
-        for label, command, count in (("run, cold cache", run, 1), ("run, warm", run, 5), ("--help", [*screwsim, "--help"], 5)):
+        for label, command, count in (
+            ("run, cold cache", run, 1),
+            ("run, warm", run, 5),
+            ("--help", [*screwsim, "--help"], 5),
+        ):
             times = []
             for _ in range(count):
                 started = time.perf_counter()

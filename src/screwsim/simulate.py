@@ -93,7 +93,7 @@ class Solution:
         return np.array([max(float(place[cell]), 1e-9) for cell in cells])
 
     def outflow(self, q: closing.Array) -> closing.Array:
-        """Return the plenum that the outflow of a cycle makes: its flow-weighted mean (M27), or the given temperature."""
+        """Return the plenum that a cycle's outflow makes: its flow-weighted mean (M27), or the given temperature."""
         streams = self.balances.streams(q)
         mean = closing.discharge_enthalpy(streams)
         plenum = self.plenum()
@@ -162,7 +162,7 @@ class Solution:
         return mean[2] if mean is not None and mean[2] > 0.0 else None
 
     def _paper_oil_temperature(self) -> float | None:
-        """Return the oil temperature weighted with the gas outflow, oil leaving at constant d (oil.transport: paper)."""
+        """Return the oil temperature weighted with the gas outflow, oil leaving at constant d (transport: paper)."""
         m = self.machinery
         times, dense, _, steps = m.last()
         heat, mass = m.module.trace__oil_with_outflow(times, dense, steps, m.context, m.composition.n_E)
@@ -267,8 +267,8 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
         )
     if found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
         warnings.append(
-            "no net gas is delivered; what flows in from the discharge line has operation.discharge.temperature, or where "
-            "that is not given the temperature of isentropic compression"
+            "no net gas is delivered; what flows in from the discharge line has operation.discharge.temperature, or "
+            "where that is not given the temperature of isentropic compression"
         )
     return tuple(warnings)
 

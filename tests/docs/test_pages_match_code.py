@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.build import regularisation, wanted_of
+from screwsim.build import build_parts, regularisation, wanted_of
 from screwsim.machine.geometry import Geometry
+from screwsim.model.close import LEAST_WORK
 from screwsim.model.compose import HEAT_SYMBOLS, OilPart, Parts, symbols_of
 from screwsim.performance import CycleFigures
 from screwsim.scene import loads
+from screwsim.simulate import FINER
 
 DOCS = Path(__file__).parents[2] / "docs"
 NUMERICS = (DOCS / "numerics.md").read_text(encoding="utf-8")
@@ -40,20 +42,38 @@ def test_the_page_lists_constants():
 def test_tolerances_follow_from_the_accuracy_as_stated():
     scene = loads(SCENE)
     wanted = wanted_of(scene)
-    assert "| 0.5 · accuracy, or `numerics.rtol` |" in NUMERICS
-    assert wanted.rtol == pytest.approx(0.5e-3)
-    assert "| 0.2 · accuracy · p_s |" in NUMERICS
-    assert "| accuracy · max(p_s, p_d) |" in NUMERICS
-    assert regularisation(scene) == pytest.approx((0.2e-3 * 2e5, 1e-3 * 8e5))
-    assert "| 0.1 · accuracy |" in NUMERICS
-    assert wanted.tolerance == pytest.approx(0.1e-3)
+    assert "| 0.3 · accuracy, or `numerics.rtol` |" in NUMERICS
+    assert wanted.rtol == pytest.approx(0.3e-3)
+    assert "openings to the suction line | accuracy · p_s |" in NUMERICS
+    assert "openings to the discharge line | accuracy · p_d |" in NUMERICS
+    assert "gaps | accuracy · max(p_s, p_d) |" in NUMERICS
+    assert regularisation(scene) == pytest.approx((1e-3 * 2e5, 1e-3 * 8e5, 1e-3 * 8e5))
+    assert "| 0.2 · accuracy |" in NUMERICS
+    assert wanted.tolerance == pytest.approx(0.2e-3)
     assert wanted.bound == 1e-3
     assert wanted_of(scene, 0.05).bound == 1e-3
 
 
+def test_the_second_solution_is_finer_in_all_but_the_bound():
+    scene = loads(SCENE)
+    wanted, finer = wanted_of(scene), wanted_of(scene, FINER)
+    assert (finer.rtol, finer.tolerance) == pytest.approx((FINER * wanted.rtol, FINER * wanted.tolerance))
+    assert build_parts(scene, FINER).widths == pytest.approx([FINER * width for width in regularisation(scene)])
+
+
+def test_the_width_of_gaps_is_that_of_the_higher_line():
+    scene = loads(SCENE.replace("machine: {", "machine: {mode: expander, ").replace("2 bar", "9 bar"))
+    assert regularisation(scene) == pytest.approx((1e-3 * 9e5, 1e-3 * 8e5, 1e-3 * 9e5))
+
+
+def test_the_floor_of_the_energy_scale_is_that_of_the_model_page():
+    assert r"10^{-6}\,m_{360}\,p_s/\rho_s" in (DOCS / "model.md").read_text(encoding="utf-8")
+    assert LEAST_WORK == 1e-6
+
+
 def test_every_symbol_of_a_kernel_is_listed():
     oil = OilPart(1000.0, 2000.0, 300.0, "carried", {"ratio": 1.0})
-    parts = Parts(Geometry(loads(SCENE).machine), None, omega=300.0, port_width=1.0, gap_width=1.0, effects={}, oil=oil)
+    parts = Parts(Geometry(loads(SCENE).machine), None, omega=300.0, widths=(1.0, 1.0, 1.0), effects={}, oil=oil)
     table = NOMENCLATURE.partition("## Names that a kernel may ask for")[2]
     for name in (*HEAT_SYMBOLS, *symbols_of(parts), "TAB"):
         assert f"`{name}`" in table, name

@@ -169,10 +169,7 @@ def test_a_scene_leaves_nothing_behind_for_the_next(way, transport):
     equal(between, simulate(other))
 
 
-STALE = pytest.mark.xfail(reason="Machinery keeps the knots of coupled chambers from the first scene of its structure")
-
-
-@pytest.mark.parametrize("way", ["histories", pytest.param("coupled", marks=STALE)])
+@pytest.mark.parametrize("way", ["histories", "coupled"])
 def test_every_scene_is_solved_as_if_it_were_the_first(way):
     from screwsim.model.run import Machinery
     from screwsim.simulate import Solution, machinery_for

@@ -37,9 +37,6 @@ def test_a_closed_chamber_keeps_its_gas():
     assert mass.max() / mass.min() - 1.0 < 1e-13  # rounding: its rate is zero
 
 
-@pytest.mark.xfail(
-    reason="the energy residue is divided by |work| alone, which is zero here: 1, never closed", strict=False
-)
 def test_a_closed_chamber_closes():
     assert run({**NO_EFFECTS, "numerics": {}}).status == "ok"
 

@@ -192,7 +192,7 @@ def test_axes_have_names_and_units_for_files(example):
 def test_a_value_for_a_path_is_read_and_checked(example):
     scene = loads(example)
     assert read_value(scene, "operation.discharge.pressure", "9 bar") == 9e5
-    with pytest.raises(UsageError, match="^operation.speed: 3 has no unit"):
+    with pytest.raises(UsageError, match=r"^operation\.speed: 3 has no unit"):
         read_value(scene, "operation.speed", 3)
-    with pytest.raises(UsageError, match=r"^operation.sped: is not known; did you mean 'operation.speed'\?$"):
+    with pytest.raises(UsageError, match=r"^operation\.sped: is not known; did you mean 'operation\.speed'\?$"):
         leaf_of(scene, "operation.sped")

@@ -66,6 +66,24 @@ def test_a_base_is_changed_path_by_path(example, scene_file):
     assert len(scene.effects) == 10
 
 
+def test_off_takes_out_an_effect_of_the_base(example, scene_file):
+    scene_file(example, "point.yaml")
+    scene = load(scene_file("base: point.yaml\neffects: {oil_pump: off}\n", "top.yaml"))
+    below = load(scene_file("base: point.yaml\n", "same.yaml"))
+    assert "oil_pump" in below.effects
+    assert list(scene.effects) == [name for name in below.effects if name != "oil_pump"]
+    assert loads(scene.text, folder=scene.folder) == scene
+
+
+def test_off_hides_no_unknown_effect(example, scene_file, monkeypatch, tmp_path):
+    scene_file(example, "point.yaml")
+    scene_file("base: point.yaml\neffects: {oil_pmp: off}\n", "top.yaml")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SceneError) as error:
+        load("top.yaml")
+    assert error.value.lines == ["top.yaml:2:11: effects.oil_pmp: is not known; did you mean 'oil_pump'?"]
+
+
 def test_a_fault_in_a_base_is_located_in_the_base(example, scene_file, monkeypatch, tmp_path):
     scene_file(example.replace("160 mm", "160"), "below/point.yaml")
     scene_file("base: below/point.yaml\ngas: {fluid: 3}\n", "top.yaml")

@@ -2,8 +2,8 @@
 
 Source: Lichtarowicz, Duggins, Markland, J. Mech. Eng. Sci. 7 (1965) 210: C_du = 0.827 − 0.0085 L/D,
 1/C_d = 1/C_du + 20/R (1 + 2.25 L/D) − 0.005 L/D / (1 + 7.5 lg²(0.00015 R)), with the hydraulic Reynolds number
-R = ρ D √(2 Δp/ρ)/μ of the loss-free velocity, fitted for 10 < R < 20 000 and 2 ≤ L/D ≤ 10. The last term is missing where
-the formula is quoted short; it changes C_d by up to 0.8, 1.9 and 3.7 % at L/D = 2, 5 and 10.
+R = ρ D √(2 Δp/ρ)/μ of the loss-free velocity, fitted for 10 < R < 20 000 and 2 ≤ L/D ≤ 10. The last term is missing
+where the formula is quoted short; it changes C_d by up to 0.8, 1.9 and 3.7 % at L/D = 2, 5 and 10.
 """
 
 from __future__ import annotations

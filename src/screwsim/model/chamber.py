@@ -42,9 +42,9 @@ from screwsim.model.slots import (
     P_LIFE,
     P_OMEGA,
     P_PITCH,
+    P_PORT_WIDTH,
     P_T_OIL,
     P_TO_RATIO,
-    P_PORT_WIDTH,
     PLACE,
     PLENUM,
     PRESSURE,
@@ -417,7 +417,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
 
 @kernel
 def own_column(y, j, E, own, state, work, ds, n_sums, P, R, f, g, J, Jq):
-    """Fill column j of J and Jq: change one state, its place and (linearly) its streams, and difference the first law."""
+    """Fill column j of J and Jq: change one state, its place and (linearly) its streams; difference the first law."""
     changed = ds + (N + 1) * n_sums
     delta = perturbation(y, 0, j)
     for i in range(N):

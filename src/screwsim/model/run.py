@@ -240,7 +240,7 @@ class Machinery:
     def install_coupled(self) -> None:
         """Turn the last pitch of all chambers into the history of one chamber's life."""
         space, c = self._coupled_space(), self.composition
-        times, dense, quads = space["history"]
+        times, dense, _ = space["history"]
         steps = int(space["kept"][0])
         t = np.concatenate([times[:steps] + j * c.P[P_PITCH] for j in range(c.chambers)] + [[c.P[P_LIFE]]])
         states = dense[:steps].reshape(steps, 4, c.chambers, self.n)

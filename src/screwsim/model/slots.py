@@ -6,7 +6,7 @@ Functions: `gas_state(T, rho, P)`, `volume_at(phi, P, TAB)`, `volume_slope_at(ph
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg].
 
 Constants: N (states of a chamber), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass), OILED
-(is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge), N_GAPS and GAP_OFFSET (gap → index into OFFSETS),
+(is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge), N_GAPS and GAP_OFFSET (gap → index in OFFSETS),
 N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
 
 Indices into P, R and a place that are fixed for every composition stand here too.

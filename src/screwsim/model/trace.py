@@ -25,7 +25,7 @@ from screwsim.numerics.kernel import kernel
 
 @kernel
 def peak_pressure(times, dense, steps, limit, context):
-    """Return the highest chamber pressure [Pa] at the ends of the steps from injection up to the angle `limit` [rad]."""
+    """Return the highest chamber pressure [Pa] at the steps' ends, from injection up to the angle `limit` [rad]."""
     P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, _work = context
     peak = 0.0
     for i in range(steps):
@@ -66,7 +66,7 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
 
 @kernel
 def work_along(times, dense, quads, steps, context):
-    """Fill quads[:, 0] with the work on the gas, −∫p dV by Simpson's rule on each step (for the trace, not the figures)."""
+    """Fill quads[:, 0] with the work on the gas, −∫p dV by Simpson's rule on each step (for the trace only)."""
     P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, _work = context
     total = 0.0
     for i in range(steps):

@@ -1,4 +1,4 @@
-"""Acceleration of a periodic fixed point by Anderson's method (type II, Walker & Ni 2011), for states of any meaning."""
+"""Acceleration of a periodic fixed point by Anderson's method (type II, Walker & Ni 2011), whatever the states mean."""
 
 from __future__ import annotations
 

@@ -7,6 +7,7 @@ with an absolute tolerance from their scale.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
@@ -52,7 +53,7 @@ def integrate(
     n = len(y)
     z = np.concatenate([y, np.zeros(len(q_scale))])
     path = Path()
-    for start, end in zip(knots[:-1], knots[1:], strict=True):
+    for start, end in pairwise(knots):
         middle = 0.5 * (start + end)
         atol = np.concatenate([1e-3 * rtol * np.abs(z[:n]), rtol * np.maximum(q_scale, 1e-300)])
 
@@ -60,7 +61,7 @@ def integrate(
             return rates(t, middle, state[:n])
 
         def derivatives_at(t: float, state: Array, middle: float = middle) -> Array:
-            full = np.zeros((len(z), len(z)))
+            full = np.zeros((len(state), len(state)))
             full[:, :n] = jacobian(t, middle, state[:n])
             return full
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -95,9 +96,7 @@ def _evenly(points: np.ndarray, most: int) -> list[int]:
 
 def _dense(points: np.ndarray) -> np.ndarray:
     """Return points every pixel or so along a polyline; far jumps are thinned."""
-    pieces = [
-        np.linspace(a, b, 2 + min(int(np.hypot(*(b - a))), 5000)) for a, b in zip(points[:-1], points[1:], strict=True)
-    ]
+    pieces = [np.linspace(a, b, 2 + min(int(np.hypot(*(b - a))), 5000)) for a, b in pairwise(points)]
     return np.concatenate(pieces) if pieces else points
 
 

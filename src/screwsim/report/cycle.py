@@ -99,7 +99,7 @@ def _flows(trace: Trace) -> Any:
     for axes in panels[: len(paths)][-2:]:  # the lowest of each column
         axes.tick_params(labelbottom=True)
     if any(len(sides) > 1 for sides in paths.values()):
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper right", ncols=2)
+        figure.legend(*panels[len(paths) - 1].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     figure.supxlabel(ANGLE.label, fontsize=8.0)
     figure.supylabel(MASS_FLOW.label, fontsize=8.0)
     lines = ", ".join(f"{text} {short(angle)}°" for text, angle in trace.marks.items())
