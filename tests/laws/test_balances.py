@@ -72,9 +72,6 @@ def test_figures_are_as_accurate_as_asked(index):
     assert errors()[index] < ACCURACIES[index]  # what numerics.accuracy promises
 
 
-@pytest.mark.xfail(
-    reason="the peak is looked for at the ends of steps only: 3.2e-5 at an accuracy of 3e-5", strict=False
-)
 def test_peak_pressure_is_as_accurate_as_asked():
     assert errors(("peak_pressure",))[2] < ACCURACIES[2]
 

@@ -33,9 +33,6 @@ def test_no_oil_is_as_no_oil_heat():
         assert none.performance[name] == pytest.approx(without.performance[name], rel=3e-4), name
 
 
-@pytest.mark.xfail(
-    reason="carried: ln of an oil mass that tends to 0 never settles, nor does the plenum's ratio", strict=False
-)
 def test_carried_no_oil_closes():
     assert run({"oil_supply.ratio": 0, "oil.transport": "carried"}).status == "ok"
 

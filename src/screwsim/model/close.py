@@ -80,7 +80,7 @@ class Balances:
         if self.width == 4:
             injected, T_oil = self.oil_in()
             energy += self.c_oil * (flows[:, 3].sum() + injected * T_oil)
-            oil = abs(flows[:, 2].sum() + injected) / max(injected, np.abs(flows[:, 2]).sum() / 2, 1e-300)
+            oil = abs(flows[:, 2].sum() + injected) / max(injected, np.abs(flows[:, 2]).sum() / 2, LEAST_OIL * trapped)
         else:
             energy += q[1]
         mass_scale = max(trapped, 0.5 * np.abs(mass).sum())
@@ -157,10 +157,20 @@ def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
         if not last and _too_slow(gaps, wanted.tolerance):
             return None
         machinery.remember()
-        y_new, plenum = _mixed(machinery, accelerate, point, image, len(plenum))
-        y[:] = y_new
+        mixed = _mixed(machinery, accelerate, point, image)
+        y[:] = _states(mixed[: machinery.n], y, machinery.n)
+        plenum = np.exp(mixed[len(mixed) - len(plenum) :])
         task.set_plenum(plenum)
     return Closed("not_closed", q, y, turn, "histories", finest, change=gap)
+
+
+def _states(mixed: Array, raw: Array, n: int) -> Array:
+    """Return states from mixed logarithms; oil too little to count keeps its raw value, so that mixing makes none."""
+    states, raw = np.exp(mixed).reshape(-1, n), raw.reshape(-1, n)
+    if n == 4:
+        little = raw[:, 3] <= LEAST_OIL * raw[:, 1]
+        states[little, 3] = raw[little, 3]
+    return states.ravel()
 
 
 def _vector(machinery: Machinery, y: Array, angles: Array, plenum: Array) -> Array:
@@ -169,10 +179,8 @@ def _vector(machinery: Machinery, y: Array, angles: Array, plenum: Array) -> Arr
     return np.concatenate([_logarithms(states, machinery.n), np.log(plenum)])
 
 
-def _mixed(
-    machinery: Machinery, accelerate: Anderson, point: Array, image: Array, n_plenum: int
-) -> tuple[Array, Array]:
-    """Mix the last images in place as the next history; return the next state at 0° and the next plenum."""
+def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array) -> Array:
+    """Mix the last images in place as the next history; return the mixed vector."""
     weights = accelerate.weights(point, image)
     machinery.vectors = [*machinery.vectors, image][-len(weights) :]
     mixed = weights @ np.array(machinery.vectors)
@@ -180,7 +188,7 @@ def _mixed(
         machinery.mix(weights)
     else:
         mixed = image
-    return np.exp(mixed[: machinery.n]), np.exp(mixed[len(mixed) - n_plenum :])
+    return mixed
 
 
 def _too_slow(gaps: list[float], tolerance: float) -> bool:
@@ -227,7 +235,7 @@ def by_coupling(task: Task, y: Array) -> Closed:
         mixed = weights @ np.array(images)
         if np.max(np.abs(mixed - image)) > 1.0:
             mixed = image
-        y, plenum = np.exp(mixed[:n]), np.exp(mixed[n:])
+        y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), np.exp(mixed[n:])
         task.set_plenum(plenum)
     machinery.install_coupled()
     return Closed("not_closed", q, y, pitch / c.chambers, "coupled", rtol, change=gap)

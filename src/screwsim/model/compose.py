@@ -18,8 +18,12 @@ from screwsim.fluid.orifice import orifice_flow
 from screwsim.model import chamber, coupled, trace
 from screwsim.model.slots import FIRST_FREE
 from screwsim.numerics import history, rodas
-from screwsim.numerics.kernel import HEADER, Kernel, decorate, flatten
+from screwsim.numerics.kernel import HEADER, Kernel, decorate, flatten, without_wrapper
 from screwsim.numerics.spline import pack_curve
+
+# what is called from Python; a wrapper for every small kernel would cost a sixth of the compilation
+CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
+CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian")
 
 # symbols that a kernel can ask for and that are not numbers of the scene
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
@@ -280,4 +284,5 @@ def _module_text(
         slots["at_knot"] = knot.flat_name
         driver = flatten((rodas.integrate,), slots, kind)
         blocks |= {name: text for name, text in driver.items() if name not in blocks}
-    return "\n\n".join(["\n".join(lines), *blocks.values()]) + "\n"
+    texts = [text if name.startswith(CALLED) else without_wrapper(text) for name, text in blocks.items()]
+    return "\n\n".join(["\n".join(lines), *texts]) + "\n"

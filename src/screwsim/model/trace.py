@@ -25,15 +25,28 @@ from screwsim.numerics.kernel import kernel
 
 @kernel
 def peak_pressure(times, dense, steps, limit, context):
-    """Return the highest chamber pressure [Pa] at the steps' ends, from injection up to the angle `limit` [rad]."""
+    """Return the highest chamber pressure [Pa] from injection up to the angle `limit` [rad].
+
+    The ends of the steps tell where; the dense output on both sides of the highest tells how high.
+    """
     P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, _work = context
     peak = 0.0
+    best = 0
     for i in range(steps):
         if P[P_INJECTION] < times[i + 1] <= limit + 1e-9:
             for j in range(N):
                 state[j] = dense[i, 1, j]
             fill_place(state, 0, volume_at(times[i + 1], P, TAB), P, own, 0)
-            peak = max(peak, own[PRESSURE])
+            if own[PRESSURE] > peak:
+                peak = own[PRESSURE]
+                best = i
+    for i in range(best, min(best + 2, steps)):
+        for k in range(1, 50):
+            phi = times[i] + (times[i + 1] - times[i]) * k / 50.0
+            if P[P_INJECTION] < phi <= limit + 1e-9:
+                read(phi, times, dense, i, state)
+                fill_place(state, 0, volume_at(phi, P, TAB), P, own, 0)
+                peak = max(peak, own[PRESSURE])
     return peak
 
 

@@ -143,3 +143,8 @@ def decorate(source: str) -> str:
     """Return a function's source with the compiler's decorator."""
     counting = "" if "np.empty" in source else ", _nrt=False"  # arrays are borrowed: counting references costs 5x
     return f"@njit(cache=True, error_model='numpy'{counting})\n{source}"
+
+
+def without_wrapper(source: str) -> str:
+    """Return a decorated function's source for one that only compiled code calls."""
+    return source.replace("@njit(", "@njit(no_cpython_wrapper=True, ", 1)
