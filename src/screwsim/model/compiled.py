@@ -35,8 +35,8 @@ def announced(text: str, driver: str) -> Iterator[None]:
     if ready.exists():
         yield
         return
-    what = "coupled chambers" if driver == "all" else "combination of effects"
-    print(f"screwsim: compiling this {what}, once (about ten seconds) ...", file=sys.stderr, flush=True)
+    what = "coupled chambers of this combination" if driver == "all" else "this combination of effects"
+    print(f"screwsim: compiling {what}, once (about ten seconds) ...", file=sys.stderr, flush=True)
     started = time.perf_counter()
     yield
     write_atomically(ready, b"")

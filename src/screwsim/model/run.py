@@ -195,7 +195,7 @@ class Machinery:
             module.coupled__all_jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
             return np.vstack([J, Jq])
 
-        end, q, path = integrate(rates, jacobian, self._pitch_knots(), y, np.abs(q_scale), rtol, self.integrator)
+        end, q, path = integrate(rates, jacobian, self._pitch_knots(), y, self._scales(q_scale), rtol, self.integrator)
         y[:] = end
         steps = len(path.dense)
         self.counts += np.array([steps, 0, path.calls * c.chambers, 0])
@@ -225,6 +225,11 @@ class Machinery:
         )
         self.counts += counts * (1, 1, c.chambers, c.chambers)  # evaluations are those of one chamber
         return int(status), float(s), float(h), q
+
+    def _scales(self, q: Array) -> Array:
+        """Return the scale of each quadrature: the largest of its kind, so that an idle path demands no accuracy."""
+        streams = np.abs(q[2:]).reshape(5, -1)
+        return np.concatenate([np.full(2, np.max(np.abs(q[:2]))), np.tile(streams.max(axis=0), 5)])
 
     def inject(self, y: Array) -> None:
         """Let the oil into the chamber that stands at the injection angle."""
