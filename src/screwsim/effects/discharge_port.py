@@ -11,21 +11,11 @@ Parameters: flow_coefficient.
 from __future__ import annotations
 
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import PortParameters
+from screwsim.effects.gap import PortParameters, port_path
 
 
-def build(parameters: PortParameters, machine):
-    law = machine.discharge_law()
-    return [
-        FlowPath(
-            to="discharge",
-            area=law.area,
-            values=law.values,
-            knots=law.knots,
-            tables=law.tables,
-            flow_coefficient=parameters.flow_coefficient,
-        )
-    ]
+def build(parameters: PortParameters, machine) -> list[FlowPath]:
+    return [port_path(parameters, machine.discharge_law(), "discharge")]
 
 
 EFFECT = Effect(

@@ -81,3 +81,15 @@ def gap_path(parameters, area, values, *, knots, offset, use_table=True) -> Flow
         offset=offset,
         flow_coefficient=parameters.flow_coefficient,
     )
+
+
+def port_path(parameters, law, to) -> FlowPath:
+    """Return the flow path of a port to a plenum; its area law belongs to the machine."""
+    return FlowPath(
+        to=to,
+        area=law.area,
+        values=law.values,
+        knots=law.knots,
+        tables=law.tables,
+        flow_coefficient=parameters.flow_coefficient,
+    )

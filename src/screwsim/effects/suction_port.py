@@ -10,21 +10,11 @@ Parameters: flow_coefficient.
 from __future__ import annotations
 
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import PortParameters
+from screwsim.effects.gap import PortParameters, port_path
 
 
-def build(parameters: PortParameters, machine):
-    law = machine.suction_law()
-    return [
-        FlowPath(
-            to="suction",
-            area=law.area,
-            values=law.values,
-            knots=law.knots,
-            tables=law.tables,
-            flow_coefficient=parameters.flow_coefficient,
-        )
-    ]
+def build(parameters: PortParameters, machine) -> list[FlowPath]:
+    return [port_path(parameters, machine.suction_law(), "suction")]
 
 
 EFFECT = Effect(
