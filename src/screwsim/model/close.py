@@ -181,9 +181,7 @@ def _vector(machinery: Machinery, y: Array, angles: Array, plenum: Array) -> Arr
 
 def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array) -> Array:
     """Mix the last images in place as the next history; return the mixed vector."""
-    weights = accelerate.weights(point, image)
-    machinery.vectors = [*machinery.vectors, image][-len(weights) :]
-    mixed = weights @ np.array(machinery.vectors)
+    weights, mixed = accelerate.mix(point, image)
     if len(weights) > 1 and np.max(np.abs(mixed - image)) < 0.3:
         machinery.mix(weights)
     else:
@@ -207,7 +205,6 @@ def by_coupling(task: Task, y: Array) -> Closed:
     c = machinery.composition
     accelerate = Anderson(depth=10)
     plenum = task.plenum()
-    images: list[Array] = []
     seen: list[tuple[float, float]] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
     rtol = wanted.rtol
@@ -230,9 +227,7 @@ def by_coupling(task: Task, y: Array) -> Closed:
                 return Closed("ok", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
             if gap <= wanted.tolerance:
                 rtol = _finer(rtol)
-        weights = accelerate.weights(point, image)
-        images = [*images, image][-len(weights) :]
-        mixed = weights @ np.array(images)
+        _, mixed = accelerate.mix(point, image)
         if np.max(np.abs(mixed - image)) > 1.0:
             mixed = image
         y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), np.exp(mixed[n:])

@@ -36,7 +36,6 @@ class Machinery:
         self.max_steps = max_steps
         self.histories = [self._history(max_steps, n, self.nq) for _ in range(2)]
         self.images: list[tuple[Array, Array, int]] = []
-        self.vectors: list[Array] = []
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
         work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + 2)
@@ -63,7 +62,6 @@ class Machinery:
         self.hints[:] = 0
         self.kept[:] = 0
         self.images.clear()
-        self.vectors.clear()
 
     def warm_up(self, start: Callable[[], Array]) -> None:
         """Compile (or load) the driver of one chamber, announced when it takes long; not counted as solution time."""

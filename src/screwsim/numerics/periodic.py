@@ -14,10 +14,18 @@ class Anderson:
         self.depth = depth
         self.regularisation = regularisation
         self.residuals: list[Array] = []
+        self.images: list[Array] = []
 
     def restart(self) -> None:
         """Forget the past."""
         self.residuals.clear()
+        self.images.clear()
+
+    def mix(self, point: Array, image: Array) -> tuple[Array, Array]:
+        """Return the weights after `point` was mapped to `image`, and the weighted sum of the kept images."""
+        weights = self.weights(point, image)
+        self.images = [*self.images, image][-len(weights) :]
+        return weights, weights @ np.array(self.images)
 
     def weights(self, point: Array, image: Array) -> Array:
         """Return the weights (sum 1, newest last) of the kept images that make the smallest linear residual."""
