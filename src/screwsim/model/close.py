@@ -17,6 +17,7 @@ import numpy as np
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_LIFE, P_PITCH, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
+from screwsim.numerics.rodas import dense_value
 
 Array = np.ndarray
 PATIENCE = 6  # turns before the histories may give way to coupled chambers
@@ -255,8 +256,7 @@ def chambers_at_pitches(machinery: Machinery) -> Array:
         i = int(np.searchsorted(times[: steps + 1], j * c.P[P_PITCH] + 1e-9, side="right")) - 1
         i = max(0, i - 1) if abs(times[i] - j * c.P[P_PITCH]) < 1e-9 and i > 0 else i
         theta = (j * c.P[P_PITCH] - times[i]) / (times[i + 1] - times[i])
-        y0, y1, c3, c4 = dense[i]
-        states.append(y0 * (1 - theta) + theta * (y1 + (1 - theta) * (c3 + theta * c4)))
+        states.append(dense_value(theta, *dense[i]))
     return np.concatenate(states)
 
 
