@@ -27,9 +27,9 @@ NAME_WIDTH = 20
 NO_BREAK = "\u00a0"  # holds a name, its value and its unit on one line
 STATE_MEANINGS = {
     "T": "gas temperature [K]",
-    "m": "gas mass [kg]",
+    "rho": "gas density [kg/m^3], gas mass over volume",
     "T_oil": "oil temperature [K]",
-    "m_oil": "oil mass [kg]",
+    "x_oil": "oil mass over gas mass",
 }
 BALANCES = "balances of mass and energy M1, M2; work M7"
 TRANSPORT = {

@@ -77,7 +77,7 @@ class Solution:
         y = first_guess(self.parts, machinery.composition, machinery, lines.p_s, lines.T_s, lines.p_d)
         T_d = self.scene.operation.discharge.temperature or float(y[0])
         T_oil = self.parts.oil.temperature if self.parts.oil else lines.T_s
-        d = float(y[3] / y[1]) if machinery.composition.carried else 0.0
+        d = float(y[3]) if machinery.composition.carried else 0.0
         machinery.R[R_SUCTION : R_SUCTION + 8] = *gas.place(lines.p_s, lines.T_s), 0.0, T_oil
         machinery.R[R_DISCHARGE : R_DISCHARGE + 8] = *gas.place(lines.p_d, T_d), d, T_oil
         return y
@@ -200,12 +200,12 @@ class Solution:
         angles = np.minimum(np.radians(TRACE_ANGLES), self.parts.geometry.life)
         m.module.trace__sample(angles, *m.last(), m.context, c.n_E, out, flows)
         traces = {"angle": TRACE_ANGLES.copy(), "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
-        traces |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5]}
+        traces |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5] * out[:, 0]}
         if "T_oil" in c.states:
             present = c.carried | (TRACE_ANGLES >= math.degrees(self.parts.geometry.injection_angle))
             traces["oil_temperature"] = np.where(present, out[:, 6], np.nan)
-            d = float(m.R[R_RATIO])
-            traces["oil_mass"] = out[:, 7] if c.carried else np.where(present, d * out[:, 5], 0.0)
+            ratio = out[:, 7] if c.carried else np.where(present, float(m.R[R_RATIO]), 0.0)
+            traces["oil_mass"] = ratio * traces["gas_mass"]
         _smooth_plenum_flows(flows, len(c.plenum_paths), self.parts.omega * out[:, 3])
         for i, name in enumerate(c.plenum_paths):
             traces[f"mass_flow_{name}"] = traces.get(f"mass_flow_{name}", 0.0) + flows[:, i]

@@ -21,10 +21,10 @@ def test_every_active_effect_shows_title_equations_and_source(folder):
 
 
 def test_states_follow_the_effects(folder, command):
-    assert explain(screwsim.load("small.yaml")).states == ("T", "m")
-    assert explain(screwsim.load("oiled.yaml")).states == ("T", "m", "T_oil")
+    assert explain(screwsim.load("small.yaml")).states == ("T", "rho")
+    assert explain(screwsim.load("oiled.yaml")).states == ("T", "rho", "T_oil")
     carried = screwsim.load("oiled.yaml", ["oil.transport=carried"])
-    assert explain(carried).states == ("T", "m", "T_oil", "m_oil")
+    assert explain(carried).states == ("T", "rho", "T_oil", "x_oil")
     answer = command("explain", "oiled.yaml", "--without", "oil_heat")
     assert answer.code == 0
     assert "oil_heat" in answer.out.partition("Left out")[2]

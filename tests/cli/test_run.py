@@ -22,7 +22,7 @@ def test_json_of_run_has_the_names_of_the_contract(folder, command):
     document = _document(answer.out)
     assert (document["status"], document["message"]) == ("ok", "")
     assert document["effects"] == ["suction_port", "discharge_port", "tip_leakage"]
-    assert document["states"] == ["T", "m"]
+    assert document["states"] == ["T", "rho"]
     assert set(document["performance"]) == set(PERFORMANCE)
     assert set(document["balance"]) == set(BALANCE)
     assert set(document["error"]) == set(PERFORMANCE)

@@ -61,7 +61,7 @@ def run(v: Vessel, inside: tuple[float, float], outside: tuple[float, float], ti
     P, R = v.composition.P.copy(), np.zeros(26)
     P[4] = 1e-6  # Pa: no regularisation that could be seen
     R[:6] = v.gas.place(*outside)
-    y = np.array([inside[1], v.gas.density(*inside) * (VOLUME + 1e-12)])
+    y = np.array([inside[1], v.gas.density(*inside)])
     nq, room, n = v.composition.n_quadratures, 3000, 2
     history = np.zeros(room + 1), np.zeros((room, 4, n)), np.zeros((room, nq))
     spaces = np.zeros(n), np.zeros(10), np.zeros(400)
@@ -92,4 +92,4 @@ def run(v: Vessel, inside: tuple[float, float], outside: tuple[float, float], ti
         np.zeros(4, np.int64),
     )
     assert status == 0 and math.isclose(end, time)
-    return float(y[0]), float(y[1])
+    return float(y[0]), float(y[1]) * (VOLUME + 1e-12)

@@ -29,11 +29,11 @@ def test_an_effect_that_is_not_named_is_not_in_the_text(name):
 
 
 def test_without_oil_heat_there_is_no_oil_temperature():
-    assert composition(effects__oil_heat=DROP).states == ("T", "m")
+    assert composition(effects__oil_heat=DROP).states == ("T", "rho")
 
 
 @pytest.mark.parametrize(
-    ("transport", "states"), [("paper", ("T", "m", "T_oil")), ("carried", ("T", "m", "T_oil", "m_oil"))]
+    ("transport", "states"), [("paper", ("T", "rho", "T_oil")), ("carried", ("T", "rho", "T_oil", "x_oil"))]
 )
 def test_states_are_those_of_the_transport(transport, states):
     assert composition(oil__transport=transport).states == states

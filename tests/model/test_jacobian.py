@@ -27,6 +27,7 @@ class Driver(NamedTuple):
     context: tuple
     states: Callable[[float], Array]
     angles: tuple[float, ...]
+    nq: int
 
 
 @pytest.fixture(scope="module", params=["paper", "carried"])
@@ -45,12 +46,20 @@ def driver(machinery, request):
     if request.param == "chamber":
         kernels = m.chamber__surroundings, m.chamber__rates, m.chamber__jacobian
         return Driver(
-            machinery.n, c.n_E, *kernels, machinery.context, lambda phi: machinery.states_at(np.array([phi]))[0], ALONE
+            machinery.n,
+            c.n_E,
+            *kernels,
+            machinery.context,
+            lambda phi: machinery.states_at(np.array([phi]))[0],
+            ALONE,
+            machinery.nq,
         )
     kernels = m.coupled__all_surroundings, m.coupled__all_rates, m.coupled__all_jacobian
     offsets = c.P[1] * np.arange(c.chambers)
     states = lambda s: machinery.states_at(s + offsets).ravel()  # noqa: E731
-    return Driver(c.chambers * machinery.n, c.n_E_all, *kernels, machinery.coupled_context, states, TOGETHER)
+    return Driver(
+        c.chambers * machinery.n, c.n_E_all, *kernels, machinery.coupled_context, states, TOGETHER, machinery.nq + 1
+    )
 
 
 def surrounded(driver, phi, middle):
@@ -76,20 +85,20 @@ def derivatives(driver, phi, nq):
 
 def test_the_jacobian_gives_the_rates_themselves(driver, machinery):
     for phi in driver.angles:
-        found, _, _ = derivatives(driver, phi, machinery.nq)
-        expected = rates(driver, driver.states(phi), surrounded(driver, phi, phi + 1e-3), machinery.nq)
+        found, _, _ = derivatives(driver, phi, driver.nq)
+        expected = rates(driver, driver.states(phi), surrounded(driver, phi, phi + 1e-3), driver.nq)
         np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-12 * np.max(np.abs(expected)))  # order of sums
 
 
 def test_the_jacobian_is_the_derivative_of_the_rates(driver, machinery):
     for phi in driver.angles:
         y, E = driver.states(phi), surrounded(driver, phi, phi + 1e-3)
-        values, found, _ = derivatives(driver, phi, machinery.nq)
+        values, found, _ = derivatives(driver, phi, driver.nq)
         expected = np.empty_like(found)
         for j in range(driver.n):
             shift = np.zeros(driver.n)
             shift[j] = 1e-6 * y[j]
-            pair = [rates(driver, y + sign * shift, E, machinery.nq) for sign in (1, -1)]
+            pair = [rates(driver, y + sign * shift, E, driver.nq) for sign in (1, -1)]
             expected[:, j] = (pair[0] - pair[1]) / (2 * shift[j])
         found, expected = found * y, expected * y  # in units of the states
         size = np.maximum(np.max(np.abs(expected), axis=1), 1e-5 * np.max(np.abs(values)))[:, None]  # rounding/1e-7
@@ -100,8 +109,8 @@ def test_the_jacobian_is_the_derivative_of_the_rates(driver, machinery):
 def test_the_derivative_by_the_angle_is_that_of_the_rates(driver, machinery):
     for phi in driver.angles:
         y = driver.states(phi)
-        values, _, found = derivatives(driver, phi, machinery.nq)
-        pair = [rates(driver, y, surrounded(driver, phi + s * ANGLE_STEP, phi + 1e-3), machinery.nq) for s in (1, -1)]
+        values, _, found = derivatives(driver, phi, driver.nq)
+        pair = [rates(driver, y, surrounded(driver, phi + s * ANGLE_STEP, phi + 1e-3), driver.nq) for s in (1, -1)]
         expected = (pair[0] - pair[1]) / (2 * ANGLE_STEP)
         # a step of 1e-6 changes a wide port's small Δp by parts of itself: the difference is good to some percent there
         np.testing.assert_allclose(
@@ -113,7 +122,7 @@ def test_a_chamber_alone_has_the_rates_of_the_chamber_among_all(machinery):
     c, module = machinery.composition, machinery.module
     s = np.radians(40.0)
     states = machinery.states_at(s + c.P[1] * np.arange(c.chambers))
-    E, f, g = np.zeros(c.n_E_all), np.empty(states.size), np.empty(machinery.nq)
+    E, f, g = np.zeros(c.n_E_all), np.empty(states.size), np.empty(machinery.nq + 1)
     module.coupled__all_surroundings(s, s + 1e-3, machinery.coupled_context, E)
     module.coupled__all_rates(states.ravel(), E, machinery.coupled_context, f, g)
     together = f.reshape(c.chambers, -1)

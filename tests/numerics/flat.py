@@ -11,7 +11,7 @@ from screwsim.numerics import rodas
 from screwsim.numerics.kernel import flatten
 
 Array = np.ndarray
-SLOTS = ("surroundings", "rates", "jacobian", "at_knot")
+SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "conserve")
 
 
 class Path(NamedTuple):
@@ -33,6 +33,7 @@ class Problem(NamedTuple):
     rates: Callable[[float, Array], tuple[Sequence[float], Sequence[float]]]
     slopes: Callable[[float, Array], tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]]]
     jump: Callable[[float, Array], None] = lambda phi, y: None
+    correct: Callable[[Array, Array, Array], None] = lambda y, y1, dq: None
 
 
 def emitted(problem: Problem) -> dict[str, Any]:
@@ -57,8 +58,12 @@ def emitted(problem: Problem) -> dict[str, Any]:
     def at_knot(phi: float, y: Array, context: Any) -> None:
         problem.jump(phi, y)
 
+    def conserve(y: Array, y1: Array, E: Array, E_next: Array, context: Any, dq: Array) -> None:
+        problem.correct(y, y1, dq)
+
     names: dict[str, Any] = {"np": np, "math": __import__("math"), "njit": lambda **_: lambda function: function}
     names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian, "p_at_knot": at_knot}
+    names["p_conserve"] = conserve
     text = flatten((rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p")
     exec("\n\n".join(text.values()), names)
     return names

@@ -76,13 +76,13 @@ STEP = 1e-7  # relative step of the differences of smooth state functions
 
 
 @kernel
-def fill_place(y, at, V, P, place, row):
-    """Fill row `row` of `place` for a chamber of volume V whose state begins at y[at]."""
+def fill_place(y, at, P, place, row):
+    """Fill row `row` of `place` for a chamber whose state begins at y[at]."""
     T = y[at]
-    m = y[at + 1]
-    p, h, c_v, tpt, exponent, choke, choked = gas_state(T, m / V, P)
+    rho = y[at + 1]
+    p, h, c_v, tpt, exponent, choke, choked = gas_state(T, rho, P)
     place[row + PRESSURE] = p
-    place[row + DENSITY] = m / V
+    place[row + DENSITY] = rho
     place[row + ENTHALPY] = h
     place[row + EXPONENT] = exponent
     place[row + CHOKE] = choke
@@ -92,7 +92,7 @@ def fill_place(y, at, V, P, place, row):
     if HEATED == 1:
         place[row + OIL_TEMPERATURE] = y[at + 2]
     if CARRIED == 1:
-        place[row + OIL_RATIO] = y[at + 3] / m
+        place[row + OIL_RATIO] = y[at + 3]
 
 
 @kernel
@@ -112,7 +112,7 @@ def neighbour(phi, middle, times, dense, steps, hints, side, P, TAB, state, E, a
     i = locate(phi, middle, times, steps, hints[side])
     hints[side] = i
     read(phi, times, dense, i, state)
-    fill_place(state, 0, volume_at(phi, P, TAB), P, E, at)
+    fill_place(state, 0, P, E, at)
     E[at + PLACE] = 0.0
 
 
@@ -213,7 +213,8 @@ def add_stream_slope(sums, at, m, dm, source, s, d, r):
 def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
     """Fill f (rates of one chamber, at `at`) and add work and heat to g from the summed streams; the first law."""
     T = y[at]
-    m = y[at + 1]
+    rho = y[at + 1]
+    m = rho * E[e + E_VOLUME]
     width = 4 if CARRIED == 1 else 2
     mass = 0.0
     enthalpy = 0.0
@@ -228,15 +229,14 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
             oil_energy += sums[i + 3]
     omega = P[P_OMEGA]
     heat = 0.0
-    rho = place[row + DENSITY]
     if HEATED == 1:
-        m_oil = y[at + 3] if CARRIED == 1 else E[e + E_OILED] * R[R_RATIO] * m
+        m_oil = (y[at + 3] if CARRIED == 1 else E[e + E_OILED] * R[R_RATIO]) * m
         heat, lost = heat_rates(
             T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], y[at + 2], m_oil, R[R_RATIO], P
         )
         f[at + 2] = oil_temperature_slope(y[at + 2], m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
         if CARRIED == 1:
-            f[at + 3] = oil / omega
+            f[at + 3] = (oil - y[at + 3] * mass) / (m * omega)
     f[at] = temperature_slope(
         T,
         m,
@@ -250,7 +250,7 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
         E[e + E_SLOPE],
         omega,
     )
-    f[at + 1] = mass / omega
+    f[at + 1] = (mass / omega - rho * E[e + E_SLOPE]) / E[e + E_VOLUME]
     g[Q_WORK] -= place[row + PRESSURE] * E[e + E_SLOPE]
     g[Q_HEAT] += heat / omega
 
@@ -274,7 +274,7 @@ def rates(y, E, context, f, g):
     """Fill f = dy/dφ and the quadrature rates g of one chamber."""
     P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, work = context
     width = 4 if CARRIED == 1 else 2
-    fill_place(y, 0, E[E_VOLUME], P, own, 0)
+    fill_place(y, 0, P, own, 0)
     for i in range(CATEGORIES * width):
         work[i] = 0.0
     for i in range(N_PLENUM):
@@ -305,7 +305,7 @@ def rates(y, E, context, f, g):
 def path_flows(y, E, context, out):
     """Fill `out` with the mass flow [kg/s] into the chamber: plenum paths, then each gap ahead and behind."""
     P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
-    fill_place(y, 0, E[E_VOLUME], P, own, 0)
+    fill_place(y, 0, P, own, 0)
     for i in range(N_PLENUM):
         out[i] = 0.0
         if E[E_AREAS + i] > 0.0:
@@ -320,19 +320,19 @@ def path_flows(y, E, context, out):
 def perturbation(y, at, j):
     """Return the step by which state j is changed for differences of smooth functions."""
     if j == 3:
-        return STEP * (abs(y[at + 3]) + 1e-3 * abs(y[at + 1]))
+        return STEP * (abs(y[at + 3]) + 1e-3)
     return STEP * abs(y[at + j])
 
 
 @kernel
-def place_derivatives(y, at, V, P, place, row, changed, d):
+def place_derivatives(y, at, P, place, row, changed, d):
     """Fill d[j·PLACE …] with the derivatives of a chamber's place by its state j; `changed` is a spare state."""
     for j in range(N):
         for i in range(N):
             changed[i] = y[at + i]
         delta = perturbation(y, at, j)
         changed[j] += delta
-        fill_place(changed, 0, V, P, d, j * PLACE)
+        fill_place(changed, 0, P, d, j * PLACE)
         for i in range(PLACE):
             d[j * PLACE + i] = (d[j * PLACE + i] - place[row + i]) / delta
 
@@ -358,12 +358,11 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     d = n_sums  # work: sums; derivatives of the own place by each state, then by φ; derivatives of the sums likewise
     ds = d + (N + 1) * PLACE
     other = ds + (N + 1) * n_sums + N + 2
-    fill_place(y, 0, E[E_VOLUME], P, own, 0)
-    place_derivatives(y, 0, E[E_VOLUME], P, own, 0, state, work[d:])
+    fill_place(y, 0, P, own, 0)
+    place_derivatives(y, 0, P, own, 0, state, work[d:])
     d_phi = d + N * PLACE
-    fill_place(y, 0, E_next[E_VOLUME], P, work, d_phi)
     for i in range(PLACE):
-        work[d_phi + i] = (work[d_phi + i] - own[i]) / delta
+        work[d_phi + i] = 0.0
         work[other + i] = 0.0
     for i in range(n_sums):
         work[i] = 0.0
@@ -423,7 +422,7 @@ def own_column(y, j, E, own, state, work, ds, n_sums, P, R, f, g, J, Jq):
     for i in range(N):
         state[i] = y[i]
     state[j] += delta
-    fill_place(state, 0, E[E_VOLUME], P, own, 0)
+    fill_place(state, 0, P, own, 0)
     sums = ds + j * n_sums
     for i in range(n_sums):
         Jq[Q_STREAMS + i, j] = work[sums + i] / P[P_OMEGA]
@@ -440,7 +439,7 @@ def own_column(y, j, E, own, state, work, ds, n_sums, P, R, f, g, J, Jq):
 @kernel
 def angle_column(y, E_next, delta, own, work, sums, n_sums, P, R, f, g, f_phi, g_phi):
     """Fill ∂f/∂φ and ∂g/∂φ in the same way, from the surroundings at φ + delta."""
-    fill_place(y, 0, E_next[E_VOLUME], P, own, 0)
+    fill_place(y, 0, P, own, 0)
     for i in range(n_sums):
         g_phi[Q_STREAMS + i] = work[sums + i] / P[P_OMEGA]
         work[sums + i] = work[i] + delta * work[sums + i]
@@ -456,14 +455,14 @@ def angle_column(y, E_next, delta, own, work, sums, n_sums, P, R, f, g, f_phi, g
 @kernel
 def inject(y, at, P, TAB, R):
     """Let the oil in at the injection angle, and note what is there: trapped mass, pressure, oil (M9, M30)."""
-    m = y[at + 1]
-    p, _h, _c, _t, _a, _x, _f = gas_state(y[at], m / volume_at(P[P_INJECTION], P, TAB), P)
+    m = y[at + 1] * volume_at(P[P_INJECTION], P, TAB)
+    p, _h, _c, _t, _a, _x, _f = gas_state(y[at], y[at + 1], P)
     R[R_TRAPPED] = m
     R[R_PRESSURE] = p
     if OILED == 0:
         return
     offered = injected_oil(p, m, P)
-    before = y[at + 3] if CARRIED == 1 else 0.0
+    before = y[at + 3] * m if CARRIED == 1 else 0.0
     R[R_OIL_BEFORE] = before
     R[R_INJECTED] = max(0.0, offered - before) if P[P_TO_RATIO] > 0.0 else offered
     R[R_RATIO] = (before + R[R_INJECTED]) / m
@@ -471,7 +470,7 @@ def inject(y, at, P, TAB, R):
         total = before + R[R_INJECTED]
         if total > 0.0:
             y[at + 2] = (before * y[at + 2] + R[R_INJECTED] * P[P_T_OIL]) / total
-        y[at + 3] = total
+        y[at + 3] = total / m
     elif HEATED == 1:
         y[at + 2] = P[P_T_OIL]
 
@@ -482,3 +481,33 @@ def at_knot(phi, y, context):
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
     if abs(phi - P[P_INJECTION]) < 1e-9:
         inject(y, 0, P, TAB, R)
+
+
+@kernel
+def conserve(y, y1, E, E_next, context, dq):
+    """Close the step's mass balance: by the flow through the widest open port, else by the density (docs/numerics.md).
+
+    A wide port holds p to the plenum's by a tiny Δp, whose quadrature carries the error of the whole state; the change
+    of ρV over the step does not. Where no port is open the flows are smooth, and it is ρV that follows them.
+    """
+    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    width = 4 if CARRIED == 1 else 2
+    widest = 0.0
+    port = 0
+    for i in range(N_PLENUM):
+        area = E[E_AREAS + i] + E_next[E_AREAS + i]
+        if area > widest:
+            widest = area
+            port = PLENUM[i]
+    defect = y1[1] * E_next[E_VOLUME] - y[1] * E[E_VOLUME]
+    for c in range(CATEGORIES):
+        defect -= dq[Q_STREAMS + c * width]
+    if widest == 0.0:
+        y1[1] -= defect / E_next[E_VOLUME]
+        return
+    at = Q_STREAMS + (SUCTION_IN + 2 * port) * width
+    if dq[at] + dq[at + width] >= 0.0:
+        add_stream(dq, at, defect, R, R_DISCHARGE * port)
+    else:
+        fill_place(y1, 0, P, own, 0)
+        add_stream(dq, at + width, defect, own, 0)

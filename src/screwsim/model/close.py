@@ -26,6 +26,8 @@ ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as close
 LEAST_OIL = 1e-4  # oil per gas below which its change does not count
 LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 FIRST_RTOL = 3e-3  # of the first turn; later ones follow the gap
+HISTORY_DEPTH = 5  # of Anderson's method for histories
+PITCH_DEPTH = 10  # and for coupled chambers
 MAX_TURNS = 40
 MAX_PITCHES = 400
 MAX_EVALUATIONS = 20_000_000  # of one chamber's rates, after which a cycle that does not close is given up
@@ -119,7 +121,7 @@ def _logarithms(states: Array, n: int) -> Array:
     """Return ln of states of n values each, oil not below LEAST_OIL of the gas."""
     rows = np.maximum(states.reshape(-1, n), 1e-300)
     if n == 4:
-        rows[:, 3] = np.maximum(rows[:, 3], LEAST_OIL * rows[:, 1])
+        rows[:, 3] = np.maximum(rows[:, 3], LEAST_OIL)
     return np.log(rows).ravel()
 
 
@@ -132,7 +134,7 @@ def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
     angles = np.linspace(0.0, c.P[P_LIFE], 8 * c.chambers, endpoint=False) + 1e-3
-    accelerate = Anderson(depth=3)
+    accelerate = Anderson(HISTORY_DEPTH)
     plenum = task.plenum()
     before, gap, turn, q = (0.0, 0.0), 1.0, 0, np.zeros(machinery.nq)
     gaps: list[float] = []
@@ -169,7 +171,7 @@ def _states(mixed: Array, raw: Array, n: int) -> Array:
     """Return states from mixed logarithms; oil too little to count keeps its raw value, so that mixing makes none."""
     states, raw = np.exp(mixed).reshape(-1, n), raw.reshape(-1, n)
     if n == 4:
-        little = raw[:, 3] <= LEAST_OIL * raw[:, 1]
+        little = raw[:, 3] <= LEAST_OIL
         states[little, 3] = raw[little, 3]
     return states.ravel()
 
@@ -204,7 +206,7 @@ def by_coupling(task: Task, y: Array) -> Closed:
     """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated."""
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
-    accelerate = Anderson(depth=10)
+    accelerate = Anderson(PITCH_DEPTH)
     plenum = task.plenum()
     seen: list[tuple[float, float]] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)

@@ -25,6 +25,8 @@ from screwsim.numerics.spline import pack_curve
 CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
 CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian")
 
+DRIVEN = ("surroundings", "rates", "jacobian", "conserve")  # what the integrator calls, beside the knots
+
 # symbols that a kernel can ask for and that are not numbers of the scene
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 
@@ -207,7 +209,7 @@ def compose(parts: Parts) -> Composition:
     gaps = [(name, path) for name, path in named if path.to == "neighbour"]
     heats = [part for items in parts.effects.values() for part in items if isinstance(part, HeatRate)]
     carried = bool(heats) and oil is not None and oil.transport == "carried"
-    states = ("T", "m", *(("T_oil",) if heats else ()), *(("m_oil",) if carried else ()))
+    states = ("T", "rho", *(("T_oil",) if heats else ()), *(("x_oil",) if carried else ()))
     law = geometry.volume_law()
     writer.function("gas_state(T, rho, P)", [f"return {writer.call(gas.state, gas.values, {}, ('T', 'rho'))}"])
     for name, kernel in (("volume_at", law.volume), ("volume_slope_at", law.slope)):
@@ -267,12 +269,16 @@ def _module_text(
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
     own = {name: name for name in (*constants, "gas_state", "volume_at", "volume_slope_at", "plenum_area")}
     own |= {name: name for name in ("gap_area", "heat_rates", "injected_oil")}
-    model = flatten((chamber.surroundings, chamber.rates, chamber.jacobian, chamber.at_knot, chamber.inject), own)
+    rooms = (
+        *(getattr(chamber, name) for name in (*DRIVEN, "at_knot", "inject")),
+        *(getattr(coupled, f"all_{name}") for name in DRIVEN),
+        coupled.no_knot,
+    )
+    model = flatten(rooms, own)
     model |= flatten((history.add_history, history.states_at))
     model |= flatten((trace.peak_pressure, trace.sample, trace.work_along), own)
     if constants["HEATED"] and not constants["CARRIED"]:
         model |= flatten((trace.oil_with_outflow,), own)
-    model |= flatten((coupled.all_surroundings, coupled.all_rates, coupled.all_jacobian, coupled.no_knot), own)
     blocks = flatten(kernels)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     blocks |= {name: text for name, text in model.items() if name not in blocks}
@@ -280,7 +286,7 @@ def _module_text(
         ("_one", chamber, "", chamber.at_knot),
         ("_all", coupled, "all_", coupled.no_knot),
     ):
-        slots = {name: getattr(room, prefix + name).flat_name for name in ("surroundings", "rates", "jacobian")}
+        slots = {name: getattr(room, prefix + name).flat_name for name in DRIVEN}
         slots["at_knot"] = knot.flat_name
         driver = flatten((rodas.integrate,), slots, kind)
         blocks |= {name: text for name, text in driver.items() if name not in blocks}

@@ -36,6 +36,7 @@ from screwsim.model.slots import (
     N_PLENUM,
     OFFSETS,
     P_GAP_WIDTH,
+    P_INJECTION,
     P_OMEGA,
     P_PITCH,
     P_PORT_WIDTH,
@@ -46,6 +47,7 @@ from screwsim.model.slots import (
     Q_STREAMS,
     Q_WORK,
     R_DISCHARGE,
+    SUCTION_IN,
     N,
     gap_area,
 )
@@ -66,7 +68,10 @@ def all_surroundings(s, middle, context, E):
 
 @kernel
 def all_rates(y, E, context, f, g):
-    """Fill f = dy/dφ of all chambers, and g: quadrature rates summed over the chambers."""
+    """Fill f = dy/dφ of all chambers, and g: quadrature rates summed over the chambers.
+
+    The last of g is the gas that enters the chambers before the injection angle from those beyond it.
+    """
     P, _TAB, R, places, _changed, work = context
     size = E_AREAS + N_PLENUM + N_GAPS
     width = 4 if CARRIED == 1 else 2
@@ -74,7 +79,7 @@ def all_rates(y, E, context, f, g):
     for i in range(CHAMBERS * n_sums):
         work[i] = 0.0
     for j in range(CHAMBERS):
-        fill_place(y, j * N, E[j * size + E_VOLUME], P, places, j * PLACE)
+        fill_place(y, j * N, P, places, j * PLACE)
     for j in range(CHAMBERS):
         e = j * size + E_AREAS
         for i in range(N_PLENUM):
@@ -110,12 +115,14 @@ def total_rates(y, E, P, R, places, work, f, g):
     size = E_AREAS + N_PLENUM + N_GAPS
     width = 4 if CARRIED == 1 else 2
     n_sums = CATEGORIES * width
-    for i in range(Q_STREAMS + n_sums):
+    for i in range(Q_STREAMS + n_sums + 1):
         g[i] = 0.0
     for j in range(CHAMBERS):
         finish(y, j * N, E, j * size, places, j * PLACE, R, P, work, j * n_sums, f, g)
         for i in range(n_sums):
             g[Q_STREAMS + i] += work[j * n_sums + i] / P[P_OMEGA]
+        if side_of(j, P) == 0:
+            g[Q_STREAMS + n_sums] += work[j * n_sums + BETWEEN * width] / P[P_OMEGA]
 
 
 @kernel
@@ -203,13 +210,11 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     for i in range(ds, spare):
         work[i] = 0.0
     for j in range(CHAMBERS):
-        V = E[j * size + E_VOLUME]
-        fill_place(y, j * N, V, P, places, j * PLACE)
-        place_derivatives(y, j * N, V, P, places, j * PLACE, changed, work[d + j * N * PLACE :])
+        fill_place(y, j * N, P, places, j * PLACE)
+        place_derivatives(y, j * N, P, places, j * PLACE, changed, work[d + j * N * PLACE :])
         row = d + (n_all + j) * PLACE
-        fill_place(y, j * N, E_next[j * size + E_VOLUME], P, work, row)
         for i in range(PLACE):
-            work[row + i] = (work[row + i] - places[j * PLACE + i]) / delta
+            work[row + i] = 0.0
     for j in range(CHAMBERS):
         for i in range(N_PLENUM + N_GAPS):
             area = E[j * size + E_AREAS + i]
@@ -233,18 +238,16 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
 def angle_columns(y, E_next, delta, context, ds, f, g, f_phi, g_phi):
     """Fill ∂f/∂φ and ∂g/∂φ of all chambers, from the surroundings at φ + delta; the sums are used up."""
     P, _TAB, R, places, _changed, work = context
-    size = E_AREAS + N_PLENUM + N_GAPS
     width = 4 if CARRIED == 1 else 2
     n_sums = CATEGORIES * width
     n_cols = CHAMBERS * N + 1
     for j in range(CHAMBERS):
-        fill_place(y, j * N, E_next[j * size + E_VOLUME], P, places, j * PLACE)
         for i in range(n_sums):
             work[j * n_sums + i] += delta * work[ds + (j * n_cols + CHAMBERS * N) * n_sums + i]
     total_rates(y, E_next, P, R, places, work, f_phi, g_phi)
     for i in range(CHAMBERS * N):
         f_phi[i] = (f_phi[i] - f[i]) / delta
-    for i in range(Q_STREAMS + n_sums):
+    for i in range(Q_STREAMS + n_sums + 1):
         g_phi[i] = (g_phi[i] - g[i]) / delta
 
 
@@ -260,9 +263,14 @@ def column(y, E, c, k, context, ds, spare, g, J, Jq):
     delta = perturbation(y, c * N, k)
     for i in range(n_sums):
         total = 0.0
+        crossing = 0.0
         for r in range(CHAMBERS):
             total += work[ds + (r * n_cols + col) * n_sums + i]
+            if side_of(r, P) == 0:
+                crossing += work[ds + (r * n_cols + col) * n_sums + i]
         Jq[Q_STREAMS + i, col] = total / P[P_OMEGA]
+        if i == BETWEEN * width:
+            Jq[Q_STREAMS + n_sums, col] = crossing / P[P_OMEGA]
     base = work[spare : spare + N + 2]
     new = work[spare + N + 2 : spare + 2 * N + 4]
     row = places[CHAMBERS * PLACE :]
@@ -288,7 +296,7 @@ def column(y, E, c, k, context, ds, spare, g, J, Jq):
             work[sums + i] = work[r * n_sums + i] + delta * work[sums + i]
         if r == c:
             changed[k] += delta
-            fill_place(changed, 0, E[e + E_VOLUME], P, row, 0)
+            fill_place(changed, 0, P, row, 0)
         new[N] = 0.0
         new[N + 1] = 0.0
         finish(changed, 0, E, e, row, 0, R, P, work, sums, new, new[N:])
@@ -302,3 +310,41 @@ def column(y, E, c, k, context, ds, spare, g, J, Jq):
 @kernel
 def no_knot(phi, y, context):
     """Leave the states alone: the only jump, oil injection, lies at the border between two pitches."""
+
+
+@kernel
+def all_conserve(y, y1, E, E_next, context, dq):
+    """Let the mass balances of a step set the flows through the ports, as `chamber.conserve` does.
+
+    Chambers before the injection angle are the suction side, the others the discharge side.
+    """
+    P, _TAB, R, places, _changed, _work = context
+    size = E_AREAS + N_PLENUM + N_GAPS
+    width = 4 if CARRIED == 1 else 2
+    crossing = dq[Q_STREAMS + CATEGORIES * width]
+    for side in range(2):
+        at = Q_STREAMS + (SUCTION_IN + 2 * side) * width
+        defect = -dq[at] - dq[at + width] - (crossing if side == 0 else -crossing)
+        widest = 0.0
+        open_one = 0
+        for j in range(CHAMBERS):
+            if side_of(j, P) == side:
+                e = j * size
+                defect += y1[j * N + 1] * E_next[e + E_VOLUME] - y[j * N + 1] * E[e + E_VOLUME]
+                for i in range(N_PLENUM):
+                    area = E[e + E_AREAS + i] + E_next[e + E_AREAS + i]
+                    if PLENUM[i] == side and area > widest:
+                        widest = area
+                        open_one = j
+        if widest > 0.0:
+            if dq[at] + dq[at + width] >= 0.0:
+                add_stream(dq, at, defect, R, R_DISCHARGE * side)
+            else:
+                fill_place(y1, open_one * N, P, places, open_one * PLACE)
+                add_stream(dq, at + width, defect, places, open_one * PLACE)
+
+
+@kernel
+def side_of(j, P):
+    """Return 0 for a chamber before the injection angle, 1 for one beyond it."""
+    return 0 if (j + 0.5) * P[P_PITCH] < P[P_INJECTION] else 1

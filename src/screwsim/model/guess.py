@@ -21,7 +21,7 @@ def first_guess(
     heated = "T_oil" in composition.states
     d = (oil.supply.get("ratio", 3.0) if oil is not None else 0.0) if heated else 0.0
     n = 1.0 + (gas.c_p - gas.c_v) / (gas.c_v + d * (oil.heat_capacity if oil is not None else 0.0))
-    grid = np.linspace(0.0, geometry.life, 361)
+    grid = np.linspace(0.0, geometry.life, 97)
     V = np.array([machinery.module.volume_at(phi, composition.P, composition.TAB) for phi in grid])
     closed = grid > geometry.injection_angle
     V_closed = machinery.module.volume_at(geometry.injection_angle, composition.P, composition.TAB)
@@ -29,12 +29,12 @@ def first_guess(
     low, high = min(1.0, p_d / p_s), max(1.0, p_d / p_s)
     p = p_s * np.clip(ratio, low, high)
     T = T_s * (p / p_s) ** ((n - 1.0) / n)
-    m = np.array([gas.density(pi, Ti) for pi, Ti in zip(p, T, strict=True)]) * V
-    columns = [T, m]
+    rho = gas.density(p_s, T_s) * (p / p_s) * (T_s / T)
+    columns = [T, rho]
     if heated and oil is not None:
         columns.append(np.where(closed, np.maximum(T, oil.temperature), oil.temperature))
     if composition.carried:
-        columns.append(np.maximum(d, 1e-3) * m)
+        columns.append(np.full(len(grid), max(d, 1e-3)))
     states = np.column_stack(columns)
     dense = np.zeros((len(grid) - 1, 4, len(columns)))
     dense[:, 0], dense[:, 1] = states[:-1], states[1:]

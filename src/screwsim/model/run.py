@@ -19,7 +19,7 @@ from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH, PLACE, R_SIZE
 from screwsim.numerics.scipy_integrators import METHODS, integrate
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
-KEPT_IMAGES = 5  # histories kept for acceleration, one more than Anderson's depth + 1
+KEPT_IMAGES = 7  # histories kept for acceleration, one more than Anderson's depth + 1
 Array = np.ndarray
 
 
@@ -144,7 +144,7 @@ class Machinery:
             work = np.zeros(c.chambers * (c.n_sums * (n_all + 2) + PLACE) + n_all * PLACE + 2 * n + 4)
             self._together = {
                 "spaces": (np.zeros((c.chambers + 1) * PLACE), np.zeros(n), work),
-                "history": self._history(self.max_steps, n_all, self.nq),
+                "history": self._history(self.max_steps, n_all, self.nq + 1),
                 "kept": np.zeros(1, np.int64),
             }
         return self._together
@@ -176,29 +176,29 @@ class Machinery:
         _, _, _, q_scale = self._pitch(y.copy(), 1e-3, h)
         space, c = self._coupled_space(), self.composition
         self.inject(y)
-        E, f, g = np.empty(c.n_E_all), np.empty(len(y)), np.empty(self.nq)
-        J, Jq, E_next = np.empty((len(y), len(y))), np.empty((self.nq, len(y))), np.empty(c.n_E_all)
-        f_phi, g_phi = np.empty(len(y)), np.empty(self.nq)
+        E, f, g = np.empty(c.n_E_all), np.empty(len(y)), np.empty(self.nq + 1)
+        J, Jq, E_next = np.empty((len(y), len(y))), np.empty((self.nq + 1, len(y))), np.empty(c.n_E_all)
+        f_phi, g_phi = np.empty(len(y)), np.empty(self.nq + 1)
         module, context = self.module, self.coupled_context
 
         def rates(s: float, middle: float, state: Array) -> Array:
             module.coupled__all_surroundings(s, middle, context, E)
             module.coupled__all_rates(np.ascontiguousarray(state), E, context, f, g)
-            return np.concatenate([f, g])
+            return np.concatenate([f, g[:-1]])
 
         def jacobian(s: float, middle: float, state: Array) -> Array:
             module.coupled__all_surroundings(s, middle, context, E)
             module.coupled__all_surroundings(s + 1e-6, middle, context, E_next)
             z = np.ascontiguousarray(state)
             module.coupled__all_jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
-            return np.vstack([J, Jq])
+            return np.vstack([J, Jq[:-1]])
 
         end, q, path = integrate(rates, jacobian, self._pitch_knots(), y, self._scales(q_scale), rtol, self.integrator)
         y[:] = end
         steps = len(path.dense)
         self.counts += np.array([steps, 0, path.calls * c.chambers, 0])
         if steps > len(space["history"][1]):
-            space["history"] = self._history(steps, len(y), self.nq)
+            space["history"] = self._history(steps, len(y), self.nq + 1)
         space["history"][0][: steps + 1], space["history"][1][:steps] = path.times, path.dense
         space["kept"][0] = steps
         return int(path.message != ""), path.times[-1], h, q
@@ -206,7 +206,7 @@ class Machinery:
     def _pitch(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
         space, c = self._coupled_space(), self.composition
         self.inject(y)
-        q = np.zeros(self.nq)
+        q = np.zeros(self.nq + 1)
         counts, knots = np.zeros(4, np.int64), self._pitch_knots()
         status, s, h = self.module.rodas__integrate_all(
             knots,
@@ -222,7 +222,7 @@ class Machinery:
             counts,
         )
         self.counts += counts * (1, 1, c.chambers, c.chambers)  # evaluations are those of one chamber
-        return int(status), float(s), float(h), q
+        return int(status), float(s), float(h), q[:-1]
 
     def _scales(self, q: Array) -> Array:
         """Return the scale of each quadrature: the largest of its kind, so that an idle path demands no accuracy."""

@@ -7,6 +7,7 @@ import numpy as np
 from screwsim.model.chamber import SIDE, fill_place, path_flows, surroundings
 from screwsim.model.slots import (
     E_AREAS,
+    E_SLOPE,
     E_VOLUME,
     GAP_OFFSET,
     N_GAPS,
@@ -16,7 +17,6 @@ from screwsim.model.slots import (
     PLENUM,
     PRESSURE,
     N,
-    volume_at,
     volume_slope_at,
 )
 from screwsim.numerics.history import locate, read
@@ -29,14 +29,14 @@ def peak_pressure(times, dense, steps, limit, context):
 
     The ends of the steps tell where; the dense output on both sides of the highest tells how high.
     """
-    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, _work = context
+    P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, _work = context
     peak = 0.0
     best = 0
     for i in range(steps):
         if P[P_INJECTION] < times[i + 1] <= limit + 1e-9:
             for j in range(N):
                 state[j] = dense[i, 1, j]
-            fill_place(state, 0, volume_at(times[i + 1], P, TAB), P, own, 0)
+            fill_place(state, 0, P, own, 0)
             if own[PRESSURE] > peak:
                 peak = own[PRESSURE]
                 best = i
@@ -45,7 +45,7 @@ def peak_pressure(times, dense, steps, limit, context):
             phi = times[i] + (times[i + 1] - times[i]) * k / 50.0
             if P[P_INJECTION] < phi <= limit + 1e-9:
                 read(phi, times, dense, i, state)
-                fill_place(state, 0, volume_at(phi, P, TAB), P, own, 0)
+                fill_place(state, 0, P, own, 0)
                 peak = max(peak, own[PRESSURE])
     return peak
 
@@ -53,7 +53,7 @@ def peak_pressure(times, dense, steps, limit, context):
 @kernel
 def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
     """Fill out[i] = (V, p, work, dm/dφ, state…) and flows[i] = flow of each path [kg/s] at the given angles [rad]."""
-    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
     E = np.empty(n_e)
     y = np.empty(N)
     i = 0
@@ -63,7 +63,7 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         i = locate(phi, inward, times, steps, i)
         read(phi, times, dense, i, y)
         surroundings(phi, inward, context, E)
-        fill_place(y, 0, volume_at(phi, P, TAB), P, own, 0)
+        fill_place(y, 0, P, own, 0)
         theta = (phi - times[i]) / (times[i + 1] - times[i])
         before = quads[i - 1, 0] if i > 0 else 0.0
         out[a, 0] = E[E_VOLUME]
@@ -71,7 +71,7 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         out[a, 2] = before + theta * (quads[i, 0] - before)
         rise = dense[i, 1, 1] - dense[i, 0, 1]
         bend = (1.0 - 2.0 * theta) * dense[i, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[i, 3, 1]
-        out[a, 3] = (rise + bend) / (times[i + 1] - times[i])
+        out[a, 3] = E[E_VOLUME] * (rise + bend) / (times[i + 1] - times[i]) + E[E_SLOPE] * y[1]
         for j in range(N):
             out[a, 4 + j] = y[j]
         path_flows(y, E, context, flows[a])
@@ -89,7 +89,7 @@ def work_along(times, dense, quads, steps, context):
         for k in range(3):
             phi = a + 0.5 * k * h
             read(phi, times, dense, i, state)
-            fill_place(state, 0, volume_at(phi, P, TAB), P, own, 0)
+            fill_place(state, 0, P, own, 0)
             share += (4.0 if k == 1 else 1.0) * own[PRESSURE] * volume_slope_at(phi, P, TAB)
         total -= share * h / 6.0
         quads[i, 0] = total

@@ -34,16 +34,19 @@ class Anderson:
             self.residuals.pop(0)
         if len(self.residuals) == 1:
             return np.ones(1)
-        steps = np.diff(np.array(self.residuals), axis=0).T
-        gram = steps.T @ steps
-        gram[np.diag_indices_from(gram)] *= 1.0 + self.regularisation
+        kept = np.array(self.residuals)
+        steps = kept[1:] - kept[:-1]
+        gram = steps @ steps.T
+        gram.flat[:: len(gram) + 1] *= 1.0 + self.regularisation
         try:
-            share = np.linalg.solve(gram, steps.T @ self.residuals[-1])
+            share = np.linalg.solve(gram, steps @ kept[-1])
         except np.linalg.LinAlgError:
             return self._only_newest()
-        if not np.all(np.isfinite(share)) or np.max(np.abs(share)) > 1e3:
+        if not np.abs(share).max() <= 1e3:  # not finite, too
             return self._only_newest()
-        return np.diff(np.concatenate([[0.0], share, [1.0]]))
+        weights = np.append(share, 1.0)
+        weights[1:] -= share
+        return weights
 
     def _only_newest(self) -> Array:
         self.residuals = self.residuals[-1:]

@@ -8,9 +8,10 @@ Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they red
 q += h [Σ β_i g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for
 the system enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
 
-The model is reached by four slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
-derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state). Steps land
-on knots and keep their size across them.
+The model is reached by five slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
+derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state), `conserve`
+(closes the balances of an accepted step, in its end and its quadratures). Steps land on knots and keep their size
+across them.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ surroundings = Slot("surroundings")
 rates = Slot("rates")
 jacobian = Slot("jacobian")
 at_knot = Slot("at_knot")
+conserve = Slot("conserve")
 
 GAMMA = 0.25
 ORDER = 4
@@ -72,6 +74,7 @@ OK = 0
 STEP_TOO_SMALL = 1
 TOO_MANY_STEPS = 2
 ANGLE_STEP = 1e-6  # rad, for differences of what is smooth over the angle
+GROWTH = 2.5  # of a step over the last: faster growth jumps into regions that no error estimate has seen
 SMALLEST = 1e-13  # a step below this share of the angle means that the rates are not finite or not solvable
 
 
@@ -204,14 +207,15 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
                 continue
             if step >= dense.shape[0]:
                 return TOO_MANY_STEPS, phi, h
+            conserve(y, y1, E, E_next, context, dq)
             for i in range(nq):
                 q[i] += dq[i]
             keep(step, phi, trial, y, y1, q, u, times, dense, quads)
             step += 1
             kept[0] = step
             counts[0] += 1
-            factor = min(5.0, 0.85 * max(error, 1e-8) ** (-0.25))
-            h = max(h, trial * factor) if factor >= 5.0 else trial * factor
+            factor = min(GROWTH, 0.85 * max(error, 1e-8) ** (-0.25))
+            h = max(h, trial * factor) if factor >= GROWTH else trial * factor
             for i in range(n):
                 y[i] = y1[i]
             for i in range(n_e):
