@@ -11,7 +11,7 @@ from screwsim.numerics import rodas
 from screwsim.numerics.kernel import flatten
 
 Array = np.ndarray
-SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "conserve")
+SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "conserve", "keep_places")
 
 
 class Path(NamedTuple):
@@ -63,7 +63,7 @@ def emitted(problem: Problem) -> dict[str, Any]:
 
     names: dict[str, Any] = {"np": np, "math": __import__("math"), "njit": lambda **_: lambda function: function}
     names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian, "p_at_knot": at_knot}
-    names["p_conserve"] = conserve
+    names |= {"p_conserve": conserve, "p_keep_places": lambda step, dense, context: None}
     text = flatten((rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p")
     exec("\n\n".join(text.values()), names)
     return names

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import log
+from typing import Any, ClassVar
 
 from screwsim.fluid.nozzle import choking
 from screwsim.numerics.kernel import kernel
@@ -31,6 +32,8 @@ class IdealGas:
     name: str = "ideal"
     equations = ("M5", "M6")
     state = state
+    varies = False  # exponent and choking are the same everywhere
+    tables: ClassVar[dict[str, Any]] = {}
 
     @property
     def values(self) -> dict[str, float]:

@@ -9,34 +9,20 @@ run-time cells, two histories, their numbers of steps (kept[0] new, kept[1] old)
 
 from __future__ import annotations
 
-from screwsim.fluid.nozzle import flow, flow_slopes
-from screwsim.model.balance import oil_temperature_slope, temperature_slope
+from screwsim.model.places import angle_terms, fill_place, neighbour, perturbation, place_derivatives
 from screwsim.model.slots import (
-    BETWEEN,
-    C_V,
     CARRIED,
     CATEGORIES,
-    CHOKE,
-    CHOKED,
     DENSITY,
-    DISCHARGE_IN,
-    E_ANGLE,
     E_AREAS,
-    E_OILED,
-    E_SLOPE,
     E_VOLUME,
-    ENTHALPY,
-    EXPONENT,
     GAP_OFFSET,
     HEATED,
     N_GAPS,
     N_OFFSETS,
     N_PLENUM,
     OFFSETS,
-    OIL_RATIO,
-    OIL_TEMPERATURE,
     OILED,
-    P_C_OIL,
     P_GAP_WIDTH,
     P_INJECTION,
     P_LIFE,
@@ -58,62 +44,25 @@ from screwsim.model.slots import (
     R_RATIO,
     R_TRAPPED,
     SUCTION_IN,
-    TPT,
     N,
     gap_area,
     gas_state,
-    heat_rates,
     injected_oil,
-    plenum_area,
     volume_at,
-    volume_slope_at,
 )
-from screwsim.numerics.history import locate, read
+from screwsim.model.streams import (
+    add_stream,
+    add_stream_slope,
+    category,
+    finish,
+    flow_over_angle,
+    gap_category,
+    place_flow,
+    place_slopes,
+)
 from screwsim.numerics.kernel import kernel
 
 SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
-STEP = 1e-7  # relative step of the differences of smooth state functions
-
-
-@kernel
-def fill_place(y, at, P, place, row):
-    """Fill row `row` of `place` for a chamber whose state begins at y[at]."""
-    T = y[at]
-    rho = y[at + 1]
-    p, h, c_v, tpt, exponent, choke, choked = gas_state(T, rho, P)
-    place[row + PRESSURE] = p
-    place[row + DENSITY] = rho
-    place[row + ENTHALPY] = h
-    place[row + EXPONENT] = exponent
-    place[row + CHOKE] = choke
-    place[row + CHOKED] = choked
-    place[row + C_V] = c_v
-    place[row + TPT] = tpt
-    if HEATED == 1:
-        place[row + OIL_TEMPERATURE] = y[at + 2]
-    if CARRIED == 1:
-        place[row + OIL_RATIO] = y[at + 3]
-
-
-@kernel
-def angle_terms(phi, middle, P, TAB, E, at):
-    """Fill what depends on the chamber's own angle: volume, slope, oil present, plenum areas."""
-    E[at + E_VOLUME] = volume_at(phi, P, TAB)
-    E[at + E_SLOPE] = volume_slope_at(phi, P, TAB)
-    E[at + E_OILED] = 1.0 if middle > P[P_INJECTION] else 0.0
-    E[at + E_ANGLE] = phi
-    for i in range(N_PLENUM):
-        E[at + E_AREAS + i] = plenum_area(i, phi, P, TAB)
-
-
-@kernel
-def neighbour(phi, middle, times, dense, steps, hints, side, P, TAB, state, E, at):
-    """Fill a neighbour's place from a history."""
-    i = locate(phi, middle, times, steps, hints[side])
-    hints[side] = i
-    read(phi, times, dense, i, state)
-    fill_place(state, 0, P, E, at)
-    E[at + PLACE] = 0.0
 
 
 @kernel
@@ -140,141 +89,21 @@ def surroundings(phi, middle, context, E):
                     E[at + i] = R[R_DISCHARGE + i]
                 E[at + PLACE] = 1.0
             else:
-                neighbour(phi + shift, middle + shift, t_old, d_old, kept[1], hints, 2 * o, P, TAB, state, E, at)
+                neighbour(phi + shift, middle + shift, t_old, d_old, kept[1], hints, 2 * o, R, state, E, at)
         at += SIDE
         if behind > 0.0:
             if kept[0] > 0 and t_new[kept[0]] >= phi - shift:
-                neighbour(phi - shift, middle - shift, t_new, d_new, kept[0], hints, 2 * o + 1, P, TAB, state, E, at)
+                neighbour(phi - shift, middle - shift, t_new, d_new, kept[0], hints, 2 * o + 1, R, state, E, at)
             else:
-                neighbour(phi - shift, middle - shift, t_old, d_old, kept[1], hints, 2 * o + 1, P, TAB, state, E, at)
-
-
-@kernel
-def place_flow(area, own, a, other, b, width):
-    """Return the mass flow [kg/s] from place `other[b]` into place `own[a]`."""
-    return flow(
-        area,
-        own[a + PRESSURE],
-        own[a + DENSITY],
-        own[a + EXPONENT],
-        own[a + CHOKE],
-        own[a + CHOKED],
-        other[b + PRESSURE],
-        other[b + DENSITY],
-        other[b + EXPONENT],
-        other[b + CHOKE],
-        other[b + CHOKED],
-        width,
-    )
-
-
-@kernel
-def place_slopes(area, own, a, other, b, width):
-    """Return the mass flow and its slopes by pressure and density of both places."""
-    return flow_slopes(
-        area,
-        own[a + PRESSURE],
-        own[a + DENSITY],
-        own[a + EXPONENT],
-        own[a + CHOKE],
-        own[a + CHOKED],
-        other[b + PRESSURE],
-        other[b + DENSITY],
-        other[b + EXPONENT],
-        other[b + CHOKE],
-        other[b + CHOKED],
-        width,
-    )
-
-
-@kernel
-def add_stream(sums, at, m, source, s):
-    """Add a stream of mass flow m that has the state of place `source[s]` to the sums of one category."""
-    sums[at] += m
-    sums[at + 1] += m * source[s + ENTHALPY]
-    if CARRIED == 1:
-        oil = m * source[s + OIL_RATIO]
-        sums[at + 2] += oil
-        sums[at + 3] += oil * source[s + OIL_TEMPERATURE]
-
-
-@kernel
-def add_stream_slope(sums, at, m, dm, source, s, d, r):
-    """Add the derivative of a stream: dm with the source's state, and m with the change d[r] of that state."""
-    add_stream(sums, at, dm, source, s)
-    sums[at + 1] += m * d[r + ENTHALPY]
-    if CARRIED == 1:
-        ratio = m * d[r + OIL_RATIO]
-        sums[at + 2] += ratio
-        sums[at + 3] += ratio * source[s + OIL_TEMPERATURE] + m * source[s + OIL_RATIO] * d[r + OIL_TEMPERATURE]
-
-
-@kernel
-def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
-    """Fill f (rates of one chamber, at `at`) and add work and heat to g from the summed streams; the first law."""
-    T = y[at]
-    rho = y[at + 1]
-    m = rho * E[e + E_VOLUME]
-    width = 4 if CARRIED == 1 else 2
-    mass = 0.0
-    enthalpy = 0.0
-    oil = 0.0
-    oil_energy = 0.0
-    for c in range(CATEGORIES):
-        i = first + c * width
-        mass += sums[i]
-        enthalpy += sums[i + 1]
-        if CARRIED == 1:
-            oil += sums[i + 2]
-            oil_energy += sums[i + 3]
-    omega = P[P_OMEGA]
-    heat = 0.0
-    if HEATED == 1:
-        m_oil = (y[at + 3] if CARRIED == 1 else E[e + E_OILED] * R[R_RATIO]) * m
-        heat, lost = heat_rates(
-            T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], y[at + 2], m_oil, R[R_RATIO], P
-        )
-        f[at + 2] = oil_temperature_slope(y[at + 2], m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
-        if CARRIED == 1:
-            f[at + 3] = (oil - y[at + 3] * mass) / (m * omega)
-    f[at] = temperature_slope(
-        T,
-        m,
-        rho,
-        place[row + ENTHALPY],
-        place[row + C_V],
-        place[row + TPT],
-        mass,
-        enthalpy,
-        heat,
-        E[e + E_SLOPE],
-        omega,
-    )
-    f[at + 1] = (mass / omega - rho * E[e + E_SLOPE]) / E[e + E_VOLUME]
-    g[Q_WORK] -= place[row + PRESSURE] * E[e + E_SLOPE]
-    g[Q_HEAT] += heat / omega
-
-
-@kernel
-def category(path_to, m):
-    """Return the category of a stream through an opening to a plenum (0 suction, 1 discharge)."""
-    return SUCTION_IN + 2 * path_to + (0 if m >= 0.0 else 1)
-
-
-@kernel
-def gap_category(E, at, m):
-    """Return the category of a stream through a gap: between chambers, or of the discharge plenum beyond the last."""
-    if E[at + PLACE] > 0.0:
-        return DISCHARGE_IN + (0 if m >= 0.0 else 1)
-    return BETWEEN
+                neighbour(phi - shift, middle - shift, t_old, d_old, kept[1], hints, 2 * o + 1, R, state, E, at)
 
 
 @kernel
 def rates(y, E, context, f, g):
     """Fill f = dy/dφ and the quadrature rates g of one chamber."""
-    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, work = context
+    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, work = context
     width = 4 if CARRIED == 1 else 2
-    fill_place(y, 0, P, own, 0)
+    fill_place(y, 0, P, TAB, own, 0)
     for i in range(CATEGORIES * width):
         work[i] = 0.0
     for i in range(N_PLENUM):
@@ -304,8 +133,8 @@ def rates(y, E, context, f, g):
 @kernel
 def path_flows(y, E, context, out):
     """Fill `out` with the mass flow [kg/s] into the chamber: plenum paths, then each gap ahead and behind."""
-    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
-    fill_place(y, 0, P, own, 0)
+    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    fill_place(y, 0, P, TAB, own, 0)
     for i in range(N_PLENUM):
         out[i] = 0.0
         if E[E_AREAS + i] > 0.0:
@@ -317,49 +146,20 @@ def path_flows(y, E, context, out):
 
 
 @kernel
-def perturbation(y, at, j):
-    """Return the step by which state j is changed for differences of smooth functions."""
-    if j == 3:
-        return STEP * (abs(y[at + 3]) + 1e-3)
-    return STEP * abs(y[at + j])
-
-
-@kernel
-def place_derivatives(y, at, P, place, row, changed, d):
-    """Fill d[j·PLACE …] with the derivatives of a chamber's place by its state j; `changed` is a spare state."""
-    for j in range(N):
-        for i in range(N):
-            changed[i] = y[at + i]
-        delta = perturbation(y, at, j)
-        changed[j] += delta
-        fill_place(changed, 0, P, d, j * PLACE)
-        for i in range(PLACE):
-            d[j * PLACE + i] = (d[j * PLACE + i] - place[row + i]) / delta
-
-
-@kernel
-def flow_over_angle(area, darea, m_1, by_p1, by_rho1, by_p2, by_rho2, d_own, a, d_other, b):
-    """Return dṁ/dφ at fixed states from the flow and slopes per unit area, and the places' derivatives by the angle."""
-    of_places = by_p1 * d_own[a + PRESSURE] + by_rho1 * d_own[a + DENSITY]
-    of_places += by_p2 * d_other[b + PRESSURE] + by_rho2 * d_other[b + DENSITY]
-    return m_1 * darea + area * of_places
-
-
-@kernel
 def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     """Fill f, g and their derivatives by y and by φ: flows by their analytic slopes, smooth functions by differences.
 
     E_next is E at φ + delta. The square-root behaviour of a flow near equal pressures never enters a difference: a
     step of 1e-6 in the angle alone would change p by more than a wide port's Δp.
     """
-    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, work = context
+    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, work = context
     width = 4 if CARRIED == 1 else 2
     n_sums = CATEGORIES * width
     d = n_sums  # work: sums; derivatives of the own place by each state, then by φ; derivatives of the sums likewise
     ds = d + (N + 1) * PLACE
     other = ds + (N + 1) * n_sums + N + 2
-    fill_place(y, 0, P, own, 0)
-    place_derivatives(y, 0, P, own, 0, state, work[d:])
+    fill_place(y, 0, P, TAB, own, 0)
+    place_derivatives(y, 0, P, TAB, own, 0, state, work[d:])
     d_phi = d + N * PLACE
     for i in range(PLACE):
         work[d_phi + i] = 0.0
@@ -410,26 +210,28 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     for i in range(n_sums):
         g[Q_STREAMS + i] = work[i] / P[P_OMEGA]
     for j in range(N):
-        own_column(y, j, E, own, state, work, ds, n_sums, P, R, f, g, J, Jq)
+        own_column(y, j, E, own, state, work, d, other, n_sums, P, R, f, g, J, Jq)
     angle_column(y, E_next, delta, own, work, ds + N * n_sums, n_sums, P, R, f, g, f_phi, g_phi)
 
 
 @kernel
-def own_column(y, j, E, own, state, work, ds, n_sums, P, R, f, g, J, Jq):
+def own_column(y, j, E, own, state, work, d, place, n_sums, P, R, f, g, J, Jq):
     """Fill column j of J and Jq: change one state, its place and (linearly) its streams; difference the first law."""
+    ds = d + (N + 1) * PLACE
     changed = ds + (N + 1) * n_sums
     delta = perturbation(y, 0, j)
     for i in range(N):
         state[i] = y[i]
     state[j] += delta
-    fill_place(state, 0, P, own, 0)
+    for i in range(PLACE):
+        work[place + i] = own[i] + delta * work[d + j * PLACE + i]
     sums = ds + j * n_sums
     for i in range(n_sums):
         Jq[Q_STREAMS + i, j] = work[sums + i] / P[P_OMEGA]
         work[sums + i] = work[i] + delta * work[sums + i]
     work[changed + N] = 0.0
     work[changed + N + 1] = 0.0
-    finish(state, 0, E, 0, own, 0, R, P, work, sums, work[changed:], work[changed + N :])
+    finish(state, 0, E, 0, work, place, R, P, work, sums, work[changed:], work[changed + N :])
     for i in range(N):
         J[i, j] = (work[changed + i] - f[i]) / delta
     for i in range(Q_STREAMS):
@@ -439,7 +241,6 @@ def own_column(y, j, E, own, state, work, ds, n_sums, P, R, f, g, J, Jq):
 @kernel
 def angle_column(y, E_next, delta, own, work, sums, n_sums, P, R, f, g, f_phi, g_phi):
     """Fill ∂f/∂φ and ∂g/∂φ in the same way, from the surroundings at φ + delta."""
-    fill_place(y, 0, P, own, 0)
     for i in range(n_sums):
         g_phi[Q_STREAMS + i] = work[sums + i] / P[P_OMEGA]
         work[sums + i] = work[i] + delta * work[sums + i]
@@ -456,7 +257,7 @@ def angle_column(y, E_next, delta, own, work, sums, n_sums, P, R, f, g, f_phi, g
 def inject(y, at, P, TAB, R):
     """Let the oil in at the injection angle, and note what is there: trapped mass, pressure, oil (M9, M30)."""
     m = y[at + 1] * volume_at(P[P_INJECTION], P, TAB)
-    p, _h, _c, _t, _a, _x, _f = gas_state(y[at], y[at + 1], P)
+    p, _h, _c, _t, _a, _x, _f = gas_state(y[at], y[at + 1], P, TAB)
     R[R_TRAPPED] = m
     R[R_PRESSURE] = p
     if OILED == 0:
@@ -490,7 +291,7 @@ def conserve(y, y1, E, E_next, context, dq):
     A wide port holds p to the plenum's by a tiny Δp, whose quadrature carries the error of the whole state; the change
     of ρV over the step does not. Where no port is open the flows are smooth, and it is ρV that follows them.
     """
-    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
     width = 4 if CARRIED == 1 else 2
     widest = 0.0
     port = 0
@@ -509,5 +310,5 @@ def conserve(y, y1, E, E_next, context, dq):
     if dq[at] + dq[at + width] >= 0.0:
         add_stream(dq, at, defect, R, R_DISCHARGE * port)
     else:
-        fill_place(y1, 0, P, own, 0)
+        fill_place(y1, 0, P, TAB, own, 0)
         add_stream(dq, at + width, defect, own, 0)

@@ -258,7 +258,7 @@ def chambers_at_pitches(machinery: Machinery) -> Array:
         i = int(np.searchsorted(times[: steps + 1], j * c.P[P_PITCH] + 1e-9, side="right")) - 1
         i = max(0, i - 1) if abs(times[i] - j * c.P[P_PITCH]) < 1e-9 and i > 0 else i
         theta = (j * c.P[P_PITCH] - times[i]) / (times[i + 1] - times[i])
-        states.append(dense_value(theta, *dense[i]))
+        states.append(dense_value(theta, *dense[i])[: machinery.n])
     return np.concatenate(states)
 
 

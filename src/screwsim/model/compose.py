@@ -15,7 +15,7 @@ import numpy as np
 
 from screwsim.effects.base import FlowPath, HeatRate
 from screwsim.fluid.orifice import orifice_flow
-from screwsim.model import chamber, coupled, trace
+from screwsim.model import chamber, coupled, places, trace
 from screwsim.model.slots import FIRST_FREE
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kernel import HEADER, Kernel, decorate, flatten, without_wrapper
@@ -23,9 +23,9 @@ from screwsim.numerics.spline import pack_curve
 
 # what is called from Python; a wrapper for every small kernel would cost a sixth of the compilation
 CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
-CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian")
+CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian", "places__places_along")
 
-DRIVEN = ("surroundings", "rates", "jacobian", "conserve")  # what the integrator calls, beside the knots
+DRIVEN = ("surroundings", "rates", "jacobian", "conserve")  # what the integrator calls of both drivers
 
 # symbols that a kernel can ask for and that are not numbers of the scene
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
@@ -85,6 +85,7 @@ class Composition:
     states: tuple[str, ...]
     plenum_paths: tuple[str, ...]
     gap_paths: tuple[tuple[str, int], ...]  # effect, lobe offset
+    n_place: int  # columns of a history beyond the states
     n_sums: int
     n_E: int
     n_E_all: int
@@ -211,7 +212,8 @@ def compose(parts: Parts) -> Composition:
     carried = bool(heats) and oil is not None and oil.transport == "carried"
     states = ("T", "rho", *(("T_oil",) if heats else ()), *(("x_oil",) if carried else ()))
     law = geometry.volume_law()
-    writer.function("gas_state(T, rho, P)", [f"return {writer.call(gas.state, gas.values, {}, ('T', 'rho'))}"])
+    call = writer.call(gas.state, gas.values, gas.tables, ("T", "rho", "TAB"))
+    writer.function("gas_state(T, rho, P, TAB)", [f"return {call}"])
     for name, kernel in (("volume_at", law.volume), ("volume_slope_at", law.slope)):
         call = writer.call(kernel, law.values, law.tables, ("phi", "TAB"))
         writer.function(f"{name}(phi, P, TAB)", [f"return {call}"])
@@ -222,6 +224,7 @@ def compose(parts: Parts) -> Composition:
     offsets = sorted({path.offset for _, path in gaps})
     constants = {
         "N": len(states),
+        "VARIES": int(gas.varies),
         "HEATED": int(bool(heats)),
         "CARRIED": int(carried),
         "OILED": int(oil is not None),
@@ -242,6 +245,7 @@ def compose(parts: Parts) -> Composition:
         states=states,
         plenum_paths=tuple(name for name, _ in plenum),
         gap_paths=tuple((name, path.offset) for name, path in gaps),
+        n_place=5 if gas.varies else 2,
         n_sums=5 * (4 if carried else 2),
         n_E=n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets),
         n_E_all=geometry.chambers * (n_areas + len(gaps)),
@@ -273,6 +277,9 @@ def _module_text(
         *(getattr(chamber, name) for name in (*DRIVEN, "at_knot", "inject")),
         *(getattr(coupled, f"all_{name}") for name in DRIVEN),
         coupled.no_knot,
+        coupled.no_places,
+        places.keep_places,
+        places.places_along,
     )
     model = flatten(rooms, own)
     model |= flatten((history.add_history, history.states_at))
@@ -282,12 +289,12 @@ def _module_text(
     blocks = flatten(kernels)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     blocks |= {name: text for name, text in model.items() if name not in blocks}
-    for kind, room, prefix, knot in (
-        ("_one", chamber, "", chamber.at_knot),
-        ("_all", coupled, "all_", coupled.no_knot),
+    for kind, room, prefix, knot, keep in (
+        ("_one", chamber, "", chamber.at_knot, places.keep_places),
+        ("_all", coupled, "all_", coupled.no_knot, coupled.no_places),
     ):
         slots = {name: getattr(room, prefix + name).flat_name for name in DRIVEN}
-        slots["at_knot"] = knot.flat_name
+        slots |= {"at_knot": knot.flat_name, "keep_places": keep.flat_name}
         driver = flatten((rodas.integrate,), slots, kind)
         blocks |= {name: text for name, text in driver.items() if name not in blocks}
     texts = [text if name.startswith(CALLED) else without_wrapper(text) for name, text in blocks.items()]

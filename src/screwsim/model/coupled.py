@@ -9,19 +9,7 @@ spare state, and working memory for sums and derivatives.
 
 from __future__ import annotations
 
-from screwsim.model.chamber import (
-    add_stream,
-    add_stream_slope,
-    angle_terms,
-    category,
-    fill_place,
-    finish,
-    flow_over_angle,
-    perturbation,
-    place_derivatives,
-    place_flow,
-    place_slopes,
-)
+from screwsim.model.places import angle_terms, fill_place, perturbation, place_derivatives
 from screwsim.model.slots import (
     BETWEEN,
     CARRIED,
@@ -51,6 +39,15 @@ from screwsim.model.slots import (
     N,
     gap_area,
 )
+from screwsim.model.streams import (
+    add_stream,
+    add_stream_slope,
+    category,
+    finish,
+    flow_over_angle,
+    place_flow,
+    place_slopes,
+)
 from screwsim.numerics.kernel import kernel
 
 
@@ -72,14 +69,14 @@ def all_rates(y, E, context, f, g):
 
     The last of g is the gas that enters the chambers before the injection angle from those beyond it.
     """
-    P, _TAB, R, places, _changed, work = context
+    P, TAB, R, places, _changed, work = context
     size = E_AREAS + N_PLENUM + N_GAPS
     width = 4 if CARRIED == 1 else 2
     n_sums = CATEGORIES * width
     for i in range(CHAMBERS * n_sums):
         work[i] = 0.0
     for j in range(CHAMBERS):
-        fill_place(y, j * N, P, places, j * PLACE)
+        fill_place(y, j * N, P, TAB, places, j * PLACE)
     for j in range(CHAMBERS):
         e = j * size + E_AREAS
         for i in range(N_PLENUM):
@@ -197,7 +194,7 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
 @kernel
 def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     """Fill f, g and their derivatives by y and φ, as `chamber.jacobian` does, for all chambers and interfaces."""
-    P, _TAB, R, places, changed, work = context
+    P, TAB, R, places, changed, work = context
     size = E_AREAS + N_PLENUM + N_GAPS
     width = 4 if CARRIED == 1 else 2
     n_sums = CATEGORIES * width
@@ -210,8 +207,8 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     for i in range(ds, spare):
         work[i] = 0.0
     for j in range(CHAMBERS):
-        fill_place(y, j * N, P, places, j * PLACE)
-        place_derivatives(y, j * N, P, places, j * PLACE, changed, work[d + j * N * PLACE :])
+        fill_place(y, j * N, P, TAB, places, j * PLACE)
+        place_derivatives(y, j * N, P, TAB, places, j * PLACE, changed, work[d + j * N * PLACE :])
         row = d + (n_all + j) * PLACE
         for i in range(PLACE):
             work[row + i] = 0.0
@@ -230,7 +227,7 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     total_rates(y, E, P, R, places, work, f, g)
     for c in range(CHAMBERS):
         for k in range(N):
-            column(y, E, c, k, context, ds, spare, g, J, Jq)
+            column(y, E, c, k, context, d, ds, spare, g, J, Jq)
     angle_columns(y, E_next, delta, context, ds, f, g, f_phi, g_phi)
 
 
@@ -252,7 +249,7 @@ def angle_columns(y, E_next, delta, context, ds, f, g, f_phi, g_phi):
 
 
 @kernel
-def column(y, E, c, k, context, ds, spare, g, J, Jq):
+def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
     """Fill the column of state k of chamber c: its own first law differenced, the others' linear in their streams."""
     P, _TAB, R, places, changed, work = context
     size = E_AREAS + N_PLENUM + N_GAPS
@@ -296,7 +293,8 @@ def column(y, E, c, k, context, ds, spare, g, J, Jq):
             work[sums + i] = work[r * n_sums + i] + delta * work[sums + i]
         if r == c:
             changed[k] += delta
-            fill_place(changed, 0, P, row, 0)
+            for i in range(PLACE):
+                row[i] += delta * work[d + col * PLACE + i]
         new[N] = 0.0
         new[N + 1] = 0.0
         finish(changed, 0, E, e, row, 0, R, P, work, sums, new, new[N:])
@@ -318,7 +316,7 @@ def all_conserve(y, y1, E, E_next, context, dq):
 
     Chambers before the injection angle are the suction side, the others the discharge side.
     """
-    P, _TAB, R, places, _changed, _work = context
+    P, TAB, R, places, _changed, _work = context
     size = E_AREAS + N_PLENUM + N_GAPS
     width = 4 if CARRIED == 1 else 2
     crossing = dq[Q_STREAMS + CATEGORIES * width]
@@ -340,7 +338,7 @@ def all_conserve(y, y1, E, E_next, context, dq):
             if dq[at] + dq[at + width] >= 0.0:
                 add_stream(dq, at, defect, R, R_DISCHARGE * side)
             else:
-                fill_place(y1, open_one * N, P, places, open_one * PLACE)
+                fill_place(y1, open_one * N, P, TAB, places, open_one * PLACE)
                 add_stream(dq, at + width, defect, places, open_one * PLACE)
 
 
@@ -348,3 +346,8 @@ def all_conserve(y, y1, E, E_next, context, dq):
 def side_of(j, P):
     """Return 0 for a chamber before the injection angle, 1 for one beyond it."""
     return 0 if (j + 0.5) * P[P_PITCH] < P[P_INJECTION] else 1
+
+
+@kernel
+def no_places(step, dense, context):
+    """Leave the places: they are filled when the pitch becomes a life (`places.places_along`)."""

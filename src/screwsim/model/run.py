@@ -34,12 +34,13 @@ class Machinery:
         self.nq = composition.n_quadratures
         self.R = np.zeros(R_SIZE)
         self.max_steps = max_steps
-        self.histories = [self._history(max_steps, n, self.nq) for _ in range(2)]
+        self.columns = n + composition.n_place
+        self.histories = [self._history(max_steps, self.columns, self.nq) for _ in range(2)]
         self.images: list[tuple[Array, Array, int]] = []
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
         work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + 2)
-        self._spaces = (np.zeros(n), np.zeros(PLACE), work)
+        self._spaces = (np.zeros(self.columns), np.zeros(PLACE), work)
         self.counts = np.zeros(4, np.int64)
         self._together: dict[str, Any] = {}
         self._warm: set[str] = set()
@@ -126,14 +127,15 @@ class Machinery:
         return out
 
     def install(self, times: Array, dense: Array, quads: Array) -> None:
-        """Put a history in place as the last turn's."""
+        """Put a history of states in place as the last turn's, and fill the places of its steps."""
         steps = len(dense)
         if steps > self.max_steps:
             self.max_steps = steps
-            self.histories = [self._history(steps, self.n, self.nq) for _ in range(2)]
+            self.histories = [self._history(steps, self.columns, self.nq) for _ in range(2)]
         old = self.histories[0]
-        old[0][: steps + 1], old[1][:steps], old[2][:steps] = times, dense, quads
+        old[0][: steps + 1], old[1][:steps, :, : self.n], old[2][:steps] = times, dense, quads
         self.kept[:] = 0, steps
+        self.module.places__places_along(old[1], steps, self.context)
 
     # ---- all chambers together -------------------------------------------------------------------------------
 

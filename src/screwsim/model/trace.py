@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from screwsim.model.chamber import SIDE, fill_place, path_flows, surroundings
+from screwsim.model.chamber import SIDE, path_flows, surroundings
 from screwsim.model.slots import (
     E_AREAS,
     E_SLOPE,
@@ -15,12 +15,12 @@ from screwsim.model.slots import (
     P_INJECTION,
     PLACE,
     PLENUM,
-    PRESSURE,
     N,
     volume_slope_at,
 )
 from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel
+from screwsim.numerics.rodas import dense_value
 
 
 @kernel
@@ -29,31 +29,25 @@ def peak_pressure(times, dense, steps, limit, context):
 
     The ends of the steps tell where; the dense output on both sides of the highest tells how high.
     """
-    P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, _work = context
+    P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, _own, _work = context
     peak = 0.0
     best = 0
     for i in range(steps):
-        if P[P_INJECTION] < times[i + 1] <= limit + 1e-9:
-            for j in range(N):
-                state[j] = dense[i, 1, j]
-            fill_place(state, 0, P, own, 0)
-            if own[PRESSURE] > peak:
-                peak = own[PRESSURE]
-                best = i
+        if P[P_INJECTION] < times[i + 1] <= limit + 1e-9 and dense[i, 1, N] > peak:
+            peak = dense[i, 1, N]
+            best = i
     for i in range(best, min(best + 2, steps)):
         for k in range(1, 50):
             phi = times[i] + (times[i + 1] - times[i]) * k / 50.0
             if P[P_INJECTION] < phi <= limit + 1e-9:
-                read(phi, times, dense, i, state)
-                fill_place(state, 0, P, own, 0)
-                peak = max(peak, own[PRESSURE])
+                p = dense_value(k / 50.0, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N])
+                peak = max(peak, p)
     return peak
 
 
 @kernel
 def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
     """Fill out[i] = (V, p, work, dm/dφ, state…) and flows[i] = flow of each path [kg/s] at the given angles [rad]."""
-    P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
     E = np.empty(n_e)
     y = np.empty(N)
     i = 0
@@ -63,11 +57,10 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         i = locate(phi, inward, times, steps, i)
         read(phi, times, dense, i, y)
         surroundings(phi, inward, context, E)
-        fill_place(y, 0, P, own, 0)
         theta = (phi - times[i]) / (times[i + 1] - times[i])
         before = quads[i - 1, 0] if i > 0 else 0.0
         out[a, 0] = E[E_VOLUME]
-        out[a, 1] = own[PRESSURE]
+        out[a, 1] = dense_value(theta, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N])
         out[a, 2] = before + theta * (quads[i, 0] - before)
         rise = dense[i, 1, 1] - dense[i, 0, 1]
         bend = (1.0 - 2.0 * theta) * dense[i, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[i, 3, 1]
@@ -80,17 +73,15 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
 @kernel
 def work_along(times, dense, quads, steps, context):
     """Fill quads[:, 0] with the work on the gas, −∫p dV by Simpson's rule on each step (for the trace only)."""
-    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, _work = context
+    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, _own, _work = context
     total = 0.0
     for i in range(steps):
         a = times[i]
         h = times[i + 1] - a
         share = 0.0
         for k in range(3):
-            phi = a + 0.5 * k * h
-            read(phi, times, dense, i, state)
-            fill_place(state, 0, P, own, 0)
-            share += (4.0 if k == 1 else 1.0) * own[PRESSURE] * volume_slope_at(phi, P, TAB)
+            p = dense_value(0.5 * k, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N])
+            share += (4.0 if k == 1 else 1.0) * p * volume_slope_at(a + 0.5 * k * h, P, TAB)
         total -= share * h / 6.0
         quads[i, 0] = total
 

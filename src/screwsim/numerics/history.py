@@ -34,6 +34,12 @@ def read(phi, times, dense, i, out):
 
 
 @kernel
+def cubic(v0, v1, v2, v3):
+    """Return (c3, c4) of the dense output through values at 0, 1/3, 2/3 and 1 of a step (v0 and v3 its ends)."""
+    return -4.5 * v0 + 9.0 * v1 - 4.5 * v2, 4.5 * v0 - 13.5 * v1 + 13.5 * v2 - 4.5 * v3
+
+
+@kernel
 def add_history(times, steps, other_times, other_dense, other_steps, weight, out):
     """Add weight × another history to `out`, the dense form on the steps of `times`.
 

@@ -8,10 +8,10 @@ Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they red
 q += h [Σ β_i g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for
 the system enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
 
-The model is reached by five slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
+The model is reached by six slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
 derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state), `conserve`
-(closes the balances of an accepted step, in its end and its quadratures). Steps land on knots and keep their size
-across them.
+(closes the balances of an accepted step, in its end and its quadratures), `keep_places` (fills columns of the dense
+output beyond the states). Steps land on knots and keep their size across them.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ rates = Slot("rates")
 jacobian = Slot("jacobian")
 at_knot = Slot("at_knot")
 conserve = Slot("conserve")
+keep_places = Slot("keep_places")
 
 GAMMA = 0.25
 ORDER = 4
@@ -155,8 +156,8 @@ def keep(step, phi, h, y, y1, q, u, times, dense, quads):
 def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, quads, kept, counts):
     """Integrate y and the quadratures q (both in place) over the knots; return (status, φ reached, next step size).
 
-    Fills times[0…steps], dense[step] and quads[step] (see `keep`), kept[0] = steps so far (readable by the slots
-    while integrating); adds to counts: accepted steps, rejected ones, calls of `rates`, Jacobians.
+    Fills times[0…steps], dense[step] and quads[step] (see `keep`, `keep_places`), kept[0] = steps so far (readable by
+    the slots while integrating); adds to counts: accepted steps, rejected ones, calls of `rates`, Jacobians.
     """
     n = y.shape[0]
     nq = q.shape[0]
@@ -211,6 +212,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
             for i in range(nq):
                 q[i] += dq[i]
             keep(step, phi, trial, y, y1, q, u, times, dense, quads)
+            keep_places(step, dense, context)
             step += 1
             kept[0] = step
             counts[0] += 1

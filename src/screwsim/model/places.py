@@ -1,0 +1,167 @@
+"""Places: the state of the gas (and oil) in a chamber, a plenum or a neighbour, as streams and balances need it.
+
+Source: docs/model.md M5, M6, M10. A place is the row of numbers that `slots.PRESSURE` … name. Neighbours are read from
+histories, whose columns beyond the states hold their places.
+"""
+
+from __future__ import annotations
+
+from screwsim.model.slots import (
+    C_V,
+    CARRIED,
+    CHOKE,
+    CHOKED,
+    DENSITY,
+    E_ANGLE,
+    E_AREAS,
+    E_OILED,
+    E_SLOPE,
+    E_VOLUME,
+    ENTHALPY,
+    EXPONENT,
+    HEATED,
+    N_PLENUM,
+    OIL_RATIO,
+    OIL_TEMPERATURE,
+    P_INJECTION,
+    PLACE,
+    PRESSURE,
+    R_SUCTION,
+    TPT,
+    VARIES,
+    N,
+    gas_state,
+    plenum_area,
+    volume_at,
+    volume_slope_at,
+)
+from screwsim.numerics.history import cubic, locate, read
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.rodas import dense_value
+
+STEP = 1e-7  # relative step of the differences of smooth state functions
+
+
+@kernel
+def fill_place(y, at, P, TAB, place, row):
+    """Fill row `row` of `place` for a chamber whose state begins at y[at]."""
+    T = y[at]
+    rho = y[at + 1]
+    p, h, c_v, tpt, exponent, choke, choked = gas_state(T, rho, P, TAB)
+    place[row + PRESSURE] = p
+    place[row + DENSITY] = rho
+    place[row + ENTHALPY] = h
+    place[row + EXPONENT] = exponent
+    place[row + CHOKE] = choke
+    place[row + CHOKED] = choked
+    place[row + C_V] = c_v
+    place[row + TPT] = tpt
+    if HEATED == 1:
+        place[row + OIL_TEMPERATURE] = y[at + 2]
+    if CARRIED == 1:
+        place[row + OIL_RATIO] = y[at + 3]
+
+
+@kernel
+def angle_terms(phi, middle, P, TAB, E, at):
+    """Fill what depends on the chamber's own angle: volume, slope, oil present, plenum areas."""
+    E[at + E_VOLUME] = volume_at(phi, P, TAB)
+    E[at + E_SLOPE] = volume_slope_at(phi, P, TAB)
+    E[at + E_OILED] = 1.0 if middle > P[P_INJECTION] else 0.0
+    E[at + E_ANGLE] = phi
+    for i in range(N_PLENUM):
+        E[at + E_AREAS + i] = plenum_area(i, phi, P, TAB)
+
+
+@kernel
+def neighbour(phi, middle, times, dense, steps, hints, side, R, columns, E, at):
+    """Fill a neighbour's place from a history; `columns` is room for what it stores."""
+    i = locate(phi, middle, times, steps, hints[side])
+    hints[side] = i
+    read(phi, times, dense, i, columns)
+    E[at + PRESSURE] = columns[N]
+    E[at + DENSITY] = columns[1]
+    E[at + ENTHALPY] = columns[N + 1]
+    for k in range(3):  # exponent, choking: constants of an ideal gas, the same everywhere
+        E[at + EXPONENT + k] = columns[N + 2 + k] if VARIES == 1 else R[R_SUCTION + EXPONENT + k]
+    if HEATED == 1:
+        E[at + OIL_TEMPERATURE] = columns[2]
+    if CARRIED == 1:
+        E[at + OIL_RATIO] = columns[3]
+    E[at + PLACE] = 0.0
+
+
+@kernel
+def places_of_step(step, dense, P, TAB, own):
+    """Do it for one step; the gas does not jump between steps, so the first value is the last of the step before."""
+    extra = 5 if VARIES == 1 else 2
+    for k in range(1 if step > 0 else 0, 4):
+        T = dense_value(k / 3.0, dense[step, 0, 0], dense[step, 1, 0], dense[step, 2, 0], dense[step, 3, 0])
+        rho = dense_value(k / 3.0, dense[step, 0, 1], dense[step, 1, 1], dense[step, 2, 1], dense[step, 3, 1])
+        p, h, _c_v, _tpt, exponent, choke, choked = gas_state(T, rho, P, TAB)
+        own[0] = p
+        own[1] = h
+        if VARIES == 1:
+            own[2] = exponent
+            own[3] = choke
+            own[4] = choked
+        row = 0 if k == 0 else (2 if k == 1 else (3 if k == 2 else 1))
+        for i in range(extra):
+            dense[step, row, N + i] = own[i]
+    for i in range(extra):
+        if step > 0:
+            dense[step, 0, N + i] = dense[step - 1, 1, N + i]
+        v0 = dense[step, 0, N + i]
+        v3 = dense[step, 1, N + i]
+        v1 = dense[step, 2, N + i]
+        v2 = dense[step, 3, N + i]
+        dense[step, 2, N + i], dense[step, 3, N + i] = cubic(v0, v1, v2, v3)
+
+
+@kernel
+def keep_places(step, dense, context):
+    """Fill the columns beyond the states of an accepted step: pressure and enthalpy, and what else varies of a place.
+
+    Cubics through the values at 0, 1/3, 2/3 and 1 of the step: neighbours read them instead of asking the equation of
+    state again and again.
+    """
+    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    places_of_step(step, dense, P, TAB, own)
+
+
+@kernel
+def places_along(dense, steps, context):
+    """Fill the columns beyond the states of a whole history."""
+    for step in range(steps):
+        keep_places(step, dense, context)
+
+
+@kernel
+def perturbation(y, at, j):
+    """Return the step by which state j is changed for differences of smooth functions."""
+    if j == 3:
+        return STEP * (abs(y[at + 3]) + 1e-3)
+    return STEP * abs(y[at + j])
+
+
+@kernel
+def place_derivatives(y, at, P, TAB, place, row, changed, d):
+    """Fill d[j·PLACE …] with the derivatives of a chamber's place by its state j; `changed` is a spare state.
+
+    Temperature and density set the gas, the oil's states only themselves.
+    """
+    for j in range(N):
+        for i in range(PLACE):
+            d[j * PLACE + i] = 0.0
+    for j in range(2):
+        for i in range(N):
+            changed[i] = y[at + i]
+        delta = perturbation(y, at, j)
+        changed[j] += delta
+        fill_place(changed, 0, P, TAB, d, j * PLACE)
+        for i in range(PLACE):
+            d[j * PLACE + i] = (d[j * PLACE + i] - place[row + i]) / delta
+    if HEATED == 1:
+        d[2 * PLACE + OIL_TEMPERATURE] = 1.0
+    if CARRIED == 1:
+        d[3 * PLACE + OIL_RATIO] = 1.0

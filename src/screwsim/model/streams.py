@@ -1,0 +1,167 @@
+"""Streams between places, summed by category, and the first law of the chamber that they feed.
+
+Source: docs/model.md M1–M13. `sums` holds mass, enthalpy and, with carried oil, oil mass and oil mass × T_oil.
+"""
+
+from __future__ import annotations
+
+from screwsim.fluid.nozzle import flow, flow_slopes
+from screwsim.model.balance import oil_temperature_slope, temperature_slope
+from screwsim.model.slots import (
+    BETWEEN,
+    C_V,
+    CARRIED,
+    CATEGORIES,
+    CHOKE,
+    CHOKED,
+    DENSITY,
+    DISCHARGE_IN,
+    E_ANGLE,
+    E_OILED,
+    E_SLOPE,
+    E_VOLUME,
+    ENTHALPY,
+    EXPONENT,
+    HEATED,
+    OIL_RATIO,
+    OIL_TEMPERATURE,
+    P_C_OIL,
+    P_OMEGA,
+    PLACE,
+    PRESSURE,
+    Q_HEAT,
+    Q_WORK,
+    R_RATIO,
+    SUCTION_IN,
+    TPT,
+    heat_rates,
+)
+from screwsim.numerics.kernel import kernel
+
+
+@kernel
+def place_flow(area, own, a, other, b, width):
+    """Return the mass flow [kg/s] from place `other[b]` into place `own[a]`."""
+    return flow(
+        area,
+        own[a + PRESSURE],
+        own[a + DENSITY],
+        own[a + EXPONENT],
+        own[a + CHOKE],
+        own[a + CHOKED],
+        other[b + PRESSURE],
+        other[b + DENSITY],
+        other[b + EXPONENT],
+        other[b + CHOKE],
+        other[b + CHOKED],
+        width,
+    )
+
+
+@kernel
+def place_slopes(area, own, a, other, b, width):
+    """Return the mass flow and its slopes by pressure and density of both places."""
+    return flow_slopes(
+        area,
+        own[a + PRESSURE],
+        own[a + DENSITY],
+        own[a + EXPONENT],
+        own[a + CHOKE],
+        own[a + CHOKED],
+        other[b + PRESSURE],
+        other[b + DENSITY],
+        other[b + EXPONENT],
+        other[b + CHOKE],
+        other[b + CHOKED],
+        width,
+    )
+
+
+@kernel
+def add_stream(sums, at, m, source, s):
+    """Add a stream of mass flow m that has the state of place `source[s]` to the sums of one category."""
+    sums[at] += m
+    sums[at + 1] += m * source[s + ENTHALPY]
+    if CARRIED == 1:
+        oil = m * source[s + OIL_RATIO]
+        sums[at + 2] += oil
+        sums[at + 3] += oil * source[s + OIL_TEMPERATURE]
+
+
+@kernel
+def add_stream_slope(sums, at, m, dm, source, s, d, r):
+    """Add the derivative of a stream: dm with the source's state, and m with the change d[r] of that state."""
+    add_stream(sums, at, dm, source, s)
+    sums[at + 1] += m * d[r + ENTHALPY]
+    if CARRIED == 1:
+        ratio = m * d[r + OIL_RATIO]
+        sums[at + 2] += ratio
+        sums[at + 3] += ratio * source[s + OIL_TEMPERATURE] + m * source[s + OIL_RATIO] * d[r + OIL_TEMPERATURE]
+
+
+@kernel
+def flow_over_angle(area, darea, m_1, by_p1, by_rho1, by_p2, by_rho2, d_own, a, d_other, b):
+    """Return dṁ/dφ at fixed states from the flow and slopes per unit area, and the places' derivatives by the angle."""
+    of_places = by_p1 * d_own[a + PRESSURE] + by_rho1 * d_own[a + DENSITY]
+    of_places += by_p2 * d_other[b + PRESSURE] + by_rho2 * d_other[b + DENSITY]
+    return m_1 * darea + area * of_places
+
+
+@kernel
+def category(path_to, m):
+    """Return the category of a stream through an opening to a plenum (0 suction, 1 discharge)."""
+    return SUCTION_IN + 2 * path_to + (0 if m >= 0.0 else 1)
+
+
+@kernel
+def gap_category(E, at, m):
+    """Return the category of a stream through a gap: between chambers, or of the discharge plenum beyond the last."""
+    if E[at + PLACE] > 0.0:
+        return DISCHARGE_IN + (0 if m >= 0.0 else 1)
+    return BETWEEN
+
+
+@kernel
+def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
+    """Fill f (rates of one chamber, at `at`) and add work and heat to g from the summed streams; the first law."""
+    T = y[at]
+    rho = y[at + 1]
+    m = rho * E[e + E_VOLUME]
+    width = 4 if CARRIED == 1 else 2
+    mass = 0.0
+    enthalpy = 0.0
+    oil = 0.0
+    oil_energy = 0.0
+    for c in range(CATEGORIES):
+        i = first + c * width
+        mass += sums[i]
+        enthalpy += sums[i + 1]
+        if CARRIED == 1:
+            oil += sums[i + 2]
+            oil_energy += sums[i + 3]
+    omega = P[P_OMEGA]
+    heat = 0.0
+    if HEATED == 1:
+        m_oil = (y[at + 3] if CARRIED == 1 else E[e + E_OILED] * R[R_RATIO]) * m
+        heat, lost = heat_rates(
+            T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], y[at + 2], m_oil, R[R_RATIO], P
+        )
+        f[at + 2] = oil_temperature_slope(y[at + 2], m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
+        if CARRIED == 1:
+            f[at + 3] = (oil - y[at + 3] * mass) / (m * omega)
+    f[at] = temperature_slope(
+        T,
+        m,
+        rho,
+        place[row + ENTHALPY],
+        place[row + C_V],
+        place[row + TPT],
+        mass,
+        enthalpy,
+        heat,
+        E[e + E_SLOPE],
+        omega,
+    )
+    f[at + 1] = (mass / omega - rho * E[e + E_SLOPE]) / E[e + E_VOLUME]
+    g[Q_WORK] -= place[row + PRESSURE] * E[e + E_SLOPE]
+    g[Q_HEAT] += heat / omega
