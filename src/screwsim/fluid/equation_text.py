@@ -59,8 +59,9 @@ class EquationText:
         grouped = [term for group in plain.values() for term in group]
         self.delta.write([term.d for term in products] + [factor[2] for factor in plain if factor != NONE])
         self.tau.write([term.t for term in grouped])
+        decays = {factor: self._decay(factor) for factor in plain if factor != NONE}  # a call in the middle costs spills
         for factor, group in plain.items():
-            self._polynomial(factor, group)
+            self._polynomial(factor, group, decays.get(factor, ""))
         for term in products:
             if term not in grouped:
                 self._product(term)
@@ -68,17 +69,28 @@ class EquationText:
             if isinstance(term, NonAnalytic):
                 self._non_analytic(term)
 
-    def _polynomial(self, factor: Factor, group: Sequence[Product]) -> None:
+    def _decay(self, factor: Factor) -> str:
+        _, g, l = factor
+        power = self.delta.name(l)
+        return self.new(f"math.exp(-{power})" if g == 1.0 else f"math.exp({-g!r} * {power})", "e")
+
+    def _polynomial(self, factor: Factor, group: Sequence[Product], e: str) -> None:
         """Write Σ n δ^d τ^t e^(−g δ^l) of one l: sums over τ for each d, then over d, then the exponential."""
         by_d: dict[float, list[Product]] = defaultdict(list)
         for term in group:
             by_d[term.d].append(term)
         sums: dict[str, list[str]] = {kind: [] for kind in ALL}
         for d, terms in sorted(by_d.items()):
+            base: str | None = None
             for power, kinds in ((0, ("A", "D", "DD")), (1, ("E", "DE")), (2, ("EE",))):
                 if not set(kinds) & set(self.wanted):
                     continue
-                name = self._scaled(self.delta.name(d), [(term.n * term.t**power, term.t) for term in terms])
+                if power and len(terms) == 1 and base:
+                    t = terms[0].t**power
+                    name = (base if t == 1.0 else self.new(f"{t!r} * {base}", "s")) if t else None
+                else:
+                    name = self._scaled(self.delta.name(d), [(term.n * term.t**power, term.t) for term in terms])
+                base = base or name
                 for times, kind in enumerate(kinds):
                     weight = d**times
                     if name and weight:
@@ -90,7 +102,6 @@ class EquationText:
             return
         _, g, l = factor
         power = self.delta.name(l)
-        e = self.new(f"math.exp(-{power})" if g == 1.0 else f"math.exp({-g!r} * {power})", "e")
         L = self.new(f"{g * l!r} * {power}" if g * l != 1.0 else power, "L")
         for kind in ("A", "E", "EE"):
             if kind in self.wanted:

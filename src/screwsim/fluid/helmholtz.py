@@ -46,7 +46,7 @@ def state_kernel(fluid: str) -> Kernel:
         "z = 1.0 + D",
         "cv = C0 + E - EE",
         "zt = z - DE",
-        "a = z / (z + D + DD + zt * zt / cv)",
+        "a = z / (z + DD + zt * zt / cv)",
         "choke, choked = choking(1.0 / a)",
         "p = rho * RT",
         f"return p * z, RT * (z + E0 + E), {describe(fluid).R!r} * cv, p * zt, a, choke, choked",
@@ -64,5 +64,5 @@ def entropy_kernel(fluid: str) -> Kernel:
 @lru_cache(maxsize=64)
 def potentials_kernel(fluid: str) -> Kernel:
     """Return `potentials(T, rho)` of the fluid, for finding saturation."""
-    lines = [*_lines(fluid, ("A", "D", "DD")), "return rho * RT * (1.0 + D), RT * (1.0 + 2.0 * D + DD - D), RT * (1.0 + D + A0 + A)"]
+    lines = [*_lines(fluid, ("A", "D", "DD")), "return rho * RT * (1.0 + D), RT * (1.0 + D + DD), RT * (1.0 + D + A0 + A)"]
     return written(_function("potentials", fluid, POTENTIALS, lines), describe(fluid).name)

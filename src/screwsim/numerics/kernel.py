@@ -33,6 +33,7 @@ class Kernel:
         self.arguments = tuple(inspect.signature(function).parameters)
         # now: a file may be edited while we run
         self.source = source or textwrap.dedent(inspect.getsource(function))
+        self.fused = source is not None  # long sums of products: multiply and add may round once
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
@@ -160,17 +161,18 @@ def flatten(kernels: Iterable[Kernel], slots: Mapping[str, str] | None = None, i
                 renames[used] = constant
         tree = _Rename(renames).visit(ast.parse(item.source))
         del found[name]
-        found[name] = decorate(ast.unparse(tree))
+        found[name] = decorate(ast.unparse(tree), item.fused)
 
     for each in kernels:
         visit(each)
     return found
 
 
-def decorate(source: str) -> str:
-    """Return a function's source with the compiler's decorator."""
+def decorate(source: str, fused: bool = False) -> str:
+    """Return a function's source with the compiler's decorator; `fused` lets it join multiplications and additions."""
     counting = "" if "np.empty" in source else ", _nrt=False"  # arrays are borrowed: counting references costs 5x
-    return f"@njit(cache=True, error_model='numpy'{counting})\n{source}"
+    joining = ", fastmath={'contract'}" if fused else ""
+    return f"@njit(cache=True, error_model='numpy'{counting}{joining})\n{source}"
 
 
 def without_wrapper(source: str) -> str:
