@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from screwsim.fluid.description import describe
-from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
-from screwsim.fluid.nozzle import choking
+from screwsim.fluid.helmholtz import entropy_kernel, state_kernel, state_text
+from screwsim.fluid.nozzle import choking, critical_power
 from screwsim.fluid.saturation import BINS, DEGREE, Table, saturation
 from screwsim.numerics.kernel import Kernel, written
 
@@ -97,12 +97,7 @@ INSIDE = '''def inside(T, rho):
     return log_density(-theta, fine) < y < log_density(theta, fine)
 '''
 
-EQUILIBRIUM = '''def state(T, rho):
-    """Return (p, h, c_v, T dp/dT, 1/k, drop and psi2 of choking) of {name}, two phases in equilibrium in the dome."""
-    if inside(T, rho):
-        return mixture(T, rho)
-    return single(T, rho)
-'''
+EQUILIBRIUM = '"""Return what `state` of {name} returns, two phases in equilibrium in the dome ({source})."""'
 
 ENTROPY = '''def entropy(T, rho):
     """Return the specific entropy s [J/(kg K)] of {name}, two phases in equilibrium in the dome."""
@@ -216,9 +211,8 @@ def equilibrium_kernels(fluid: str) -> tuple[Kernel, Kernel]:
     two = {"saturation_pressure": kernels.pressure, "saturation_gibbs": kernels.gibbs}
     of = f"{known['name']} equilibrium"
     mixture = written(MIXTURE.format(**known), of, two | {"choking": choking})
-    state = written(
-        EQUILIBRIUM.format(**known), of, {"inside": inside, "mixture": mixture, "single": state_kernel(fluid)}
-    )
+    text = state_text(fluid, EQUILIBRIUM, ("if inside(T, rho):", "    return mixture(T, rho)"))
+    state = written(text, of, {"inside": inside, "mixture": mixture, "critical_power": critical_power})
     return state, written(ENTROPY.format(**known), of, two | {"inside": inside, "single": entropy_kernel(fluid)})
 
 

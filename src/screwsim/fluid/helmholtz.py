@@ -10,7 +10,7 @@ from functools import lru_cache
 
 from screwsim.fluid.description import describe
 from screwsim.fluid.equation_text import EquationText
-from screwsim.fluid.nozzle import choking
+from screwsim.fluid.nozzle import critical_power
 from screwsim.fluid.terms import ideal_terms, residual_terms
 from screwsim.numerics.kernel import Kernel, written
 
@@ -38,20 +38,27 @@ def _function(name: str, fluid: str, doc: str, lines: list[str]) -> str:
     return f"def {name}(T, rho):\n{body}\n"
 
 
-@lru_cache(maxsize=64)
-def state_kernel(fluid: str) -> Kernel:
-    """Return `state(T, rho)` of the fluid; k = ρ w²/p is the local exponent of p v^k = const on the isentrope."""
+def state_text(fluid: str, doc: str = STATE, first: tuple[str, ...] = ()) -> str:
+    """Return the text of `state(T, rho)`; `first` are lines that come before the equation."""
     lines = [
+        *first,
         *_lines(fluid, ("D", "E", "DD", "EE", "DE")),
         "z = 1.0 + D",
         "cv = C0 + E - EE",
         "zt = z - DE",
-        "a = z / (z + DD + zt * zt / cv)",
-        "choke, choked = choking(1.0 / a)",
+        "b = z + DD + zt * zt / cv",  # ρ w²/(ρ R T), so that k = b/z
+        "y = (b - z) / (b + z)",
+        "e = critical_power(y)",
         "p = rho * RT",
-        f"return p * z, RT * (z + E0 + E), {describe(fluid).R!r} * cv, p * zt, a, choke, choked",
+        f"return p * z, RT * (z + E0 + E), {describe(fluid).R!r} * cv, p * zt, z / b, 1.0 - (1.0 - y) * e, (1.0 + y) * e * e",
     ]
-    return written(_function("state", fluid, STATE, lines), describe(fluid).name, {"choking": choking})
+    return _function("state", fluid, doc, lines)
+
+
+@lru_cache(maxsize=64)
+def state_kernel(fluid: str) -> Kernel:
+    """Return `state(T, rho)` of the fluid; k = ρ w²/p is the local exponent of p v^k = const on the isentrope."""
+    return written(state_text(fluid), describe(fluid).name, {"critical_power": critical_power})
 
 
 @lru_cache(maxsize=64)

@@ -14,6 +14,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from screwsim.numerics.kernel import kernel
 
 HALF, THIRD, FOURTH, FIFTH, SIXTH, SEVENTH, EIGHTH = (1.0 / i for i in range(2, 9))
@@ -61,16 +63,46 @@ def expansion(x, a, choke, choked):
     return 2.0 / (1.0 - a) * e * (e - r) / x
 
 
+def _critical_power(y):
+    """Return r^(1/k) at choking, (1−y)^((1−y)/(2y)), from y = (k−1)/(k+1) ≠ 0."""
+    return np.exp((1.0 - y) * np.log1p(-y) / (2.0 * y))
+
+
+def _fitted(width, n):
+    """Return coefficients in y/width of the polynomial through `_critical_power` at Chebyshev's n points."""
+    s = np.cos(np.pi * (np.arange(n) + 0.5) / n)
+    a = np.polynomial.chebyshev.chebfit(s, _critical_power(s.astype(np.longdouble) * width).astype(float), n - 1)
+    return np.polynomial.chebyshev.cheb2poly(a)
+
+
+FITTED = 0.26  # |k−1|/(k+1) up to which a polynomial gives r^(1/k) at choking: 0.59 < k < 1.70
+CRITICAL = _fitted(FITTED, 16)  # errs by less than 3e-15; three times as fast as logarithm and exponential
+
+
+@kernel
+def critical_power(y):
+    """Return r^(1/k) at choking from y = (k−1)/(k+1)."""
+    if abs(y) > FITTED:
+        return math.exp((1.0 - y) * math.log1p(-y) / (2.0 * y))
+    s = y * (1.0 / FITTED)
+    s2 = s * s
+    s4 = s2 * s2
+    a = (CRITICAL[0] + CRITICAL[1] * s) + s2 * (CRITICAL[2] + CRITICAL[3] * s)
+    b = (CRITICAL[4] + CRITICAL[5] * s) + s2 * (CRITICAL[6] + CRITICAL[7] * s)
+    c = (CRITICAL[8] + CRITICAL[9] * s) + s2 * (CRITICAL[10] + CRITICAL[11] * s)
+    d = (CRITICAL[12] + CRITICAL[13] * s) + s2 * (CRITICAL[14] + CRITICAL[15] * s)
+    return a + s4 * b + (s4 * s4) * (c + s4 * d)
+
+
 @kernel
 def choking(k):
     """Return (drop, ψ²) at which an isentropic expansion chokes, x = 1 − (2/(k+1))^(k/(k−1)) (M13).
 
-    With e = r^(1/k) = (2/(k+1))^(1/(k−1)) there, r = 2e/(k+1) and ψ² = 2k/(k+1) e²; e → exp(−1/2) as k → 1.
+    With y = (k−1)/(k+1) and e = r^(1/k) = (1−y)^((1−y)/(2y)), r = (1−y) e and ψ² = (1+y) e²; e → exp(−1/2) as k → 1.
     """
-    z = 0.5 * (k - 1.0)
-    e = math.exp(-0.5 * math.log1p(z) / z) if z != 0.0 else math.exp(-0.5)
-    f = 2.0 / (k + 1.0)
-    return 1.0 - f * e, k * f * e * e
+    y = (k - 1.0) / (k + 1.0)
+    e = critical_power(y)
+    return 1.0 - (1.0 - y) * e, (1.0 + y) * e * e
 
 
 @kernel
