@@ -55,10 +55,14 @@ def value_at(T, rho, entropy):
 def at_pressure(p, wanted, entropy, T_low, T_high, p_c, R, T_c, rho_c):
     """Return (T [K], ρ [kg/m³]) at p [Pa] and the wanted entropy (else enthalpy): two phases where it lies between.
 
-    The density is −1 where only liquid or solid would do.
+    The density is −1 where only a liquid would do: below saturation, or below T_c from the critical pressure on.
     """
     low = T_low
-    if p < p_c and p > saturation_pressure(T_low)[0]:
+    if p >= p_c:
+        low = T_c
+        if wanted < value_at(T_c, density(p, T_c, R, T_c, rho_c), entropy)[0]:
+            return low, -1.0
+    elif p > saturation_pressure(T_low)[0]:
         low = saturation_temperature(p)
         rho_v = saturated_vapour(low)
         rho_l = saturated_liquid(low)
