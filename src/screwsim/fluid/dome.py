@@ -25,7 +25,7 @@ from screwsim.numerics.kernel import Kernel, written
 QUICK = 128  # intervals of the table that tells quickly what is certainly vapour
 
 LOG_DENSITY = '''def log_density(theta, fine):
-    """Return ln of the saturated density [kg/m3] over theta = +-sqrt(1 - T/T_c), minus for vapour; fine = sqrt|theta|."""
+    """Return ln of the saturated density [kg/m3] by theta = +-sqrt(1 - T/T_c), - for vapour; fine = sqrt|theta|."""
     i = int(fine * PER_FINE)
     i = {middle} + i if theta >= 0.0 else {middle} - i
     i = min(max(i, 0), {last})
@@ -107,9 +107,10 @@ ENTROPY = '''def entropy(T, rho):
 '''
 
 MARGIN = '''def margin(T, rho):
-    """Return how far T [K], rho [kg/m3] lies inside the vapour that the equation of {name} covers; <= 0 outside.
+    """Return how far T [K], rho [kg/m3] lies inside the vapour that {name}'s equation covers; <= 0 outside.
 
-    It is the least of ln(rho_sat/rho) below the critical temperature, and the relative distances from T_low, T_max and p_max.
+    It is the least of ln(rho_sat/rho), below the critical temperature, and of the relative distances from T_low, T_max
+    and p_max.
     """
     found = min(T * {per_T_low!r} - 1.0, 1.0 - T * {per_T_max!r}, 1.0 - single(T, rho)[0] * {per_p_max!r})
     if {T_low!r} <= T < {T_c!r}:
@@ -117,7 +118,6 @@ MARGIN = '''def margin(T, rho):
         found = min(found, log_density(-theta, math.sqrt(theta)) - math.log(rho))
     return found
 '''
-
 
 
 def _polynomial(order: int = 0) -> str:

@@ -57,9 +57,10 @@ class EquationText:
             if term.of_tau == NONE and term.of_delta[0] in ("none", "power"):
                 plain[term.of_delta].append(term)
         grouped = [term for group in plain.values() for term in group]
-        self.delta.write([term.d for term in products] + [factor[2] for factor in plain if factor != NONE])
+        self.delta.write([term.d for term in products] + [float(factor[2]) for factor in plain if factor != NONE])
         self.tau.write([term.t for term in grouped])
-        decays = {factor: self._decay(factor) for factor in plain if factor != NONE}  # a call in the middle costs spills
+        # exponentials first: a call in the middle costs spilled registers
+        decays = {factor: self._decay(factor) for factor in plain if factor != NONE}
         for factor, group in plain.items():
             self._polynomial(factor, group, decays.get(factor, ""))
         for term in products:
@@ -70,8 +71,8 @@ class EquationText:
                 self._non_analytic(term)
 
     def _decay(self, factor: Factor) -> str:
-        _, g, l = factor
-        power = self.delta.name(l)
+        _, g, order = factor
+        power = self.delta.name(order)
         return self.new(f"math.exp(-{power})" if g == 1.0 else f"math.exp({-g!r} * {power})", "e")
 
     def _polynomial(self, factor: Factor, group: Sequence[Product], e: str) -> None:
@@ -86,7 +87,7 @@ class EquationText:
                 if not set(kinds) & set(self.wanted):
                     continue
                 if power and len(terms) == 1 and base:
-                    t = terms[0].t**power
+                    t = terms[0].t ** power
                     name = (base if t == 1.0 else self.new(f"{t!r} * {base}", "s")) if t else None
                 else:
                     name = self._scaled(self.delta.name(d), [(term.n * term.t**power, term.t) for term in terms])
@@ -100,16 +101,16 @@ class EquationText:
             for kind in self.wanted:
                 self.add(kind, total[kind])
             return
-        _, g, l = factor
-        power = self.delta.name(l)
-        L = self.new(f"{g * l!r} * {power}" if g * l != 1.0 else power, "L")
+        _, g, order = factor
+        power = self.delta.name(order)
+        L = self.new(f"{g * order!r} * {power}" if g * order != 1.0 else power, "L")
         for kind in ("A", "E", "EE"):
             if kind in self.wanted:
                 self.add(kind, f"{e} * {total[kind]}")
         A, D = total["A"], total["D"]
         self.add("D", f"{e} * ({D} - {L} * {A})")
         self.add("DE", f"{e} * ({total['DE']} - {L} * {total['E']})")
-        self.add("DD", f"{e} * ({total['DD']} - {L} * (2.0 * {D} - ({L} - {l!r}) * {A}))")
+        self.add("DD", f"{e} * ({total['DD']} - {L} * (2.0 * {D} - ({L} - {order!r}) * {A}))")
 
     def _scaled(self, x: str, terms: Sequence[tuple[float, float]]) -> str | None:
         """Write δ^d Σ n τ^t and return its name; None if all n are zero."""
@@ -130,9 +131,9 @@ class EquationText:
         if kind == "none":
             found = ("0.0", "0.0", "0.0")
         elif kind == "power":
-            g, l = numbers
-            B = self.new(f"{-g!r} * {(self.delta if variable == 'delta' else self.tau).name(l)}", "B")
-            found = (B, self.new(f"{l!r} * {B}", "q"), self.new(f"{l * l!r} * {B}", "q"))
+            g, order = numbers
+            B = self.new(f"{-g!r} * {(self.delta if variable == 'delta' else self.tau).name(order)}", "B")
+            found = (B, self.new(f"{order!r} * {B}", "q"), self.new(f"{order * order!r} * {B}", "q"))
         elif kind == "bell":
             eta, center = numbers
             z = self.new(f"{variable} - {center!r}", "z")
@@ -148,7 +149,13 @@ class EquationText:
             B = self.new(f"1.0 / ({b!r} + {beta!r} * {z} * {z})", "B")
             slope = self.new(f"{-2.0 * beta!r} * {variable} * {B} * {B}", "z")
             q = self.new(f"{slope} * {z}", "q")
-            found = (B, q, self.new(f"{slope} * ({variable} + {z}) + {4.0 * beta!r} * {variable} * {z} * {z} * {B} * (-{slope})", "q"))
+            found = (
+                B,
+                q,
+                self.new(
+                    f"{slope} * ({variable} + {z}) + {4.0 * beta!r} * {variable} * {z} * {z} * {B} * (-{slope})", "q"
+                ),
+            )
         self.factors[key] = found
         return found
 

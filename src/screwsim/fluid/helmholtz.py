@@ -26,7 +26,11 @@ def _lines(fluid: str, wanted: tuple[str, ...]) -> list[str]:
     text.residual(residual_terms(known))
     text.ideal(ideal_terms(known))
     text.finish()
-    head = [f"tau = {known.T_r!r} / T", f"inverse_tau = T * {1.0 / known.T_r!r}", f"delta = rho * {1.0 / known.rho_r!r}"]
+    head = [
+        f"tau = {known.T_r!r} / T",
+        f"inverse_tau = T * {1.0 / known.T_r!r}",
+        f"delta = rho * {1.0 / known.rho_r!r}",
+    ]
     body = "\n".join(text.lines)
     head += [f"log_{name} = math.log({name})" for name in ("tau", "delta") if f"log_{name}" in body]
     return [*head, *text.lines, f"RT = {known.R!r} * T"]
@@ -50,7 +54,8 @@ def state_text(fluid: str, doc: str = STATE, first: tuple[str, ...] = ()) -> str
         "y = (b - z) / (b + z)",
         "e = critical_power(y)",
         "p = rho * RT",
-        f"return p * z, RT * (z + E0 + E), {describe(fluid).R!r} * cv, p * zt, z / b, 1.0 - (1.0 - y) * e, (1.0 + y) * e * e",
+        f"c_v = {describe(fluid).R!r} * cv",
+        "return p * z, RT * (z + E0 + E), c_v, p * zt, z / b, 1.0 - (1.0 - y) * e, (1.0 + y) * e * e",
     ]
     return _function("state", fluid, doc, lines)
 
@@ -71,5 +76,8 @@ def entropy_kernel(fluid: str) -> Kernel:
 @lru_cache(maxsize=64)
 def potentials_kernel(fluid: str) -> Kernel:
     """Return `potentials(T, rho)` of the fluid, for finding saturation."""
-    lines = [*_lines(fluid, ("A", "D", "DD")), "return rho * RT * (1.0 + D), RT * (1.0 + D + DD), RT * (1.0 + D + A0 + A)"]
+    lines = [
+        *_lines(fluid, ("A", "D", "DD")),
+        "return rho * RT * (1.0 + D), RT * (1.0 + D + DD), RT * (1.0 + D + A0 + A)",
+    ]
     return written(_function("potentials", fluid, POTENTIALS, lines), describe(fluid).name)

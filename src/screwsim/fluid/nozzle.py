@@ -5,9 +5,9 @@ Source: Chernov et al. 2015, eqs. (3), (4), restated as M12; choking M13 is adde
 ṁ = S √(p_u ρ_u ψ²), ψ² = 2k/(k−1) · (r^(2/k) − r^((k+1)/k)), r = max(p_d/p_u, (2/(k+1))^(k/(k−1))).
 Regularisation: Δp under the root becomes Δp²/√(Δp² + ε²), so that ṁ is smooth through Δp = 0; the relative error is
 1 − (1 + (ε/Δp)²)^(−1/4), 16 % at Δp = ε and (ε/Δp)²/4 far from it.
-Written as ṁ = S Δp √q with q = ρ_u (ψ²/x)/√(Δp² + ε²) > 0 and x = |Δp|/p_u, so that neither ṁ nor its slopes cancel.
-With a = 1/k, ψ² = 2 r^a (r^a − r)/(1 − a); near k = 1, where a real gas may be, r^a − r = r E with E = expm1((a−1) ln r),
-and E/(1 − a) → −ln r, so that every k > 0 is as good as any other.
+Written as ṁ = S Δp √q, q = ρ_u (ψ²/x)/√(Δp² + ε²) > 0, x = |Δp|/p_u, so that neither ṁ nor its slopes cancel.
+With a = 1/k, ψ² = 2 r^a (r^a − r)/(1 − a); near k = 1, where a real gas may be, r^a − r = r E with
+E = expm1((a−1) ln r), and E/(1 − a) → −ln r, so that every k > 0 is as good as any other.
 """
 
 from __future__ import annotations

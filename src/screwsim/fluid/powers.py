@@ -51,7 +51,7 @@ class Powers:
         sign = 1 if e > 0 else -1
         whole, part = divmod(abs(e), 1)
         if part:
-            return self._set(e, f"{self._make(sign * whole)} * {self._make(sign * part)}")
+            return self._set(e, f"{self._make(sign * Fraction(whole))} * {self._make(sign * part)}")
         half = whole // 2
         return self._set(e, f"{self._make(sign * Fraction(half))} * {self._make(sign * Fraction(whole - half))}")
 

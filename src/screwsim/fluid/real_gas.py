@@ -140,8 +140,9 @@ class RealGas:
         found = saturation(self.fluid)
         if p > self.saturation_pressure(T) * (1.0 + AT_SATURATION):
             raise UsageError(
-                f"{self.known.name} at {p:.6g} Pa, {T:.6g} K is liquid: it boils at {self.saturation_temperature(p):.6g} K;"
-                " give a higher temperature or a lower pressure"
+                f"{self.known.name} at {p:.6g} Pa, {T:.6g} K is liquid: "
+                f"it boils at {self.saturation_temperature(p) or found.T_c:.6g} K; "
+                "give a higher temperature or a lower pressure"
             )
         return float(self._run("density")(p, T, self.R, found.T_c, found.rho_c))
 
@@ -181,17 +182,22 @@ class RealGas:
         T, rho = self._at(p, h, False)
         if self.two_phase == "refuse" and self.saturation_temperature(p) == T and rho > self._run("vapour")(T):
             raise UsageError(
-                f"{self.known.name} at {p:.6g} Pa, h = {h:.6g} J/kg is wet; use gas.two_phase: equilibrium, or a warmer state"
+                f"{self.known.name} at {p:.6g} Pa, h = {h:.6g} J/kg is wet; "
+                "use gas.two_phase: equilibrium, or a warmer state"
             )
         return self._place(p, T, rho)
+
+    def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
+        """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium."""
+        T, rho = self._at(p, s, True)
+        state = self.state if self.known.pseudo_pure else equilibrium_kernels(self.fluid)[0]
+        return T, rho, float(getattr(border(self.fluid), state.flat_name)(T, rho)[1])
 
     # ---- work ------------------------------------------------------------------------------------------------
 
     def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
         """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2; what condenses is in equilibrium."""
-        T_2, rho_2 = self._at(p_2, self.entropy(p_1, T), True)
-        both = equilibrium_kernels(self.fluid)[0]
-        return float(getattr(border(self.fluid), both.flat_name)(T_2, rho_2)[1]) - self.enthalpy(p_1, T)
+        return self.isentrope(p_2, self.entropy(p_1, T))[2] - self.enthalpy(p_1, T)
 
     def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
         """Return why there is no isothermal compression from p_1 to p_2 at T, or None."""
@@ -220,9 +226,10 @@ class RealGas:
         if T < found.T_low:
             return f"{known.name} at {T:.6g} K is below the equation's lowest temperature, {found.T_low:.6g} K"
         if T < found.T_c and rho >= self._run("vapour")(T):
+            saturated, p_sat = self._run("vapour")(T), self.saturation_pressure(T)
             return (
-                f"{known.name} at {T:.6g} K, {rho:.6g} kg/m3 condenses: saturated vapour has {self._run('vapour')(T):.6g} kg/m3"
-                f" at {self.saturation_pressure(T):.6g} Pa"
+                f"{known.name} at {T:.6g} K, {rho:.6g} kg/m3 condenses: "
+                f"saturated vapour has {saturated:.6g} kg/m3 at {p_sat:.6g} Pa"
             )
         if T > known.T_max:
             return f"{known.name} at {T:.6g} K is above the equation's highest temperature, {known.T_max:.6g} K"

@@ -18,10 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.faults import UsageError
 from screwsim.fluid.description import Description, describe, kept
 from screwsim.fluid.helmholtz import potentials_kernel
-from screwsim.numerics.kernel import Kernel, written
+from screwsim.numerics.kernel import Kernel
 
 Array = np.ndarray
 DEGREE = 9
@@ -125,14 +124,14 @@ def _start(known: Description, T_low: float) -> tuple[Array, Array, Array]:
     import CoolProp.CoolProp as coolprop
 
     state = coolprop.AbstractState("HEOS", known.name)
-    found = []
+    found: list[tuple[float, float, float]] = []
     for T in known.T_c * (1.0 - np.linspace(0.02, np.sqrt(1.0 - T_low / known.T_c), 120) ** 2):
-        densities = []
-        for quality in (0.0, 1.0):
-            state.update(coolprop.QT_INPUTS, quality, max(float(T), T_low))
-            densities.append(state.rhomass())
-        found.append((float(T), *densities))
-    return tuple(np.array(found).T)  # type: ignore[return-value]
+        state.update(coolprop.QT_INPUTS, 0.0, max(float(T), T_low))
+        liquid = state.rhomass()
+        state.update(coolprop.QT_INPUTS, 1.0, max(float(T), T_low))
+        found.append((float(T), liquid, state.rhomass()))
+    T, liquid, vapour = np.array(found).T
+    return T, liquid, vapour
 
 
 def _densities(potentials: Any, known: Description, T_low: float, T_c: float, rho_c: float) -> Table:
@@ -156,7 +155,7 @@ def _densities(potentials: Any, known: Description, T_low: float, T_c: float, rh
         start = CubicSpline(x, np.concatenate([vapour[::-1], [np.log(rho_c)], liquid]))
         size = np.abs(points[right])
         guess = [np.exp(start((sign * size).astype(float)).astype(np.longdouble)) for sign in (1.0, -1.0)]
-        found = _newton(potentials, T_c * (1.0 - size**2), *guess, 12)
+        found = _newton(potentials, T_c * (1.0 - size**2), guess[0], guess[1], 12)
         log_l, log_v = _kept_apart(found, guess)
         values[left] = log_v[::-1]
         values[right] = np.where(points[right] > 0.0, log_l, log_v)
@@ -182,10 +181,11 @@ def _solve(fluid: str) -> dict[str, Any]:
     T_c, rho_c = _critical(known, potentials)
     log_rho = _densities(potentials, known, T_low, T_c, rho_c)
     log_p, gibbs = _pressures(potentials, T_low, T_c, log_rho)
-    y = np.linspace(*log_p(np.array([T_low, T_c])), LOG_P_BINS + 1)
+    first, last = log_p(np.array([T_low, T_c]))
+    y = np.linspace(first, last, LOG_P_BINS + 1)
     T_of = fitted(y, _inverse(log_p, nodes(y), T_low, T_c))
     tables = {"log_rho": log_rho, "log_p": log_p, "gibbs": gibbs, "T_of_log_p": T_of}
-    return {"T_low": T_low, "T_c": T_c, "p_c": float(np.exp(y[-1])), "rho_c": rho_c} | {
+    return {"T_low": T_low, "T_c": T_c, "p_c": float(np.exp(last)), "rho_c": rho_c} | {
         name: [table.edges.tolist(), table.c.tolist()] for name, table in tables.items()
     }
 
@@ -216,10 +216,9 @@ def _inverse(log_p: Table, y: Array, T_low: float, T_c: float) -> Array:
 @lru_cache(maxsize=64)
 def saturation(fluid: str) -> Saturation:
     """Return the saturation tables of a fluid, from the cache folder where they are known."""
-    known = describe(fluid)
     method = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:10]
     equation = potentials_kernel(fluid).flat_name  # holds a hash of the equation
     found = kept(f"saturation {equation} {method}", lambda: _solve(fluid))
-    return Saturation(
-        **{name: Table(np.array(v[0]), np.array(v[1])) if isinstance(v, list) else v for name, v in found.items()}
-    )
+    numbers = (found[name] for name in ("T_low", "T_c", "p_c", "rho_c"))
+    tables = (Table(*map(np.array, found[name])) for name in ("log_rho", "log_p", "gibbs", "T_of_log_p"))
+    return Saturation(*numbers, *tables)

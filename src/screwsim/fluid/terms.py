@@ -69,12 +69,13 @@ def _rows(item: Contribution, *names: str) -> Iterator[tuple[float, ...]]:
 
 
 def _power(item: Contribution) -> list[Product]:
-    return [Product(n, d, t, ("power", 1.0, l) if l else NONE) for n, d, t, l in _rows(item, "n", "d", "t", "l")]
+    rows = _rows(item, "n", "d", "t", "l")
+    return [Product(n, d, t, ("power", 1.0, order) if order else NONE) for n, d, t, order in rows]
 
 
 def _exponential(item: Contribution) -> list[Product]:
     rows = _rows(item, "n", "d", "t", "g", "l")
-    return [Product(n, d, t, ("power", g, l) if l and g else NONE) for n, d, t, g, l in rows]
+    return [Product(n, d, t, ("power", g, order) if order and g else NONE) for n, d, t, g, order in rows]
 
 
 def _gaussian(item: Contribution) -> list[Product]:
@@ -92,7 +93,8 @@ def _gao(item: Contribution) -> list[Product]:
 def _lemmon(item: Contribution) -> list[Product]:
     rows = _rows(item, "n", "d", "t", "l", "m")
     return [
-        Product(n, d, t, ("power", 1.0, l) if l else NONE, ("power", 1.0, m) if m else NONE) for n, d, t, l, m in rows
+        Product(n, d, t, ("power", 1.0, order) if order else NONE, ("power", 1.0, m) if m else NONE)
+        for n, d, t, order, m in rows
     ]
 
 

@@ -75,7 +75,9 @@ def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kern
     of the text and of all it uses, and the function's name: another text never takes the place of this one.
     """
     uses = dict(uses or {})
-    spelled = [f"{name} = {item.flat_name if isinstance(item, Kernel) else _constant(item)}" for name, item in uses.items()]
+    spelled = [
+        f"{name} = {item.flat_name if isinstance(item, Kernel) else _constant(item)}" for name, item in uses.items()
+    ]
     digest = hashlib.sha256("\n".join([source, *spelled]).encode()).hexdigest()[:10]
     module = f"screwsim.written.{re.sub('[^a-z0-9]+', '_', of.lower()).strip('_')}_{digest}"
     name = source[: source.index("(")].removeprefix("def ").strip()
