@@ -8,12 +8,14 @@ and, in plain Python at the border, `place` for a plenum of given pressure and t
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from math import log
-from typing import Any, ClassVar
 
 from screwsim.fluid.nozzle import choking
 from screwsim.numerics.kernel import kernel
+
+T_ZERO = 273.15  # [K] where the entropy's reference is
 
 
 @kernel
@@ -21,6 +23,12 @@ def state(T, rho, R_gas, c_v_gas, c_p_gas, a_gas, choke_gas, choked_gas):
     """Return (p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking) of an ideal gas (M5, M6)."""
     p = rho * R_gas * T
     return p, c_p_gas * T, c_v_gas, p, a_gas, choke_gas, choked_gas
+
+
+@kernel
+def specific_entropy(T, rho, R_gas, c_v_gas):
+    """Return s = c_v ln(T/T_0) − R ln(ρ/ρ_0) [J/(kg K)], zero at T_0 = 273.15 K and ρ_0 = 1 kg/m³."""
+    return c_v_gas * math.log(T / T_ZERO) - R_gas * math.log(rho)
 
 
 @dataclass(frozen=True)
@@ -32,8 +40,8 @@ class IdealGas:
     name: str = "ideal"
     equations = ("M5", "M6")
     state = state
+    specific_entropy = specific_entropy
     varies = False  # exponent and choking are the same everywhere
-    tables: ClassVar[dict[str, Any]] = {}
 
     @property
     def values(self) -> dict[str, float]:
@@ -66,6 +74,14 @@ class IdealGas:
         """Return specific enthalpy [J/kg]."""
         return self.c_p * T
 
+    def entropy(self, p: float, T: float) -> float:
+        """Return specific entropy [J/(kg K)], zero at 273.15 K and 1 kg/m³."""
+        return specific_entropy(T, self.density(p, T), self.R, self.c_v)
+
+    def saturation_temperature(self, p: float) -> float | None:
+        """Return None: an ideal gas does not condense."""
+        return None
+
     def temperature(self, p: float, h: float) -> float:
         """Return temperature [K] at pressure [Pa] and specific enthalpy [J/kg]."""
         return h / self.c_p
@@ -73,6 +89,18 @@ class IdealGas:
     def place(self, p: float, T: float) -> tuple[float, ...]:
         """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum."""
         return p, self.density(p, T), self.enthalpy(p, T), 1.0 / self.k, *choking(self.k)
+
+    def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
+        """Return what `place` does, at pressure [Pa] and specific enthalpy [J/kg]."""
+        return self.place(p, self.temperature(p, h))
+
+    def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
+        """Return None: every isothermal compression of an ideal gas is possible."""
+        return None
+
+    def ideal_isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
+        """Return R T ln(p_2/p_1) [J/kg]."""
+        return self.isothermal_work(p_1, p_2, T)
 
     def isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
         """Return the reversible isothermal work R T ln(p_2/p_1) [J/kg]."""
