@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.real_gas import RealGas
 from screwsim.machine.geometry import Geometry
 from screwsim.model import close as closing
 from screwsim.model.compose import OilPart, Parts
@@ -18,9 +19,11 @@ def suction_temperature(scene: Scene) -> float:
     return constants.saturation_temperature(scene.gas.fluid, suction.pressure) + float(suction.superheat or 0.0)
 
 
-def build_gas(scene: Scene) -> IdealGas:
-    """Return the gas of a scene; k from CoolProp at suction temperature where none is given (M6)."""
+def build_gas(scene: Scene) -> IdealGas | RealGas:
+    """Return the gas of a scene; k of an ideal one from CoolProp at suction temperature where none is given (M6)."""
     fluid, T = scene.gas.fluid, suction_temperature(scene)
+    if scene.gas.model == "real":
+        return RealGas(fluid, scene.gas.two_phase)
     k = scene.gas.isentropic_exponent
     return IdealGas(constants.gas_constant(fluid), constants.isentropic_exponent(fluid, T) if k is None else k)
 

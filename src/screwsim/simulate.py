@@ -115,9 +115,8 @@ class Solution:
 
     def set_plenum(self, plenum: closing.Array) -> None:
         """Give the discharge plenum its enthalpy and oil."""
-        gas, p_d = self.parts.gas, self.lines.p_d
         R = self.machinery.R
-        place = gas.place(p_d, gas.temperature(p_d, float(plenum[0])))
+        place = self.parts.gas.place_of_enthalpy(self.lines.p_d, float(plenum[0]))
         R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
         if len(plenum) == 3:
             R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:]
@@ -242,10 +241,22 @@ def _numerics(solution: Solution, closed: closing.Closed, counts: closing.Array,
     )
 
 
+def _refused(solution: Solution) -> str:
+    """Return where and why the closed cycle leaves what the gas's equation covers; empty when it does not."""
+    gas = solution.parts.gas
+    times, dense, _, steps = solution.machinery.last()
+    T, rho = (np.ascontiguousarray(dense[:steps, 1, column]) for column in (0, 1))
+    i = gas.first_outside(T, rho)
+    return "" if i is None else f"at {math.degrees(times[i + 1]):.2f} deg {gas.why_outside(float(T[i]), float(rho[i]))}"
+
+
 def _failure(solution: Solution, closed: closing.Closed) -> str:
     y = ", ".join(
         f"{name} = {value:.6g}" for name, value in zip(solution.machinery.composition.states, closed.y, strict=False)
     )
+    reason = solution.parts.gas.why_outside(float(closed.y[0]), float(closed.y[1]))
+    if reason is not None:
+        return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {reason}"
     return (
         f"the integration stopped at {math.degrees(closed.angle):.2f} deg ({y}); "
         "check port areas, clearances and pressures, or ask for a tighter numerics.accuracy"
@@ -291,6 +302,9 @@ def simulate(scene: Scene, trace: bool = True, estimate_error: bool = False) -> 
     effects, states = tuple(scene.effects), machinery.composition.states
     if closed.status == "failed":
         return Result("failed", _failure(solution, closed), effects=effects, states=states, numerics=numerics)
+    refused = _refused(solution)
+    if refused:
+        return Result("failed", refused, effects=effects, states=states, numerics=numerics)
     found, notes = solution.figures(closed.q)
     balance = solution.balance(closed.q)
     bad = not all(math.isfinite(value) for value in found.values() if value is not None)

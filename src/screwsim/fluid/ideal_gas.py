@@ -94,6 +94,14 @@ class IdealGas:
         """Return what `place` does, at pressure [Pa] and specific enthalpy [J/kg]."""
         return self.place(p, self.temperature(p, h))
 
+    def first_outside(self, T: object, rho: object) -> int | None:
+        """Return None: no state is outside."""
+        return None
+
+    def why_outside(self, T: float, rho: float) -> str | None:
+        """Return None: an ideal gas has no limits."""
+        return None
+
     def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
         """Return None: every isothermal compression of an ideal gas is possible."""
         return None

@@ -14,8 +14,10 @@ from math import inf, log
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from screwsim.faults import UsageError
-from screwsim.fluid import isobar
+from screwsim.fluid import isobar, limits
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.dome import equilibrium_kernels, margin_kernel, saturation_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
@@ -39,9 +41,11 @@ def border(fluid: str) -> ModuleType:
         "saturated_liquid": known.liquid.flat_name,
         "saturation_temperature": known.temperature.flat_name,
         "saturation_pressure": known.pressure.flat_name,
+        "margin": margin_kernel(fluid).flat_name,
     }
     kernels = (*single, *equilibrium_kernels(fluid), known.vapour, known.liquid, known.temperature, known.pressure)
-    text = flatten(kernels) | flatten((isobar.density, isobar.at_pressure), slots)
+    text = flatten((*kernels, margin_kernel(fluid)))
+    text |= flatten((isobar.density, isobar.at_pressure, limits.first_outside), slots)
     return load("\n\n".join([HEADER, *text.values()]) + "\n", "fluid")
 
 
@@ -111,18 +115,7 @@ class RealGas:
 
     def _run(self, what: str) -> Callable[..., Any]:
         """Return a compiled kernel of this gas."""
-        module, known = border(self.fluid), saturation_kernels(self.fluid)
-        chosen = {
-            "state": self.state,
-            "entropy": self.specific_entropy,
-            "vapour": known.vapour,
-            "liquid": known.liquid,
-            "pressure": known.pressure,
-            "temperature": known.temperature,
-            "density": isobar.density,
-            "at_pressure": isobar.at_pressure,
-        }
-        return getattr(module, chosen[what].flat_name)
+        return _compiled(self)[what]
 
     def saturation_temperature(self, p: float) -> float | None:
         """Return the saturation temperature [K] at p [Pa]; None where there is none."""
@@ -179,20 +172,18 @@ class RealGas:
         return self._place(p, T, self.density(p, T))
 
     def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
-        """Return what `place` does, at p [Pa] and specific enthalpy h [J/kg]. Refuses two phases where the gas does."""
+        """Return what `place` does, at p [Pa] and specific enthalpy h [J/kg]; in equilibrium where that is wet.
+
+        A closing may pass through wet states on its way; whether the end may be wet, `why_outside` tells.
+        """
         T, rho = self._at(p, h, False)
-        if self.two_phase == "refuse" and self.saturation_temperature(p) == T and rho > self._run("vapour")(T):
-            raise UsageError(
-                f"{self.known.name} at {p:.6g} Pa, h = {h:.6g} J/kg is wet; "
-                "use gas.two_phase: equilibrium, or a warmer state"
-            )
-        return self._place(p, T, rho)
+        _p, h, _c_v, _tpt, a, choke, choked = self._run("wet state")(T, rho)
+        return p, rho, h, a, choke, choked
 
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
         """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium."""
         T, rho = self._at(p, s, True)
-        state = self.state if self.known.pseudo_pure else equilibrium_kernels(self.fluid)[0]
-        return T, rho, float(getattr(border(self.fluid), state.flat_name)(T, rho)[1])
+        return T, rho, float(self._run("wet state")(T, rho)[1])
 
     # ---- work ------------------------------------------------------------------------------------------------
 
@@ -220,20 +211,52 @@ class RealGas:
 
     # ---- limits ----------------------------------------------------------------------------------------------
 
+    def first_outside(self, T: np.ndarray, rho: np.ndarray) -> int | None:
+        """Return the index of the first of the states (T [K], ρ [kg/m³]) that `why_outside` complains of, or None."""
+        if self.two_phase == "refuse":
+            found = int(self._run("first_outside")(T, rho))
+            return found if found >= 0 and self.why_outside(float(T[found]), float(rho[found])) else None
+        extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
+        return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
+
     def why_outside(self, T: float, rho: float) -> str | None:
-        """Return in words which limit a state violates for which `margin` ≤ 0, or None."""
+        """Return in words which limit a state violates, with the remedy, or None.
+
+        Two phases are no violation in equilibrium.
+        """
         known, found = self.known, saturation(self.fluid)
-        p = float(getattr(border(self.fluid), state_kernel(self.fluid).flat_name)(T, rho)[0])
         if T < found.T_low:
             return f"{known.name} at {T:.6g} K is below the equation's lowest temperature, {found.T_low:.6g} K"
-        if T < found.T_c and rho >= self._run("vapour")(T):
-            saturated, p_sat = self._run("vapour")(T), self.saturation_pressure(T)
+        if T < found.T_c and rho >= self._run("vapour")(T) * (1.0 + AT_SATURATION):
+            if self.two_phase == "equilibrium":
+                return None
             return (
-                f"{known.name} at {T:.6g} K, {rho:.6g} kg/m3 condenses: "
-                f"saturated vapour has {saturated:.6g} kg/m3 at {p_sat:.6g} Pa"
+                f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {self._run('vapour')(T):.6g} "
+                f"kg/m3 at {self.saturation_pressure(T):.6g} Pa); use warmer oil or gas, or gas.two_phase: equilibrium"
             )
         if T > known.T_max:
             return f"{known.name} at {T:.6g} K is above the equation's highest temperature, {known.T_max:.6g} K"
+        p = float(self._run("single state")(T, rho)[0])
         if p > known.p_max:
             return f"{known.name} at {p:.6g} Pa is above the equation's highest pressure, {known.p_max:.6g} Pa"
         return None
+
+
+@lru_cache(maxsize=64)
+def _compiled(gas: RealGas) -> dict[str, Callable[..., Any]]:
+    """Return the compiled kernels of a gas by what they give; 'wet state' holds in the dome, whatever is refused."""
+    module, known = border(gas.fluid), saturation_kernels(gas.fluid)
+    kernels = {
+        "state": gas.state,
+        "single state": state_kernel(gas.fluid),
+        "wet state": gas.state if gas.known.pseudo_pure else equilibrium_kernels(gas.fluid)[0],
+        "entropy": gas.specific_entropy,
+        "vapour": known.vapour,
+        "liquid": known.liquid,
+        "pressure": known.pressure,
+        "temperature": known.temperature,
+        "density": isobar.density,
+        "at_pressure": isobar.at_pressure,
+        "first_outside": limits.first_outside,
+    }
+    return {what: getattr(module, kernel.flat_name) for what, kernel in kernels.items()}
