@@ -16,6 +16,7 @@ saturation_temperature = Slot("saturation_temperature")
 saturation_pressure = Slot("saturation_pressure")
 
 CLOSE = 1e-15  # relative width at which a bracket, or a step, ends the search
+LIQUID_CLOSE = 1e-13  # that of a liquid's density: rounding of p, which changes 1e3 times as fast
 
 
 @kernel
@@ -41,6 +42,19 @@ def density(p, T, R, T_c, rho_c):
 
 
 @kernel
+def liquid_density(p, T):
+    """Return the density [kg/m³] of the liquid at p [Pa], T [K], from saturated liquid upwards (p ≥ p_sat(T))."""
+    rho = saturated_liquid(T)
+    for _ in range(100):
+        found, _h, c_v, tpt, a, _choke, _choked = single_state(T, rho)
+        step = (p - found) / (found / (a * rho) - tpt * tpt / (T * rho * rho * c_v))
+        rho += step
+        if abs(step) <= LIQUID_CLOSE * rho:
+            return rho
+    return rho
+
+
+@kernel
 def value_at(T, rho, entropy):
     """Return entropy [J/(kg K)] or enthalpy [J/kg] of the single phase, and its derivative by T at constant p."""
     p, h, c_v, tpt, a, _choke, _choked = single_state(T, rho)
@@ -55,7 +69,8 @@ def value_at(T, rho, entropy):
 def at_pressure(p, wanted, entropy, T_low, T_high, p_c, R, T_c, rho_c):
     """Return (T [K], ρ [kg/m³]) at p [Pa] and the wanted entropy (else enthalpy): two phases where it lies between.
 
-    The density is −1 where only a liquid would do: below saturation, or below T_c from the critical pressure on.
+    Below saturation it is a liquid. The density is −1 where there is none: below T_c from the critical pressure on, or
+    below T_low.
     """
     low = T_low
     if p >= p_c:
@@ -71,7 +86,7 @@ def at_pressure(p, wanted, entropy, T_low, T_high, p_c, R, T_c, rho_c):
             liquid = value_at(low, rho_l, entropy)[0]
             share = (wanted - liquid) / (vapour - liquid)
             if share < 0.0:
-                return low, -1.0
+                return liquid_at_pressure(p, wanted, entropy, T_low, low)
             return low, 1.0 / (share / rho_v + (1.0 - share) / rho_l)
     high = T_high
     T = low + 0.1 * (high - low)
@@ -89,3 +104,25 @@ def at_pressure(p, wanted, entropy, T_low, T_high, p_c, R, T_c, rho_c):
             return new, density(p, new, R, T_c, rho_c)
         T = new
     return T, density(p, T, R, T_c, rho_c)
+
+
+@kernel
+def liquid_at_pressure(p, wanted, entropy, low, high):
+    """Return (T [K], ρ [kg/m³]) of the liquid at p [Pa] and the wanted entropy (else enthalpy), low ≤ T ≤ high."""
+    if wanted < value_at(low, liquid_density(p, low), entropy)[0]:
+        return low, -1.0
+    T = high
+    for _ in range(100):
+        rho = liquid_density(p, T)
+        value, slope = value_at(T, rho, entropy)
+        if value < wanted:
+            low = T
+        else:
+            high = T
+        new = T + (wanted - value) / slope
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        if abs(new - T) <= LIQUID_CLOSE * T or high - low <= CLOSE * high:
+            return new, liquid_density(p, new)
+        T = new
+    return T, liquid_density(p, T)

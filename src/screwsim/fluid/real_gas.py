@@ -1,8 +1,9 @@
 """A real gas: CoolProp's Helmholtz equation of state of a pure fluid, compiled; two phases refused or in equilibrium.
 
-`state`, `specific_entropy` and `margin` are kernels of (T, rho) alone: the fluid's numbers stand in their text. With
-`two_phase: refuse` they are those of the single phase, and `margin` tells when a state leaves the vapour; with
-`equilibrium` they hold in the dome too (dome.py). Everything else is for the border, and runs compiled.
+`state`, `specific_entropy` and `margin` are kernels of (T, rho) alone: the fluid's numbers stand in their text. They hold
+in the dome too, in equilibrium (dome.py), but for pseudo-pure fluids: while a cycle is being closed its chambers may
+condense on the way. What `two_phase: refuse` refuses is a closed cycle of which `why_outside` complains. Everything else
+is for the border, and runs compiled.
 """
 
 from __future__ import annotations
@@ -76,12 +77,12 @@ class RealGas:
     @property
     def state(self) -> Kernel:
         """Kernel (T, rho) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
-        return equilibrium_kernels(self.fluid)[0] if self.two_phase == "equilibrium" else state_kernel(self.fluid)
+        return state_kernel(self.fluid) if self.known.pseudo_pure else equilibrium_kernels(self.fluid)[0]
 
     @property
     def specific_entropy(self) -> Kernel:
         """Kernel (T, rho) → s [J/(kg K)]."""
-        return equilibrium_kernels(self.fluid)[1] if self.two_phase == "equilibrium" else entropy_kernel(self.fluid)
+        return entropy_kernel(self.fluid) if self.known.pseudo_pure else equilibrium_kernels(self.fluid)[1]
 
     @property
     def margin(self) -> Kernel:
@@ -141,14 +142,16 @@ class RealGas:
         return float(self._run("density")(p, T, self.R, found.T_c, found.rho_c))
 
     def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
-        """Return (T, ρ) at p and a given enthalpy or entropy; two phases where it lies between them."""
+        """Return (T, ρ) at p and a given enthalpy or entropy: vapour, two phases or liquid."""
         found, known = saturation(self.fluid), self.known
         T, rho = self._run("at_pressure")(
             p, wanted, entropy, known.T_min, 2.0 * known.T_max, found.p_c, self.R, found.T_c, found.rho_c
         )
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
-            raise UsageError(f"{known.name} at {p:.6g} Pa, {what} is liquid; give a state with vapour in it")
+            raise UsageError(
+                f"{known.name} at {p:.6g} Pa, {what} is below what the equation covers; give a warmer state"
+            )
         return T, rho
 
     def enthalpy(self, p: float, T: float) -> float:
@@ -177,13 +180,13 @@ class RealGas:
         A closing may pass through wet states on its way; whether the end may be wet, `why_outside` tells.
         """
         T, rho = self._at(p, h, False)
-        _p, h, _c_v, _tpt, a, choke, choked = self._run("wet state")(T, rho)
+        _p, h, _c_v, _tpt, a, choke, choked = self._run("state")(T, rho)
         return p, rho, h, a, choke, choked
 
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
         """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium."""
         T, rho = self._at(p, s, True)
-        return T, rho, float(self._run("wet state")(T, rho)[1])
+        return T, rho, float(self._run("state")(T, rho)[1])
 
     # ---- work ------------------------------------------------------------------------------------------------
 
@@ -244,12 +247,11 @@ class RealGas:
 
 @lru_cache(maxsize=64)
 def _compiled(gas: RealGas) -> dict[str, Callable[..., Any]]:
-    """Return the compiled kernels of a gas by what they give; 'wet state' holds in the dome, whatever is refused."""
+    """Return the compiled kernels of a gas by what they give."""
     module, known = border(gas.fluid), saturation_kernels(gas.fluid)
     kernels = {
         "state": gas.state,
         "single state": state_kernel(gas.fluid),
-        "wet state": gas.state if gas.known.pseudo_pure else equilibrium_kernels(gas.fluid)[0],
         "entropy": gas.specific_entropy,
         "vapour": known.vapour,
         "liquid": known.liquid,
