@@ -81,8 +81,12 @@ CRITICAL = _fitted(FITTED, 16)  # errs by less than 3e-15; three times as fast a
 
 @kernel
 def critical_power(y):
-    """Return r^(1/k) at choking from y = (k−1)/(k+1)."""
+    """Return r^(1/k) at choking from y = (k−1)/(k+1).
+
+    Beyond k = 0.05 and 19 it is held: only unstable states have such k, and an iteration may pass through them.
+    """
     if abs(y) > FITTED:
+        y = min(max(y, -0.9), 0.9)
         return math.exp((1.0 - y) * math.log1p(-y) / (2.0 * y))
     s = y * (1.0 / FITTED)
     s2 = s * s
