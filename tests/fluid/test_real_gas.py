@@ -296,6 +296,13 @@ def test_a_liquid_is_refused_with_its_boiling_point():
         R134A.place(5e5, 280.0)
 
 
+def test_the_nearest_vapour_is_the_state_itself_or_one_kelvin_above_saturation():
+    assert R134A.nearest_vapour(5e5, 300.0) == 300.0
+    assert R134A.nearest_vapour(5e5, 280.0) == R134A.saturation_temperature(5e5) + 1.0
+    assert R134A.nearest_vapour(50e5, 300.0) == saturation("R134a").T_c + 1.0
+    assert R134A.density(50e5, R134A.nearest_vapour(50e5, 300.0)) > 0.0
+
+
 def test_a_wet_plenum_is_refused_unless_two_phases_are_followed():
     h = R134A.enthalpy(12e5, 330.0) - 60e3
     with pytest.raises(UsageError, match="is wet"):

@@ -130,6 +130,12 @@ class RealGas:
             return None
         return float(self._run("temperature")(p))
 
+    def nearest_vapour(self, p: float, T: float) -> float:
+        """Return T, or if there is no vapour at p [Pa] and T [K] a temperature 1 K above saturation: for guesses."""
+        if T >= saturation(self.fluid).T_c or p < self.saturation_pressure(T):
+            return T
+        return (self.saturation_temperature(p) or saturation(self.fluid).T_c) + 1.0
+
     def saturation_pressure(self, T: float) -> float:
         """Return the saturation pressure [Pa] at T [K]; infinite from the critical temperature on."""
         found = saturation(self.fluid)
@@ -188,9 +194,16 @@ class RealGas:
         return self._place(p, T, rho)
 
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
-        """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium."""
+        """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium.
+
+        Raises UsageError where a pseudo-pure fluid would be wet.
+        """
         T, rho = self._at(p, s, True)
-        state = self.state if self.known.pseudo_pure else equilibrium_kernels(self.fluid)[0]
+        state = equilibrium_kernels(self.fluid)[0]
+        if self.known.pseudo_pure:
+            state = self.state
+            if T < saturation(self.fluid).T_c and rho > self._run("vapour")(T) * (1.0 + AT_SATURATION):
+                raise UsageError(f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K) is wet; give a warmer state")
         return T, rho, float(getattr(border(self.fluid), state.flat_name)(T, rho)[1])
 
     # ---- work ------------------------------------------------------------------------------------------------
