@@ -296,11 +296,40 @@ def test_a_liquid_is_refused_with_its_boiling_point():
         R134A.place(5e5, 280.0)
 
 
-def test_a_wet_plenum_is_refused_unless_two_phases_are_followed():
-    h = R134A.enthalpy(12e5, 330.0) - 60e3
-    with pytest.raises(UsageError, match="is wet"):
-        R134A.place_of_enthalpy(12e5, h)
-    assert RealGas("R134a", "equilibrium").place_of_enthalpy(12e5, h)[2] == pytest.approx(h, rel=1e-12)
+def test_the_nearest_vapour_is_the_state_itself_or_one_kelvin_above_saturation():
+    assert R134A.nearest_vapour(5e5, 300.0) == 300.0
+    assert R134A.nearest_vapour(5e5, 280.0) == R134A.saturation_temperature(5e5) + 1.0
+    assert R134A.nearest_vapour(50e5, 300.0) == saturation("R134a").T_c + 1.0
+    assert R134A.density(50e5, R134A.nearest_vapour(50e5, 300.0)) > 0.0
+
+
+@pytest.mark.parametrize("lower", [60e3, 180e3])  # two phases, liquid
+def test_a_plenum_of_less_enthalpy_than_vapour_has_what_was_asked(lower):
+    h = R134A.enthalpy(12e5, 330.0) - lower
+    p, _rho, found, *_ = R134A.place_of_enthalpy(12e5, h)
+    assert (p, found) == pytest.approx((12e5, h), rel=1e-12)
+
+
+@pytest.mark.parametrize(("T", "p"), [(290.0, 11.5e5), (310.0, 30e5), (250.0, 20e5)])
+def test_a_liquid_is_that_of_coolprop(T, p):
+    import CoolProp.CoolProp as coolprop
+
+    state = coolprop.AbstractState("HEOS", "R134a")
+    state.update(coolprop.PT_INPUTS, p, T)
+    _p, rho, *_ = R134A.place_of_enthalpy(p, state.hmass())
+    assert rho == pytest.approx(state.rhomass(), rel=1e-9)  # the reference's own iteration on p
+
+
+def test_two_phases_are_outside_only_where_they_are_refused():
+    rho = 1.5 * R134A.density(5e5, 290.0)
+    assert "condenses at 290 K" in R134A.why_outside(290.0, rho)
+    assert RealGas("R134a", "equilibrium").why_outside(290.0, rho) is None
+
+
+def test_the_first_state_outside_is_found():
+    T, rho = np.array([300.0, 290.0, 280.0]), np.array([5.0, 5.0, 60.0])
+    assert R134A.first_outside(T, rho) == 2
+    assert R134A.first_outside(T[:2], rho[:2]) is None
 
 
 def test_an_unknown_fluid_is_refused():

@@ -83,6 +83,18 @@ def test_the_phases_meet_at_the_critical_point(fluid):
     assert kernels.liquid(found.T_c + 1.0) == kernels.vapour(found.T_c + 1.0)
 
 
+@pytest.mark.parametrize("fluid", ["R410A", "R407C", "R404A", "Air"])
+def test_a_pseudo_pure_fluid_condenses_at_coolprops_dew_line(fluid):
+    CP = pytest.importorskip("CoolProp.CoolProp")
+    gas, state = RealGas(fluid), CP.AbstractState("HEOS", fluid)
+    for T in (x * gas.known.T_c for x in (0.65, 0.75, 0.85, 0.95)):
+        state.update(CP.QT_INPUTS, 1.0, T)
+        # 1e-6: tables through values of CoolProp, which finds the density from a fitted pressure by iteration
+        assert gas.saturation_pressure(T) == pytest.approx(state.p(), rel=1e-6)
+        assert saturation_kernels(fluid).vapour(T) == pytest.approx(state.rhomass(), rel=1e-6)
+        assert gas.margin(T, 0.99 * state.rhomass()) > 0.0 > gas.margin(T, 1.01 * state.rhomass())
+
+
 # ---- the dome ---------------------------------------------------------------------------------------------------
 
 DOME = [

@@ -82,6 +82,10 @@ class IdealGas:
         """Return None: an ideal gas does not condense."""
         return None
 
+    def nearest_vapour(self, p: float, T: float) -> float:
+        """Return T: an ideal gas is vapour everywhere."""
+        return T
+
     def temperature(self, p: float, h: float) -> float:
         """Return temperature [K] at pressure [Pa] and specific enthalpy [J/kg]."""
         return h / self.c_p

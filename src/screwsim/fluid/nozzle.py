@@ -81,8 +81,12 @@ CRITICAL = _fitted(FITTED, 16)  # errs by less than 3e-15; three times as fast a
 
 @kernel
 def critical_power(y):
-    """Return r^(1/k) at choking from y = (k−1)/(k+1)."""
+    """Return r^(1/k) at choking from y = (k−1)/(k+1).
+
+    Beyond k = 0.05 and 19 it is held: only unstable states have such k, and an iteration may pass through them.
+    """
     if abs(y) > FITTED:
+        y = min(max(y, -0.9), 0.9)
         return math.exp((1.0 - y) * math.log1p(-y) / (2.0 * y))
     s = y * (1.0 / FITTED)
     s2 = s * s
@@ -120,19 +124,24 @@ def flow(area, p_1, rho_1, a_1, choke_1, choked_1, p_2, rho_2, a_2, choke_2, cho
 
 
 @kernel
-def expansion_slope(x, value, a, choke, choked):
-    """Return d(ψ²/x)/dx where `value` is ψ²/x: analytic, but by a difference of the series for small drops."""
+def expansion_with_slope(x, a, choke, choked):
+    """Return ψ²/x and d(ψ²/x)/dx: analytic, but by a difference of the series for small drops."""
     if x >= choke:
-        return -value / x
+        value = choked / x
+        return value, -value / x
     if x < SMALL:
-        return (expansion(x + 1e-4, a, choke, choked) - value) * 1e4
+        value = expansion(x, a, choke, choked)
+        return value, (expansion(x + 1e-4, a, choke, choked) - value) * 1e4
     r = 1.0 - x
+    over = 1.0 / x
     if abs(1.0 - a) < NEAR_ONE:
         grown, share = expansion_near_one(math.log(r), a)
-        return -(value + 2.0 * r * grown * (2.0 * a * share - 1.0)) / x
+        value = 2.0 * r * r * grown * share * over
+        return value, -(value + 2.0 * r * grown * (2.0 * a * share - 1.0)) * over
     e = math.exp(a * math.log(r))
-    slope = 2.0 / (1.0 - a) * e * (2.0 * a * e / r - (1.0 + a))
-    return -(value + slope) / x
+    f = 2.0 / (1.0 - a) * e
+    value = f * (e - r) * over
+    return value, -(value + f * (2.0 * a * e / r - (1.0 + a))) * over
 
 
 @kernel
@@ -143,14 +152,12 @@ def flow_slopes(area, p_1, rho_1, a_1, choke_1, choked_1, p_2, rho_2, a_2, choke
         p = p_2
         rho = rho_2
         x = dp / p
-        psi = expansion(x, a_2, choke_2, choked_2)
-        slope = expansion_slope(x, psi, a_2, choke_2, choked_2)
+        psi, slope = expansion_with_slope(x, a_2, choke_2, choked_2)
     else:
         p = p_1
         rho = rho_1
         x = -dp / p
-        psi = expansion(x, a_1, choke_1, choked_1)
-        slope = expansion_slope(x, psi, a_1, choke_1, choked_1)
+        psi, slope = expansion_with_slope(x, a_1, choke_1, choked_1)
     smooth2 = dp * dp + width * width
     inverse = 1.0 / math.sqrt(smooth2)
     q = rho * psi * inverse

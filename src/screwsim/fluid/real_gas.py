@@ -1,9 +1,9 @@
 """A real gas: CoolProp's Helmholtz equation of state of a pure fluid, compiled; two phases refused or in equilibrium.
 
-`state`, `specific_entropy` and `margin` are kernels of (T, rho) alone: the fluid's numbers stand in their text. They hold
-in the dome too, in equilibrium (dome.py), but for pseudo-pure fluids: while a cycle is being closed its chambers may
-condense on the way. What `two_phase: refuse` refuses is a closed cycle of which `why_outside` complains. Everything else
-is for the border, and runs compiled.
+`state`, `specific_entropy` and `margin` are kernels of (T, rho) alone: the fluid's numbers stand in their text. They
+hold in the dome too, in equilibrium (dome.py), but for pseudo-pure fluids: while a cycle is being closed its chambers
+may condense on the way. What `two_phase: refuse` refuses is a closed cycle of which `why_outside` complains. Everything
+else is for the border, and runs compiled.
 """
 
 from __future__ import annotations
@@ -125,6 +125,12 @@ class RealGas:
             return None
         return float(self._run("temperature")(p))
 
+    def nearest_vapour(self, p: float, T: float) -> float:
+        """Return T, or if there is no vapour at p [Pa] and T [K] a temperature 1 K above saturation: for guesses."""
+        if T >= saturation(self.fluid).T_c or p < self.saturation_pressure(T):
+            return T
+        return (self.saturation_temperature(p) or saturation(self.fluid).T_c) + 1.0
+
     def saturation_pressure(self, T: float) -> float:
         """Return the saturation pressure [Pa] at T [K]; infinite from the critical temperature on."""
         found = saturation(self.fluid)
@@ -184,8 +190,14 @@ class RealGas:
         return p, rho, h, a, choke, choked
 
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
-        """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium."""
+        """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium.
+
+        Raises UsageError where a pseudo-pure fluid would be wet.
+        """
         T, rho = self._at(p, s, True)
+        below = self.known.pseudo_pure and T < saturation(self.fluid).T_c
+        if below and rho > self._run("vapour")(T) * (1.0 + AT_SATURATION):
+            raise UsageError(f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K) is wet; give a warmer state")
         return T, rho, float(self._run("state")(T, rho)[1])
 
     # ---- work ------------------------------------------------------------------------------------------------

@@ -5,6 +5,8 @@ The tables are piecewise polynomials, solved for in extended precision at Chebys
 with t = 1 − T/T_c. At the critical point of an analytic equation ρ is analytic in θ, and p and g are in T; but
 accurate equations are so flat there that this shows only below t = 1e-4. The intervals of the first three are
 therefore equal in t^(1/4), which makes them ever shorter towards the critical point.
+
+A pseudo-pure fluid (air, R410A) boils and condenses at two pressures: its vapour's tables are CoolProp's dew line.
 """
 
 from __future__ import annotations
@@ -134,6 +136,38 @@ def _start(known: Description, T_low: float) -> tuple[Array, Array, Array]:
     return T, liquid, vapour
 
 
+def _theta_edges(T_low: float, T_c: float) -> Array:
+    """Return edges over ±θ; the interval in the middle lies across the critical point."""
+    half = np.sqrt(1.0 - T_low / T_c) * (np.arange(1, BINS + 1) / BINS) ** 2
+    return np.concatenate([-half[::-1], half])
+
+
+def _boiling_and_dew(known: Description, T_low: float) -> Table:
+    """Return the table of ln ρ over ±θ of a pseudo-pure fluid: CoolProp's boiling and dew lines, which do not meet.
+
+    Near the critical point, where CoolProp has none, it is interpolated to that.
+    """
+    import CoolProp.CoolProp as coolprop
+    from scipy.interpolate import CubicSpline
+
+    state = coolprop.AbstractState("HEOS", known.name)
+    edges = _theta_edges(T_low, known.T_c)
+    points = nodes(edges).astype(float)
+    theta, values = [0.0], [np.log(known.rho_c)]
+    for x in np.sort(points.ravel()):
+        T = known.T_c * (1.0 - x * x)
+        if abs(x) < 0.05 or T <= T_low:
+            continue
+        try:
+            state.update(coolprop.QT_INPUTS, float(x < 0.0), T)
+        except ValueError:
+            continue
+        theta.append(x)
+        values.append(np.log(state.rhomass()))
+    order = np.argsort(theta)
+    return fitted(edges, CubicSpline(np.array(theta)[order], np.array(values)[order])(points).astype(np.longdouble))
+
+
 def _densities(potentials: Any, known: Description, T_low: float, T_c: float, rho_c: float) -> Table:
     """Return the table of ln ρ over ±θ, solved interval by interval towards the critical point.
 
@@ -142,8 +176,7 @@ def _densities(potentials: Any, known: Description, T_low: float, T_c: float, rh
     """
     from scipy.interpolate import CubicSpline
 
-    half = (np.sqrt(1.0 - T_low / T_c) * (np.arange(1, BINS + 1) / BINS) ** 2).astype(float)
-    edges = np.concatenate([-half[::-1], half])  # the interval in the middle lies across the critical point
+    edges = _theta_edges(T_low, T_c)
     points = nodes(edges)
     values = np.empty(points.shape, np.longdouble)
     T, *both = _start(known, T_low)
@@ -178,9 +211,13 @@ def _solve(fluid: str) -> dict[str, Any]:
     known = describe(fluid)
     potentials = vectorised(potentials_kernel(fluid))
     T_low = known.T_min
-    T_c, rho_c = _critical(known, potentials)
-    log_rho = _densities(potentials, known, T_low, T_c, rho_c)
-    log_p, gibbs = _pressures(potentials, T_low, T_c, log_rho)
+    if known.pseudo_pure:
+        T_c, rho_c = known.T_c, known.rho_c
+        log_rho = _boiling_and_dew(known, T_low)
+    else:
+        T_c, rho_c = _critical(known, potentials)
+        log_rho = _densities(potentials, known, T_low, T_c, rho_c)
+    log_p, gibbs = _pressures(potentials, T_low, T_c, log_rho, 2.0 if known.pseudo_pure else POLISHED)
     first, last = log_p(np.array([T_low, T_c]))
     y = np.linspace(first, last, LOG_P_BINS + 1)
     T_of = fitted(y, _inverse(log_p, nodes(y), T_low, T_c))
@@ -190,13 +227,13 @@ def _solve(fluid: str) -> dict[str, Any]:
     }
 
 
-def _pressures(potentials: Any, T_low: float, T_c: float, log_rho: Table) -> tuple[Table, Table]:
-    """Return tables of ln p and of the Gibbs energy over T."""
+def _pressures(potentials: Any, T_low: float, T_c: float, log_rho: Table, polished: float) -> tuple[Table, Table]:
+    """Return tables of ln p and of the Gibbs energy over T, of the vapour; solved for where t > polished."""
     edges = T_c - (T_c - T_low) * (np.arange(BINS, -1, -1) / BINS) ** 4
     T = nodes(edges)
     theta = np.sqrt(1.0 - T / T_c)
     liquid, vapour = np.exp(log_rho(theta)), np.exp(log_rho(-theta))
-    far = theta**2 > POLISHED
+    far = theta**2 > polished
     start = liquid[far], vapour[far]
     liquid[far], vapour[far] = np.exp(_kept_apart(_newton(potentials, T[far], *start, 4), start))
     p, _, g = potentials(T, vapour)

@@ -50,7 +50,7 @@ def _vapour(gas: Any, p: Array, T: Array) -> tuple[Array, Array]:
     states = list(zip(p.tolist(), T.tolist(), strict=True))
     for state in states:
         if state not in known:
-            T_wanted = max(state[1], gas.saturation_temperature(state[0]) or 0.0)
-            known[state] = T_wanted, gas.density(state[0], T_wanted)
+            T_vapour = gas.nearest_vapour(*state)
+            known[state] = T_vapour, gas.density(state[0], T_vapour)
     found = np.array([known[state] for state in states])
     return found[:, 0], found[:, 1]
