@@ -48,15 +48,15 @@ def build_oil(scene: Scene) -> OilPart | None:
     return OilPart(oil.density, oil.heat_capacity, supply.temperature, oil.transport, numbers)
 
 
-def build_parts(scene: Scene, refine: float = 1.0) -> Parts:
-    """Return what the scene names, built for the composer; `refine` multiplies the regularisation width."""
+def build_parts(scene: Scene) -> Parts:
+    """Return what the scene names, built for the composer."""
     geometry = Geometry(scene.machine)
     suction, discharge, gaps = regularisation(scene)
     return Parts(
         geometry=geometry,
         gas=build_gas(scene),
         omega=scene.operation.speed,
-        widths=(refine * suction, refine * discharge, refine * gaps),
+        widths=(suction, discharge, gaps),
         effects={name: active.effect.build(active.parameters, geometry) for name, active in scene.effects.items()},
         oil=build_oil(scene),
     )
@@ -73,9 +73,8 @@ def regularisation(scene: Scene) -> tuple[float, float, float]:
     return accuracy * p_s, accuracy * p_d, accuracy * max(p_s, p_d)
 
 
-def wanted_of(scene: Scene, refine: float = 1.0) -> closing.Wanted:
-    """Return tolerances from the wanted accuracy (docs/numerics.md); `refine` multiplies them."""
+def wanted_of(scene: Scene) -> closing.Wanted:
+    """Return tolerances from the wanted accuracy (docs/numerics.md)."""
     numerics = scene.numerics
-    rtol = refine * (numerics.rtol or 0.3 * numerics.accuracy)
-    accuracy = refine * numerics.accuracy
-    return closing.Wanted(rtol, 0.2 * accuracy, numerics.accuracy, numerics.closing)
+    rtol = numerics.rtol or 0.3 * numerics.accuracy
+    return closing.Wanted(rtol, 0.2 * numerics.accuracy, numerics.accuracy, numerics.closing)

@@ -69,7 +69,7 @@ def run(
     from screwsim.printing import print_json, print_result
     from screwsim.simulate import simulate
 
-    result = simulate(scene, estimate_error=True)
+    result = simulate(scene)
     if output is not None:
         from screwsim.results import save
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-import time
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from screwsim import performance
 from screwsim.build import build_parts, suction_temperature, wanted_of
-from screwsim.errors import relative_errors
+from screwsim.estimate import Accurate, close_accurately, worst
 from screwsim.model import close as closing
 from screwsim.model.compose import Parts, compose
 from screwsim.model.guess import first_guess
@@ -19,6 +19,8 @@ from screwsim.model.slots import (
     ENTHALPY,
     OIL_RATIO,
     OIL_TEMPERATURE,
+    P_GAP_WIDTH,
+    P_PORT_WIDTH,
     R_DISCHARGE,
     R_INJECTED,
     R_OIL_BEFORE,
@@ -31,7 +33,6 @@ from screwsim.outputs import Figures, Result
 from screwsim.scene.types import Scene
 
 TRACE_ANGLES = np.arange(0.0, 720.5, 1.0)  # degrees
-FINER = 0.05  # tolerance and regularisation of the second solution that estimates the error
 
 
 @lru_cache(maxsize=8)
@@ -53,10 +54,10 @@ def machinery_for(parts: Parts) -> Machinery:
 class Solution:
     """One scene being solved: the machinery, the lines, and what is asked of the closing."""
 
-    def __init__(self, scene: Scene, refine: float = 1.0) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.parts = build_parts(scene, refine)
-        self.wanted = wanted_of(scene, refine)
+        self.parts = build_parts(scene)
+        self.wanted = wanted_of(scene)
         operation = scene.operation
         self.lines = performance.Lines(
             operation.suction.pressure, suction_temperature(scene), operation.discharge.pressure
@@ -85,6 +86,11 @@ class Solution:
     def close(self) -> closing.Closed:
         """Close the cycle from the first guess."""
         return closing.close(self, self.start(), self.scene.numerics.integrator)
+
+    def tighten(self, factor: float) -> None:
+        """Multiply the tolerances and the widths of the regularisation."""
+        self.wanted = replace(self.wanted, rtol=factor * self.wanted.rtol, tolerance=factor * self.wanted.tolerance)
+        self.machinery.composition.P[P_PORT_WIDTH : P_GAP_WIDTH + 1] *= factor
 
     def plenum(self) -> closing.Array:
         """Return the discharge plenum's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
@@ -228,7 +234,8 @@ def _smooth_plenum_flows(flows: np.ndarray, paths: int, mass_rate: np.ndarray) -
         flows[mine, i] = mass_rate[mine] - leaks[mine]
 
 
-def _numerics(solution: Solution, closed: closing.Closed, counts: closing.Array, wall_time: float) -> Figures:
+def _numerics(solution: Solution, accurate: Accurate) -> Figures:
+    counts, closed = accurate.counts, accurate.closed
     return Figures(
         integrator=solution.scene.numerics.integrator,
         closing=closed.how,
@@ -237,7 +244,8 @@ def _numerics(solution: Solution, closed: closing.Closed, counts: closing.Array,
         steps=int(counts[0]),
         rhs_evaluations=int(counts[2] + counts[3] * len(solution.machinery.composition.states)),
         jacobians=int(counts[3]),
-        wall_time=wall_time,
+        wall_time=accurate.closing_time,
+        estimating_time=accurate.estimating_time,
     )
 
 
@@ -284,21 +292,25 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def simulate(scene: Scene, trace: bool = True, estimate_error: bool = False) -> Result:
+def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
+    """Return a warning when the estimated error of a figure stayed above the wanted accuracy."""
+    name, size = worst(error)
+    if size <= scene.numerics.accuracy:
+        return ()
+    return (f"the estimated error of {name}, {size:.2g}, is above the wanted accuracy {scene.numerics.accuracy:.2g}",)
+
+
+def simulate(scene: Scene, trace: bool = True) -> Result:
     """Return the result of one scene; bad physics gives a status and what there is, never an exception.
 
-    `trace` keeps the cycle over the angle; `estimate_error` solves a second time with a twentieth of the tolerances
-    and reports the differences. Raises UsageError when the scene asks for a fluid that is not there.
+    `trace` keeps the cycle over the angle. Raises UsageError when the scene asks for a fluid that is not there.
     """
     solution = Solution(scene)
     machinery = solution.machinery
     machinery.warm_up(solution.start)
-    counted = machinery.counts.copy()
-    compiling = machinery.compile_time
-    started = time.perf_counter()
-    closed = solution.close()
-    wall_time = time.perf_counter() - started - (machinery.compile_time - compiling)
-    numerics = _numerics(solution, closed, machinery.counts - counted, wall_time)
+    accurate = close_accurately(solution)
+    closed = accurate.closed
+    numerics = _numerics(solution, accurate)
     effects, states = tuple(scene.effects), machinery.composition.states
     if closed.status == "failed":
         return Result("failed", _failure(solution, closed), effects=effects, states=states, numerics=numerics)
@@ -319,15 +331,8 @@ def simulate(scene: Scene, trace: bool = True, estimate_error: bool = False) -> 
             f"{closed.change:.2g}; try numerics.closing: coupled, or a tighter numerics.accuracy"
         )
     cycle = solution.cycle() if trace else {}
-    error = Figures()
-    if estimate_error:
-        finer = Solution(scene, FINER)
-        better = finer.close()
-        if better.status == "ok":
-            error = relative_errors(found, finer.figures(better.q)[0])
-    return Result(
-        status, message, _warnings(solution, found), effects, states, found, balance, error, numerics, notes, cycle
-    )
+    warnings = (*_warnings(solution, found), *_inaccurate(scene, accurate.errors))
+    return Result(status, message, warnings, effects, states, found, balance, accurate.errors, numerics, notes, cycle)
 
 
 def warm_up(scene: Scene) -> None:

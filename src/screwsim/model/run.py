@@ -137,6 +137,12 @@ class Machinery:
         self.kept[:] = 0, steps
         self.module.places__places_along(old[1], steps, self.context)
 
+    def restore(self, times: Array, dense: Array, quads: Array) -> None:
+        """Put back a whole history, places included, as the last turn's."""
+        old, steps = self.histories[0], len(dense)
+        old[0][: steps + 1], old[1][:steps], old[2][:steps] = times, dense, quads
+        self.kept[:] = 0, steps
+
     # ---- all chambers together -------------------------------------------------------------------------------
 
     def _coupled_space(self) -> dict[str, Any]:
