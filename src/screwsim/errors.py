@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from screwsim.outputs import Figures
+from screwsim.outputs import PERFORMANCE, Figures
 
 
 def relative_errors(found: Figures, better: Figures) -> Figures:
@@ -17,7 +17,7 @@ def relative_errors(found: Figures, better: Figures) -> Figures:
         if value is None or reference is None:
             errors[name] = None
             continue
-        if name.endswith("_power"):
+        if name.endswith("_power") and PERFORMANCE[name].units == "W":
             scale = power_scale
         elif name.endswith("_efficiency"):
             scale = max(abs(reference), 0.1)

@@ -1,4 +1,4 @@
-"""Performance figures of a closed cycle: flows, powers, efficiencies (docs/model.md M25–M36)."""
+"""Performance figures of a closed cycle: flows, powers, efficiencies (docs/model.md M25–M36, M43–M45)."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from screwsim.effects.base import PowerLoss
 from screwsim.model.close import Array, discharge_enthalpy
 from screwsim.model.compose import Parts
 from screwsim.outputs import PERFORMANCE, Figures
+from screwsim.scene.lines import Lines
 
 
 @dataclass(frozen=True)
@@ -28,13 +29,8 @@ class CycleFigures:
     oil_source_pressure: float
 
 
-@dataclass(frozen=True)
-class Lines:
-    """The states of both lines: pressures [Pa], suction temperature [K]."""
-
-    p_s: float
-    T_s: float
-    p_d: float
+PER_VOLUME = ("specific_power",)
+COOLING = ("cooling_capacity", "cop", "volumetric_cooling_capacity")
 
 
 def _quotient(a: float, b: float) -> float | None:
@@ -110,6 +106,9 @@ def figures(
             "work_per_cycle": work,
             "trapped_mass": trapped,
             "injection_pressure": p_injection,
+            "suction_pressure": lines.p_s,
+            "suction_temperature": lines.T_s,
+            "discharge_pressure": lines.p_d,
         }
     )
     if mean is None:
@@ -125,6 +124,30 @@ def figures(
         if flow <= 0.0:
             notes["oil_flow_ratio"] = "no net gas is delivered"
     return Figures(found), notes
+
+
+def refrigeration(
+    found: Mapping[str, Any], rho_s: float, effect: float | None
+) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Return the figures per volume and of cooling (M43–M45), or None with the reason.
+
+    `rho_s` is the gas model's density in the suction line [kg/m³], `effect` the refrigerating effect [J/kg].
+    """
+    flow, power = found["gas_mass_flow"], found["shaft_power"]
+    figures: dict[str, float | None] = dict.fromkeys(PER_VOLUME + COOLING)
+    if flow <= 0.0:
+        return figures, dict.fromkeys(figures, "no net gas is delivered: the machine leaks more than it takes in")
+    figures["specific_power"] = power * rho_s / flow
+    if effect is None:
+        return figures, dict.fromkeys(
+            COOLING, "known only of a compressor in a scene that states evaporating and condensing temperature"
+        )
+    figures["cooling_capacity"] = flow * effect
+    figures["volumetric_cooling_capacity"] = rho_s * effect
+    if power <= 0.0:
+        return figures, {"cop": "the shaft power is not positive"}
+    figures["cop"] = flow * effect / power
+    return figures, {}
 
 
 def _losses(effects: Mapping[str, Sequence[Any]], known: CycleFigures) -> dict[str, float]:

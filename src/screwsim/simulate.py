@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from screwsim import performance
-from screwsim.build import build_parts, suction_temperature, wanted_of
+from screwsim.build import build_parts, prepare, wanted_of
 from screwsim.errors import relative_errors
 from screwsim.model import close as closing
 from screwsim.model.compose import Parts, compose
@@ -28,6 +28,7 @@ from screwsim.model.slots import (
     R_TRAPPED,
 )
 from screwsim.outputs import Figures, Result
+from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
 
 TRACE_ANGLES = np.arange(0.0, 720.5, 1.0)  # degrees
@@ -57,10 +58,7 @@ class Solution:
         self.scene = scene
         self.parts = build_parts(scene, refine)
         self.wanted = wanted_of(scene, refine)
-        operation = scene.operation
-        self.lines = performance.Lines(
-            operation.suction.pressure, suction_temperature(scene), operation.discharge.pressure
-        )
+        self.lines = lines(scene)
         self.machinery = machinery_for(self.parts)
         self.pv = self.lines.p_s / self.parts.gas.density(self.lines.p_s, self.lines.T_s)
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
@@ -138,7 +136,7 @@ class Solution:
         source = self.lines.p_s if supply is not None and supply.source == "suction" else self.lines.p_d
         limit = self.parts.geometry.widest_discharge()
         times, dense, _, steps = m.last()
-        return performance.figures(
+        found, notes = performance.figures(
             self.parts,
             self.lines,
             self.balances.streams(q),
@@ -152,6 +150,10 @@ class Solution:
             source_pressure=source,
             oil_mean_temperature=self._oil_discharge_temperature(q),
         )
+        cooling, reasons = performance.refrigeration(
+            found, self.parts.gas.density(self.lines.p_s, self.lines.T_s), refrigerating_effect(self.scene)
+        )
+        return Figures(found | cooling), notes | reasons
 
     def _oil_discharge_temperature(self, q: closing.Array) -> float | None:
         """Return the oil's flow-weighted mean temperature at discharge; None without an oil temperature."""
@@ -319,3 +321,4 @@ def simulate(scene: Scene, trace: bool = True, estimate_error: bool = False) -> 
 def warm_up(scene: Scene) -> None:
     """Compile or load what the scene needs, so that workers find it ready."""
     simulate(scene, trace=False)
+    prepare(scene)
