@@ -50,6 +50,8 @@ def build_oil(scene: Scene) -> OilPart | None:
 
 def build_parts(scene: Scene, refine: float = 1.0) -> Parts:
     """Return what the scene names, built for the composer; `refine` multiplies the regularisation width."""
+    if scene.operation.suction.quality is not None:
+        raise UsageError("operation.suction.quality: wet suction is not simulated yet (give a superheat)")
     geometry = Geometry(scene.machine)
     suction, discharge, gaps = regularisation(scene)
     return Parts(

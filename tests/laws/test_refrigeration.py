@@ -5,8 +5,9 @@ import math
 import pytest
 from scenes import DROP, make, run
 
-from screwsim.build import build_gas
+from screwsim.build import build_gas, build_parts
 from screwsim.errors import relative_errors
+from screwsim.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.performance import refrigeration
 from screwsim.scene import lines, refrigerating_effect, suction_enthalpy
@@ -63,6 +64,12 @@ def test_wet_suction_has_the_enthalpy_of_the_mixture():
     scene = make({**RATED, **real, "operation.superheat": DROP})
     expected = [PropsSI("H", "T", 275.15, "Q", x, "R134a") for x in (0, 1)]
     assert suction_enthalpy(scene) == pytest.approx(0.1 * expected[0] + 0.9 * expected[1], rel=1e-10)
+
+
+def test_wet_suction_is_never_taken_for_dry():
+    real = {"gas.model": "real", "gas.two_phase": "equilibrium", "operation.suction": {"quality": 0.9}}
+    with pytest.raises(UsageError, match=r"^operation\.suction\.quality: wet suction is not simulated yet"):
+        build_parts(make({**RATED, **real, "operation.superheat": DROP}))
 
 
 @pytest.fixture(scope="module")
