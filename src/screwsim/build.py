@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
 from screwsim.machine.geometry import Geometry
 from screwsim.model import close as closing
 from screwsim.model.compose import OilPart, Parts
+from screwsim.scene.checks import cross_check
+from screwsim.scene.grid import case, case_count
+from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
 
-
-def suction_temperature(scene: Scene) -> float:
-    """Return the suction temperature [K], from superheat where the scene gives that."""
-    suction = scene.operation.suction
-    if suction.temperature is not None:
-        return suction.temperature
-    return constants.saturation_temperature(scene.gas.fluid, suction.pressure) + float(suction.superheat or 0.0)
+MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
 
 def build_gas(scene: Scene) -> IdealGas | RealGas:
     """Return the gas of a scene; k of an ideal one from CoolProp at suction temperature where none is given (M6)."""
-    fluid, T = scene.gas.fluid, suction_temperature(scene)
+    fluid, k = scene.gas.fluid, scene.gas.isentropic_exponent
     if scene.gas.model == "real":
         return RealGas(fluid, scene.gas.two_phase)
-    k = scene.gas.isentropic_exponent
-    return IdealGas(constants.gas_constant(fluid), constants.isentropic_exponent(fluid, T) if k is None else k)
+    if k is None:
+        k = constants.isentropic_exponent(fluid, lines(scene).T_s)
+    return IdealGas(constants.gas_constant(fluid), k)
 
 
 def build_oil(scene: Scene) -> OilPart | None:
@@ -43,7 +43,7 @@ def build_oil(scene: Scene) -> OilPart | None:
             "diameter": diameter,
             "length": supply.orifice_length or 2.0 * diameter,
             "number": supply.orifice_count,
-            "separator_pressure": scene.operation.discharge.pressure,
+            "separator_pressure": lines(scene).p_d,
         }
     return OilPart(oil.density, oil.heat_capacity, supply.temperature, oil.transport, numbers)
 
@@ -68,9 +68,8 @@ def regularisation(scene: Scene) -> tuple[float, float, float]:
     ε is the wanted accuracy times the pressure. The error control lets the pressure err by about as much; a narrower
     ε would let that error jump across the flow law's steep middle, which costs many small steps and gains nothing.
     """
-    accuracy, operation = scene.numerics.accuracy, scene.operation
-    p_s, p_d = operation.suction.pressure, operation.discharge.pressure
-    return accuracy * p_s, accuracy * p_d, accuracy * max(p_s, p_d)
+    accuracy, at = scene.numerics.accuracy, lines(scene)
+    return accuracy * at.p_s, accuracy * at.p_d, accuracy * max(at.p_s, at.p_d)
 
 
 def wanted_of(scene: Scene) -> closing.Wanted:
@@ -78,3 +77,15 @@ def wanted_of(scene: Scene) -> closing.Wanted:
     numerics = scene.numerics
     rtol = numerics.rtol or 0.3 * numerics.accuracy
     return closing.Wanted(rtol, 0.2 * numerics.accuracy, numerics.accuracy, numerics.closing)
+
+
+def prepare(scene: Scene) -> None:
+    """Ask CoolProp once for what the cases of a sweep need, so that no worker imports it."""
+    conditions = {path: values for path, values in scene.sweep.items() if path.startswith(("operation.", "gas."))}
+    conditions.pop("operation.speed", None)
+    conditions = replace(scene, sweep=conditions)
+    for index in range(min(case_count(conditions), MOST_PREPARED) if conditions.sweep else 0):
+        one = case(conditions, index)
+        if not cross_check(one):
+            build_gas(one)
+            refrigerating_effect(one)

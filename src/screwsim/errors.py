@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from screwsim.outputs import Figures
+from screwsim.outputs import PERFORMANCE, Figures
 
 NET = ("gas_mass_flow", "oil_flow_ratio")  # of the net gas flow, which passes through zero where leakage takes all
 
@@ -21,12 +21,12 @@ def relative_errors(found: Figures, better: Figures) -> Figures:
         if value is None or reference is None:
             errors[name] = None
             continue
-        if name.endswith("_power"):
+        if name.endswith("_power") and PERFORMANCE[name].units == "W":
             scale = power_scale
         elif name.endswith("_efficiency"):
             scale = max(abs(reference), 0.1)
         elif name in NET and filling:
-            scale = abs(reference) * max(filling, 0.1) / filling
+            scale = max(abs(reference) * max(filling, 0.1) / filling, 1e-300)
         else:
             scale = max(abs(reference), 1e-300)
         errors[name] = abs(value - reference) / scale

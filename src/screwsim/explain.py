@@ -11,13 +11,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.build import build_parts, regularisation, suction_temperature, wanted_of
+from screwsim.build import build_parts, regularisation, wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
 from screwsim.effects.base import FlowPath, HeatRate, PowerLoss
 from screwsim.model.compose import Composition, Parts, compose
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.grid import case_count
+from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import format_quantity
 from screwsim.scene.values import text_of
@@ -175,12 +176,21 @@ def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     if hasattr(gas, "k"):
         given = "given" if scene.gas.isentropic_exponent is not None else "cp0/(cp0 - R) at suction temperature"
         yield _row("", f"R = {gas.R:.6g} J/(kg K), k = {gas.k:.6g} ({given})")
-    operation, pressure, temperature = scene.operation, KINDS["pressure"], KINDS["temperature"]
-    p_s, p_d = (format_quantity(pressure, line.pressure) for line in (operation.suction, operation.discharge))
-    yield _row("suction line", f"{p_s}, {suction_temperature(scene):.6g} K")
+    at, operation = lines(scene), scene.operation
+    dew, bubble = _stated(operation.evaporating_temperature, "dew"), _stated(operation.condensing_temperature, "bubble")
+    yield _row("suction line", f"{at.p_s / 1e5:.6g} bar{dew}, {at.T_s:.6g} K")
     T_d = operation.discharge.temperature
-    back = "mean temperature of the outflow (M27)" if T_d is None else format_quantity(temperature, T_d)
-    yield _row("discharge line", f"{p_d}; what flows back has {'the ' if T_d is None else ''}{back}")
+    back = "mean temperature of the outflow (M27)" if T_d is None else format_quantity(KINDS["temperature"], T_d)
+    back = f"what flows back has {'the ' if T_d is None else ''}{back}"
+    yield _row("discharge line", f"{at.p_d / 1e5:.6g} bar{bubble}; {back}")
+    if operation.condensing_temperature is not None:
+        subcooling = format_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
+        yield _row("cooling", f"liquid subcooled by {subcooling}; enthalpies of the real fluid (M43)")
+
+
+def _stated(T: float | None, point: str) -> str:
+    """Return what to say of a line whose pressure is that of saturation at T [K] (M42)."""
+    return "" if T is None else f" ({point} point at {T:.6g} K, M42)"
 
 
 def _oil(scene: Scene) -> Iterator[str]:

@@ -43,6 +43,13 @@ PERFORMANCE = {
     "work_per_cycle": Variable("J", "work on the gas of one chamber per cycle, minus the integral of p dV"),
     "trapped_mass": Variable("kg", "gas mass in a chamber at 360 degrees"),
     "injection_pressure": Variable("Pa", "chamber pressure at 360 degrees, where oil is injected"),
+    "suction_pressure": Variable("Pa", "pressure of the suction line"),
+    "suction_temperature": Variable("K", "temperature of the suction line"),
+    "discharge_pressure": Variable("Pa", "pressure of the discharge line"),
+    "specific_power": Variable("W s m-3", "shaft power over the volume flow of suction gas"),
+    "cooling_capacity": Variable("W", "cooling capacity: net gas flow times the real fluid's refrigerating effect"),
+    "cop": Variable("1", "coefficient of performance: cooling capacity over shaft power"),
+    "volumetric_cooling_capacity": Variable("J m-3", "cooling capacity over the volume flow of suction gas"),
 }
 
 BALANCE = {

@@ -1,10 +1,10 @@
-"""Performance figures of a closed cycle: flows, powers, efficiencies (docs/model.md M25–M36)."""
+"""Performance figures of a closed cycle: flows, powers, efficiencies (docs/model.md M25–M36, M43–M45)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from screwsim.effects.base import PowerLoss
 from screwsim.model.close import Array, discharge_enthalpy
 from screwsim.model.compose import Parts
 from screwsim.outputs import PERFORMANCE, Figures
+from screwsim.scene.lines import Lines
 
 
 @dataclass(frozen=True)
@@ -28,21 +29,23 @@ class CycleFigures:
     oil_source_pressure: float
 
 
-@dataclass(frozen=True)
-class Lines:
-    """The states of both lines: pressures [Pa], suction temperature [K]."""
-
-    p_s: float
-    T_s: float
-    p_d: float
+PER_VOLUME = ("specific_power",)
+COOLING = ("cooling_capacity", "cop", "volumetric_cooling_capacity")
 
 
 def _quotient(a: float, b: float) -> float | None:
     return a / b if b != 0.0 and np.isfinite(a / b) else None
 
 
+class Inlet(NamedTuple):
+    """What is sucked in: density [kg/m³] and specific enthalpy [J/kg] in the suction line."""
+
+    density: float
+    enthalpy: float
+
+
 def efficiencies(
-    gas: Any, lines: Lines, flow: float, shaft_power: float
+    gas: Any, lines: Lines, inlet: Inlet, flow: float, shaft_power: float
 ) -> tuple[dict[str, float | None], dict[str, str]]:
     """Return isothermal and isentropic efficiency (M35, M36), or None with the reason."""
     names = ("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency")
@@ -53,15 +56,23 @@ def efficiencies(
         reason = "the shaft power is not positive"
         return dict.fromkeys(names), dict.fromkeys(names, reason)
     ends = lines.p_s, lines.p_d, lines.T_s
-    works = gas.isothermal_work(*ends), gas.ideal_isothermal_work(*ends), gas.isentropic_work(*ends)
+    ideal = gas.ideal_isothermal_work(*ends)
+    if lines.quality is not None:
+        works = None, ideal, gas.isentropic_work_of_enthalpy(lines.p_s, lines.p_d, inlet.enthalpy)
+        obstacle: str | None = "what is sucked in is wet"
+    else:
+        works, obstacle = (
+            (gas.isothermal_work(*ends), ideal, gas.isentropic_work(*ends)),
+            gas.isothermal_obstacle(*ends),
+        )
     found = {name: None if work is None else flow * work / shaft_power for name, work in zip(names, works, strict=True)}
-    obstacle = gas.isothermal_obstacle(*ends)
     return found, {} if obstacle is None else {"isothermal_efficiency": obstacle}
 
 
 def figures(
     parts: Parts,
     lines: Lines,
+    inlet: Inlet,
     streams: Array,
     work: float,
     trapped: float,
@@ -96,8 +107,8 @@ def figures(
     lift = oil_volume * (lines.p_d - p_injection) if oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     found: dict[str, float | None] = dict.fromkeys(PERFORMANCE)
-    etas, notes = efficiencies(gas, lines, flow, shaft)
-    swept = gas.density(lines.p_s, lines.T_s) * geometry.swept_volume * rate
+    etas, notes = efficiencies(gas, lines, inlet, flow, shaft)
+    swept = inlet.density * geometry.swept_volume * rate
     mean = discharge_enthalpy(streams)
     found |= (
         etas
@@ -112,6 +123,9 @@ def figures(
             "work_per_cycle": work,
             "trapped_mass": trapped,
             "injection_pressure": p_injection,
+            "suction_pressure": lines.p_s,
+            "suction_temperature": lines.T_s,
+            "discharge_pressure": lines.p_d,
         }
     )
     if mean is None:
@@ -127,6 +141,30 @@ def figures(
         if flow <= 0.0:
             notes["oil_flow_ratio"] = "no net gas is delivered"
     return Figures(found), notes
+
+
+def refrigeration(
+    found: Mapping[str, Any], rho_s: float, effect: float | None
+) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Return the figures per volume and of cooling (M43–M45), or None with the reason.
+
+    `rho_s` is the gas model's density in the suction line [kg/m³], `effect` the refrigerating effect [J/kg].
+    """
+    flow, power = found["gas_mass_flow"], found["shaft_power"]
+    figures: dict[str, float | None] = dict.fromkeys(PER_VOLUME + COOLING)
+    if flow <= 0.0:
+        return figures, dict.fromkeys(figures, "no net gas is delivered: the machine leaks more than it takes in")
+    figures["specific_power"] = power * rho_s / flow
+    if effect is None:
+        return figures, dict.fromkeys(
+            COOLING, "known only of a compressor in a scene that states evaporating and condensing temperature"
+        )
+    figures["cooling_capacity"] = flow * effect
+    figures["volumetric_cooling_capacity"] = rho_s * effect
+    if power <= 0.0:
+        return figures, {"cop": "the shaft power is not positive"}
+    figures["cop"] = flow * effect / power
+    return figures, {}
 
 
 def _losses(effects: Mapping[str, Sequence[Any]], known: CycleFigures) -> dict[str, float]:

@@ -22,6 +22,8 @@ _ENGINEERING = {
     "Pa": ((0.0, 1e-5, "bar"),),
     "kg": ((0.1, 1.0, "kg"), (0.0, 1e3, "g")),
     "kg s-1": ((0.0, 1.0, "kg/s"),),
+    "W s m-3": ((0.0, 1e-3 / 60.0, "kW/(m³/min)"),),
+    "J m-3": ((0.0, 1e-3, "kJ/m³"),),
 }
 
 
@@ -99,9 +101,12 @@ def _table(result: Result) -> Any:
 def _account(result: Result) -> Iterable[str]:
     """Yield what stands below the figures, one subject a line."""
     absent = [name for name, value in result.performance.items() if value is None]
+    reasons: dict[str, list[str]] = {}
     for name in absent:
         if name in result.notes:
-            yield f"no {name.replace('_', ' ')}: {result.notes[name]}"
+            reasons.setdefault(result.notes[name], []).append(name.replace("_", " "))
+    for reason, names in reasons.items():
+        yield f"no {', '.join(names)}: {reason}"
     silent = [name.replace("_", " ") for name in absent if name not in result.notes]
     if silent:
         yield f"not simulated: {', '.join(silent)}"

@@ -9,13 +9,14 @@ from functools import lru_cache
 import numpy as np
 
 from screwsim import performance
-from screwsim.build import build_parts, suction_temperature, wanted_of
+from screwsim.build import build_parts, prepare, wanted_of
 from screwsim.estimate import Accurate, close_accurately, worst
 from screwsim.model import close as closing
 from screwsim.model.compose import Parts, compose
 from screwsim.model.guess import first_guess
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (
+    DENSITY,
     ENTHALPY,
     OIL_RATIO,
     OIL_TEMPERATURE,
@@ -30,6 +31,7 @@ from screwsim.model.slots import (
     R_TRAPPED,
 )
 from screwsim.outputs import Figures, Result
+from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
 
 TRACE_ANGLES = np.arange(0.0, 720.5, 1.0)  # degrees
@@ -58,14 +60,20 @@ class Solution:
         self.scene = scene
         self.parts = build_parts(scene)
         self.wanted = wanted_of(scene)
-        operation = scene.operation
-        self.lines = performance.Lines(
-            operation.suction.pressure, suction_temperature(scene), operation.discharge.pressure
-        )
+        self.lines = lines(scene)
         self.machinery = machinery_for(self.parts)
-        self.pv = self.lines.p_s / self.parts.gas.density(self.lines.p_s, self.lines.T_s)
+        self.suction = self._suction_place()
+        self.inlet = performance.Inlet(self.suction[DENSITY], self.suction[ENTHALPY])
+        self.pv = self.lines.p_s / self.inlet.density
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
+
+    def _suction_place(self) -> tuple[float, ...]:
+        """Return the place of the suction line; wet where the scene gives a quality."""
+        gas, at = self.parts.gas, self.lines
+        if at.quality is None:
+            return gas.place(at.p_s, at.T_s)
+        return gas.place_of_enthalpy(at.p_s, suction_enthalpy(self.scene))
 
     def _oil_in(self) -> tuple[float, float]:
         T_oil = self.parts.oil.temperature if self.parts.oil else 0.0
@@ -79,8 +87,14 @@ class Solution:
         T_d = self.scene.operation.discharge.temperature or float(y[0])
         T_oil = self.parts.oil.temperature if self.parts.oil else lines.T_s
         d = float(y[3]) if machinery.composition.carried else 0.0
-        machinery.R[R_SUCTION : R_SUCTION + 8] = *gas.place(lines.p_s, lines.T_s), 0.0, T_oil
+        machinery.R[R_SUCTION : R_SUCTION + 8] = *self.suction, 0.0, T_oil
         machinery.R[R_DISCHARGE : R_DISCHARGE + 8] = *gas.place(lines.p_d, T_d), d, T_oil
+        return y
+
+    def rehearse(self) -> closing.Array:
+        """Do what `start` does, and set the discharge plenum once, so that all it needs is compiled."""
+        y = self.start()
+        self.set_plenum(self.plenum())
         return y
 
     def close(self) -> closing.Closed:
@@ -117,7 +131,11 @@ class Solution:
 
     def _h_isentropic(self) -> float:
         lines = self.lines
-        return self._h_suction() + self.parts.gas.isentropic_work(lines.p_s, lines.p_d, lines.T_s)
+        if lines.quality is not None:
+            return self.inlet.enthalpy + self.parts.gas.isentropic_work_of_enthalpy(
+                lines.p_s, lines.p_d, self.inlet.enthalpy
+            )
+        return self.inlet.enthalpy + self.parts.gas.isentropic_work(lines.p_s, lines.p_d, lines.T_s)
 
     def set_plenum(self, plenum: closing.Array) -> None:
         """Give the discharge plenum its enthalpy and oil."""
@@ -129,10 +147,7 @@ class Solution:
 
     def residue(self, q: closing.Array) -> float:
         """Return the larger of the relative residues of mass and energy."""
-        return max(self.balances.residues(q, float(self.machinery.R[R_TRAPPED]), self._h_suction(), self.pv)[:2])
-
-    def _h_suction(self) -> float:
-        return self.parts.gas.enthalpy(self.lines.p_s, self.lines.T_s)
+        return max(self.balances.residues(q, float(self.machinery.R[R_TRAPPED]), self.inlet.enthalpy, self.pv)[:2])
 
     # ---- taking the figures ----------------------------------------------------------------------------------
 
@@ -143,9 +158,10 @@ class Solution:
         source = self.lines.p_s if supply is not None and supply.source == "suction" else self.lines.p_d
         limit = self.parts.geometry.widest_discharge()
         times, dense, _, steps = m.last()
-        return performance.figures(
+        found, notes = performance.figures(
             self.parts,
             self.lines,
+            self.inlet,
             self.balances.streams(q),
             float(q[0]),
             trapped=float(R[R_TRAPPED]),
@@ -157,6 +173,8 @@ class Solution:
             source_pressure=source,
             oil_mean_temperature=self._oil_discharge_temperature(q),
         )
+        cooling, reasons = performance.refrigeration(found, self.inlet.density, refrigerating_effect(self.scene))
+        return Figures(found | cooling), notes | reasons
 
     def _oil_discharge_temperature(self, q: closing.Array) -> float | None:
         """Return the oil's flow-weighted mean temperature at discharge; None without an oil temperature."""
@@ -176,7 +194,7 @@ class Solution:
     def balance(self, q: closing.Array) -> Figures:
         """Return the balances of a closed cycle (contract: balance)."""
         m, c = self.machinery, self.machinery.composition
-        mass, energy, oil_mass = self.balances.residues(q, float(m.R[R_TRAPPED]), self._h_suction(), self.pv)
+        mass, energy, oil_mass = self.balances.residues(q, float(m.R[R_TRAPPED]), self.inlet.enthalpy, self.pv)
         residue = None
         if "T_oil" in c.states and not c.carried:
             residue = self._oil_residue(q)
@@ -307,7 +325,7 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
     """
     solution = Solution(scene)
     machinery = solution.machinery
-    machinery.warm_up(solution.start)
+    machinery.warm_up(solution.rehearse)
     accurate = close_accurately(solution)
     closed = accurate.closed
     numerics = _numerics(solution, accurate)
@@ -338,3 +356,4 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
 def warm_up(scene: Scene) -> None:
     """Compile or load what the scene needs, so that workers find it ready."""
     simulate(scene, trace=False)
+    prepare(scene)

@@ -112,3 +112,17 @@ def test_file_of_another_scene_is_refused(folder, command):
     answer = command("sweep", "swept.yaml", "-o", "out.h5")
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.startswith("out.h5: is not an HDF5 file")
+
+
+def test_unknown_fluid_is_a_bad_scene(folder, command):
+    answer = command("run", "small.yaml", "--set", "gas.fluid=R134z")
+    message = "gas.fluid: 'R134z' is no pure or pseudo-pure fluid of CoolProp; did you mean 'R134a'?"
+    assert answer == (3, "", f"--set gas.fluid=R134z: {message}\n")
+
+
+def test_no_saturation_at_the_pressure_is_a_bad_scene(folder, command):
+    changes = ["operation.suction={pressure: 50 bar, superheat: 5 K, temperature: null}"]
+    changes += ["operation.discharge.pressure=60 bar"]
+    answer = command("explain", "small.yaml", *(word for change in changes for word in ("--set", change)))
+    assert (answer.code, answer.out) == (3, "")
+    assert "operation.suction.superheat: R134a has no saturation at the suction pressure 50 bar" in answer.err

@@ -87,6 +87,22 @@ def test_sweep_writes_resumes_and_starts_over(folder, command):
     assert _document(command("sweep", "swept.yaml", "--jobs", "1", "--restart", "--json").out)["reused"] == 0
 
 
+def test_sweep_over_condensing_temperature_has_its_axis_and_resumes(folder, command):
+    states = "{suction: null, discharge: null, evaporating_temperature: 2 degC, superheat: 10 K}"
+    (folder / "rated.yaml").write_text(f"base: small.yaml\noperation: {states}\n")
+    grid = "sweep.operation.condensing_temperature=[30 degC, 45 degC]"
+    changes = ("--set", "operation.condensing_temperature=40 degC", "--set", grid, "-o", "rated.h5")
+    answer = command("sweep", "rated.yaml", *changes, "--jobs", "1")
+    assert answer.code == 0, answer.err
+    results = screwsim.open_results("rated.h5")
+    assert list(results.axes["operation.condensing_temperature"]) == [303.15, 318.15]
+    cop, p_d = results.performance["cop"], results.performance["discharge_pressure"]
+    assert cop[0] > cop[1] > 1.0 and p_d[0] < p_d[1]
+    assert "(2 of an earlier run)" in command("sweep", "rated.yaml", *changes).out
+    other = command("sweep", "rated.yaml", *changes, "--set", "operation.subcooling=5 K")
+    assert other.code == 2  # another scene's file
+
+
 def test_sweep_lists_what_failed_and_ends_with_4(folder, command):
     # discharge below suction pressure: a fault of one case only
     grid = "sweep.operation.discharge.pressure=[1 bar, 12 bar]"

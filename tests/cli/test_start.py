@@ -61,3 +61,14 @@ def test_every_public_name_is_there(python):
     code = "import screwsim; assert all(getattr(screwsim, n) is not None for n in screwsim.__all__); screwsim.nonsense"
     answer = python("-c", code)
     assert answer.err.splitlines()[-1] == "AttributeError: module 'screwsim' has no attribute 'nonsense'"
+
+
+def test_a_check_with_known_constants_leaves_coolprop_alone(folder, python):
+    code = f"import json, sys; from screwsim import cli; cli.exit_code(['explain', 'rated.yaml']); {LOADED}"
+    states = "evaporating_temperature: 2 degC, condensing_temperature: 45 degC, superheat: 10 K, subcooling: 5 K"
+    text = f"base: small.yaml\noperation: {{suction: null, discharge: null, {states}}}\n"
+    (folder / "rated.yaml").write_text(text)
+    first, second = (python("-c", code, SCREWSIM_CACHE=str(folder / "cache")) for _ in range(2))
+    assert "dew point at 275.15 K" in second.out and second.out == first.out
+    assert "CoolProp" in _loaded(first)
+    assert "CoolProp" not in _loaded(second)

@@ -128,7 +128,7 @@ def test_cached_constants_are_the_asked_ones_bit_for_bit(fresh):
 
 def test_a_torn_cache_file_is_asked_again(fresh):
     asked = constants.gas_constant("R134a")
-    for path in fresh.glob("coolprop-*.json"):
+    for path in fresh.glob("coolprop-*"):
         path.write_text("{")
     constants._known.cache_clear()
     assert constants.gas_constant("R134a") == asked
@@ -151,3 +151,40 @@ def test_saturation_above_the_critical_pressure_is_refused(fresh):
 def test_heat_capacity_rises_with_temperature_as_vibrations_do(fresh):
     values = [constants.ideal_heat_capacity("R134a", T) for T in (250.0, 300.0, 350.0)]
     assert np.all(np.diff(values) > 0.0) and math.isfinite(sum(values))
+
+
+def test_many_processes_may_keep_answers_in_one_file(fresh):
+    constants.gas_constant("R134a")
+    known = constants._known()
+    (path,) = fresh.glob("coolprop-*")
+    with path.open("a") as stream:
+        stream.write('["of another process", 1.5]\n["torn')
+    constants.gas_constant("R32")
+    constants._known.cache_clear()
+    assert constants._known() == {**known, "of another process": 1.5}
+
+
+def test_saturation_is_coolprops(fresh):
+    PropsSI = coolprop().PropsSI
+    assert constants.dew_pressure("R134a", 275.15) == pytest.approx(PropsSI("P", "T", 275.15, "Q", 1, "R134a"))
+    assert constants.bubble_pressure("R407C", 318.15) == pytest.approx(PropsSI("P", "T", 318.15, "Q", 0, "R407C"))
+    assert constants.bubble_pressure("R407C", 300.0) > constants.dew_pressure("R407C", 300.0)
+
+
+def test_dew_pressure_inverts_the_saturation_temperature(fresh):
+    assert constants.saturation_temperature("R134a", constants.dew_pressure("R134a", 275.15)) == pytest.approx(275.15)
+
+
+def test_limits_of_an_unknown_fluid_are_none_and_kept(fresh):
+    assert constants.limits("R134z") is None
+    constants._known.cache_clear()
+    assert constants._known()["R134z limits"] is None
+    assert constants.limits("R32&R125") is None
+
+
+def test_saturation_ends_at_the_limits(fresh):
+    found = constants.limits("R134a")
+    assert found is not None
+    assert constants.dew_pressure("R134a", found.T_triple) == pytest.approx(found.p_triple)
+    # CoolProp's saturation lines meet within 1e-9 at the critical point
+    assert constants.bubble_pressure("R134a", found.T_critical) == pytest.approx(found.p_critical, rel=1e-8)

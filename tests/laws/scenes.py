@@ -62,7 +62,7 @@ def scene_dict(changes: dict[str, Any] | None = None) -> dict[str, Any]:
         if value is DROP:
             place.pop(last, None)
         else:
-            place[last] = value
+            place[last] = copy.deepcopy(value)  # later changes go below it
     return scene
 
 

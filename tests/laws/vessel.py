@@ -63,8 +63,9 @@ def run(v: Vessel, inside: tuple[float, float], outside: tuple[float, float], ti
     R[:6] = v.gas.place(*outside)
     y = np.array([inside[1], v.gas.density(*inside)])
     nq, room, n = v.composition.n_quadratures, 3000, 2
-    history = np.zeros(room + 1), np.zeros((room, 4, n)), np.zeros((room, nq))
-    spaces = np.zeros(n), np.zeros(10), np.zeros(400)
+    columns = n + v.composition.n_place
+    history = np.zeros(room + 1), np.zeros((room, 4, columns)), np.zeros((room, nq))
+    spaces = np.zeros(columns), np.zeros(10), np.zeros(400)
     kept = np.zeros(2, np.int64)
     context = (
         P,

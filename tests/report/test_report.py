@@ -26,7 +26,9 @@ from screwsim.report import cycle as cycle_figures
 from screwsim.report import outcome, plot, sweeps
 from screwsim.report.annotate import spread
 from screwsim.report.families import optimum
+from screwsim.report.quantities import shown_axis
 from screwsim.report.style import DOUBLE, MM, SINGLE, journal
+from screwsim.report.trace import chosen_trace
 from screwsim.results import open_results
 
 THREE = SCENE + "sweep:\n" + SPEEDS + RATIOS + "  operation.discharge.pressure: [10 bar, 14 bar]\n"
@@ -239,3 +241,21 @@ def test_a_file_of_another_program_is_refused(tmp_path):
     (tmp_path / "x.h5").write_text("no HDF5")
     with pytest.raises(UsageError, match="not an HDF5 file"):
         plot(tmp_path / "x.h5")
+
+
+def test_lines_stated_by_temperatures_are_drawn_at_their_pressures(tmp_path):
+    pressures = "  suction: {pressure: 1.5 bar, temperature: 283 K}\n  discharge: {pressure: 12 bar}\n"
+    states = "  evaporating_temperature: 2 degC\n  condensing_temperature: 45 degC\n  superheat: 10 K\n"
+    assert pressures in SCENE
+
+    def simulate(case):
+        result = with_cycle(case)
+        figures = Figures(result.performance, suction_pressure=3.1e5, discharge_pressure=11.6e5)
+        return Result("ok", performance=figures, cycle=result.cycle)
+
+    text = SCENE.replace(pressures, states) + CYCLE + "sweep: {operation.condensing_temperature: [30 degC, 45 degC]}\n"
+    results = open_results(file(tmp_path / "x.h5", text, simulate))
+    trace = chosen_trace(results)
+    assert trace is not None
+    assert trace.pressures == {"$p_s$": 3.1e5, "$p_d$": 11.6e5}
+    assert shown_axis(results.axis_list[0]).label == "condensing temperature $T_c$ (K)"

@@ -68,7 +68,7 @@ def test_what_must_be_there_is_demanded_unless_a_base_gives_it():
     assert schema()["anyOf"] == [{"required": ["base"]}, {"$ref": "#/$defs/complete"}]
     complete = schema()["$defs"]["complete"]
     assert complete["required"] == ["machine", "gas", "operation"]
-    assert complete["properties"]["operation"]["required"] == ["speed", "suction", "discharge"]
+    assert complete["properties"]["operation"]["required"] == ["speed"]
     assert complete["properties"]["effects"]["properties"]["blow_hole"]["required"] == ["area"]
 
 

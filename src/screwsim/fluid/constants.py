@@ -1,37 +1,65 @@
-"""Constants of a fluid from CoolProp, kept in the user's cache folder: importing CoolProp costs seconds.
+"""What is asked of CoolProp at the border: constants, saturation, enthalpies; answers stay in the user's cache folder.
 
-The cache is keyed by CoolProp's version, so that a new version is asked again.
+Importing CoolProp costs seconds, so that a question is asked once. The file has one answer a line, appended whole:
+many processes may write it, and a torn line is asked again. It is named by CoolProp's version, so that a new version
+is asked anew.
 """
 
 from __future__ import annotations
 
+import contextlib
+import difflib
 import importlib.metadata
 import json
+import os
+import re
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from screwsim.faults import UsageError
-from screwsim.numerics.store import cache_folder, write_atomically
+from screwsim.numerics.store import cache_folder
+
+_NEAR = 0.6  # likeness from which on a name is offered in place of an unknown one
+
+
+class Limits(NamedTuple):
+    """Temperatures [K] and pressures of vapour [Pa] between which a fluid saturates; the hottest of its equation."""
+
+    T_triple: float
+    T_critical: float
+    p_triple: float
+    p_critical: float
+    T_max: float
 
 
 def _file() -> Path:
-    return cache_folder() / f"coolprop-{importlib.metadata.version('CoolProp')}.json"
+    return cache_folder() / f"coolprop-{importlib.metadata.version('CoolProp')}.jsonl"
 
 
 @cache
-def _known() -> dict[str, float]:
-    try:
-        return json.loads(_file().read_text())
-    except (OSError, ValueError):
-        return {}
+def _known() -> dict[str, Any]:
+    known: dict[str, Any] = {}
+    with contextlib.suppress(OSError, ValueError):
+        for line in _file().read_text().splitlines():
+            with contextlib.suppress(ValueError, TypeError):
+                key, answer = json.loads(line)
+                known[key] = answer
+    return known
 
 
-def _ask(key: str, question: Any) -> float:
+def _ask(key: str, question: Callable[[], Any]) -> Any:
     known = _known()
     if key not in known:
-        known[key] = float(question())
-        write_atomically(_file(), json.dumps(known, indent=0, sort_keys=True).encode())
+        known[key] = question()
+        line = f"\n{json.dumps([key, known[key]])}\n".encode()  # the first break ends what another left torn
+        with contextlib.suppress(OSError):  # what cannot be kept is asked again
+            handle = os.open(_file(), os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+            try:
+                os.write(handle, line)
+            finally:
+                os.close(handle)
     return known[key]
 
 
@@ -46,6 +74,46 @@ def _abstract_state(fluid: str) -> Any:
         raise UsageError(
             f"gas.fluid: CoolProp has no pure fluid {fluid!r} ({reason}); name one such as R134a"
         ) from None
+
+
+def limits(fluid: str) -> Limits | None:
+    """Return the limits of a fluid; None when CoolProp has no pure or pseudo-pure fluid of that name."""
+
+    def question() -> list[float] | None:
+        try:
+            state, coolprop = _abstract_state(fluid)
+            if len(state.fluid_names()) != 1:
+                return None
+            T_triple = state.Ttriple()
+            state.update(coolprop.QT_INPUTS, 1.0, T_triple)
+            return [T_triple, state.T_critical(), state.p(), state.p_critical(), state.Tmax()]
+        except (UsageError, ValueError):
+            return None
+
+    found = _ask(f"{fluid} limits", question)
+    return None if found is None else Limits(*found)
+
+
+def similar(fluid: str) -> str | None:
+    """Return the name of a fluid of CoolProp that is written nearly so: 'r-134A' gives 'R134a'."""
+
+    def question() -> list[str]:
+        import CoolProp.CoolProp as coolprop
+
+        names = coolprop.get_global_param_string("FluidsList").split(",")
+        aliases = [coolprop.get_fluid_param_string(name, "aliases").split(",") for name in names]
+        return names + [alias for some in aliases for alias in some if alias]
+
+    def bare(name: str) -> str:
+        return re.sub(r"[^a-z0-9]", "", name.lower())
+
+    options: dict[str, str] = {}
+    for name in _ask("names", question):
+        options.setdefault(bare(name), name)
+    wanted = bare(fluid)
+    near = difflib.get_close_matches(wanted, options, n=8, cutoff=_NEAR)
+    # a slip of one key leaves the length: R134z is meant as R134a and not as R1234ze
+    return options[min(near, key=lambda name: abs(len(name) - len(wanted)))] if near else None
 
 
 def gas_constant(fluid: str) -> float:
@@ -72,25 +140,72 @@ def ideal_heat_capacity(fluid: str, T: float) -> float:
     return _ask(f"{fluid} cp0 {T!r}", question)
 
 
-def saturation_temperature(fluid: str, p: float) -> float:
-    """Return the saturation temperature [K] of vapour at pressure p [Pa]."""
-
-    def question() -> float:
-        state, coolprop = _abstract_state(fluid)
-        try:
-            state.update(coolprop.PQ_INPUTS, p, 1.0)
-        except ValueError:
-            critical = state.p_critical()
-            raise UsageError(
-                f"operation.suction.superheat: {fluid} has no saturation at {p:.6g} Pa (critical {critical:.6g} Pa); "
-                "give operation.suction.temperature"
-            ) from None
-        return state.T()
-
-    return _ask(f"{fluid} Tsat {p!r}", question)
-
-
 def isentropic_exponent(fluid: str, T: float) -> float:
     """Return k = cp0/(cp0 − R) at temperature T [K] (docs/model.md M6)."""
     c_p, R = ideal_heat_capacity(fluid, T), gas_constant(fluid)
     return c_p / (c_p - R)
+
+
+def saturation_temperature(fluid: str, p: float) -> float:
+    """Return the saturation temperature [K] of vapour (the dew point) at pressure p [Pa]."""
+    return _saturated(fluid, "T", ("PQ_INPUTS", p, 1.0), f"{fluid} has no saturation at {p:.6g} Pa")
+
+
+def dew_pressure(fluid: str, T: float) -> float:
+    """Return the pressure [Pa] of saturated vapour at temperature T [K] (M42)."""
+    return _saturated(fluid, "p", ("QT_INPUTS", 1.0, T), f"{fluid} has no saturation at {T:.6g} K")
+
+
+def bubble_pressure(fluid: str, T: float) -> float:
+    """Return the pressure [Pa] of saturated liquid at temperature T [K] (M42)."""
+    return _saturated(fluid, "p", ("QT_INPUTS", 0.0, T), f"{fluid} has no saturation at {T:.6g} K")
+
+
+def saturated_liquid_enthalpy(fluid: str, T: float) -> float:
+    """Return the enthalpy [J/kg] of saturated liquid at temperature T [K], on CoolProp's default reference."""
+    return _saturated(fluid, "hmass", ("QT_INPUTS", 0.0, T), f"{fluid} has no saturation at {T:.6g} K")
+
+
+def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
+    """Return the enthalpy [J/kg] of liquid and vapour in equilibrium at p [Pa]; `quality` is the vapour's share."""
+    return _saturated(fluid, "hmass", ("PQ_INPUTS", p, quality), f"{fluid} has no saturation at {p:.6g} Pa")
+
+
+def _saturated(fluid: str, wanted: str, inputs: tuple[str, float, float], fault: str) -> float:
+    name, first, second = inputs
+
+    def question() -> float:
+        state, coolprop = _abstract_state(fluid)
+        try:
+            state.update(getattr(coolprop, name), first, second)
+            return getattr(state, wanted)()
+        except ValueError:
+            raise UsageError(f"gas.fluid: {fault} (critical: {state.p_critical():.6g} Pa)") from None
+
+    return _ask(f"{fluid} {wanted} {name} {first!r} {second!r}", question)
+
+
+def vapour_enthalpy(fluid: str, p: float, T: float) -> float:
+    """Return the real vapour's enthalpy [J/kg] at p [Pa] and T [K], on CoolProp's default reference."""
+    return _single_phase(fluid, p, T, "iphase_gas")
+
+
+def liquid_enthalpy(fluid: str, p: float, T: float) -> float:
+    """Return the liquid's enthalpy [J/kg] at p [Pa] and T [K], on CoolProp's default reference."""
+    return _single_phase(fluid, p, T, "iphase_liquid")
+
+
+def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
+    def question() -> float:
+        state, coolprop = _abstract_state(fluid)
+        state.specify_phase(getattr(coolprop, phase))  # on the line of saturation p and T leave it open
+        try:
+            state.update(coolprop.PT_INPUTS, p, T)
+            return state.hmass()
+        except ValueError:
+            word = phase.removeprefix("iphase_")
+            raise UsageError(f"gas.fluid: CoolProp has no {word} of {fluid} at {p:.6g} Pa, {T:.6g} K") from None
+        finally:
+            state.unspecify_phase()
+
+    return _ask(f"{fluid} hmass {phase} {p!r} {T!r}", question)

@@ -118,6 +118,10 @@ class IdealGas:
         """Return the reversible isothermal work R T ln(p_2/p_1) [J/kg]."""
         return self.R * T * log(p_2 / p_1)
 
+    def isentropic_work_of_enthalpy(self, p_1: float, p_2: float, h: float) -> float:
+        """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h to p_2."""
+        return self.isentropic_work(p_1, p_2, self.temperature(p_1, h))
+
     def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
         """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2."""
         return self.c_p * T * ((p_2 / p_1) ** ((self.k - 1.0) / self.k) - 1.0)

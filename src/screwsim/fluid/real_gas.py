@@ -206,6 +206,10 @@ class RealGas:
         """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2; what condenses is in equilibrium."""
         return self.isentrope(p_2, self.entropy(p_1, T))[2] - self.enthalpy(p_1, T)
 
+    def isentropic_work_of_enthalpy(self, p_1: float, p_2: float, h: float) -> float:
+        """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h, wet or not, to p_2."""
+        return self.isentrope(p_2, float(self._run("entropy")(*self._at(p_1, h, False))))[2] - h
+
     def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
         """Return why there is no isothermal compression from p_1 to p_2 at T, or None."""
         p_sat = self.saturation_pressure(T)

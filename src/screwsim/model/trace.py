@@ -16,6 +16,7 @@ from screwsim.model.slots import (
     PLACE,
     PLENUM,
     N,
+    gas_state,
     volume_slope_at,
 )
 from screwsim.numerics.history import locate, read
@@ -48,6 +49,7 @@ def peak_pressure(times, dense, steps, limit, context):
 @kernel
 def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
     """Fill out[i] = (V, p, work, dm/dφ, state…) and flows[i] = flow of each path [kg/s] at the given angles [rad]."""
+    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, _own, _work = context
     E = np.empty(n_e)
     y = np.empty(N)
     i = 0
@@ -60,7 +62,7 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         theta = (phi - times[i]) / (times[i + 1] - times[i])
         before = quads[i - 1, 0] if i > 0 else 0.0
         out[a, 0] = E[E_VOLUME]
-        out[a, 1] = dense_value(theta, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N])
+        out[a, 1] = gas_state(y[0], y[1], P, TAB)[0]
         out[a, 2] = before + theta * (quads[i, 0] - before)
         rise = dense[i, 1, 1] - dense[i, 0, 1]
         bend = (1.0 - 2.0 * theta) * dense[i, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[i, 3, 1]

@@ -56,6 +56,8 @@ FIGURES = {
     "volumetric_efficiency": Shown("volumetric efficiency", r"$\lambda$", "%", 100.0),
     "oil_ratio": RATIO,
     "shaft_power": Shown("shaft power", "$P$", "kW", 1e-3),
+    "cooling_capacity": Shown("cooling capacity", r"$\dot Q_0$", "kW", 1e-3),
+    "cop": Shown("coefficient of performance", r"$\mathrm{COP}$", "", 1.0),
     "gas_mass_flow": Shown("gas mass flow", r"$\dot m$", "g/s", 1e3),
     "discharge_temperature": Shown("gas at discharge", "$T_d$", "K", 1.0),
 }
@@ -67,6 +69,10 @@ _AXES = {
     "operation.suction.pressure": Shown("suction pressure", "$p_s$", "bar", 1e-5),
     "operation.suction.temperature": Shown("suction temperature", "$T_s$", "K", 1.0),
     "operation.discharge.pressure": Shown("discharge pressure", "$p_d$", "bar", 1e-5),
+    "operation.evaporating_temperature": Shown("evaporating temperature", "$T_e$", "K", 1.0),
+    "operation.condensing_temperature": Shown("condensing temperature", "$T_c$", "K", 1.0),
+    "operation.superheat": Shown("superheat", r"$\Delta T_\mathrm{sh}$", "K", 1.0),
+    "operation.subcooling": Shown("subcooling", r"$\Delta T_\mathrm{sc}$", "K", 1.0),
 }
 _CUSTOMARY = {
     "Pa": ("bar", 1e-5),

@@ -42,8 +42,8 @@ def chosen_trace(results: Results) -> Trace | None:
     title = "; ".join(part for part in (f"best case: {title}" if title else "", status) if part)
     pressures = {
         symbol: value
-        for symbol, path in (("$p_s$", "operation.suction.pressure"), ("$p_d$", "operation.discharge.pressure"))
-        if np.isfinite(value := _input(results, path, index))
+        for symbol, line in (("$p_s$", "suction"), ("$p_d$", "discharge"))
+        if np.isfinite(value := _line_pressure(results, line, index))
     }
     return Trace(title, angle, values, pressures, _marks(results, index, angle, values))
 
@@ -60,6 +60,15 @@ def _best_case(results: Results) -> tuple[int, ...] | None:
     if not np.isfinite(score).any():
         score = np.where(closed if closed.any() else there, 0.0, -np.inf)
     return tuple(int(i) for i in np.unravel_index(np.argmax(score), results.shape))
+
+
+def _line_pressure(results: Results, line: str, index: tuple[int, ...]) -> float:
+    """Return the pressure of a line [Pa]: the stated one, or the figure where temperatures are stated."""
+    given = _input(results, f"operation.{line}.pressure", index)
+    name = f"{line}_pressure"
+    if np.isfinite(given) or name not in results.performance:
+        return given
+    return float(results.performance[name][index])
 
 
 def _input(results: Results, path: str, index: tuple[int, ...]) -> float:

@@ -2,12 +2,14 @@
 
 from screwsim.scene.checks import check_files, cross_check, value_at
 from screwsim.scene.grid import axes, axis_label, case, case_count, case_values, leaf_of, read_value, with_values
+from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.load import load, loads
 from screwsim.scene.schema import schema
 from screwsim.scene.types import Scene
 from screwsim.scene.write import scene_text
 
 __all__ = [
+    "Lines",
     "Scene",
     "axes",
     "axis_label",
@@ -17,11 +19,14 @@ __all__ = [
     "check_files",
     "cross_check",
     "leaf_of",
+    "lines",
     "load",
     "loads",
     "read_value",
+    "refrigerating_effect",
     "scene_text",
     "schema",
+    "suction_enthalpy",
     "value_at",
     "with_values",
 ]

@@ -1,4 +1,4 @@
-"""What only the whole scene shows: ranges of angles, pressures, oil and its supply, effects, curve files."""
+"""What only the whole scene shows: ranges of angles, states of the lines, oil and its supply, effects, curve files."""
 
 from __future__ import annotations
 
@@ -6,12 +6,11 @@ import os
 from collections.abc import Iterator
 from typing import Any
 
-from screwsim.declare import KINDS
 from screwsim.faults import Fault, UsageError
 from screwsim.machine.settings import check_twin_screw
 from screwsim.scene.fields import leaf_paths
+from screwsim.scene.operation import check_operation
 from screwsim.scene.types import Scene
-from screwsim.scene.units import format_quantity
 
 VOLUME_COLUMN = "volume_m3"
 CURVE_COLUMNS = {"machine.volume.file": VOLUME_COLUMN}  # any other curve is an area
@@ -22,31 +21,10 @@ def cross_check(scene: Scene) -> list[Fault]:
     """Return the faults of a scene, or of one case of its grid, whose fields are each valid."""
     return [
         *check_twin_screw(scene.machine),
-        *_pressures(scene),
-        *_suction(scene),
+        *check_operation(scene),
         *_oil_supply(scene),
         *_effects(scene),
     ]
-
-
-def _pressures(scene: Scene) -> Iterator[Fault]:
-    suction, discharge = scene.operation.suction.pressure, scene.operation.discharge.pressure
-    p_s, p_d = (format_quantity(KINDS["pressure"], value) for value in (suction, discharge))
-    path = "operation.discharge.pressure"
-    if suction == discharge:
-        yield Fault(path, f"{p_d} equals the suction pressure (nothing is compressed; choose another)")
-    elif scene.machine.mode == "compressor" and discharge < suction:
-        yield Fault(path, f"{p_d} is below the suction pressure {p_s} (raise it, or write machine.mode: expander)")
-    elif scene.machine.mode == "expander" and discharge > suction:
-        yield Fault(path, f"{p_d} is above the suction pressure {p_s} (lower it, or write machine.mode: compressor)")
-
-
-def _suction(scene: Scene) -> Iterator[Fault]:
-    suction = scene.operation.suction
-    if suction.temperature is None and suction.superheat is None:
-        yield Fault("operation.suction.temperature", "is missing (give temperature or superheat)")
-    if suction.temperature is not None and suction.superheat is not None:
-        yield Fault("operation.suction.superheat", "is given beside temperature (remove one of the two)")
 
 
 def _oil_supply(scene: Scene) -> Iterator[Fault]:

@@ -45,7 +45,7 @@ def read_sweep(
 def _refuse_absent_section(path: str, root: Node) -> None:
     name = path.partition(".")[0]
     parent = path.rpartition(".")[0]
-    if name in ("effects", "numerics", "output"):
+    if name in ("effects", "numerics", "output", "operation"):
         return  # checked by their names, or there by default
     node, found = locate(root, parent)
     if not found or node.value is None:

@@ -15,20 +15,26 @@ from screwsim.numerics.settings import NumericsSettings
 
 @dataclass(frozen=True)
 class SuctionState:
-    """The state of the suction line."""
+    """The state of the suction line; the pressure here, or operation.evaporating_temperature."""
 
-    pressure: float = quantity("pressure", "absolute pressure p_s", gt=0.0)
+    pressure: float | None = quantity("pressure", "absolute pressure p_s", None, gt=0.0)
     temperature: float | None = quantity("temperature", "temperature T_s", None, gt=0.0)
     superheat: float | None = quantity(
         "temperature_difference", "superheat over saturation, instead of temperature", None, gt=0.0
+    )
+    quality: float | None = number(
+        "wet suction: mass fraction of vapour, instead of temperature or superheat (gas.two_phase: equilibrium)",
+        None,
+        ge=0.0,
+        le=1.0,
     )
 
 
 @dataclass(frozen=True)
 class DischargeState:
-    """The state of the discharge line."""
+    """The state of the discharge line; the pressure here, or operation.condensing_temperature."""
 
-    pressure: float = quantity("pressure", "absolute pressure p_d", gt=0.0)
+    pressure: float | None = quantity("pressure", "absolute pressure p_d", None, gt=0.0)
     temperature: float | None = quantity(
         "temperature",
         "temperature of what flows back through the port (default: that of the outflow, iterated)",
@@ -39,11 +45,29 @@ class DischargeState:
 
 @dataclass(frozen=True)
 class Operation:
-    """Speed and the states of both lines."""
+    """Speed and the states of both lines: pressures in suction and discharge, or saturation temperatures."""
 
     speed: float = quantity("speed", "speed of the male rotor", gt=0.0)
-    suction: SuctionState = None  # type: ignore[assignment]  # the scene always gives it
-    discharge: DischargeState = None  # type: ignore[assignment]
+    suction: SuctionState = SuctionState()
+    discharge: DischargeState = DischargeState()
+    evaporating_temperature: float | None = quantity(
+        "temperature", "dew point at p_s, instead of suction.pressure", None, gt=0.0
+    )
+    condensing_temperature: float | None = quantity(
+        "temperature", "bubble point at p_d, instead of discharge.pressure", None, gt=0.0
+    )
+    superheat: float | None = quantity(
+        "temperature_difference",
+        "of the suction gas over evaporating_temperature (needed with it, but for wet suction: suction.quality)",
+        None,
+        gt=0.0,
+    )
+    subcooling: float | None = quantity(
+        "temperature_difference",
+        "of the liquid under condensing_temperature, for the cooling capacity (default: 0 K)",
+        None,
+        ge=0.0,
+    )
 
 
 @dataclass(frozen=True)

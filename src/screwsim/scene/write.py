@@ -32,8 +32,9 @@ def _section(section: Section, value: Any, folder: str, indent: str) -> Iterator
         if part is None:
             continue
         if isinstance(item, Section):
-            yield f"{indent}{name}:"
-            yield from _section(item, part, folder, indent + "  ")
+            inner = list(_section(item, part, folder, indent + "  "))
+            yield f"{indent}{name}:" if inner else f"{indent}{name}: {{}}"
+            yield from inner
         else:
             yield f"{indent}{name}: {_scalar(item, part, folder)}"
 

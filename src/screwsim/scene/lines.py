@@ -1,0 +1,58 @@
+"""The states of both lines of a scene, whichever way it states them: the one place to ask for p_s, T_s, p_d.
+
+Pressures are given, or they are those of saturation at given temperatures (docs/model.md M42).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.fluid import constants
+from screwsim.scene.types import Scene
+
+
+@dataclass(frozen=True)
+class Lines:
+    """The states of both lines: pressures [Pa], suction temperature [K]; of wet suction the vapour's mass fraction."""
+
+    p_s: float
+    T_s: float
+    p_d: float
+    quality: float | None = None
+
+
+def lines(scene: Scene) -> Lines:
+    """Return the states of both lines of a scene that `cross_check` finds in order (M42)."""
+    operation, fluid = scene.operation, scene.gas.fluid
+    suction, p_d = operation.suction, operation.discharge.pressure
+    if operation.evaporating_temperature is not None and operation.condensing_temperature is not None:
+        T_e, p_d = operation.evaporating_temperature, constants.bubble_pressure(fluid, operation.condensing_temperature)
+        return Lines(constants.dew_pressure(fluid, T_e), T_e + (operation.superheat or 0.0), p_d, suction.quality)
+    if suction.pressure is None or p_d is None:
+        raise ValueError("the scene states no pressures; ask cross_check first")
+    T_s = suction.temperature
+    if T_s is None:
+        T_s = constants.saturation_temperature(fluid, suction.pressure) + (suction.superheat or 0.0)
+    return Lines(suction.pressure, T_s, p_d, suction.quality)
+
+
+def suction_enthalpy(scene: Scene) -> float:
+    """Return the real fluid's enthalpy [J/kg] in the suction line, on CoolProp's default reference."""
+    found, fluid = lines(scene), scene.gas.fluid
+    if found.quality is not None:
+        return constants.wet_enthalpy(fluid, found.p_s, found.quality)
+    return constants.vapour_enthalpy(fluid, found.p_s, found.T_s)
+
+
+def refrigerating_effect(scene: Scene) -> float | None:
+    """Return what a kilogram of refrigerant takes up in the evaporator [J/kg] (M43).
+
+    None where the scene states no condensing temperature, and for an expander.
+    """
+    T_c, subcooling = scene.operation.condensing_temperature, scene.operation.subcooling
+    if T_c is None or scene.machine.mode == "expander":
+        return None
+    fluid, p_d = scene.gas.fluid, lines(scene).p_d
+    if subcooling:
+        return suction_enthalpy(scene) - constants.liquid_enthalpy(fluid, p_d, T_c - subcooling)
+    return suction_enthalpy(scene) - constants.saturated_liquid_enthalpy(fluid, T_c)

@@ -1,0 +1,198 @@
+"""Checks of gas and operation: the fluid, the one way in which a scene states its lines, and what the fluid allows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from operator import attrgetter
+
+from screwsim.declare import KINDS
+from screwsim.faults import Fault, UsageError
+from screwsim.fluid import constants
+from screwsim.fluid.constants import Limits
+from screwsim.scene.lines import lines, refrigerating_effect
+from screwsim.scene.types import Scene
+from screwsim.scene.units import ZERO_CELSIUS, format_quantity
+
+EVAPORATING, CONDENSING = "operation.evaporating_temperature", "operation.condensing_temperature"
+SUPERHEAT, SUBCOOLING = "operation.superheat", "operation.subcooling"
+P_S, P_D = "operation.suction.pressure", "operation.discharge.pressure"
+T_S, SUPERHEAT_S = "operation.suction.temperature", "operation.suction.superheat"
+QUALITY = "operation.suction.quality"
+TEMPERATURES = (EVAPORATING, CONDENSING, SUPERHEAT, SUBCOOLING)  # one way to state the lines
+PRESSURES = (P_S, P_D, T_S, SUPERHEAT_S)  # the other way
+COUNTERPART = {
+    P_S: EVAPORATING,
+    P_D: CONDENSING,
+    T_S: SUPERHEAT,
+    SUPERHEAT_S: SUPERHEAT,
+    EVAPORATING: P_S,
+    CONDENSING: P_D,
+    SUPERHEAT: SUPERHEAT_S,
+}
+
+
+def check_operation(scene: Scene) -> list[Fault]:
+    """Return the faults of gas and operation; those of the states only when the scene states them in one way."""
+    faults = [*_gas(scene), *_one_way(scene), *_axes(scene)]
+    if not any(fault.path.startswith(("gas.fluid", "operation")) for fault in faults):
+        faults += _states(scene)
+    return faults
+
+
+def _given(scene: Scene, paths: tuple[str, ...]) -> list[str]:
+    return [path for path in paths if attrgetter(path)(scene) is not None]
+
+
+def _gas(scene: Scene) -> Iterator[Fault]:
+    gas = scene.gas
+    if constants.limits(gas.fluid) is None:
+        near = constants.similar(gas.fluid)
+        remedy = f"; did you mean '{near}'?" if near else " (name one of them, such as R134a, R744 or Ammonia)"
+        yield Fault("gas.fluid", f"{gas.fluid[:40]!r} is no pure or pseudo-pure fluid of CoolProp{remedy}")
+    if gas.model == "real" and gas.isentropic_exponent is not None:
+        yield Fault("gas.isentropic_exponent", "belongs to model: ideal (remove it, or write model: ideal)")
+    if gas.model == "ideal" and gas.two_phase == "equilibrium":
+        yield Fault("gas.two_phase", "equilibrium needs model: real (write that, or remove two_phase)")
+    if scene.operation.suction.quality is not None and (gas.model, gas.two_phase) != ("real", "equilibrium"):
+        yield Fault(QUALITY, "needs gas.model: real and gas.two_phase: equilibrium (write both, or give a superheat)")
+
+
+def _one_way(scene: Scene) -> Iterator[Fault]:
+    """Yield what lacks, or what is too much, of the one way in which the lines are stated."""
+    temperatures, pressures = _given(scene, TEMPERATURES), _given(scene, PRESSURES)
+    if temperatures and pressures:
+        for path in pressures:
+            what = f"is given beside {temperatures[0]} (state the lines by pressures or by saturation temperatures; "
+            yield Fault(path, f"{what}remove one of the two, with null where a base gives it)")
+    elif temperatures:
+        yield from _temperatures_complete(scene)
+    elif pressures:
+        yield from _pressures_complete(scene)
+    else:
+        ways = "suction and discharge, or evaporating_temperature, condensing_temperature and superheat"
+        yield Fault("operation", f"states neither line (write {ways})")
+
+
+def _temperatures_complete(scene: Scene) -> Iterator[Fault]:
+    operation = scene.operation
+    if operation.evaporating_temperature is None:
+        remedy = "evaporating_temperature: 2 degC; the lines are stated by saturation temperatures"
+        yield Fault(EVAPORATING, f"is missing (write e.g. {remedy})")
+    if operation.condensing_temperature is None:
+        remedy = "condensing_temperature: 45 degC; the lines are stated by saturation temperatures"
+        yield Fault(CONDENSING, f"is missing (write e.g. {remedy})")
+    if operation.superheat is None and operation.suction.quality is None:
+        yield Fault(SUPERHEAT, "is missing (write e.g. superheat: 10 K; the state of the suction gas)")
+    if operation.superheat is not None and operation.suction.quality is not None:
+        yield Fault(QUALITY, "is given beside operation.superheat (remove one of the two)")
+
+
+def _pressures_complete(scene: Scene) -> Iterator[Fault]:
+    suction = scene.operation.suction
+    if suction.pressure is None:
+        yield Fault(P_S, "is missing (write e.g. pressure: 2 bar; the lines are stated by pressures)")
+    if scene.operation.discharge.pressure is None:
+        yield Fault(P_D, "is missing (write e.g. pressure: 12 bar; the lines are stated by pressures)")
+    states = [name for name in ("temperature", "superheat", "quality") if getattr(suction, name) is not None]
+    if not states:
+        yield Fault(T_S, "is missing (give temperature or superheat)")
+    for name in states[1:]:
+        yield Fault(f"operation.suction.{name}", f"is given beside {states[0]} (remove one of the two)")
+
+
+def _axes(scene: Scene) -> Iterator[Fault]:
+    """Yield the axes of a sweep that belong to the other way of stating the lines."""
+    temperatures = _given(scene, TEMPERATURES)
+    if bool(temperatures) == bool(_given(scene, PRESSURES)):
+        return  # neither way, or both: said elsewhere
+    stated, other = ("saturation temperatures", PRESSURES) if temperatures else ("pressures", TEMPERATURES)
+    for path in (path for path in scene.sweep if path in other):
+        remedy = f"vary {COUNTERPART[path]}, or" if path in COUNTERPART else "remove this axis, or"
+        yield Fault(f"sweep.{path}", f"has no meaning where the scene states {stated} ({remedy} state the lines anew)")
+
+
+def _states(scene: Scene) -> list[Fault]:
+    """Return the faults of states that are stated in one way and of a fluid that is known."""
+    limits = constants.limits(scene.gas.fluid)
+    assert limits is not None
+    by_temperature = scene.operation.evaporating_temperature is not None
+    faults = list((_temperatures if by_temperature else _pressures)(scene, limits))
+    if not faults and (by_temperature or scene.operation.suction.temperature is None):
+        try:
+            lines(scene)
+            refrigerating_effect(scene)
+        except UsageError as error:  # CoolProp finds no state, though it lies within the limits
+            faults = [Fault(EVAPORATING if by_temperature else P_S, f"{error} (choose another state)")]
+    if not faults and by_temperature:  # the glide of a pseudo-pure fluid may turn the order of temperatures round
+        faults = list(_order(scene, lines(scene).p_s, lines(scene).p_d, CONDENSING))
+    return faults
+
+
+def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
+    suction, p_d = scene.operation.suction, scene.operation.discharge.pressure
+    p_s = suction.pressure
+    assert p_s is not None and p_d is not None
+    yield from _order(scene, p_s, p_d, P_D)
+    if suction.temperature is None and not limits.p_triple <= p_s < limits.p_critical:
+        name, limit = ("critical", limits.p_critical) if p_s > limits.p_triple else ("triple-point", limits.p_triple)
+        shown = format_quantity(KINDS["pressure"], p_s)
+        yield Fault(
+            QUALITY if suction.superheat is None else SUPERHEAT_S,
+            f"{scene.gas.fluid} has no saturation at the suction pressure {shown}: its {name} pressure is "
+            f"{limit / 1e5:.6g} bar (give operation.suction.temperature, or another pressure)",
+        )
+
+
+def _order(scene: Scene, p_s: float, p_d: float, path: str) -> Iterator[Fault]:
+    if path == P_D:
+        low, shown = (format_quantity(KINDS["pressure"], value) for value in (p_s, p_d))
+    else:
+        low, shown = f"{p_s / 1e5:.6g} bar", f"gives {p_d / 1e5:.6g} bar, which"
+    if p_s == p_d:
+        equal = "equals" if path == P_D else "is"
+        yield Fault(path, f"{shown} {equal} the suction pressure (nothing is compressed; choose another)")
+    elif scene.machine.mode == "compressor" and p_d < p_s:
+        yield Fault(path, f"{shown} is below the suction pressure {low} (raise it, or write machine.mode: expander)")
+    elif scene.machine.mode == "expander" and p_d > p_s:
+        yield Fault(path, f"{shown} is above the suction pressure {low} (lower it, or write machine.mode: compressor)")
+
+
+def _shown(T: float) -> str:
+    return f"{T:.6g} K ({round(T - ZERO_CELSIUS, 3):g} degC)"
+
+
+def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
+    """Yield temperatures at which the fluid does not saturate, or whose order is not the machine's."""
+    operation, fluid = scene.operation, scene.gas.fluid
+    T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
+    assert T_e is not None and T_c is not None
+    outside = [
+        *_outside(EVAPORATING, T_e, fluid, limits),
+        *_outside(CONDENSING, T_c, fluid, limits),
+    ]
+    yield from outside
+    if outside:
+        return
+    T_s, T_liquid = T_e + (operation.superheat or 0.0), T_c - (operation.subcooling or 0.0)
+    if T_s > limits.T_max:
+        what = f"the equation of state of {fluid} ends at {_shown(limits.T_max)} (choose a smaller one)"
+        yield Fault(SUPERHEAT, f"makes suction gas of {_shown(T_s)}; {what}")
+    if T_liquid < limits.T_triple:
+        what = f"{fluid} freezes at {_shown(limits.T_triple)} (choose a smaller one)"
+        yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}; {what}")
+    compressor, shown = scene.machine.mode == "compressor", f"the evaporating temperature {_shown(T_e)}"
+    if T_c == T_e:
+        yield Fault(CONDENSING, f"{_shown(T_c)} equals the evaporating temperature (choose another)")
+    elif compressor and T_c < T_e:
+        yield Fault(CONDENSING, f"{_shown(T_c)} is below {shown} (raise it, or write machine.mode: expander)")
+    elif not compressor and T_c > T_e:
+        yield Fault(CONDENSING, f"{_shown(T_c)} is above {shown} (lower it, or write machine.mode: compressor)")
+
+
+def _outside(path: str, T: float, fluid: str, limits: Limits) -> Iterator[Fault]:
+    if T >= limits.T_critical:
+        what = f"is not below the critical temperature of {fluid}, {_shown(limits.T_critical)}"
+        yield Fault(path, f"{_shown(T)} {what} (lower it, or state the lines by pressures)")
+    elif T < limits.T_triple:
+        what = f"is below the triple point of {fluid}, {_shown(limits.T_triple)}"
+        yield Fault(path, f"{_shown(T)} {what} (raise it)")
