@@ -17,11 +17,14 @@ from pathlib import Path
 
 import numpy as np
 
+from screwsim.estimate import close_accurately
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate
+from screwsim.study.coolprop_back_end import solution_with_coolprop
 
 ROOT = Path(__file__).resolve().parent.parent
 POINT = ROOT / "configs" / "paper" / "point.yaml"
+REAL = ROOT / "configs" / "r134a" / "point.yaml"
 RPM = 2.0 * np.pi / 60.0
 FIGURES = ("isothermal_efficiency", "gas_mass_flow", "shaft_power", "discharge_temperature")
 
@@ -41,7 +44,7 @@ def with_accuracy(scene: Scene, accuracy: float) -> Scene:
 def accuracy_table(scene: Scene) -> None:
     """Print time and true error against the wanted accuracy; the reference is wanted at 1e-8 with closing: coupled."""
     print("\nWhat accuracy costs (error: largest of efficiency, mass flow, shaft power, discharge temperature)")
-    print(f"{'speed':>10} {'accuracy':>9} {'ms':>8} {'RHS evaluations':>16} {'turns':>6} {'closing':>10} {'error':>8}")
+    print(f"{'speed':>10} {'accuracy':>9} {'ms':>8} {'RHS evaluations':>16} {'turns':>6} {'closing':>10} {'error':>8} {'estimate':>8} {'+ ms':>6}")
     for rpm in (3000, 1000):
         base = with_values(scene, {"operation.speed": rpm * RPM})
         tight = replace(base.numerics, accuracy=1e-8, closing="coupled")
@@ -49,10 +52,11 @@ def accuracy_table(scene: Scene) -> None:
         for accuracy in (3e-3, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6):
             result, ms = timed(with_accuracy(base, accuracy), 15 if accuracy > 5e-5 else 3)
             error = max(abs(result.performance[name] / reference[name] - 1.0) for name in FIGURES)
+            estimate = max(result.error[name] for name in FIGURES)
             n = result.numerics
             print(
                 f"{rpm:>6} rpm {accuracy:>9.0e} {ms:>8.2f} {n.rhs_evaluations:>16} {n.turns:>6.3g} "
-                f"{n.closing:>10} {error:>8.1e}"
+                f"{n.closing:>10} {error:>8.1e} {estimate:>8.1e} {1e3 * n.estimating_time:>6.2f}"
             )
 
 
@@ -67,6 +71,26 @@ def speed_table(scene: Scene) -> None:
             f"{rpm:>6} rpm {result.status:>10} {ms:>9.2f} {n.rhs_evaluations:>16} {n.closing:>10} "
             f"{b.mass:>8.1e} {b.energy:>8.1e}"
         )
+
+
+def gases_table() -> None:
+    """Print the real gas beside the ideal one and beside CoolProp in the right-hand side, on configs/r134a/point.yaml."""
+    print("\nWhat the gas costs (configs/r134a/point.yaml; no error estimate)")
+    scene = load(str(REAL), ["numerics.error=none"])
+    print(f"{'gas':>20} {'ms':>8} {'RHS evaluations':>16} {'eta_s':>9} {'ratio':>7}")
+    ideal, ms_ideal = timed(replace(scene, gas=replace(scene.gas, model="ideal")))
+    real, ms_real = timed(scene)
+    for name, result, ms in (("ideal", ideal, ms_ideal), ("real, compiled", real, ms_real)):
+        eta = result.performance.isentropic_efficiency
+        print(f"{name:>20} {ms:>8.2f} {result.numerics.rhs_evaluations:>16} {eta:>9.6f} {ms / ms_ideal:>7.2f}")
+    slow = solution_with_coolprop(scene)
+    slow.machinery.warm_up(slow.rehearse)
+    runs = [close_accurately(slow) for _ in range(5)]
+    ms = 1e3 * statistics.median(run.closing_time for run in runs)
+    counts = runs[-1].counts
+    evaluations = int(counts[2] + counts[3] * len(slow.machinery.composition.states))
+    eta = slow.figures(runs[-1].closed.q)[0].isentropic_efficiency
+    print(f"{'real, CoolProp':>20} {ms:>8.2f} {evaluations:>16} {eta:>9.6f} {ms / ms_ideal:>7.2f}")
 
 
 def effects_table(scene: Scene) -> None:
@@ -110,6 +134,7 @@ def main() -> None:
     scene = load(str(path))
     accuracy_table(scene)
     speed_table(scene)
+    gases_table()
     effects_table(scene)
     command_times(path)
 
