@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from screwsim.outputs import PERFORMANCE, STATUSES, Result
+from screwsim.outputs import PERFORMANCE, STATUSES, Result, sorted_entries
 from screwsim.scene import Scene
 from screwsim.study.sweep import SweepSummary
 
@@ -75,6 +75,12 @@ def print_result(title: str, result: Result) -> None:
     if result.performance:
         console.print()
         console.print(_table(result))
+    if result.ledger:
+        console.print()
+        console.print(_ledger(result.ledger))
+    if result.knock_out:
+        console.print()
+        console.print(_knock_out(result.knock_out))
     console.print()
     for line in _account(result):
         console.print(_wrapped(line))
@@ -96,6 +102,73 @@ def _table(result: Result) -> Any:
     return table
 
 
+def _ledger(ledger: Mapping[str, Any]) -> Any:
+    """Return where the shaft power goes: useful exergy, then what each effect destroys, the dearest first."""
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("where the shaft power goes", no_wrap=True)
+    for name in ("exergy", "share", "entropy", "energy moved", "gas moved"):
+        table.add_column(name, justify="right", no_wrap=True)
+    shaft = ledger["shaft_power"]
+
+    def row(name: str, exergy: float | None, entry: Mapping[str, Any]) -> None:
+        if exergy is None:
+            return
+        share = f"{100.0 * exergy / shaft:.2f} %" if shaft else ""
+        entropy, energy, gas = (entry.get(key) for key in ("entropy_generated", "energy_moved", "gas_moved"))
+        table.add_row(
+            name.replace("_", " "),
+            _quantity("W", exergy),
+            share,
+            "" if entropy is None else f"{entropy:.3g} W/K",
+            "" if energy is None else _quantity("W", energy),
+            "" if gas is None else f"{gas:.3g} kg/s",
+        )
+
+    row("shaft power", shaft, {})
+    row("exergy rise of the gas", ledger["gas_exergy_rise"], {})
+    row("exergy rise of the oil", ledger["oil_exergy_rise"], {})
+    for name, entry in sorted_entries(ledger):
+        row(name, entry["exergy_destroyed"], entry)
+    row("residue", ledger["residue"], {})
+    table.caption = f"exergy and losses refer to an ambient temperature of {ledger['ambient_temperature']:.2f} K"
+    table.caption_justify = "left"
+    return table
+
+
+def _knock_out(costs: Iterable[Mapping[str, Any]]) -> Any:
+    """Return what leaving each effect out changes; the changes need not add up."""
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("left out", no_wrap=True)
+    table.add_column("shaft power", justify="right", no_wrap=True)
+    table.add_column("change", justify="right", no_wrap=True)
+    table.add_column("specific work", justify="right", no_wrap=True)
+    table.add_column("change", justify="right", no_wrap=True)
+    for cost in costs:
+        if cost["shaft_power"] is None:
+            table.add_row(cost["effect"].replace("_", " "), f"{cost['status']}")
+            continue
+        specific = (cost["specific_work"], cost["change_of_specific_work"])
+        table.add_row(
+            cost["effect"].replace("_", " "),
+            _quantity("W", cost["shaft_power"]),
+            _quantity("W", cost["change_of_shaft_power"]),
+            *("" if value is None else f"{1e-3 * value:.4g} kJ/kg" for value in specific),
+        )
+    return table
+
+
+def _quantity(units: str, value: float) -> str:
+    """Return a quantity [SI] with its unit, four digits."""
+    for size, factor, unit in _ENGINEERING[units]:
+        if abs(value) >= size:
+            return f"{factor * value:.4g} {unit}"
+    return f"{value:.4g} {units}"
+
+
 def _account(result: Result) -> Iterable[str]:
     """Yield what stands below the figures, one subject a line."""
     absent = [name for name, value in result.performance.items() if value is None]
@@ -105,6 +178,9 @@ def _account(result: Result) -> Iterable[str]:
     silent = [name.replace("_", " ") for name in absent if name not in result.notes]
     if silent:
         yield f"not simulated: {', '.join(silent)}"
+    for cost in result.knock_out:
+        if cost["message"]:
+            yield f"without {cost['effect']}: {cost['message']}"
     if result.balance:
         yield _balance(result.balance)
     yield _numerics(result.numerics)

@@ -3,17 +3,20 @@
 Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. The interface that every gas keeps:
 `state(T, rho, …)` for a place in a chamber, returning
     p [Pa], h [J/kg], c_v [J/(kg K)], T ∂p/∂T|ρ [Pa], 1/k for nozzle flow, relative drop and ψ² at which it chokes,
+`specific_entropy(T, rho, …)` [J/(kg K)],
 and, in plain Python at the border, `place` for a plenum of given pressure and temperature or enthalpy.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from math import log
 from typing import Any, ClassVar
 
 from screwsim.fluid.nozzle import choking
 from screwsim.numerics.kernel import kernel
+
+T_ZERO = 273.15  # [K] where the entropy's reference is
 
 
 @kernel
@@ -21,6 +24,12 @@ def state(T, rho, R_gas, c_v_gas, c_p_gas, a_gas, choke_gas, choked_gas):
     """Return (p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking) of an ideal gas (M5, M6)."""
     p = rho * R_gas * T
     return p, c_p_gas * T, c_v_gas, p, a_gas, choke_gas, choked_gas
+
+
+@kernel
+def specific_entropy(T, rho, R_gas, c_v_gas):
+    """Return s = c_v ln(T/T_0) − R ln(ρ/ρ_0) [J/(kg K)], zero at T_0 = 273.15 K and ρ_0 = 1 kg/m³."""
+    return c_v_gas * math.log(T / T_ZERO) - R_gas * math.log(rho)
 
 
 @dataclass(frozen=True)
@@ -32,6 +41,7 @@ class IdealGas:
     name: str = "ideal"
     equations = ("M5", "M6")
     state = state
+    specific_entropy = specific_entropy
     varies = False  # exponent and choking are the same everywhere
     tables: ClassVar[dict[str, Any]] = {}
 
@@ -66,6 +76,10 @@ class IdealGas:
         """Return specific enthalpy [J/kg]."""
         return self.c_p * T
 
+    def entropy(self, p: float, T: float) -> float:
+        """Return specific entropy [J/(kg K)], zero at 273.15 K and 1 kg/m³."""
+        return specific_entropy(T, self.density(p, T), self.R, self.c_v)
+
     def temperature(self, p: float, h: float) -> float:
         """Return temperature [K] at pressure [Pa] and specific enthalpy [J/kg]."""
         return h / self.c_p
@@ -74,9 +88,13 @@ class IdealGas:
         """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum."""
         return p, self.density(p, T), self.enthalpy(p, T), 1.0 / self.k, *choking(self.k)
 
+    def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
+        """Return what `place` does, at pressure [Pa] and specific enthalpy [J/kg]."""
+        return self.place(p, self.temperature(p, h))
+
     def isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
         """Return the reversible isothermal work R T ln(p_2/p_1) [J/kg]."""
-        return self.R * T * log(p_2 / p_1)
+        return self.R * T * math.log(p_2 / p_1)
 
     def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
         """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2."""

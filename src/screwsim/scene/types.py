@@ -39,9 +39,12 @@ class DischargeState:
 
 @dataclass(frozen=True)
 class Operation:
-    """Speed and the states of both lines."""
+    """Speed, the states of both lines, and the surroundings."""
 
     speed: float = quantity("speed", "speed of the male rotor", gt=0.0)
+    ambient_temperature: float = quantity(
+        "temperature", "temperature T_0 of the surroundings, to which the ledger refers", 298.15, gt=0.0
+    )
     suction: SuctionState = None  # type: ignore[assignment]  # the scene always gives it
     discharge: DischargeState = None  # type: ignore[assignment]
 
