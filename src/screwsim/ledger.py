@@ -204,7 +204,6 @@ def _gas(book: _Book, cycle: Cycle, suction: State, line: State, discharge: Stat
 
 def _oil(book: _Book, cycle: Cycle, paths: Array, heats: Array, sums: Array) -> float:
     """Return the exergy rise of the oil [W] (M66), and enter its heat, injection, supply and what is not conserved."""
-    oil: OilPart = cycle.parts.oil
     c, known = cycle.machinery.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
         book.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
@@ -273,7 +272,7 @@ def _injection(cycle: Cycle) -> float:
 
 
 def _not_carried(book: _Book, cycle: Cycle, paths: Array, sums: Array) -> float:
-    """Return the thermal exergy rise of oil at a constant ratio [W], and enter what that makes appear and vanish (M67)."""
+    """Return the thermal exergy rise of oil at a constant ratio [W], and enter what appears and vanishes (M67)."""
     oil, R = cycle.parts.oil, cycle.machinery.R
     out, out_T = (float(paths[:, column].sum()) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
     T_mean = out_T / out if out > 0.0 else oil.temperature

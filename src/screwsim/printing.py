@@ -104,27 +104,20 @@ def _table(result: Result) -> Any:
 
 def _ledger(ledger: Mapping[str, Any]) -> Any:
     """Return where the shaft power goes: useful exergy, then what each effect destroys, the dearest first."""
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("where the shaft power goes", no_wrap=True)
-    for name in ("exergy", "share", "entropy", "energy moved", "gas moved"):
-        table.add_column(name, justify="right", no_wrap=True)
     shaft = ledger["shaft_power"]
+    factor, unit = next((f, u) for size, f, u in _ENGINEERING["W"] if abs(shaft) >= size)
+    heads = (unit, "%", "W/K", f"moved {unit}", "kg/s")
+    table = _right_table("where the shaft power goes", *heads)
 
     def row(name: str, exergy: float | None, entry: Mapping[str, Any]) -> None:
         if exergy is None:
             return
-        share = f"{100.0 * exergy / shaft:.2f} %" if shaft else ""
+        share = f"{100.0 * exergy / shaft:.2f}" if shaft else ""
         entropy, energy, gas = (entry.get(key) for key in ("entropy_generated", "energy_moved", "gas_moved"))
-        table.add_row(
-            name.replace("_", " "),
-            _quantity("W", exergy),
-            share,
-            "" if entropy is None else f"{entropy:.3g} W/K",
-            "" if energy is None else _quantity("W", energy),
-            "" if gas is None else f"{gas:.3g} kg/s",
-        )
+        shown = (factor * exergy, None, entropy, None if energy is None else factor * energy, gas)
+        cells = ["" if value is None else f"{value:.3g}" for value in shown]
+        cells[0], cells[1] = f"{factor * exergy:.4g}", share
+        table.add_row(name.replace("_", " "), *cells)
 
     row("shaft power", shaft, {})
     row("exergy rise of the gas", ledger["gas_exergy_rise"], {})
@@ -132,24 +125,33 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
     for name, entry in sorted_entries(ledger):
         row(name, entry["exergy_destroyed"], entry)
     row("residue", ledger["residue"], {})
-    table.caption = f"exergy and losses refer to an ambient temperature of {ledger['ambient_temperature']:.2f} K"
+    table.caption = f"W/K: entropy generated; exergy at {engineering_temperature(ledger['ambient_temperature'])}"
     table.caption_justify = "left"
+    return table
+
+
+def engineering_temperature(T: float) -> str:
+    """Return a temperature [K] with its degrees Celsius."""
+    return f"{T:.2f} K ({T - ZERO_CELSIUS:.2f} °C)"
+
+
+def _right_table(first: str, *others: str) -> Any:
+    """Return an empty table: a column of names, then columns of numbers."""
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column(first, no_wrap=True)
+    for name in others:
+        table.add_column(name, justify="right", no_wrap=True)
     return table
 
 
 def _knock_out(costs: Iterable[Mapping[str, Any]]) -> Any:
     """Return what leaving each effect out changes; the changes need not add up."""
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("left out", no_wrap=True)
-    table.add_column("shaft power", justify="right", no_wrap=True)
-    table.add_column("change", justify="right", no_wrap=True)
-    table.add_column("specific work", justify="right", no_wrap=True)
-    table.add_column("change", justify="right", no_wrap=True)
+    table = _right_table("left out", "shaft power", "change", "specific work", "change")
     for cost in costs:
         if cost["shaft_power"] is None:
-            table.add_row(cost["effect"].replace("_", " "), f"{cost['status']}")
+            table.add_row(cost["effect"].replace("_", " "), cost["status"].replace("_", " "))
             continue
         specific = (cost["specific_work"], cost["change_of_specific_work"])
         table.add_row(

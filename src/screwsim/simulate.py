@@ -303,8 +303,8 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
 def simulate(scene: Scene, trace: bool = True, estimate_error: bool = False) -> Result:
     """Return the result of one scene; bad physics gives a status and what there is, never an exception.
 
-    `trace` keeps the cycle over the angle and the ledger; `estimate_error` solves a second time with a twentieth of the tolerances
-    and reports the differences. Raises UsageError when the scene asks for a fluid that is not there.
+    `trace` keeps the cycle over the angle and the ledger; `estimate_error` solves a second time with a twentieth of the
+    tolerances and reports the differences. Raises UsageError when the scene asks for a fluid that is not there.
     """
     solution = Solution(scene)
     machinery = solution.machinery
@@ -332,7 +332,7 @@ def simulate(scene: Scene, trace: bool = True, estimate_error: bool = False) -> 
             f"{closed.change:.2g}; try numerics.closing: coupled, or a tighter numerics.accuracy"
         )
     cycle = solution.cycle() if trace else {}
-    account = solution.ledger(closed.q, found.shaft_power) if trace else Figures()
+    book = solution.ledger(closed.q, found.shaft_power) if trace else Figures()
     error = Figures()
     if estimate_error:
         finer = Solution(scene, FINER)
@@ -340,7 +340,18 @@ def simulate(scene: Scene, trace: bool = True, estimate_error: bool = False) -> 
         if better.status == "ok":
             error = relative_errors(found, finer.figures(better.q)[0])
     return Result(
-        status, message, _warnings(solution, found), effects, states, found, balance, error, numerics, notes, cycle, account
+        status,
+        message,
+        _warnings(solution, found),
+        effects,
+        states,
+        found,
+        balance,
+        error,
+        numerics,
+        notes,
+        cycle,
+        book,
     )
 
 

@@ -53,7 +53,7 @@ PATH_SUMS = 9
 # of one heat rate: heat into the gas [J], entropy generated [J/K]
 HEAT, HEAT_GENERATED = range(2)
 HEAT_SUMS = 2
-# of oil that is not conserved: oil made [kg], × T_oil, × ln T_oil; heat lost by the oil beyond the gas's, and over T_oil
+# of oil that is not conserved: oil made [kg], × T_oil, × ln T_oil; heat the oil loses beyond the gas's, and over T_oil
 MADE, MADE_T, MADE_LOG, LOST, LOST_OVER_T = range(5)
 OIL_SUMS = 5
 
@@ -66,7 +66,7 @@ WEIGHTS = 0.5 * _WEIGHTS
 
 @kernel
 def arriving(m, h_i, s_i, h, s, T):
-    """Return the entropy generated [W/K] where a stream m [kg/s] of state i arrives in a chamber of state h, s, T (M60)."""
+    """Return the entropy generated [W/K] where a stream m [kg/s] of state i meets a chamber's gas (M60)."""
     return m * ((h_i - h) / T - (s_i - s))
 
 

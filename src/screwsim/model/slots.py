@@ -1,14 +1,15 @@
 """The names that a composition defines in its generated module; the kernels of this package are written with them.
 
-Functions: `gas_state(T, rho, P, TAB)`, `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`, `volume_slope_at(phi, P, TAB)`,
-`plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
+Functions: `gas_state(T, rho, P, TAB)`, `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
+`volume_slope_at(phi, P, TAB)`, `plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
 `heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W],
-`heat_part(i, …)`: the same of one heat rate; `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg].
+`heat_part(i, …)`: the same of one heat rate,
+`injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg].
 
 Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), N_HEATS
-(heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass), OILED (is oil injected), N_PLENUM and PLENUM (path →
-0 suction, 1 discharge), N_GAPS and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS
-(alive at once).
+(heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass), OILED (is oil injected), N_PLENUM
+and PLENUM (path → 0 suction, 1 discharge), N_GAPS and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe
+pitches), CHAMBERS (alive at once).
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
