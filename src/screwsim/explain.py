@@ -180,6 +180,7 @@ def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     yield _row("suction line", f"{p_s}, {suction_temperature(scene):.6g} K")
     T_d = operation.discharge.temperature
     back = "mean temperature of the outflow (M27)" if T_d is None else format_quantity(temperature, T_d)
+    yield _row("surroundings", f"{operation.ambient_temperature:.6g} K, to which the ledger's exergy refers (M69)")
     yield _row("discharge line", f"{p_d}; what flows back has {'the ' if T_d is None else ''}{back}")
 
 

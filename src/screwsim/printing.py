@@ -119,7 +119,7 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
         cells[0], cells[1] = f"{factor * exergy:.4g}", share
         table.add_row(name.replace("_", " "), *cells)
 
-    row("shaft power", shaft, {})
+    row("all, at the shaft", shaft, {})
     row("exergy rise of the gas", ledger["gas_exergy_rise"], {})
     row("exergy rise of the oil", ledger["oil_exergy_rise"], {})
     for name, entry in sorted_entries(ledger):

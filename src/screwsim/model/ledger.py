@@ -1,6 +1,6 @@
 """What every stream and heat of a closed cycle moves and generates, summed over one life: the ledger's raw material.
 
-Source: docs/model.md M60–M66. Gauss–Legendre quadrature of the dense output on each step; all sums are free of the
+Source: docs/model.md M60–M67. Gauss–Legendre quadrature of the dense output on each step; all sums are free of the
 ambient temperature and of the mean states of the lines, which `screwsim.ledger` adds.
 """
 

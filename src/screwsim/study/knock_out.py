@@ -1,4 +1,4 @@
-"""Knock-out: what each effect costs when it is left out and the scene is solved again (docs/model.md M69).
+"""Knock-out: what each effect costs when it is left out and the scene is solved again (docs/model.md M70).
 
 Each scene is that of `--without EFFECT`. Effects act on each other, so that the changes need not add up.
 """
