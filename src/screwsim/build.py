@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.real_gas import RealGas
 from screwsim.machine.geometry import Geometry
 from screwsim.model import close as closing
 from screwsim.model.compose import OilPart, Parts
@@ -18,9 +19,11 @@ def suction_temperature(scene: Scene) -> float:
     return constants.saturation_temperature(scene.gas.fluid, suction.pressure) + float(suction.superheat or 0.0)
 
 
-def build_gas(scene: Scene) -> IdealGas:
-    """Return the gas of a scene; k from CoolProp at suction temperature where none is given (M6)."""
+def build_gas(scene: Scene) -> IdealGas | RealGas:
+    """Return the gas of a scene; k of an ideal one from CoolProp at suction temperature where none is given (M6)."""
     fluid, T = scene.gas.fluid, suction_temperature(scene)
+    if scene.gas.model == "real":
+        return RealGas(fluid, scene.gas.two_phase)
     k = scene.gas.isentropic_exponent
     return IdealGas(constants.gas_constant(fluid), constants.isentropic_exponent(fluid, T) if k is None else k)
 
@@ -45,15 +48,15 @@ def build_oil(scene: Scene) -> OilPart | None:
     return OilPart(oil.density, oil.heat_capacity, supply.temperature, oil.transport, numbers)
 
 
-def build_parts(scene: Scene, refine: float = 1.0) -> Parts:
-    """Return what the scene names, built for the composer; `refine` multiplies the regularisation width."""
+def build_parts(scene: Scene) -> Parts:
+    """Return what the scene names, built for the composer."""
     geometry = Geometry(scene.machine)
     suction, discharge, gaps = regularisation(scene)
     return Parts(
         geometry=geometry,
         gas=build_gas(scene),
         omega=scene.operation.speed,
-        widths=(refine * suction, refine * discharge, refine * gaps),
+        widths=(suction, discharge, gaps),
         effects={name: active.effect.build(active.parameters, geometry) for name, active in scene.effects.items()},
         oil=build_oil(scene),
     )
@@ -70,9 +73,8 @@ def regularisation(scene: Scene) -> tuple[float, float, float]:
     return accuracy * p_s, accuracy * p_d, accuracy * max(p_s, p_d)
 
 
-def wanted_of(scene: Scene, refine: float = 1.0) -> closing.Wanted:
-    """Return tolerances from the wanted accuracy (docs/numerics.md); `refine` multiplies them."""
+def wanted_of(scene: Scene) -> closing.Wanted:
+    """Return tolerances from the wanted accuracy (docs/numerics.md)."""
     numerics = scene.numerics
-    rtol = refine * (numerics.rtol or 0.3 * numerics.accuracy)
-    accuracy = refine * numerics.accuracy
-    return closing.Wanted(rtol, 0.2 * accuracy, numerics.accuracy, numerics.closing)
+    rtol = numerics.rtol or 0.3 * numerics.accuracy
+    return closing.Wanted(rtol, 0.2 * numerics.accuracy, numerics.accuracy, numerics.closing)

@@ -72,7 +72,7 @@ def run(
     from screwsim.printing import print_json, print_result
     from screwsim.simulate import simulate
 
-    result = simulate(scene, estimate_error=True)
+    result = simulate(scene)
     if knock_out and result.performance:
         from screwsim.study.knock_out import knock_out as knocked_out
         from screwsim.study.progress import for_terminal

@@ -62,6 +62,7 @@ NUMERICS = {
     "rhs_evaluations": Variable("1", "evaluations of the right-hand side of one chamber, those for Jacobians included"),
     "jacobians": Variable("1", "Jacobians of one chamber"),
     "wall_time": Variable("s", "time of the solution alone, compiled and warm"),
+    "estimating_time": Variable("s", "time of estimating the errors, on top of the solution"),
 }
 NUMERICS_TEXT = {"integrator": "integrator", "closing": "way in which the cycle was closed"}
 

@@ -52,9 +52,11 @@ def efficiencies(
     if shaft_power <= 0.0:
         reason = "the shaft power is not positive"
         return dict.fromkeys(names), dict.fromkeys(names, reason)
-    isothermal = flow * gas.isothermal_work(lines.p_s, lines.p_d, lines.T_s) / shaft_power
-    isentropic = flow * gas.isentropic_work(lines.p_s, lines.p_d, lines.T_s) / shaft_power
-    return dict(zip(names, (isothermal, isothermal, isentropic), strict=True)), {}
+    ends = lines.p_s, lines.p_d, lines.T_s
+    works = gas.isothermal_work(*ends), gas.ideal_isothermal_work(*ends), gas.isentropic_work(*ends)
+    found = {name: None if work is None else flow * work / shaft_power for name, work in zip(names, works, strict=True)}
+    obstacle = gas.isothermal_obstacle(*ends)
+    return found, {} if obstacle is None else {"isothermal_efficiency": obstacle}
 
 
 def cycle_figures(

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-import time
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from screwsim import performance
 from screwsim.build import build_parts, suction_temperature, wanted_of
-from screwsim.errors import relative_errors
+from screwsim.estimate import Accurate, close_accurately, worst
 from screwsim.ledger import Cycle, ledger
 from screwsim.model import close as closing
 from screwsim.model.compose import Parts, compose
@@ -20,6 +20,8 @@ from screwsim.model.slots import (
     ENTHALPY,
     OIL_RATIO,
     OIL_TEMPERATURE,
+    P_GAP_WIDTH,
+    P_PORT_WIDTH,
     R_DISCHARGE,
     R_INJECTED,
     R_OIL_BEFORE,
@@ -32,7 +34,6 @@ from screwsim.outputs import Figures, Result
 from screwsim.scene.types import Scene
 
 TRACE_ANGLES = np.arange(0.0, 720.5, 1.0)  # degrees
-FINER = 0.05  # tolerance and regularisation of the second solution that estimates the error
 
 
 @lru_cache(maxsize=8)
@@ -54,10 +55,10 @@ def machinery_for(parts: Parts) -> Machinery:
 class Solution:
     """One scene being solved: the machinery, the lines, and what is asked of the closing."""
 
-    def __init__(self, scene: Scene, refine: float = 1.0) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.parts = build_parts(scene, refine)
-        self.wanted = wanted_of(scene, refine)
+        self.parts = build_parts(scene)
+        self.wanted = wanted_of(scene)
         operation = scene.operation
         self.lines = performance.Lines(
             operation.suction.pressure, suction_temperature(scene), operation.discharge.pressure
@@ -86,6 +87,11 @@ class Solution:
     def close(self) -> closing.Closed:
         """Close the cycle from the first guess."""
         return closing.close(self, self.start(), self.scene.numerics.integrator)
+
+    def tighten(self, factor: float) -> None:
+        """Multiply the tolerances and the widths of the regularisation."""
+        self.wanted = replace(self.wanted, rtol=factor * self.wanted.rtol, tolerance=factor * self.wanted.tolerance)
+        self.machinery.composition.P[P_PORT_WIDTH : P_GAP_WIDTH + 1] *= factor
 
     def plenum(self) -> closing.Array:
         """Return the discharge plenum's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
@@ -116,9 +122,8 @@ class Solution:
 
     def set_plenum(self, plenum: closing.Array) -> None:
         """Give the discharge plenum its enthalpy and oil."""
-        gas, p_d = self.parts.gas, self.lines.p_d
         R = self.machinery.R
-        place = gas.place(p_d, gas.temperature(p_d, float(plenum[0])))
+        place = self.parts.gas.place_of_enthalpy(self.lines.p_d, float(plenum[0]))
         R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
         if len(plenum) == 3:
             R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:]
@@ -256,7 +261,8 @@ def _smooth_plenum_flows(flows: np.ndarray, paths: int, mass_rate: np.ndarray) -
         flows[mine, i] = mass_rate[mine] - leaks[mine]
 
 
-def _numerics(solution: Solution, closed: closing.Closed, counts: closing.Array, wall_time: float) -> Figures:
+def _numerics(solution: Solution, accurate: Accurate) -> Figures:
+    counts, closed = accurate.counts, accurate.closed
     return Figures(
         integrator=solution.scene.numerics.integrator,
         closing=closed.how,
@@ -265,14 +271,27 @@ def _numerics(solution: Solution, closed: closing.Closed, counts: closing.Array,
         steps=int(counts[0]),
         rhs_evaluations=int(counts[2] + counts[3] * len(solution.machinery.composition.states)),
         jacobians=int(counts[3]),
-        wall_time=wall_time,
+        wall_time=accurate.closing_time,
+        estimating_time=accurate.estimating_time,
     )
+
+
+def _refused(solution: Solution) -> str:
+    """Return where and why the closed cycle leaves what the gas's equation covers; empty when it does not."""
+    gas = solution.parts.gas
+    times, dense, _, steps = solution.machinery.last()
+    T, rho = (np.ascontiguousarray(dense[:steps, 1, column]) for column in (0, 1))
+    i = gas.first_outside(T, rho)
+    return "" if i is None else f"at {math.degrees(times[i + 1]):.2f} deg {gas.why_outside(float(T[i]), float(rho[i]))}"
 
 
 def _failure(solution: Solution, closed: closing.Closed) -> str:
     y = ", ".join(
         f"{name} = {value:.6g}" for name, value in zip(solution.machinery.composition.states, closed.y, strict=False)
     )
+    reason = solution.parts.gas.why_outside(float(closed.y[0]), float(closed.y[1]))
+    if reason is not None:
+        return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {reason}"
     return (
         f"the integration stopped at {math.degrees(closed.angle):.2f} deg ({y}); "
         "check port areas, clearances and pressures, or ask for a tighter numerics.accuracy"
@@ -300,24 +319,32 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def simulate(scene: Scene, trace: bool = True, estimate_error: bool = False) -> Result:
+def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
+    """Return a warning when the estimated error of a figure stayed above the wanted accuracy."""
+    name, size = worst(error)
+    if size <= scene.numerics.accuracy:
+        return ()
+    return (f"the estimated error of {name}, {size:.2g}, is above the wanted accuracy {scene.numerics.accuracy:.2g}",)
+
+
+def simulate(scene: Scene, trace: bool = True) -> Result:
     """Return the result of one scene; bad physics gives a status and what there is, never an exception.
 
-    `trace` keeps the cycle over the angle and the ledger; `estimate_error` solves a second time with a twentieth of the
-    tolerances and reports the differences. Raises UsageError when the scene asks for a fluid that is not there.
+    `trace` keeps the cycle over the angle and the ledger. Raises UsageError when the scene asks for a fluid that is not
+    there.
     """
     solution = Solution(scene)
     machinery = solution.machinery
     machinery.warm_up(solution.start)
-    counted = machinery.counts.copy()
-    compiling = machinery.compile_time
-    started = time.perf_counter()
-    closed = solution.close()
-    wall_time = time.perf_counter() - started - (machinery.compile_time - compiling)
-    numerics = _numerics(solution, closed, machinery.counts - counted, wall_time)
+    accurate = close_accurately(solution)
+    closed = accurate.closed
+    numerics = _numerics(solution, accurate)
     effects, states = tuple(scene.effects), machinery.composition.states
     if closed.status == "failed":
         return Result("failed", _failure(solution, closed), effects=effects, states=states, numerics=numerics)
+    refused = _refused(solution)
+    if refused:
+        return Result("failed", refused, effects=effects, states=states, numerics=numerics)
     found, notes = solution.figures(closed.q)
     balance = solution.balance(closed.q)
     bad = not all(math.isfinite(value) for value in found.values() if value is not None)
@@ -333,26 +360,9 @@ def simulate(scene: Scene, trace: bool = True, estimate_error: bool = False) -> 
         )
     cycle = solution.cycle() if trace else {}
     book = solution.ledger(closed.q, found.shaft_power) if trace else Figures()
-    error = Figures()
-    if estimate_error:
-        finer = Solution(scene, FINER)
-        better = finer.close()
-        if better.status == "ok":
-            error = relative_errors(found, finer.figures(better.q)[0])
-    return Result(
-        status,
-        message,
-        _warnings(solution, found),
-        effects,
-        states,
-        found,
-        balance,
-        error,
-        numerics,
-        notes,
-        cycle,
-        book,
-    )
+    warnings = (*_warnings(solution, found), *_inaccurate(scene, accurate.errors))
+    errors = accurate.errors
+    return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, book)
 
 
 def warm_up(scene: Scene) -> None:

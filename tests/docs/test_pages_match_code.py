@@ -7,13 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.build import build_parts, regularisation, wanted_of
+from screwsim.build import regularisation, wanted_of
 from screwsim.machine.geometry import Geometry
 from screwsim.model.close import LEAST_WORK
 from screwsim.model.compose import HEAT_SYMBOLS, OilPart, Parts, symbols_of
 from screwsim.performance import CycleFigures
 from screwsim.scene import loads
-from screwsim.simulate import FINER
 
 DOCS = Path(__file__).parents[2] / "docs"
 NUMERICS = (DOCS / "numerics.md").read_text(encoding="utf-8")
@@ -51,14 +50,6 @@ def test_tolerances_follow_from_the_accuracy_as_stated():
     assert "| 0.2 · accuracy |" in NUMERICS
     assert wanted.tolerance == pytest.approx(0.2e-3)
     assert wanted.bound == 1e-3
-    assert wanted_of(scene, 0.05).bound == 1e-3
-
-
-def test_the_second_solution_is_finer_in_all_but_the_bound():
-    scene = loads(SCENE)
-    wanted, finer = wanted_of(scene), wanted_of(scene, FINER)
-    assert (finer.rtol, finer.tolerance) == pytest.approx((FINER * wanted.rtol, FINER * wanted.tolerance))
-    assert build_parts(scene, FINER).widths == pytest.approx([FINER * width for width in regularisation(scene)])
 
 
 def test_the_width_of_gaps_is_that_of_the_higher_line():

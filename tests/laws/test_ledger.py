@@ -16,7 +16,7 @@ from screwsim.model.run import Machinery
 from screwsim.outputs import ledger_entries
 from screwsim.simulate import Solution, simulate
 
-CONFIGS = Path(__file__).parents[2] / "configs" / "paper"
+CONFIGS = Path(__file__).parents[2] / "configs"
 TRANSPORTS = ("paper", "carried")
 GIVEN = {"operation.discharge": {"pressure": "12 bar", "temperature": "340 K"}}
 DISPLACED = {
@@ -44,11 +44,13 @@ def at(speed, transport="paper", **changes):
 @pytest.mark.parametrize(
     ("name", "change"),
     [
-        ("point", "oil_supply.ratio=3"),
-        ("fig1", "oil_supply.ratio=0.5"),
-        ("fig1", "oil_supply.ratio=12"),
-        ("fig2", "oil_supply.orifice_diameter=2.7 mm"),
-        ("fig2", "oil_supply.orifice_diameter=7.5 mm"),
+        ("paper/point", "oil_supply.ratio=3"),
+        ("paper/fig1", "oil_supply.ratio=0.5"),
+        ("paper/fig1", "oil_supply.ratio=12"),
+        ("paper/fig2", "oil_supply.orifice_diameter=2.7 mm"),
+        ("paper/fig2", "oil_supply.orifice_diameter=7.5 mm"),
+        ("r134a/point", "oil_supply.ratio=1"),
+        ("r134a/point", "gas.two_phase=equilibrium"),
     ],
 )
 def test_it_closes_on_the_shipped_scenes(name, change, speed, transport):

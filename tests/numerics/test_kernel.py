@@ -7,7 +7,7 @@ from types import FunctionType
 import numpy as np
 import pytest
 
-from screwsim.numerics.kernel import HEADER, Slot, flatten, kernel
+from screwsim.numerics.kernel import HEADER, Slot, flatten, kernel, written
 
 FACTOR = 2.5
 TABLE = np.array((1.0, 2.0))
@@ -120,3 +120,34 @@ def test_two_files_of_one_name_do_not_take_each_others_kernels():
     except TypeError:
         return
     assert len([name for name in text if name.endswith("inner")]) == 2
+
+
+# ---- kernels from text -------------------------------------------------------------------------------------------
+
+TEXT = "def twice(x):\n    return GAIN * inner(x) + TABLE[0]\n"
+
+
+def test_a_written_kernel_runs_as_it_is_and_flat():
+    item = written(TEXT, "R134a (E)", {"GAIN": 2.0, "inner": inner, "TABLE": TABLE})
+    assert item.arguments == ("x",) and item(3.0) == 2.0 * 7.5 + 1.0
+    assert run(flatten((item,)))[item.flat_name](3.0) == item(3.0)
+
+
+def test_a_written_kernel_is_named_by_what_it_is_of_and_a_hash():
+    item = written(TEXT, "R134a (E)", {"GAIN": 2.0, "inner": inner, "TABLE": TABLE})
+    assert item.flat_name.startswith("r134a_e_") and item.flat_name.endswith("__twice")
+
+
+def test_one_text_is_one_kernel_and_another_is_another():
+    uses = {"GAIN": 2.0, "inner": inner, "TABLE": TABLE}
+    first = written(TEXT, "gas", uses)
+    assert written(TEXT, "gas", dict(uses)) is first
+    others = (written(TEXT.replace("+", "-"), "gas", uses), written(TEXT, "gas", uses | {"GAIN": 3.0}))
+    assert len({first.flat_name, *(other.flat_name for other in others)}) == 3
+    assert set(flatten((first, *others))) >= {first.flat_name, *(other.flat_name for other in others)}
+
+
+def test_only_written_kernels_let_multiplications_and_additions_join():
+    item = written("def once(x):\n    return 2.0 * x + 1.0\n", "gas")
+    assert "contract" in flatten((item,))[item.flat_name]
+    assert "contract" not in flatten((inner,))[HERE + "inner"]

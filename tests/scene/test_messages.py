@@ -54,7 +54,11 @@ TYPICAL = [
         "kind: pmp",
         "x.yaml:27:9: oil_supply.kind: 'pmp' is not an option; did you mean 'pump'? (choose from: pump, displacement)",
     ),
-    ("model: ideal", "model: real", "x.yaml:13:10: gas.model: 'real' is not an option (choose from: ideal)"),
+    (
+        "model: ideal",
+        "model: rael",
+        "x.yaml:13:10: gas.model: 'rael' is not an option; did you mean 'real'? (choose from: ideal, real)",
+    ),
     ("title: example", "title: 5", "x.yaml:1:8: title: 5 is not text (write it in quotes)"),
     (
         "blow_hole: {area: 6 mm^2}",

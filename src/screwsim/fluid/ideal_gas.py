@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
 
 from screwsim.fluid.nozzle import choking
 from screwsim.numerics.kernel import kernel
@@ -43,7 +42,6 @@ class IdealGas:
     state = state
     specific_entropy = specific_entropy
     varies = False  # exponent and choking are the same everywhere
-    tables: ClassVar[dict[str, Any]] = {}
 
     @property
     def values(self) -> dict[str, float]:
@@ -80,6 +78,14 @@ class IdealGas:
         """Return specific entropy [J/(kg K)], zero at 273.15 K and 1 kg/m³."""
         return specific_entropy(T, self.density(p, T), self.R, self.c_v)
 
+    def saturation_temperature(self, p: float) -> float | None:
+        """Return None: an ideal gas does not condense."""
+        return None
+
+    def nearest_vapour(self, p: float, T: float) -> float:
+        """Return T: an ideal gas is vapour everywhere."""
+        return T
+
     def temperature(self, p: float, h: float) -> float:
         """Return temperature [K] at pressure [Pa] and specific enthalpy [J/kg]."""
         return h / self.c_p
@@ -91,6 +97,22 @@ class IdealGas:
     def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
         """Return what `place` does, at pressure [Pa] and specific enthalpy [J/kg]."""
         return self.place(p, self.temperature(p, h))
+
+    def first_outside(self, T: object, rho: object) -> int | None:
+        """Return None: no state is outside."""
+        return None
+
+    def why_outside(self, T: float, rho: float) -> str | None:
+        """Return None: an ideal gas has no limits."""
+        return None
+
+    def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
+        """Return None: every isothermal compression of an ideal gas is possible."""
+        return None
+
+    def ideal_isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
+        """Return R T ln(p_2/p_1) [J/kg]."""
+        return self.isothermal_work(p_1, p_2, T)
 
     def isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
         """Return the reversible isothermal work R T ln(p_2/p_1) [J/kg]."""

@@ -12,7 +12,12 @@ class GasSettings:
     """The working gas."""
 
     fluid: str = word("a pure fluid of CoolProp", "R134a")
-    model: str = choice("equation of state", ("ideal",), "ideal")
+    model: str = choice("equation of state; real: the fluid's full Helmholtz equation", ("ideal", "real"), "ideal")
+    two_phase: str = choice(
+        "a real gas that condenses: refuse it, or follow both phases in equilibrium",
+        ("refuse", "equilibrium"),
+        "refuse",
+    )
     isentropic_exponent: float | None = number(
         "k of the ideal gas (default: cp0/(cp0 - R) at suction temperature; always c_v = R/(k - 1))", None, gt=1.0
     )

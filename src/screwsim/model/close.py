@@ -125,7 +125,7 @@ def _logarithms(states: Array, n: int) -> Array:
     return np.log(rows).ravel()
 
 
-def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
+def by_histories(task: Task, y: Array, last: bool, first_rtol: float = FIRST_RTOL) -> Closed | None:
     """Close by histories; return None when they contract too slowly and another way is allowed (`last` is False).
 
     One turn maps (history, state at 0°, discharge plenum) to the next; Anderson's method mixes the last images. The
@@ -141,7 +141,7 @@ def by_histories(task: Task, y: Array, last: bool) -> Closed | None:
     finest = rtol = wanted.rtol
     for turn in range(1, MAX_TURNS + 1):
         point = _vector(machinery, y, angles, plenum)
-        rtol = max(finest, FIRST_RTOL if turn == 1 else min(rtol / 3.0, 0.03 * gap))
+        rtol = max(finest, first_rtol if turn == 1 else min(rtol / 3.0, 0.03 * gap))
         status, angle, _, q = machinery.turn(y, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, turn, "histories", rtol, angle) if last else None
@@ -273,6 +273,17 @@ def close(task: Task, y: Array, integrator: str = "rodas4") -> Closed:
         return closed
     task.machinery.integrator = integrator
     return by_coupling(task, chambers_at_pitches(task.machinery))
+
+
+def again(task: Task, closed: Closed) -> Closed:
+    """Close a closed cycle once more, with what is wanted of the task now."""
+    if closed.how == "histories":
+        last = task.wanted.closing == "histories"
+        better = by_histories(task, closed.y.copy(), last, first_rtol=task.wanted.rtol)
+        if better is not None:
+            return better
+        return by_coupling(task, chambers_at_pitches(task.machinery))
+    return by_coupling(task, closed.y.copy())
 
 
 def _close(task: Task, y: Array) -> Closed:

@@ -219,9 +219,9 @@ def compose(parts: Parts) -> Composition:
     carried = bool(heats) and oil is not None and oil.transport == "carried"
     states = ("T", "rho", *(("T_oil",) if heats else ()), *(("x_oil",) if carried else ()))
     law = geometry.volume_law()
-    call = writer.call(gas.state, gas.values, gas.tables, ("T", "rho", "TAB"))
+    call = writer.call(gas.state, gas.values, {}, ("T", "rho"))
     writer.function("gas_state(T, rho, P, TAB)", [f"return {call}"])
-    call = writer.call(gas.specific_entropy, gas.values, gas.tables, ("T", "rho", "TAB"))
+    call = writer.call(gas.specific_entropy, gas.values, {}, ("T", "rho"))
     writer.function("gas_entropy(T, rho, P, TAB)", [f"return {call}"])
     for name, kernel in (("volume_at", law.volume), ("volume_slope_at", law.slope)):
         call = writer.call(kernel, law.values, law.tables, ("phi", "TAB"))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from screwsim.model.compose import Composition, Parts
@@ -29,7 +31,7 @@ def first_guess(
     low, high = min(1.0, p_d / p_s), max(1.0, p_d / p_s)
     p = p_s * np.clip(ratio, low, high)
     T = T_s * (p / p_s) ** ((n - 1.0) / n)
-    rho = gas.density(p_s, T_s) * (p / p_s) * (T_s / T)
+    T, rho = _vapour(gas, p, T)
     columns = [T, rho]
     if heated and oil is not None:
         columns.append(np.where(closed, np.maximum(T, oil.temperature), oil.temperature))
@@ -40,3 +42,15 @@ def first_guess(
     dense[:, 0], dense[:, 1] = states[:-1], states[1:]
     machinery.install(grid, dense, np.zeros((len(grid) - 1, machinery.nq)))
     return states[-1].copy()
+
+
+def _vapour(gas: Any, p: Array, T: Array) -> tuple[Array, Array]:
+    """Return temperatures, not below saturation, and densities; the lines' states, which repeat, are asked once."""
+    known: dict[tuple[float, float], tuple[float, float]] = {}
+    states = list(zip(p.tolist(), T.tolist(), strict=True))
+    for state in states:
+        if state not in known:
+            T_vapour = gas.nearest_vapour(*state)
+            known[state] = T_vapour, gas.density(state[0], T_vapour)
+    found = np.array([known[state] for state in states])
+    return found[:, 0], found[:, 1]

@@ -152,6 +152,12 @@ class Machinery:
             )
         return paths, heats[: len(c.heats)], oil
 
+    def restore(self, times: Array, dense: Array, quads: Array) -> None:
+        """Put back a whole history, places included, as the last turn's."""
+        old, steps = self.histories[0], len(dense)
+        old[0][: steps + 1], old[1][:steps], old[2][:steps] = times, dense, quads
+        self.kept[:] = 0, steps
+
     # ---- all chambers together -------------------------------------------------------------------------------
 
     def _coupled_space(self) -> dict[str, Any]:

@@ -3,17 +3,22 @@
 A kernel takes and returns floats (or small tuples, or arrays that its caller owns), allocates nothing and keeps
 no state. `flatten` collects kernels with everything that they call or read, renames each to a name of its own
 (`file__function`) and returns the source text. A `Slot` is a name that the generated module must define itself.
+`written` makes a kernel from generated text, such as the equation of one fluid.
 """
 
 from __future__ import annotations
 
 import ast
+import hashlib
 import inspect
 import math
+import re
 import textwrap
 import types
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
+
+import numpy as np
 
 HEADER = "import math\nimport numpy as np\nfrom numba import njit\n"
 
@@ -21,12 +26,14 @@ HEADER = "import math\nimport numpy as np\nfrom numba import njit\n"
 class Kernel:
     """A function that can be called as it is, and whose source can be pasted into a compiled module."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], source: str | None = None) -> None:
         self.function = function
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
         self.arguments = tuple(inspect.signature(function).parameters)
-        self.source = textwrap.dedent(inspect.getsource(function))  # now: a file may be edited while we run
+        # now: a file may be edited while we run
+        self.source = source or textwrap.dedent(inspect.getsource(function))
+        self.fused = source is not None  # long sums of products: multiply and add may round once
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
@@ -56,6 +63,30 @@ class Slot:
 def kernel(function: Callable[..., Any]) -> Kernel:
     """Mark a function as a kernel."""
     return Kernel(function)
+
+
+_written: dict[str, Kernel] = {}
+
+
+def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kernel:
+    """Return the kernel of a generated function's text; one text is one kernel, however often it is asked for.
+
+    `uses` holds the kernels and constants that the text names. The flat name is made of `of` (a fluid, say), a hash
+    of the text and of all it uses, and the function's name: another text never takes the place of this one.
+    """
+    uses = dict(uses or {})
+    spelled = [
+        f"{name} = {item.flat_name if isinstance(item, Kernel) else _constant(item)}" for name, item in uses.items()
+    ]
+    digest = hashlib.sha256("\n".join([source, *spelled]).encode()).hexdigest()[:10]
+    module = f"screwsim.written.{re.sub('[^a-z0-9]+', '_', of.lower()).strip('_')}_{digest}"
+    name = source[: source.index("(")].removeprefix("def ").strip()
+    key = f"{module}.{name}"
+    if key not in _written:
+        space: dict[str, Any] = {"math": math, "np": np, "__name__": module, **uses}
+        exec(compile(source, f"<{key}>", "exec"), space)
+        _written[key] = Kernel(space[name], source)
+    return _written[key]
 
 
 def _constant(value: Any) -> str | None:
@@ -132,17 +163,18 @@ def flatten(kernels: Iterable[Kernel], slots: Mapping[str, str] | None = None, i
                 renames[used] = constant
         tree = _Rename(renames).visit(ast.parse(item.source))
         del found[name]
-        found[name] = decorate(ast.unparse(tree))
+        found[name] = decorate(ast.unparse(tree), item.fused)
 
     for each in kernels:
         visit(each)
     return found
 
 
-def decorate(source: str) -> str:
-    """Return a function's source with the compiler's decorator."""
+def decorate(source: str, fused: bool = False) -> str:
+    """Return a function's source with the compiler's decorator; `fused` lets it join multiplications and additions."""
     counting = "" if "np.empty" in source else ", _nrt=False"  # arrays are borrowed: counting references costs 5x
-    return f"@njit(cache=True, error_model='numpy'{counting})\n{source}"
+    joining = ", fastmath={'contract'}" if fused else ""
+    return f"@njit(cache=True, error_model='numpy'{counting}{joining})\n{source}"
 
 
 def without_wrapper(source: str) -> str:

@@ -19,3 +19,8 @@ class NumericsSettings:
         "auto: histories while they contract well, else coupled chambers", ("auto", "histories", "coupled"), "auto"
     )
     rtol: float | None = number("relative tolerance of a step (expert; default: from accuracy)", None, gt=1e-14, lt=0.1)
+    error: str = choice(
+        "estimate: the numerical error of each figure, and closing again until it is within the accuracy; none: faster",
+        ("estimate", "none"),
+        "estimate",
+    )

@@ -1,0 +1,133 @@
+"""How accurate the figures of a closed cycle are, and closing it again more tightly until they are accurate enough.
+
+The estimate is one more life from the closed cycle with a finer tolerance and a narrower regularisation: what that
+changes in the figures (docs/model.md M41).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.errors import relative_errors
+from screwsim.model import close as closing
+from screwsim.model.slots import P_GAP_WIDTH, P_PORT_WIDTH
+from screwsim.outputs import Figures
+
+FINER = 0.2  # tolerance of a step in the turn that estimates the error
+NARROWER = 0.25  # regularisation in that turn
+TIGHTER = 0.25  # tolerances and regularisation of the next try, where the estimate exceeds the wanted accuracy
+TRIES = 3
+
+
+class Accurate(NamedTuple):
+    """A closed cycle, the estimated error of its figures ({} where nothing is estimated), what both took.
+
+    `counts` and times [s] are those of closing and of estimating, apart.
+    """
+
+    closed: closing.Closed
+    errors: Figures
+    counts: np.ndarray
+    closing_time: float
+    estimating_time: float
+
+
+def close_accurately(solution: Any) -> Accurate:
+    """Close the cycle, and again more tightly while the estimated error exceeds the wanted accuracy.
+
+    Nothing is estimated of a cycle that did not close, that one of scipy's integrators closed, or where the scene says
+    `numerics.error: none`.
+    """
+    numerics, machinery = solution.scene.numerics, solution.machinery
+    watch = Watch(machinery)
+    closed, errors = solution.close(), Figures()
+    watch.lap("closing")
+    for attempt in range(TRIES):
+        if closed.status != "ok" or numerics.integrator != "rodas4" or numerics.error == "none":
+            break
+        errors = estimated_errors(solution, closed)
+        watch.lap("estimating")
+        if worst(errors)[1] <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
+            break
+        solution.tighten(TIGHTER)
+        tighter = closing.again(solution, closed)
+        watch.lap("closing")
+        if tighter.status != "ok":
+            break
+        closed = tighter
+    return Accurate(closed, errors, watch.counts["closing"], watch.times["closing"], watch.times["estimating"])
+
+
+class Watch:
+    """Time and counts of one machinery by what they were spent on; compilation does not count."""
+
+    def __init__(self, machinery: Any) -> None:
+        self.machinery = machinery
+        self.times = {"closing": 0.0, "estimating": 0.0}
+        self.counts = {name: np.zeros_like(machinery.counts) for name in self.times}
+        self._start()
+
+    def _start(self) -> None:
+        self.started = time.perf_counter(), self.machinery.compile_time, self.machinery.counts.copy()
+
+    def lap(self, name: str) -> None:
+        """Add what was spent since the last lap."""
+        then, compiling, counts = self.started
+        self.times[name] += time.perf_counter() - then - (self.machinery.compile_time - compiling)
+        self.counts[name] += self.machinery.counts - counts
+        self._start()
+
+
+def worst(errors: Figures) -> tuple[str, float]:
+    """Return the figure of the largest estimated error, and that error."""
+    known = {name: error for name, error in errors.items() if error is not None}
+    name = max(known, key=known.__getitem__, default="")
+    return name, known.get(name, 0.0)
+
+
+def estimated_errors(solution: Any, closed: closing.Closed) -> Figures:
+    """Return the estimated relative error of every figure of a closed cycle, which is left as it was."""
+    found, _ = solution.figures(closed.q)
+    with _borrowed(solution.machinery):
+        machinery = solution.machinery
+        machinery.composition.P[P_PORT_WIDTH : P_GAP_WIDTH + 1] *= NARROWER
+        status, q = _finer_turn(machinery, closed)
+        if status != 0:
+            return Figures(dict.fromkeys(found))
+        better, _ = solution.figures(q)
+    return relative_errors(found, better)
+
+
+def _finer_turn(machinery: Any, closed: closing.Closed) -> tuple[int, np.ndarray]:
+    """Install one more life, finer than the closed one's; return how it ended, and its quadratures."""
+    rtol, y = FINER * closed.rtol, closed.y.copy()
+    if closed.how == "histories":
+        status, _, _, q = machinery.turn(y, rtol, 1e-3)
+        machinery.swap()
+        return status, q
+    status, q = 0, closed.q
+    for _ in range(machinery.composition.chambers):
+        status, _, _, q = machinery.pitch(y, rtol, 1e-3)
+        if status != 0:
+            break
+        y = machinery.shift(y)
+    machinery.install_coupled()
+    return status, q
+
+
+@contextmanager
+def _borrowed(machinery: Any) -> Iterator[None]:
+    """Leave parameters, run-time cells and the last history of a machinery as they were."""
+    P, R = machinery.composition.P.copy(), machinery.R.copy()
+    times, dense, quads, steps = machinery.last()
+    kept = times[: steps + 1].copy(), dense[:steps].copy(), quads[:steps].copy()
+    try:
+        yield
+    finally:
+        machinery.composition.P[:], machinery.R[:] = P, R
+        machinery.restore(*kept)

@@ -1,0 +1,83 @@
+"""Kernels of one fluid's Helmholtz equation of state: `state` and `entropy` by temperature and density.
+
+Source: the fluid's equation as CoolProp describes it (Bell et al. 2014, doi:10.1021/ie4033999); Span, Multiparameter
+Equations of State, 2000. The reference state is CoolProp's default for the fluid.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from screwsim.fluid.description import describe
+from screwsim.fluid.equation_text import EquationText
+from screwsim.fluid.nozzle import critical_power
+from screwsim.fluid.terms import ideal_terms, residual_terms
+from screwsim.numerics.kernel import Kernel, written
+
+STATE = '"""Return (p, h, c_v, T dp/dT, 1/k, drop and psi2 of choking) of {name} at T [K], rho [kg/m3] ({source})."""'
+ENTROPY = '"""Return the specific entropy s [J/(kg K)] of {name} at T [K], rho [kg/m3] ({source})."""'
+POTENTIALS = '"""Return (p [Pa], dp/drho [m2/s2], g = h - T s [J/kg]) of {name} at T [K], rho [kg/m3] ({source})."""'
+
+
+def _lines(fluid: str, wanted: tuple[str, ...]) -> list[str]:
+    """Return the lines that compute the wanted sums, and the ideal part, from T and rho."""
+    known = describe(fluid)
+    text = EquationText(wanted)
+    text.residual(residual_terms(known))
+    text.ideal(ideal_terms(known))
+    text.finish()
+    head = [
+        f"tau = {known.T_r!r} / T",
+        f"inverse_tau = T * {1.0 / known.T_r!r}",
+        f"delta = rho * {1.0 / known.rho_r!r}",
+    ]
+    body = "\n".join(text.lines)
+    head += [f"log_{name} = math.log({name})" for name in ("tau", "delta") if f"log_{name}" in body]
+    return [*head, *text.lines, f"RT = {known.R!r} * T"]
+
+
+def _function(name: str, fluid: str, doc: str, lines: list[str]) -> str:
+    known = describe(fluid)
+    body = "\n".join(f"    {line}" for line in [doc.format(name=known.name, source=known.source), *lines])
+    return f"def {name}(T, rho):\n{body}\n"
+
+
+def state_text(fluid: str, doc: str = STATE, first: tuple[str, ...] = ()) -> str:
+    """Return the text of `state(T, rho)`; `first` are lines that come before the equation."""
+    lines = [
+        *first,
+        *_lines(fluid, ("D", "E", "DD", "EE", "DE")),
+        "z = 1.0 + D",
+        "cv = C0 + E - EE",
+        "zt = z - DE",
+        "b = z + DD + zt * zt / cv",  # ρ w²/(ρ R T), so that k = b/z
+        "y = (b - z) / (b + z)",
+        "e = critical_power(y)",
+        "p = rho * RT",
+        f"c_v = {describe(fluid).R!r} * cv",
+        "return p * z, RT * (z + E0 + E), c_v, p * zt, z / b, 1.0 - (1.0 - y) * e, (1.0 + y) * e * e",
+    ]
+    return _function("state", fluid, doc, lines)
+
+
+@lru_cache(maxsize=64)
+def state_kernel(fluid: str) -> Kernel:
+    """Return `state(T, rho)` of the fluid; k = ρ w²/p is the local exponent of p v^k = const on the isentrope."""
+    return written(state_text(fluid), describe(fluid).name, {"critical_power": critical_power})
+
+
+@lru_cache(maxsize=64)
+def entropy_kernel(fluid: str) -> Kernel:
+    """Return `entropy(T, rho)` of the fluid."""
+    lines = [*_lines(fluid, ("A", "E")), f"return {describe(fluid).R!r} * (E0 + E - A0 - A)"]
+    return written(_function("entropy", fluid, ENTROPY, lines), describe(fluid).name)
+
+
+@lru_cache(maxsize=64)
+def potentials_kernel(fluid: str) -> Kernel:
+    """Return `potentials(T, rho)` of the fluid, for finding saturation."""
+    lines = [
+        *_lines(fluid, ("A", "D", "DD")),
+        "return rho * RT * (1.0 + D), RT * (1.0 + D + DD), RT * (1.0 + D + A0 + A)",
+    ]
+    return written(_function("potentials", fluid, POTENTIALS, lines), describe(fluid).name)

@@ -1,0 +1,276 @@
+"""A real gas: CoolProp's Helmholtz equation of state of a pure fluid, compiled; two phases refused or in equilibrium.
+
+`state`, `specific_entropy` and `margin` are kernels of (T, rho) alone: the fluid's numbers stand in their text. They
+hold in the dome too, in equilibrium (dome.py), but for pseudo-pure fluids: while a cycle is being closed its chambers
+may condense on the way. What `two_phase: refuse` refuses is a closed cycle of which `why_outside` complains. Everything
+else is for the border, and runs compiled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from math import inf, log
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.fluid import isobar, limits
+from screwsim.fluid.description import Description, describe
+from screwsim.fluid.dome import equilibrium_kernels, margin_kernel, saturation_kernels
+from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
+from screwsim.fluid.saturation import saturation
+from screwsim.numerics.kernel import HEADER, Kernel, flatten
+from screwsim.numerics.modules import load
+
+AT_SATURATION = 1e-9  # relative excess of p over p_sat(T) that still counts as saturated vapour
+TYPICAL = 300.0  # [K] temperature of the representative heat capacities
+
+
+@lru_cache(maxsize=64)
+def border(fluid: str) -> ModuleType:
+    """Return the compiled module of a fluid for use from Python."""
+    known = saturation_kernels(fluid)
+    single = state_kernel(fluid), entropy_kernel(fluid)
+    slots = {
+        "single_state": single[0].flat_name,
+        "single_entropy": single[1].flat_name,
+        "saturated_vapour": known.vapour.flat_name,
+        "saturated_liquid": known.liquid.flat_name,
+        "saturation_temperature": known.temperature.flat_name,
+        "saturation_pressure": known.pressure.flat_name,
+        "margin": margin_kernel(fluid).flat_name,
+    }
+    kernels = (*single, *equilibrium_kernels(fluid), known.vapour, known.liquid, known.temperature, known.pressure)
+    text = flatten((*kernels, margin_kernel(fluid)))
+    text |= flatten((isobar.density, isobar.at_pressure, limits.first_outside), slots)
+    return load("\n\n".join([HEADER, *text.values()]) + "\n", "fluid")
+
+
+@dataclass(frozen=True)
+class RealGas:
+    """A pure fluid by one of CoolProp's names; `two_phase` is 'refuse' or 'equilibrium'."""
+
+    fluid: str
+    two_phase: str = "refuse"
+    name = "real"
+    equations = ()
+    varies = True  # exponent and choking vary with the state
+
+    def __post_init__(self) -> None:
+        if self.two_phase == "equilibrium" and self.known.pseudo_pure:
+            raise UsageError(
+                f"gas.two_phase: {self.known.name} is a mixture described as if it were pure: its two phases differ in "
+                "composition; use two_phase: refuse, or a pure fluid"
+            )
+
+    @property
+    def known(self) -> Description:
+        """CoolProp's description of the fluid."""
+        return describe(self.fluid)
+
+    # ---- kernels ---------------------------------------------------------------------------------------------
+
+    @property
+    def state(self) -> Kernel:
+        """Kernel (T, rho) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
+        return state_kernel(self.fluid) if self.known.pseudo_pure else equilibrium_kernels(self.fluid)[0]
+
+    @property
+    def specific_entropy(self) -> Kernel:
+        """Kernel (T, rho) → s [J/(kg K)]."""
+        return entropy_kernel(self.fluid) if self.known.pseudo_pure else equilibrium_kernels(self.fluid)[1]
+
+    @property
+    def margin(self) -> Kernel:
+        """Kernel (T, rho) → how far the state lies inside the vapour that the equation covers; ≤ 0 outside."""
+        return margin_kernel(self.fluid)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Numbers behind the kernels' argument names: none."""
+        return {}
+
+    # ---- constants -------------------------------------------------------------------------------------------
+
+    @property
+    def R(self) -> float:
+        """Specific gas constant [J/(kg K)]."""
+        return self.known.R
+
+    @property
+    def c_v(self) -> float:
+        """Heat capacity at constant volume of the dilute gas at 300 K [J/(kg K)]: for first guesses only."""
+        T = min(max(TYPICAL, self.known.T_min), self.known.T_max)
+        return float(self._run("state")(T, 1e-9 * self.known.rho_c)[2])
+
+    @property
+    def c_p(self) -> float:
+        """Heat capacity at constant pressure of the dilute gas at 300 K [J/(kg K)]: for first guesses only."""
+        return self.c_v + self.R
+
+    # ---- states ----------------------------------------------------------------------------------------------
+
+    def _run(self, what: str) -> Callable[..., Any]:
+        """Return a compiled kernel of this gas."""
+        return _compiled(self)[what]
+
+    def saturation_temperature(self, p: float) -> float | None:
+        """Return the saturation temperature [K] at p [Pa]; None where there is none."""
+        found = saturation(self.fluid)
+        if p > found.p_c or p < self.saturation_pressure(found.T_low):
+            return None
+        return float(self._run("temperature")(p))
+
+    def nearest_vapour(self, p: float, T: float) -> float:
+        """Return T, or if there is no vapour at p [Pa] and T [K] a temperature 1 K above saturation: for guesses."""
+        if T >= saturation(self.fluid).T_c or p < self.saturation_pressure(T):
+            return T
+        return (self.saturation_temperature(p) or saturation(self.fluid).T_c) + 1.0
+
+    def saturation_pressure(self, T: float) -> float:
+        """Return the saturation pressure [Pa] at T [K]; infinite from the critical temperature on."""
+        found = saturation(self.fluid)
+        return float(self._run("pressure")(max(T, found.T_low))[0]) if T < found.T_c else inf
+
+    def density(self, p: float, T: float) -> float:
+        """Return density [kg/m³] of the vapour at p [Pa], T [K]. Raises UsageError for a liquid."""
+        found = saturation(self.fluid)
+        if p > self.saturation_pressure(T) * (1.0 + AT_SATURATION):
+            raise UsageError(
+                f"{self.known.name} at {p:.6g} Pa, {T:.6g} K is liquid: "
+                f"it boils at {self.saturation_temperature(p) or found.T_c:.6g} K; "
+                "give a higher temperature or a lower pressure"
+            )
+        return float(self._run("density")(p, T, self.R, found.T_c, found.rho_c))
+
+    def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
+        """Return (T, ρ) at p and a given enthalpy or entropy: vapour, two phases or liquid."""
+        found, known = saturation(self.fluid), self.known
+        T, rho = self._run("at_pressure")(
+            p, wanted, entropy, known.T_min, 2.0 * known.T_max, found.p_c, self.R, found.T_c, found.rho_c
+        )
+        if not rho > 0.0:
+            what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
+            raise UsageError(
+                f"{known.name} at {p:.6g} Pa, {what} is below what the equation covers; give a warmer state"
+            )
+        return T, rho
+
+    def enthalpy(self, p: float, T: float) -> float:
+        """Return specific enthalpy [J/kg] at p [Pa], T [K]."""
+        return float(self._run("state")(T, self.density(p, T))[1])
+
+    def entropy(self, p: float, T: float) -> float:
+        """Return specific entropy [J/(kg K)] at p [Pa], T [K]."""
+        return float(self._run("entropy")(T, self.density(p, T)))
+
+    def temperature(self, p: float, h: float) -> float:
+        """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]: T_sat where two phases have it."""
+        return self._at(p, h, False)[0]
+
+    def _place(self, p: float, T: float, rho: float) -> tuple[float, ...]:
+        _p, h, _c_v, _tpt, a, choke, choked = self._run("state")(T, rho)
+        return p, rho, h, a, choke, choked
+
+    def place(self, p: float, T: float) -> tuple[float, ...]:
+        """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum at p [Pa], T [K]."""
+        return self._place(p, T, self.density(p, T))
+
+    def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
+        """Return what `place` does, at p [Pa] and specific enthalpy h [J/kg]; in equilibrium where that is wet.
+
+        A closing may pass through wet states on its way; whether the end may be wet, `why_outside` tells.
+        """
+        T, rho = self._at(p, h, False)
+        _p, h, _c_v, _tpt, a, choke, choked = self._run("state")(T, rho)
+        return p, rho, h, a, choke, choked
+
+    def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
+        """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium.
+
+        Raises UsageError where a pseudo-pure fluid would be wet.
+        """
+        T, rho = self._at(p, s, True)
+        below = self.known.pseudo_pure and T < saturation(self.fluid).T_c
+        if below and rho > self._run("vapour")(T) * (1.0 + AT_SATURATION):
+            raise UsageError(f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K) is wet; give a warmer state")
+        return T, rho, float(self._run("state")(T, rho)[1])
+
+    # ---- work ------------------------------------------------------------------------------------------------
+
+    def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
+        """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2; what condenses is in equilibrium."""
+        return self.isentrope(p_2, self.entropy(p_1, T))[2] - self.enthalpy(p_1, T)
+
+    def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
+        """Return why there is no isothermal compression from p_1 to p_2 at T, or None."""
+        p_sat = self.saturation_pressure(T)
+        if max(p_1, p_2) <= p_sat:
+            return None
+        return f"{self.known.name} at {T:.6g} K condenses at {p_sat:.6g} Pa, below the discharge pressure"
+
+    def isothermal_work(self, p_1: float, p_2: float, T: float) -> float | None:
+        """Return the reversible isothermal work Δ(h − T s) [J/kg]; None where `isothermal_obstacle` says why."""
+        if self.isothermal_obstacle(p_1, p_2, T) is not None:
+            return None
+        g_1, g_2 = (self.enthalpy(p, T) - T * self.entropy(p, T) for p in (p_1, p_2))
+        return g_2 - g_1
+
+    def ideal_isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
+        """Return R T ln(p_2/p_1) [J/kg], what an ideal gas would need: a comparison only."""
+        return self.R * T * log(p_2 / p_1)
+
+    # ---- limits ----------------------------------------------------------------------------------------------
+
+    def first_outside(self, T: np.ndarray, rho: np.ndarray) -> int | None:
+        """Return the index of the first of the states (T [K], ρ [kg/m³]) that `why_outside` complains of, or None."""
+        if self.two_phase == "refuse":
+            found = int(self._run("first_outside")(T, rho))
+            return found if found >= 0 and self.why_outside(float(T[found]), float(rho[found])) else None
+        extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
+        return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
+
+    def why_outside(self, T: float, rho: float) -> str | None:
+        """Return in words which limit a state violates, with the remedy, or None.
+
+        Two phases are no violation in equilibrium.
+        """
+        known, found = self.known, saturation(self.fluid)
+        if T < found.T_low:
+            return f"{known.name} at {T:.6g} K is below the equation's lowest temperature, {found.T_low:.6g} K"
+        if T < found.T_c and rho >= self._run("vapour")(T) * (1.0 + AT_SATURATION):
+            if self.two_phase == "equilibrium":
+                return None
+            return (
+                f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {self._run('vapour')(T):.6g} "
+                f"kg/m3 at {self.saturation_pressure(T):.6g} Pa); use warmer oil or gas, or gas.two_phase: equilibrium"
+            )
+        if T > known.T_max:
+            return f"{known.name} at {T:.6g} K is above the equation's highest temperature, {known.T_max:.6g} K"
+        p = float(self._run("single state")(T, rho)[0])
+        if p > known.p_max:
+            return f"{known.name} at {p:.6g} Pa is above the equation's highest pressure, {known.p_max:.6g} Pa"
+        return None
+
+
+@lru_cache(maxsize=64)
+def _compiled(gas: RealGas) -> dict[str, Callable[..., Any]]:
+    """Return the compiled kernels of a gas by what they give."""
+    module, known = border(gas.fluid), saturation_kernels(gas.fluid)
+    kernels = {
+        "state": gas.state,
+        "single state": state_kernel(gas.fluid),
+        "entropy": gas.specific_entropy,
+        "vapour": known.vapour,
+        "liquid": known.liquid,
+        "pressure": known.pressure,
+        "temperature": known.temperature,
+        "density": isobar.density,
+        "at_pressure": isobar.at_pressure,
+        "first_outside": limits.first_outside,
+    }
+    return {what: getattr(module, kernel.flat_name) for what, kernel in kernels.items()}

@@ -1,0 +1,219 @@
+"""Terms of a Helmholtz equation of state in a few common forms, from CoolProp's contributions.
+
+α(δ, τ) = α⁰ + αʳ with δ = ρ/ρ_r, τ = T_r/T. Residual terms are
+    n δ^d τ^t · exp(factor of δ) · exp(factor of τ)      `Product`: power, exponential, Gaussian, Gao's, Lemmon's
+    n Δ^b δ ψ                                            `NonAnalytic`: Span & Wagner 1996 (critical region)
+and ideal-gas terms those of `Ideal`. What cannot be written so is refused by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import log
+from typing import Any
+
+from screwsim.faults import UsageError
+from screwsim.fluid.description import Description
+
+Factor = tuple[str, *tuple[float, ...]]
+NONE: Factor = ("none",)
+
+
+@dataclass(frozen=True)
+class Product:
+    """n δ^d τ^t exp(A(δ)) exp(B(τ)).
+
+    A factor is ('none',), ('power', g, l): −g x^l, ('bell', η, ε): −η (x − ε)², or ('gao', β, γ, b):
+    1/(b + β (x − γ)²).
+    """
+
+    n: float
+    d: float
+    t: float
+    of_delta: Factor = NONE
+    of_tau: Factor = NONE
+
+
+@dataclass(frozen=True)
+class NonAnalytic:
+    """n Δ^b δ exp(−C (δ−1)² − D (τ−1)²), Δ = (1−τ + A (δ−1)^(1/β))² + B (δ−1)^(2a)."""
+
+    n: float
+    a: float
+    b: float
+    beta: float
+    A: float
+    B: float
+    C: float
+    D: float
+
+
+@dataclass
+class Ideal:
+    """α⁰ = ln δ + constant + linear τ + log ln τ + product τ ln τ + Σ n τ^t + Σ n ln(c + d e^(θτ))."""
+
+    constant: float = 0.0
+    linear: float = 0.0
+    log: float = 0.0
+    product: float = 0.0
+    powers: list[tuple[float, float]] = field(default_factory=list)  # n, t
+    oscillators: list[tuple[float, float, float, float]] = field(default_factory=list)  # n, θ, c, d
+
+
+Contribution = Mapping[str, Any]
+
+
+def _rows(item: Contribution, *names: str) -> Iterator[tuple[float, ...]]:
+    return zip(*([float(value) for value in item[name]] for name in names), strict=True)
+
+
+def _power(item: Contribution) -> list[Product]:
+    rows = _rows(item, "n", "d", "t", "l")
+    return [Product(n, d, t, ("power", 1.0, order) if order else NONE) for n, d, t, order in rows]
+
+
+def _exponential(item: Contribution) -> list[Product]:
+    rows = _rows(item, "n", "d", "t", "g", "l")
+    return [Product(n, d, t, ("power", g, order) if order and g else NONE) for n, d, t, g, order in rows]
+
+
+def _gaussian(item: Contribution) -> list[Product]:
+    rows = _rows(item, "n", "d", "t", "eta", "epsilon", "beta", "gamma")
+    return [Product(n, d, t, ("bell", eta, eps), ("bell", beta, gamma)) for n, d, t, eta, eps, beta, gamma in rows]
+
+
+def _gao(item: Contribution) -> list[Product]:
+    rows = _rows(item, "n", "d", "t", "eta", "epsilon", "beta", "gamma", "b")
+    return [
+        Product(n, d, t, ("bell", -eta, eps), ("gao", beta, gamma, b)) for n, d, t, eta, eps, beta, gamma, b in rows
+    ]
+
+
+def _lemmon(item: Contribution) -> list[Product]:
+    rows = _rows(item, "n", "d", "t", "l", "m")
+    return [
+        Product(n, d, t, ("power", 1.0, order) if order else NONE, ("power", 1.0, m) if m else NONE)
+        for n, d, t, order, m in rows
+    ]
+
+
+def _double_exponential(item: Contribution) -> list[Product]:
+    rows = _rows(item, "n", "d", "t", "gd", "ld", "gt", "lt")
+    return [Product(n, d, t, ("power", gd, ld), ("power", gt, lt)) for n, d, t, gd, ld, gt, lt in rows]
+
+
+def _non_analytic(item: Contribution) -> list[NonAnalytic]:
+    return [NonAnalytic(*row) for row in _rows(item, "n", "a", "b", "beta", "A", "B", "C", "D")]
+
+
+RESIDUAL: dict[str, Callable[[Contribution], Sequence[Product | NonAnalytic]]] = {
+    "ResidualHelmholtzPower": _power,
+    "ResidualHelmholtzExponential": _exponential,
+    "ResidualHelmholtzGaussian": _gaussian,
+    "ResidualHelmholtzGaoB": _gao,
+    "ResidualHelmholtzLemmon2005": _lemmon,
+    "ResidualHelmholtzDoubleExponential": _double_exponential,
+    "ResidualHelmholtzNonAnalytic": _non_analytic,
+}
+
+
+def _lead(ideal: Ideal, item: Contribution) -> None:
+    ideal.constant += item["a1"]
+    ideal.linear += item["a2"]
+
+
+def _log_tau(ideal: Ideal, item: Contribution) -> None:
+    ideal.log += item["a"]
+
+
+def _powers(ideal: Ideal, item: Contribution) -> None:
+    ideal.powers += _rows(item, "n", "t")  # type: ignore[arg-type]
+
+
+def _einstein(ideal: Ideal, item: Contribution) -> None:
+    ideal.oscillators += [(n, -t, 1.0, -1.0) for n, t in _rows(item, "n", "t")]
+
+
+def _einstein_of_T(ideal: Ideal, item: Contribution) -> None:
+    ideal.oscillators += [(n, -v / item["Tcrit"], 1.0, -1.0) for n, v in _rows(item, "n", "v")]
+
+
+def _einstein_general(ideal: Ideal, item: Contribution) -> None:
+    ideal.oscillators += _rows(item, "n", "t", "c", "d")  # type: ignore[arg-type]
+
+
+def _constant_cp(ideal: Ideal, cp_over_R: float, T_c: float, T_0: float) -> None:
+    tau_0 = T_c / T_0
+    ideal.constant += cp_over_R * (1.0 - log(tau_0))
+    ideal.linear -= cp_over_R / tau_0
+    ideal.log += cp_over_R
+
+
+def _cp_constant(ideal: Ideal, item: Contribution) -> None:
+    _constant_cp(ideal, item["cp_over_R"], item["Tc"], item["T0"])
+
+
+def _cp_polynomial(ideal: Ideal, item: Contribution) -> None:
+    """Add ∫∫ of cp⁰/R = Σ c T^t: t = 0 and t = −1 give logarithms."""
+    T_c, T_0 = item["Tc"], item["T0"]
+    for c, t in _rows(item, "c", "t"):
+        if abs(t) < 1e-15:
+            _constant_cp(ideal, c, T_c, T_0)
+        elif abs(t + 1.0) < 1e-15:
+            ideal.linear += c / T_c * (log(T_c / T_0) + 1.0)
+            ideal.product -= c / T_c
+            ideal.constant -= c / T_0
+        else:
+            ideal.powers.append((-c * T_c**t / (t * (t + 1.0)), -t))
+            ideal.linear -= c * T_0 ** (t + 1.0) / (T_c * (t + 1.0))
+            ideal.constant += c * T_0**t / t
+
+
+def _aly_lee(ideal: Ideal, item: Contribution) -> None:
+    """Add cp⁰/R = A + B ((C/T)/sinh(C/T))² + D ((E/T)/cosh(E/T))² (Aly & Lee 1981)."""
+    A, B, C, D, E = item["c"]
+    if A:
+        _constant_cp(ideal, A, item["Tc"], item["T0"])
+    ideal.oscillators += [(n, -2.0 * x / item["Tc"], 1.0, s) for n, x, s in ((B, C, -1.0), (-D, E, 1.0)) if n]
+
+
+IDEAL: dict[str, Callable[[Ideal, Contribution], None]] = {
+    "IdealGasHelmholtzLead": _lead,
+    "IdealGasHelmholtzEnthalpyEntropyOffset": _lead,
+    "IdealGasHelmholtzLogTau": _log_tau,
+    "IdealGasHelmholtzPower": _powers,
+    "IdealGasHelmholtzPlanckEinstein": _einstein,
+    "IdealGasHelmholtzPlanckEinsteinFunctionT": _einstein_of_T,
+    "IdealGasHelmholtzPlanckEinsteinGeneralized": _einstein_general,
+    "IdealGasHelmholtzCP0Constant": _cp_constant,
+    "IdealGasHelmholtzCP0PolyT": _cp_polynomial,
+    "IdealGasHelmholtzCP0AlyLee": _aly_lee,
+}
+
+
+def _refuse(fluid: str, kind: str) -> UsageError:
+    return UsageError(
+        f"gas.fluid: {fluid}: its equation has the term {kind}, which gas.model: real does not know; "
+        "use gas.model: ideal, or a fluid such as R134a, Ammonia, CarbonDioxide"
+    )
+
+
+def residual_terms(fluid: Description) -> list[Product | NonAnalytic]:
+    """Return the residual terms of a fluid. Raises UsageError for a term that is not known."""
+    found: list[Product | NonAnalytic] = []
+    for item in fluid.residual:
+        if item["type"] not in RESIDUAL:
+            raise _refuse(fluid.name, item["type"])
+        found += RESIDUAL[item["type"]](item)
+    return found
+
+
+def ideal_terms(fluid: Description) -> Ideal:
+    """Return the ideal-gas terms of a fluid. Raises UsageError for a term that is not known."""
+    found = Ideal()
+    for item in fluid.ideal:
+        if item["type"] not in IDEAL:
+            raise _refuse(fluid.name, item["type"])
+        IDEAL[item["type"]](found, item)
+    return found

@@ -1,0 +1,61 @@
+"""The estimated error of the figures against the true one, and that work rises with what is asked."""
+
+import pytest
+from scenes import make, run
+
+from screwsim.errors import relative_errors
+from screwsim.estimate import estimated_errors, worst
+from screwsim.simulate import Solution
+
+CASES = {
+    "fast": {"operation.speed": "5000 rpm"},
+    "paper": {"operation.speed": "1000 rpm"},
+    "slow": {"operation.speed": "300 rpm"},
+    "carried": {"operation.speed": "2000 rpm", "oil.transport": "carried"},
+    "coupled": {"operation.speed": "1500 rpm", "numerics": {"closing": "coupled"}},
+    "loose": {"operation.speed": "1500 rpm", "numerics": {"accuracy": 3e-3}},
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_true_error_is_below_the_wanted_accuracy(case):
+    assert worst(true_errors(case))[1] < make(CASES[case]).numerics.accuracy
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_estimate_is_of_the_true_errors_size(case):
+    estimated, true = worst(run(CASES[case]).error)[1], worst(true_errors(case))[1]
+    # one turn sees neither how errors feed back through the neighbours nor the finer turn's own error
+    assert true / 3.0 < estimated < 30.0 * true
+
+
+def true_errors(case):
+    numerics = {**CASES[case].get("numerics", {}), "accuracy": 1e-7, "closing": "coupled"}
+    return relative_errors(run(CASES[case]).performance, run({**CASES[case], "numerics": numerics}).performance)
+
+
+def test_work_rises_with_the_accuracy_asked():
+    counts = [run({"numerics": {"accuracy": a}}).numerics.rhs_evaluations for a in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)]
+    assert counts == sorted(counts)
+
+
+def test_a_cycle_is_left_as_it_was_by_the_estimate():
+    solution = Solution(make(CASES["paper"]))
+    closed = solution.close()
+    before = solution.figures(closed.q)[0]
+    estimated_errors(solution, closed)
+    assert solution.figures(closed.q)[0] == before
+
+
+def test_an_estimate_above_the_accuracy_closes_again():
+    """Where the first closing is too coarse, the next is four times as fine."""
+    changes = {"operation.speed": "300 rpm", "numerics": {"accuracy": 3e-4}}
+    one, none = run(changes), run({**changes, "numerics": {"accuracy": 3e-4, "error": "none"}})
+    assert worst(one.error)[1] <= 3e-4
+    assert one.numerics.rtol <= none.numerics.rtol
+
+
+def test_no_estimate_is_made_where_none_is_wanted():
+    result = run({"numerics": {"error": "none"}})
+    assert result.error == {}
+    assert result.numerics.estimating_time == 0.0
