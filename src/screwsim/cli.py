@@ -62,6 +62,9 @@ def run(
     output: Annotated[Path | None, typer.Option("-o", metavar="OUT.h5", help="Write the result, with traces.")] = None,
     overrides: Overrides = None,
     without: Without = None,
+    knock_out: Annotated[
+        bool, typer.Option("--knock-out", help="Leave each effect out in turn, and say what that changes.")
+    ] = False,
     as_json: AsJson = False,
 ) -> int:
     """Simulate one operating point."""
@@ -70,6 +73,11 @@ def run(
     from screwsim.simulate import simulate
 
     result = simulate(scene)
+    if knock_out and result.performance:
+        from screwsim.study.knock_out import knock_out as knocked_out
+        from screwsim.study.progress import for_terminal
+
+        result = knocked_out(scene, result, for_terminal("knock-out"))
     if output is not None:
         from screwsim.results import save
 

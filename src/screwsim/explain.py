@@ -181,6 +181,7 @@ def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     yield _row("suction line", f"{at.p_s / 1e5:.6g} bar{dew}, {at.T_s:.6g} K")
     T_d = operation.discharge.temperature
     back = "mean temperature of the outflow (M27)" if T_d is None else format_quantity(KINDS["temperature"], T_d)
+    yield _row("surroundings", f"{operation.ambient_temperature:.6g} K, to which the ledger's exergy refers (M59)")
     back = f"what flows back has {'the ' if T_d is None else ''}{back}"
     yield _row("discharge line", f"{at.p_d / 1e5:.6g} bar{bubble}; {back}")
     if operation.condensing_temperature is not None:

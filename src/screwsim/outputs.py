@@ -85,6 +85,47 @@ CYCLE = {
 }
 
 
+LEDGER = {
+    "ambient_temperature": Variable("K", "ambient temperature of the ledger"),
+    "shaft_power": Variable("W", "shaft power"),
+    "gas_exergy_rise": Variable("W", "exergy rise of the delivered gas from suction to discharge state"),
+    "oil_exergy_rise": Variable("W", "exergy rise of the oil from its supply to discharge"),
+    "exergy_destroyed": Variable("W", "exergy destroyed by all effects together"),
+    "residue": Variable("W", "shaft power less exergy rises and exergy destroyed: numerical"),
+    "relative_residue": Variable("1", "residue of the ledger over shaft power"),
+}
+LEDGER_ENTRY = {  # of each effect, `<name>_<effect>`
+    "gas_moved": Variable("kg s-1", "gas moved"),
+    "energy_moved": Variable("W", "energy moved"),
+    "entropy_generated": Variable("W K-1", "entropy generated"),
+    "exergy_destroyed": Variable("W", "exergy destroyed"),
+}
+
+
+def ledger_variable(name: str) -> Variable:
+    """Return unit and meaning of a ledger's total, or of an entry `<quantity>_<effect>`."""
+    if name in LEDGER:
+        return LEDGER[name]
+    quantity = next(quantity for quantity in LEDGER_ENTRY if name.startswith(f"{quantity}_"))
+    units, meaning = LEDGER_ENTRY[quantity]
+    return Variable(units, f"{meaning}, {name.removeprefix(f'{quantity}_').replace('_', ' ')}")
+
+
+def ledger_entries(ledger: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return {effect: {quantity: value}} of a ledger, in its order."""
+    entries: dict[str, dict[str, Any]] = {}
+    for name, value in ledger.items():
+        for quantity in LEDGER_ENTRY:
+            if name not in LEDGER and name.startswith(f"{quantity}_"):
+                entries.setdefault(name.removeprefix(f"{quantity}_"), {})[quantity] = value
+    return entries
+
+
+def sorted_entries(ledger: Mapping[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """Return the entries of a ledger by the exergy that they destroy, the dearest first."""
+    return sorted(ledger_entries(ledger).items(), key=lambda entry: -float(entry[1]["exergy_destroyed"]))
+
+
 def cycle_variable(name: str) -> Variable:
     """Return unit and meaning of a cycle trace, those of flow paths (`mass_flow_<effect>[_leading]`) included."""
     if name.startswith("mass_flow_"):
@@ -121,9 +162,12 @@ class Result:
     numerics: Figures = field(default_factory=Figures)
     notes: Mapping[str, str] = field(default_factory=dict)
     cycle: Mapping[str, np.ndarray] = field(default_factory=dict)
+    ledger: Figures = field(default_factory=Figures)  # empty without the cycle
+    knock_out: tuple[Figures, ...] = ()  # what leaving each effect out changes, where it was asked for
 
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints (the cycle stays in the HDF5 file)."""
+        asked = {"knock_out": [dict(cost) for cost in self.knock_out]} if self.knock_out else {}
         return {
             "status": self.status,
             "message": self.message,
@@ -133,6 +177,8 @@ class Result:
             "performance": dict(self.performance),
             "balance": dict(self.balance),
             "error": dict(self.error),
+            "ledger": dict(self.ledger),
             "numerics": dict(self.numerics),
             "notes": dict(self.notes),
+            **asked,
         }

@@ -69,42 +69,45 @@ def efficiencies(
     return found, {} if obstacle is None else {"isothermal_efficiency": obstacle}
 
 
+def cycle_figures(
+    parts: Parts, work: float, injected: float, p_injection: float, oil_viscosity: float | None, source_pressure: float
+) -> CycleFigures:
+    """Return what a power loss can ask: `work` [J] and `injected` oil [kg] are those of one chamber's life."""
+    rate = parts.omega / parts.geometry.pitch
+    oil_flow = injected * rate if parts.oil is not None else 0.0
+    return CycleFigures(
+        omega=parts.omega,
+        tip_speed=0.5 * parts.geometry.settings.rotor_diameter * parts.omega,
+        indicated_power=work * rate,
+        oil_mass_flow=oil_flow,
+        oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
+        oil_viscosity=oil_viscosity,
+        injection_pressure=p_injection,
+        oil_source_pressure=source_pressure,
+    )
+
+
 def figures(
     parts: Parts,
     lines: Lines,
     inlet: Inlet,
     streams: Array,
+    known: CycleFigures,
     work: float,
     trapped: float,
-    p_injection: float,
-    injected: float,
     d: float,
     peak: float,
-    oil_viscosity: float | None,
-    source_pressure: float,
     oil_mean_temperature: float | None,
 ) -> tuple[Figures, dict[str, str]]:
     """Return the performance figures of one closed cycle and why some are None.
 
-    `streams` are the sums over one chamber's life (model.close.Balances.streams); `injected` is oil [kg] a life.
+    `streams` are the sums over one chamber's life (model.close.Balances.streams), `work` [J] that of one life.
     """
     geometry, gas, oil = parts.geometry, parts.gas, parts.oil
     rate = parts.omega / geometry.pitch  # chamber lives per second
     flow = float(streams[0, 0] + streams[1, 0]) * rate
-    oil_flow = injected * rate if oil is not None else 0.0
-    oil_volume = oil_flow / oil.density if oil is not None else 0.0
-    known = CycleFigures(
-        omega=parts.omega,
-        tip_speed=0.5 * geometry.settings.rotor_diameter * parts.omega,
-        indicated_power=work * rate,
-        oil_mass_flow=oil_flow,
-        oil_volume_flow=oil_volume,
-        oil_viscosity=oil_viscosity,
-        injection_pressure=p_injection,
-        oil_source_pressure=source_pressure,
-    )
     losses = _losses(parts.effects, known)
-    lift = oil_volume * (lines.p_d - p_injection) if oil is not None else None
+    lift = known.oil_volume_flow * (lines.p_d - known.injection_pressure) if oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     found: dict[str, float | None] = dict.fromkeys(PERFORMANCE)
     etas, notes = efficiencies(gas, lines, inlet, flow, shaft)
@@ -122,7 +125,7 @@ def figures(
             "peak_pressure": peak,
             "work_per_cycle": work,
             "trapped_mass": trapped,
-            "injection_pressure": p_injection,
+            "injection_pressure": known.injection_pressure,
             "suction_pressure": lines.p_s,
             "suction_temperature": lines.T_s,
             "discharge_pressure": lines.p_d,
@@ -132,9 +135,9 @@ def figures(
         notes["discharge_temperature"] = "nothing flows out to the discharge line"
     if oil is not None:
         found |= {
-            "oil_mass_flow": oil_flow,
+            "oil_mass_flow": known.oil_mass_flow,
             "oil_ratio": d,
-            "oil_flow_ratio": _quotient(oil_flow, flow) if flow > 0.0 else None,
+            "oil_flow_ratio": _quotient(known.oil_mass_flow, flow) if flow > 0.0 else None,
             "oil_lift_power": lift,
             "oil_discharge_temperature": oil_mean_temperature,
         }

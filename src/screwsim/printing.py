@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from screwsim.outputs import PERFORMANCE, STATUSES, Result
+from screwsim.outputs import PERFORMANCE, STATUSES, Result, sorted_entries
 from screwsim.scene import Scene
 from screwsim.study.sweep import SweepSummary
 
@@ -77,6 +77,12 @@ def print_result(title: str, result: Result) -> None:
     if result.performance:
         console.print()
         console.print(_table(result))
+    if result.ledger:
+        console.print()
+        console.print(_ledger(result.ledger))
+    if result.knock_out:
+        console.print()
+        console.print(_knock_out(result.knock_out))
     console.print()
     for line in _account(result):
         console.print(_wrapped(line))
@@ -98,6 +104,75 @@ def _table(result: Result) -> Any:
     return table
 
 
+def _ledger(ledger: Mapping[str, Any]) -> Any:
+    """Return where the shaft power goes: useful exergy, then what each effect destroys, the dearest first."""
+    shaft = ledger["shaft_power"]
+    factor, unit = next((f, u) for size, f, u in _ENGINEERING["W"] if abs(shaft) >= size)
+    heads = (unit, "%", "W/K", f"moved {unit}", "kg/s")
+    table = _right_table("where the shaft power goes", *heads)
+
+    def row(name: str, exergy: float | None, entry: Mapping[str, Any]) -> None:
+        if exergy is None:
+            return
+        share = f"{100.0 * exergy / shaft:.2f}" if shaft else ""
+        entropy, energy, gas = (entry.get(key) for key in ("entropy_generated", "energy_moved", "gas_moved"))
+        shown = (factor * exergy, None, entropy, None if energy is None else factor * energy, gas)
+        cells = ["" if value is None else f"{value:.3g}" for value in shown]
+        cells[0], cells[1] = f"{factor * exergy:.4g}", share
+        table.add_row(name.replace("_", " "), *cells)
+
+    row("all, at the shaft", shaft, {})
+    row("exergy rise of the gas", ledger["gas_exergy_rise"], {})
+    row("exergy rise of the oil", ledger["oil_exergy_rise"], {})
+    for name, entry in sorted_entries(ledger):
+        row(name, entry["exergy_destroyed"], entry)
+    row("residue", ledger["residue"], {})
+    table.caption = f"W/K: entropy generated; exergy at {engineering_temperature(ledger['ambient_temperature'])}"
+    table.caption_justify = "left"
+    return table
+
+
+def engineering_temperature(T: float) -> str:
+    """Return a temperature [K] with its degrees Celsius."""
+    return f"{T:.2f} K ({T - ZERO_CELSIUS:.2f} °C)"
+
+
+def _right_table(first: str, *others: str) -> Any:
+    """Return an empty table: a column of names, then columns of numbers."""
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column(first, no_wrap=True)
+    for name in others:
+        table.add_column(name, justify="right", no_wrap=True)
+    return table
+
+
+def _knock_out(costs: Iterable[Mapping[str, Any]]) -> Any:
+    """Return what leaving each effect out changes; the changes need not add up."""
+    table = _right_table("left out", "shaft power", "change", "specific work", "change")
+    for cost in costs:
+        if cost["shaft_power"] is None:
+            table.add_row(cost["effect"].replace("_", " "), cost["status"].replace("_", " "))
+            continue
+        specific = (cost["specific_work"], cost["change_of_specific_work"])
+        table.add_row(
+            cost["effect"].replace("_", " "),
+            _quantity("W", cost["shaft_power"]),
+            _quantity("W", cost["change_of_shaft_power"]),
+            *("" if value is None else f"{1e-3 * value:.4g} kJ/kg" for value in specific),
+        )
+    return table
+
+
+def _quantity(units: str, value: float) -> str:
+    """Return a quantity [SI] with its unit, four digits."""
+    for size, factor, unit in _ENGINEERING[units]:
+        if abs(value) >= size:
+            return f"{factor * value:.4g} {unit}"
+    return f"{value:.4g} {units}"
+
+
 def _account(result: Result) -> Iterable[str]:
     """Yield what stands below the figures, one subject a line."""
     absent = [name for name, value in result.performance.items() if value is None]
@@ -110,6 +185,9 @@ def _account(result: Result) -> Iterable[str]:
     silent = [name.replace("_", " ") for name in absent if name not in result.notes]
     if silent:
         yield f"not simulated: {', '.join(silent)}"
+    for cost in result.knock_out:
+        if cost["message"]:
+            yield f"without {cost['effect']}: {cost['message']}"
     if result.balance:
         yield _balance(result.balance)
     yield _numerics(result.numerics)

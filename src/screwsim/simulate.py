@@ -11,6 +11,7 @@ import numpy as np
 from screwsim import performance
 from screwsim.build import build_parts, prepare, wanted_of
 from screwsim.estimate import Accurate, close_accurately, worst
+from screwsim.ledger import Cycle, ledger
 from screwsim.model import close as closing
 from screwsim.model.compose import Parts, compose
 from screwsim.model.guess import first_guess
@@ -118,7 +119,7 @@ class Solution:
         mean = closing.discharge_enthalpy(streams)
         plenum = self.plenum()
         given = self.scene.operation.discharge.temperature is not None
-        if mean is None or streams[2, 0] + streams[3, 0] >= 0.0:
+        if mean is None or not _delivers(streams):
             # nothing is delivered, so no outflow can set the state of what comes in from the line
             plenum[0] = plenum[0] if given else self._h_isentropic()
             plenum[1:] = (1e-9, self.parts.oil.temperature) if len(plenum) == 3 and self.parts.oil else plenum[1:]
@@ -151,11 +152,18 @@ class Solution:
 
     # ---- taking the figures ----------------------------------------------------------------------------------
 
+    def _known(self, q: closing.Array) -> performance.CycleFigures:
+        """Return what a power loss can ask of the cycle."""
+        R, supply, oil = self.machinery.R, self.scene.oil_supply, self.scene.oil
+        source = self.lines.p_s if supply is not None and supply.source == "suction" else self.lines.p_d
+        viscosity = oil.viscosity if oil is not None else None
+        return performance.cycle_figures(
+            self.parts, float(q[0]), float(R[R_INJECTED]), float(R[R_PRESSURE]), viscosity, source
+        )
+
     def figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
         """Return performance figures, and why some are None."""
         R, m = self.machinery.R, self.machinery
-        supply, oil = self.scene.oil_supply, self.scene.oil
-        source = self.lines.p_s if supply is not None and supply.source == "suction" else self.lines.p_d
         limit = self.parts.geometry.widest_discharge()
         times, dense, _, steps = m.last()
         found, notes = performance.figures(
@@ -163,18 +171,32 @@ class Solution:
             self.lines,
             self.inlet,
             self.balances.streams(q),
-            float(q[0]),
+            self._known(q),
+            work=float(q[0]),
             trapped=float(R[R_TRAPPED]),
-            p_injection=float(R[R_PRESSURE]),
-            injected=float(R[R_INJECTED]),
             d=float(R[R_RATIO]),
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
-            oil_viscosity=oil.viscosity if oil is not None else None,
-            source_pressure=source,
             oil_mean_temperature=self._oil_discharge_temperature(q),
         )
         cooling, reasons = performance.refrigeration(found, self.inlet.density, refrigerating_effect(self.scene))
         return Figures(found | cooling), notes | reasons
+
+    def ledger(self, q: closing.Array, shaft_power: float) -> Figures:
+        """Return where the shaft power [W] goes (contract: ledger)."""
+        streams, operation = self.balances.streams(q), self.scene.operation
+        given = operation.discharge.temperature is not None or not _delivers(streams)
+        return ledger(
+            Cycle(
+                self.parts,
+                self.lines,
+                self.machinery,
+                streams,
+                self._known(q),
+                shaft_power,
+                operation.ambient_temperature,
+                given,
+            )
+        )
 
     def _oil_discharge_temperature(self, q: closing.Array) -> float | None:
         """Return the oil's flow-weighted mean temperature at discharge; None without an oil temperature."""
@@ -237,6 +259,11 @@ class Solution:
                 key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
                 traces[key] = traces.get(key, 0.0) + flows[:, column]
         return traces
+
+
+def _delivers(streams: closing.Array) -> bool:
+    """Tell whether the net flow goes to the discharge line."""
+    return bool(streams[2, 0] + streams[3, 0] < 0.0)
 
 
 def _smooth_plenum_flows(flows: np.ndarray, paths: int, mass_rate: np.ndarray) -> None:
@@ -321,7 +348,8 @@ def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
 def simulate(scene: Scene, trace: bool = True) -> Result:
     """Return the result of one scene; bad physics gives a status and what there is, never an exception.
 
-    `trace` keeps the cycle over the angle. Raises UsageError when the scene asks for a fluid that is not there.
+    `trace` keeps the cycle over the angle and the ledger. Raises UsageError when the scene asks for a fluid that is not
+    there.
     """
     solution = Solution(scene)
     machinery = solution.machinery
@@ -349,11 +377,13 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
             f"{closed.change:.2g}; try numerics.closing: coupled, or a tighter numerics.accuracy"
         )
     cycle = solution.cycle() if trace else {}
+    book = solution.ledger(closed.q, found.shaft_power) if trace else Figures()
     warnings = (*_warnings(solution, found), *_inaccurate(scene, accurate.errors))
-    return Result(status, message, warnings, effects, states, found, balance, accurate.errors, numerics, notes, cycle)
+    errors = accurate.errors
+    return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, book)
 
 
 def warm_up(scene: Scene) -> None:
     """Compile or load what the scene needs, so that workers find it ready."""
-    simulate(scene, trace=False)
+    simulate(scene, trace=scene.output.keep == "cycle")
     prepare(scene)

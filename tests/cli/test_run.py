@@ -6,7 +6,7 @@ import json
 import pytest
 
 import screwsim
-from screwsim.outputs import BALANCE, NUMERICS, NUMERICS_TEXT, PERFORMANCE, Figures, Result
+from screwsim.outputs import BALANCE, LEDGER, NUMERICS, NUMERICS_TEXT, PERFORMANCE, Figures, Result
 
 
 def _document(text: str) -> dict:
@@ -27,6 +27,9 @@ def test_json_of_run_has_the_names_of_the_contract(folder, command):
     assert set(document["balance"]) == set(BALANCE)
     assert set(document["error"]) == set(PERFORMANCE)
     assert set(document["numerics"]) == {*NUMERICS, *NUMERICS_TEXT}
+    assert set(LEDGER) <= set(document["ledger"])
+    assert {f"exergy_destroyed_{effect}" for effect in document["effects"]} <= set(document["ledger"])
+    assert "knock_out" not in document
     assert document["performance"]["mechanical_power"] is None  # not simulated
     assert 0.0 < document["performance"]["volumetric_efficiency"] < 1.0
 
@@ -73,6 +76,24 @@ def test_a_point_that_is_not_ok_ends_with_4(folder, command, monkeypatch, ended,
         assert (document["status"], document["message"]) == (ended.status, ended.message)
     else:
         assert f"status: {ended.status}; {ended.message}" in answer.out
+
+
+def test_knock_out_leaves_each_effect_out_as_without_does(folder, command):
+    answer = command("run", "small.yaml", "--knock-out", "--json")
+    assert answer.code == 0, answer.err
+    document = _document(answer.out)
+    costs = {cost["effect"]: cost for cost in document["knock_out"]}
+    assert list(costs) == document["effects"]
+    without = _document(command("run", "small.yaml", "--without", "tip_leakage", "--json").out)["performance"]
+    whole, cost = document["performance"], costs["tip_leakage"]
+    assert (cost["status"], cost["shaft_power"]) == ("ok", without["shaft_power"])
+    assert cost["change_of_shaft_power"] == without["shaft_power"] - whole["shaft_power"]
+    change = without["shaft_power"] / without["gas_mass_flow"] - whole["shaft_power"] / whole["gas_mass_flow"]
+    assert cost["change_of_specific_work"] == pytest.approx(change, rel=1e-12)
+    assert costs["suction_port"]["specific_work"] is None  # nothing is delivered without it
+    assert costs["suction_port"]["message"]
+    text = command("run", "small.yaml", "--knock-out").out
+    assert "left out" in text and max(map(len, text.splitlines())) <= 80
 
 
 def test_sweep_writes_resumes_and_starts_over(folder, command):

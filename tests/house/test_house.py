@@ -37,5 +37,12 @@ def test_every_dependency_is_pinned():
 
 
 def test_every_result_has_unit_and_meaning():
-    for table in (outputs.PERFORMANCE, outputs.BALANCE, outputs.NUMERICS, outputs.CYCLE):
+    for table in (
+        outputs.PERFORMANCE,
+        outputs.BALANCE,
+        outputs.NUMERICS,
+        outputs.CYCLE,
+        outputs.LEDGER,
+        outputs.LEDGER_ENTRY,
+    ):
         assert all(about.units and about.long_name for about in table.values())

@@ -1,5 +1,6 @@
 """Results files without a simulation: efficiencies with a known optimum, a cycle of simple shapes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -81,6 +82,27 @@ def some_fail(case: Scene) -> Result:
     if ratio < 0.13:
         return Result("failed", message="the integration stopped")
     return Result("not_closed" if ratio > 9.0 else "ok", performance=result.performance)
+
+
+LEDGER = Figures(
+    ambient_temperature=298.15,
+    shaft_power=3141.0,
+    gas_exergy_rise=2200.0,
+    oil_exergy_rise=-59.0,
+    exergy_destroyed=999.9,
+    residue=0.1,
+    relative_residue=0.1 / 3141.0,
+    exergy_destroyed_suction_port=1.0,
+    exergy_destroyed_discharge_port=250.0,
+    exergy_destroyed_tip_leakage=799.0,
+    exergy_destroyed_blow_hole=1.9,
+    exergy_destroyed_oil_supply=-52.0,
+)
+
+
+def with_ledger(case: Scene) -> Result:
+    """Return figures, a cycle and a ledger."""
+    return replace(with_cycle(case), ledger=LEDGER)
 
 
 def file(path: Path, text: str, simulate=ok) -> Path:

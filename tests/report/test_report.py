@@ -8,6 +8,7 @@ import pytest
 from report_fakes import (
     BEST_RATIO,
     CYCLE,
+    LEDGER,
     PUMP,
     RATIOS,
     SCENE,
@@ -18,12 +19,13 @@ from report_fakes import (
     ok,
     some_fail,
     with_cycle,
+    with_ledger,
 )
 
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.report import cycle as cycle_figures
-from screwsim.report import outcome, plot, sweeps
+from screwsim.report import ledger, outcome, plot, sweeps
 from screwsim.report.annotate import spread
 from screwsim.report.families import optimum
 from screwsim.report.quantities import shown_axis
@@ -57,6 +59,7 @@ FILES = {
     "gap and pressure": (GAP, ok, ["efficiency", "performance"]),
     "one axis": (LINEAR, ok, ["efficiency", "performance"]),
     "one run": (SCENE, with_cycle, ["pressure_volume", "states", "mass_flows"]),
+    "a ledger": (SCENE, with_ledger, ["pressure_volume", "states", "mass_flows", "shaft_power"]),
     "a spike": (SCENE, spike, ["pressure_volume", "states", "mass_flows"]),
     "sweep with cycles": (
         LINEAR + CYCLE,
@@ -71,7 +74,12 @@ def drawn(path: Path) -> dict:
     results = open_results(path)
     figures = {}
     with journal():
-        for name, draw in (*sweeps.plans(results), *outcome.plans(results), *cycle_figures.plans(results)):
+        for name, draw in (
+            *sweeps.plans(results),
+            *outcome.plans(results),
+            *cycle_figures.plans(results),
+            *ledger.plans(results),
+        ):
             figures[name] = draw()
             figures[name].draw_without_rendering()
     return figures
@@ -188,6 +196,21 @@ def test_labels_spread_keep_their_order_and_distance():
     places = spread(wanted, 0.1, 0.0, 1.0)
     assert np.array_equal(np.argsort(places), np.argsort(wanted))
     assert np.diff(np.sort(places)).min() >= 0.1 - 1e-12 and places.min() >= 0.0 and places.max() <= 1.0
+
+
+def test_the_waterfall_goes_from_the_shaft_power_to_the_gas():
+    bars = ledger.steps(LEDGER)
+    assert [bar.words for bar in bars] == [
+        "shaft power",
+        "tip leakage",
+        "discharge port",
+        "oil supply",
+        "exergy rise of the oil",
+        "exergy rise of the gas",
+    ]
+    spent = sum(bar.power for bar in bars if not bar.total)
+    small = 1.0 + 1.9 + 0.1  # entries below a thousandth, and the residue
+    assert bars[0].power - spent - bars[-1].power == pytest.approx(small, rel=1e-9)
 
 
 def note_of(path: Path, name: str) -> str:

@@ -57,5 +57,11 @@ def fake_simulate(case: Scene) -> Result:
         error=Figures(shaft_power=1e-5, isothermal_efficiency=None),
         numerics=Figures(integrator="rodas4", closing="histories", rtol=1e-6, steps=1000, wall_time=0.001),
         notes={"isothermal_efficiency": "no meaning here"},
+        ledger=Figures(
+            shaft_power=10.0 * speed,
+            oil_exergy_rise=None,
+            gas_moved_tip_leakage=0.1,
+            exergy_destroyed_tip_leakage=ratio,
+        ),
         cycle={"angle": angle, "pressure": 1e5 + speed * angle, "mass_flow_tip_leakage_leading": 1e-3 * angle},
     )

@@ -20,7 +20,7 @@ from screwsim.outputs import BALANCE, NUMERICS, PERFORMANCE, Figures, Result
 from screwsim.results import open_results, save
 from screwsim.scene import case, case_count
 
-GROUPS = ("inputs", "performance", "balance", "error", "numerics", "cycle")
+GROUPS = ("inputs", "performance", "balance", "error", "numerics", "cycle", "ledger")
 ENGINES = ("h5netcdf", "netcdf4")
 
 
@@ -60,6 +60,22 @@ def test_one_run_reads_back_as_it_was(single):
     np.testing.assert_array_equal(results.cycle["angle"], result.cycle["angle"])
     np.testing.assert_array_equal(results.cycle["pressure"], result.cycle["pressure"])
     assert results.attributes["effects"] == "suction_port, tip_leakage"
+
+
+def test_the_ledger_reads_back_on_the_axes_of_the_sweep(single, swept):
+    one, many = open_results(single).ledger, open_results(swept).ledger
+    assert one["exergy_destroyed_tip_leakage"] == 3.0
+    assert one.about["exergy_destroyed_tip_leakage"] == ("W", "exergy destroyed, tip leakage")
+    assert math.isnan(one["oil_exergy_rise"])
+    assert many["gas_moved_tip_leakage"].shape == (3, 10)
+    assert math.isnan(many["exergy_destroyed_tip_leakage"][0, 5])  # the case that fails
+    assert many["exergy_destroyed_tip_leakage"][1, 7] == 7.0
+
+
+def test_a_sweep_without_cycles_stores_no_ledger(tmp_path):
+    grid = scene(SCENE + GRID)
+    save(tmp_path / "x.h5", grid, results_of(grid))
+    assert len(open_results(tmp_path / "x.h5").ledger) == 0
 
 
 def test_a_figure_without_a_value_is_nan(single):

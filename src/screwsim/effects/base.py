@@ -52,10 +52,14 @@ class HeatRate:
 
 @dataclass(frozen=True)
 class PowerLoss:
-    """Power [W] beside the gas work, from figures of the closed cycle (plain Python, once a run)."""
+    """Power [W] beside the gas work, from figures of the closed cycle (plain Python, once a run).
+
+    `kept` is what of it stays in the oil as pressure; the rest is dissipated at ambient temperature.
+    """
 
     figure: str
     power: Callable[[Any], float]
+    kept: Callable[[Any], float] | None = None
 
 
 @dataclass(frozen=True)

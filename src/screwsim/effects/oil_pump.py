@@ -30,7 +30,11 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
         delivery = max(figures.injection_pressure, figures.oil_source_pressure) + parameters.pressure_loss
         return figures.oil_volume_flow * max(0.0, delivery - figures.oil_source_pressure) / parameters.efficiency
 
-    return [PowerLoss("oil_pump_power", power)]
+    def kept(figures) -> float:
+        """Return the power [W] that lifts the oil from its source to the chamber (M58)."""
+        return figures.oil_volume_flow * max(0.0, figures.injection_pressure - figures.oil_source_pressure)
+
+    return [PowerLoss("oil_pump_power", power, kept)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:

@@ -3,6 +3,7 @@
 Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. The interface that every gas keeps:
 `state(T, rho, …)` for a place in a chamber, returning
     p [Pa], h [J/kg], c_v [J/(kg K)], T ∂p/∂T|ρ [Pa], 1/k for nozzle flow, relative drop and ψ² at which it chokes,
+`specific_entropy(T, rho, …)` [J/(kg K)],
 and, in plain Python at the border, `place` for a plenum of given pressure and temperature or enthalpy.
 """
 
@@ -10,7 +11,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from math import log
 
 from screwsim.fluid.nozzle import choking
 from screwsim.numerics.kernel import kernel
@@ -116,7 +116,7 @@ class IdealGas:
 
     def isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
         """Return the reversible isothermal work R T ln(p_2/p_1) [J/kg]."""
-        return self.R * T * log(p_2 / p_1)
+        return self.R * T * math.log(p_2 / p_1)
 
     def isentropic_work_of_enthalpy(self, p_1: float, p_2: float, h: float) -> float:
         """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h to p_2."""

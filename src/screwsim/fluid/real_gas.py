@@ -57,7 +57,7 @@ class RealGas:
     fluid: str
     two_phase: str = "refuse"
     name = "real"
-    equations = ()
+    equations = ("M46", "M47", "M48")
     varies = True  # exponent and choking vary with the state
 
     def __post_init__(self) -> None:

@@ -11,6 +11,12 @@ from types import ModuleType
 from screwsim.numerics import modules
 from screwsim.numerics.store import cache_folder, write_atomically
 
+COMPILED = {  # what each driver is, and about how many seconds its compilation takes
+    "one": ("this combination of effects", "ten"),
+    "all": ("coupled chambers of this combination", "ten"),
+    "ledger": ("the ledger of this combination", "three"),
+}
+
 
 def module_name(text: str) -> str:
     """Return the name of a composition's module."""
@@ -29,8 +35,8 @@ def announced(text: str, driver: str) -> Iterator[None]:
     if ready.exists():
         yield
         return
-    what = "coupled chambers of this combination" if driver == "all" else "this combination of effects"
-    print(f"screwsim: compiling {what}, once (about ten seconds) ...", file=sys.stderr, flush=True)
+    what, long = COMPILED[driver]
+    print(f"screwsim: compiling {what}, once (about {long} seconds) ...", file=sys.stderr, flush=True)
     started = time.perf_counter()
     yield
     write_atomically(ready, b"")

@@ -15,7 +15,7 @@ import numpy as np
 
 from screwsim.effects.base import FlowPath, HeatRate
 from screwsim.fluid.orifice import orifice_flow
-from screwsim.model import chamber, coupled, places, trace
+from screwsim.model import chamber, coupled, ledger, places, trace
 from screwsim.model.slots import FIRST_FREE
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kernel import HEADER, Kernel, decorate, flatten, without_wrapper
@@ -23,7 +23,7 @@ from screwsim.numerics.spline import pack_curve
 
 # what is called from Python; a wrapper for every small kernel would cost a sixth of the compilation
 CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
-CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian", "places__places_along")
+CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian", "places__places_along", "ledger__account")
 
 DRIVEN = ("surroundings", "rates", "jacobian", "conserve")  # what the integrator calls of both drivers
 
@@ -85,6 +85,7 @@ class Composition:
     states: tuple[str, ...]
     plenum_paths: tuple[str, ...]
     gap_paths: tuple[tuple[str, int], ...]  # effect, lobe offset
+    heats: tuple[str, ...]  # the effect of each heat rate
     n_place: int  # columns of a history beyond the states
     n_sums: int
     n_E: int
@@ -160,11 +161,16 @@ def _write_areas(writer: _Writer, name: str, paths: Sequence[FlowPath]) -> None:
 
 
 def _write_heat(writer: _Writer, heats: Sequence[HeatRate]) -> None:
+    arguments = ", ".join([*HEAT_SYMBOLS, "P"])
     body = ["total = 0.0", "lost = 0.0"]
-    for part in heats:
-        body.append(f"heat = {writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)}")
-        body += ["total += heat", "lost += d * heat" if part.oil_factor == "printed" else "lost += heat"]
-    writer.function("heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)", [*body, "return total, lost"])
+    one = []
+    for index, part in enumerate(heats):
+        call = writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
+        factor = "d * " if part.oil_factor == "printed" else ""
+        body += [f"heat = {call}", "total += heat", f"lost += {factor}heat"]
+        one += [f"if i == {index}:", f"    heat = {call}", f"    return heat, {factor}heat"]
+    writer.function(f"heat_rates({arguments})", [*body, "return total, lost"])
+    writer.function(f"heat_part(i, {arguments})", [*one, "return 0.0, 0.0"])
 
 
 def _write_supply(writer: _Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
@@ -208,12 +214,15 @@ def compose(parts: Parts) -> Composition:
     named = _flow_paths(parts)
     plenum = [(name, path) for name, path in named if path.to != "neighbour"]
     gaps = [(name, path) for name, path in named if path.to == "neighbour"]
-    heats = [part for items in parts.effects.values() for part in items if isinstance(part, HeatRate)]
+    heating = [(name, part) for name, items in parts.effects.items() for part in items if isinstance(part, HeatRate)]
+    heats = [part for _, part in heating]
     carried = bool(heats) and oil is not None and oil.transport == "carried"
     states = ("T", "rho", *(("T_oil",) if heats else ()), *(("x_oil",) if carried else ()))
     law = geometry.volume_law()
     call = writer.call(gas.state, gas.values, {}, ("T", "rho"))
     writer.function("gas_state(T, rho, P, TAB)", [f"return {call}"])
+    call = writer.call(gas.specific_entropy, gas.values, {}, ("T", "rho"))
+    writer.function("gas_entropy(T, rho, P, TAB)", [f"return {call}"])
     for name, kernel in (("volume_at", law.volume), ("volume_slope_at", law.slope)):
         call = writer.call(kernel, law.values, law.tables, ("phi", "TAB"))
         writer.function(f"{name}(phi, P, TAB)", [f"return {call}"])
@@ -225,6 +234,7 @@ def compose(parts: Parts) -> Composition:
     constants = {
         "N": len(states),
         "VARIES": int(gas.varies),
+        "N_HEATS": len(heats),
         "HEATED": int(bool(heats)),
         "CARRIED": int(carried),
         "OILED": int(oil is not None),
@@ -245,6 +255,7 @@ def compose(parts: Parts) -> Composition:
         states=states,
         plenum_paths=tuple(name for name, _ in plenum),
         gap_paths=tuple((name, path.offset) for name, path in gaps),
+        heats=tuple(name for name, _ in heating),
         n_place=5 if gas.varies else 2,
         n_sums=5 * (4 if carried else 2),
         n_E=n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets),
@@ -272,7 +283,7 @@ def _module_text(
     constants = dict(named)
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
     own = {name: name for name in (*constants, "gas_state", "volume_at", "volume_slope_at", "plenum_area")}
-    own |= {name: name for name in ("gap_area", "heat_rates", "injected_oil")}
+    own |= {name: name for name in ("gas_entropy", "gap_area", "heat_rates", "heat_part", "injected_oil")}
     rooms = (
         *(getattr(chamber, name) for name in (*DRIVEN, "at_knot", "inject")),
         *(getattr(coupled, f"all_{name}") for name in DRIVEN),
@@ -283,7 +294,7 @@ def _module_text(
     )
     model = flatten(rooms, own)
     model |= flatten((history.add_history, history.states_at))
-    model |= flatten((trace.peak_pressure, trace.sample, trace.work_along), own)
+    model |= flatten((trace.peak_pressure, trace.sample, trace.work_along, ledger.account), own)
     if constants["HEATED"] and not constants["CARRIED"]:
         model |= flatten((trace.oil_with_outflow,), own)
     blocks = flatten(kernels)

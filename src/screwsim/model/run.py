@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from screwsim.model import compiled
+from screwsim.model import compiled, ledger
 from screwsim.model.compose import Composition
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH, PLACE, R_SIZE
 from screwsim.numerics.scipy_integrators import METHODS, integrate
@@ -136,6 +136,21 @@ class Machinery:
         old[0][: steps + 1], old[1][:steps, :, : self.n], old[2][:steps] = times, dense, quads
         self.kept[:] = 0, steps
         self.module.places__places_along(old[1], steps, self.context)
+
+    def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:
+        """Return what the last turn's paths, heat rates and oil sum up to over one life (`model.ledger`).
+
+        `s_…` are the specific entropies [J/(kg K)] of the lines' gas. Compiled when it is first asked for.
+        """
+        c = self.composition
+        paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), ledger.PATH_SUMS))
+        heats, oil = np.zeros((max(len(c.heats), 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
+        times, dense, _, steps = self.last()
+        with self._compiling("ledger") if "ledger" not in self._warm else nullcontext():
+            self.module.ledger__account(
+                times, dense, steps, self.context, c.n_E, s_suction, s_discharge, paths, heats, oil
+            )
+        return paths, heats[: len(c.heats)], oil
 
     def restore(self, times: Array, dense: Array, quads: Array) -> None:
         """Put back a whole history, places included, as the last turn's."""

@@ -1,14 +1,15 @@
 """The names that a composition defines in its generated module; the kernels of this package are written with them.
 
-Functions: `gas_state(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`, `volume_slope_at(phi, P, TAB)`,
-`plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
+Functions: `gas_state(T, rho, P, TAB)`, `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
+`volume_slope_at(phi, P, TAB)`, `plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
 `heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W],
+`heat_part(i, …)`: the same of one heat rate,
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg].
 
-Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), HEATED and
-CARRIED (0 or 1: is there an oil temperature, an oil mass), OILED (is oil injected), N_PLENUM and PLENUM (path →
-0 suction, 1 discharge), N_GAPS and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS
-(alive at once).
+Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), N_HEATS
+(heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass), OILED (is oil injected), N_PLENUM
+and PLENUM (path → 0 suction, 1 discharge), N_GAPS and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe
+pitches), CHAMBERS (alive at once).
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -20,15 +21,18 @@ from typing import Any
 from screwsim.numerics.kernel import Slot
 
 gas_state: Any = Slot("gas_state")
+gas_entropy: Any = Slot("gas_entropy")
 volume_at: Any = Slot("volume_at")
 volume_slope_at: Any = Slot("volume_slope_at")
 plenum_area: Any = Slot("plenum_area")
 gap_area: Any = Slot("gap_area")
 heat_rates: Any = Slot("heat_rates")
+heat_part: Any = Slot("heat_part")
 injected_oil: Any = Slot("injected_oil")
 
 N: Any = Slot("N")
 VARIES: Any = Slot("VARIES")
+N_HEATS: Any = Slot("N_HEATS")
 HEATED: Any = Slot("HEATED")
 CARRIED: Any = Slot("CARRIED")
 OILED: Any = Slot("OILED")

@@ -32,14 +32,12 @@ def chosen_trace(results: Results) -> Trace | None:
     """Return the cycle of the run, or of the sweep's case of best efficiency; None when no cycle is kept."""
     if "angle" not in results.cycle:
         return None
-    index = _best_case(results)
+    index = best_case(results)
     if index is None:
         return None
     values = {name: results.cycle[name][index] for name in results.cycle if name != "angle"}
     angle = results.cycle["angle"]
-    title = ", ".join(value_of(axis, i) for axis, i in zip(results.axis_list, index, strict=True))
-    status = "" if np.asarray(results.status)[index] == "ok" else "not closed"
-    title = "; ".join(part for part in (f"best case: {title}" if title else "", status) if part)
+    title = case_title(results, index)
     pressures = {
         symbol: value
         for symbol, line in (("$p_s$", "suction"), ("$p_d$", "discharge"))
@@ -48,7 +46,14 @@ def chosen_trace(results: Results) -> Trace | None:
     return Trace(title, angle, values, pressures, _marks(results, index, angle, values))
 
 
-def _best_case(results: Results) -> tuple[int, ...] | None:
+def case_title(results: Results, index: tuple[int, ...]) -> str:
+    """Return what tells a case of a sweep, and whether it closed; '' for a run that did."""
+    title = ", ".join(value_of(axis, i) for axis, i in zip(results.axis_list, index, strict=True))
+    status = "" if np.asarray(results.status)[index] == "ok" else "not closed"
+    return "; ".join(part for part in (f"best case: {title}" if title else "", status) if part)
+
+
+def best_case(results: Results) -> tuple[int, ...] | None:
     """Return the index of the case of best efficiency among those with a cycle, closed ones first."""
     there = np.isfinite(results.cycle["pressure"]).any(axis=-1)
     if not there.any():

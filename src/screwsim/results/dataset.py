@@ -8,7 +8,7 @@ from screwsim.outputs import STATUSES
 from screwsim.results.read import Group, Results
 from screwsim.results.schema import Axis
 
-_PREFIXED = ("balance", "error", "numerics", "cycle")
+_PREFIXED = ("balance", "error", "numerics", "cycle", "ledger")
 
 
 def dataset(results: Results, group: str | None) -> Any:

@@ -15,6 +15,7 @@ from screwsim.outputs import STATUSES, Variable
 from screwsim.results.netcdf import SEPARATOR
 from screwsim.results.schema import SCHEMA, Axis
 
+_OPTIONAL = ("cycle", "ledger")  # groups that only come with traces
 _REMEDY = "give a file that `screwsim run` or `screwsim sweep` wrote"
 
 
@@ -58,6 +59,7 @@ class Results:
     error: Group
     numerics: Group
     cycle: Group  # with `angle`; empty unless the traces were kept
+    ledger: Group  # empty unless the traces were kept
 
     @property
     def scene_yaml(self) -> str:
@@ -105,12 +107,12 @@ def open_results(path: str | Path) -> Results:
 def _results(path: Path, file: Any, attributes: Mapping[str, Any]) -> Results:
     axes = tuple(_axis(data) for data in file["performance"].values() if "path" in data.attrs)
     names = tuple(axis.name for axis in axes)
-    groups = ("inputs", "performance", "balance", "error", "numerics", "cycle")
+    groups = ("inputs", "performance", "balance", "error", "numerics", *_OPTIONAL)
     return Results(path, attributes, axes, *(_group(path, file, name, names) for name in groups))
 
 
 def _group(path: Path, file: Any, name: str, axes: tuple[str, ...]) -> Group:
-    if name == "cycle" and name not in file:
+    if name in _OPTIONAL and name not in file:
         return Group(path, name, {})
     return Group(path, name, _about_all(file[name], axes))
 

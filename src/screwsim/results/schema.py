@@ -1,6 +1,7 @@
 """What a results file says beside the figures: identity of the scene, inputs, axes, versions.
 
-Groups: inputs, performance, balance, error, numerics (one value per case on the axes of the sweep), cycle (traces).
+Groups: inputs, performance, balance, error, numerics (one value per case on the axes of the sweep), and where
+traces are kept cycle (traces) and ledger (one value per case).
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from screwsim.outputs import BALANCE, CYCLE, NUMERICS, NUMERICS_TEXT, PERFORMANCE, STATUSES, Result
+from screwsim.outputs import BALANCE, CYCLE, LEDGER, NUMERICS, NUMERICS_TEXT, PERFORMANCE, STATUSES, Result
 
 GROUPS: Mapping[str, tuple[str, ...]] = {
     "performance": tuple(PERFORMANCE),
@@ -27,7 +27,8 @@ class Table:
 
     `status` int8 (cases,); `figures` float64 (cases, FIGURES), NaN where a figure is None; `texts` {name: str
     array (cases,)}; `angle` [degree] (points,), empty without traces; `traces` {name: float64 (cases, points)},
-    NaN for a case without a cycle. `traces` may read from disk when it is asked.
+    NaN for a case without a cycle. `traces` may read from disk when it is asked. `ledger` {name: float64 (cases,)}, NaN
+    for a case without one; it comes with the traces.
     """
 
     status: np.ndarray
@@ -37,6 +38,7 @@ class Table:
     states: tuple[str, ...] = ()
     angle: np.ndarray = field(default_factory=lambda: np.empty(0))
     traces: Mapping[str, np.ndarray] = field(default_factory=dict)
+    ledger: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.status)
@@ -61,6 +63,7 @@ def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
         states=next((result.states for result in results if result.states), ()),
         angle=angle,
         traces=_traces(results, with_cycle, angle),
+        ledger=_ledgers(results) if keep_cycle else {},
     )
 
 
@@ -102,6 +105,18 @@ def _traces(results: Sequence[Result], rows: Sequence[int], angle: np.ndarray) -
     return traces
 
 
+def ledger_names(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the names of a ledger, totals first, each quantity's entries in the order in which they came."""
+    found = dict.fromkeys(names)
+    return (*(name for name in LEDGER if name in found), *(name for name in found if name not in LEDGER))
+
+
+def _ledgers(results: Sequence[Result]) -> dict[str, np.ndarray]:
+    names = ledger_names(name for result in results for name in result.ledger)
+    rows = [[result.ledger.get(name) for result in results] for name in names]
+    return {name: np.array(row, float) for name, row in zip(names, rows, strict=True)}  # None becomes NaN
+
+
 def same_angles(angle: np.ndarray, other: np.ndarray) -> None:
     """Raise ValueError unless both are one grid (1e-9 degree): the traces of a sweep share one coordinate."""
     if angle.shape != other.shape or not np.allclose(angle, other, rtol=0.0, atol=1e-9):
@@ -122,12 +137,21 @@ def join(tables: Sequence[Table], traces: Mapping[str, np.ndarray] | None = None
         states=next((table.states for table in tables if table.states), ()),
         angle=angle,
         traces=_joined_traces(tables, angle.size) if traces is None else traces,
+        ledger=_joined_ledgers(tables),
     )
 
 
 def _joined_traces(tables: Sequence[Table], points: int) -> dict[str, np.ndarray]:
     names = trace_names(name for table in tables for name in table.traces)
     return {name: np.concatenate([rows_of(table, name, points) for table in tables]) for name in names}
+
+
+def _joined_ledgers(tables: Sequence[Table]) -> dict[str, np.ndarray]:
+    names = ledger_names(name for table in tables for name in table.ledger)
+    return {
+        name: np.concatenate([table.ledger.get(name, np.full(len(table), np.nan)) for table in tables])
+        for name in names
+    }
 
 
 def rows_of(table: Table, name: str, points: int) -> np.ndarray:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Result, Variable, cycle_variable
+from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Result, Variable, cycle_variable, ledger_variable
 from screwsim.results.atomic import make_folder, replacing
 from screwsim.results.netcdf import Layout, flag_attributes, number_attributes, set_attributes
 from screwsim.results.schema import (
@@ -97,6 +97,8 @@ def _write(file: Any, scene: Scene, axes: Sequence[Axis], table: Table, command:
         _write_figures(layout, group, axes, table)
     if table.traces:
         _write_cycle(layout, axes, table)
+    if table.ledger:
+        _write_ledger(layout, axes, table)
 
 
 def _group(layout: Layout, name: str, axes: Sequence[Axis]) -> tuple[Any, list[str], tuple[int, ...]]:
@@ -148,3 +150,9 @@ def _write_cycle(layout: Layout, axes: Sequence[Axis], table: Table) -> None:
     for name in table.traces:
         values = table.traces[name].reshape(*shape, table.angle.size)
         layout.variable(group, name, values, (*dimensions, "angle"), number_attributes(cycle_variable(name)))
+
+
+def _write_ledger(layout: Layout, axes: Sequence[Axis], table: Table) -> None:
+    group, dimensions, shape = _group(layout, "ledger", axes)
+    for name, values in table.ledger.items():
+        layout.variable(group, name, values.reshape(shape), dimensions, number_attributes(ledger_variable(name)))

@@ -45,9 +45,12 @@ class DischargeState:
 
 @dataclass(frozen=True)
 class Operation:
-    """Speed and the states of both lines: pressures in suction and discharge, or saturation temperatures."""
+    """Speed, the surroundings, and the states of both lines: as pressures, or by saturation temperatures."""
 
     speed: float = quantity("speed", "speed of the male rotor", gt=0.0)
+    ambient_temperature: float = quantity(
+        "temperature", "temperature T_0 of the surroundings, to which the ledger refers", 298.15, gt=0.0
+    )
     suction: SuctionState = SuctionState()
     discharge: DischargeState = DischargeState()
     evaporating_temperature: float | None = quantity(

@@ -16,12 +16,12 @@ from screwsim.model.run import Machinery
 from screwsim.scene.types import Scene
 from screwsim.simulate import Solution
 
-STATE = '''@njit(error_model='numpy')
+STATE = """@njit(error_model='numpy')
 def gas_state(T, rho, P, TAB):
     found = np.empty(7)
     coolprop_state(T, rho, found.ctypes)
     return found[0], found[1], found[2], found[3], found[4], found[5], found[6]
-'''
+"""
 
 
 def state_function(fluid: str) -> Any:

@@ -41,7 +41,8 @@ class Bar:
     locks that they hold.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, title: str = "sweep") -> None:
+        self._title = title
         self._bar: Any = None
         self._task: Any = None
         self._failed = 0
@@ -52,7 +53,7 @@ class Bar:
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
         columns = (
-            TextColumn("sweep"),
+            TextColumn(self._title),
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn("{task.fields[rate]}"),
@@ -60,7 +61,7 @@ class Bar:
             TextColumn("{task.fields[failures]}"),
         )
         self._bar = Progress(*columns, console=Console(stderr=True), auto_refresh=False)
-        self._task = self._bar.add_task("sweep", total=cases, completed=reused, rate="", failures="")
+        self._task = self._bar.add_task(self._title, total=cases, completed=reused, rate="", failures="")
         self._bar.start()
         self._bar.refresh()
 
@@ -80,6 +81,6 @@ class Bar:
             self._bar.stop()
 
 
-def for_terminal() -> Progress:
+def for_terminal(title: str = "sweep") -> Progress:
     """Return a bar when stderr is a terminal, else silence."""
-    return Bar() if sys.stderr.isatty() else Silent()
+    return Bar(title) if sys.stderr.isatty() else Silent()

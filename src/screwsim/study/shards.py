@@ -20,7 +20,7 @@ from screwsim.results.atomic import cannot_write, make_folder, replacing
 from screwsim.results.table import FIGURES, TEXTS, Table, join, rows_of, same_angles, trace_names
 
 _NAME = re.compile(r"cases_(\d{9})_(\d{9})\.npz")
-_TRACE = "trace_"
+_TRACE, _LEDGER = "trace_", "ledger_"
 _UNREADABLE = (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile)
 
 
@@ -108,6 +108,7 @@ class Parts:
             "angle": table.angle,
             **{name: table.texts[name] for name in TEXTS},
             **{_TRACE + name: trace for name, trace in table.traces.items()},
+            **{_LEDGER + name: values for name, values in table.ledger.items()},
         }
         with replacing(path) as temporary, temporary.open("wb") as stream:
             np.savez(stream, allow_pickle=False, **arrays)
@@ -187,6 +188,11 @@ def read_part(path: Path, traces: bool | str = True) -> Table:
             states=tuple(map(str, stored["states"])),
             angle=stored["angle"],
             traces={name.removeprefix(_TRACE): stored[name] for name in kept},
+            ledger={
+                name.removeprefix(_LEDGER): stored[name]
+                for name in stored.files
+                if name.startswith(_LEDGER) and not isinstance(traces, str)
+            },
         )
 
 

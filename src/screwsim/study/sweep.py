@@ -79,7 +79,7 @@ def run_sweep(
     make_folder(output.parent)
     parts.open(restart)
     try:
-        sweep = _Sweep(scene, parts, progress or Silent(), _simulator(simulate, warm_up))
+        sweep = _Sweep(scene, parts, progress or Silent(), _simulator(scene, simulate, warm_up))
         reused = sweep.run(jobs or _cores(), make_pool)
         table = parts.merged(sweep.cases)
         write_table(output, scene, axes_of(scene), table, "sweep", folder=parts.folder)
@@ -188,7 +188,7 @@ def _one_case(job: _Job, index: int) -> Result:
 
 
 def _simulator(
-    simulate: Simulate | None, warm_up: Callable[[Scene], None] | None
+    scene: Scene, simulate: Simulate | None, warm_up: Callable[[Scene], None] | None
 ) -> tuple[Simulate, Callable[[Scene], None]]:
     if simulate is not None:
         return simulate, warm_up or _nothing
@@ -196,7 +196,7 @@ def _simulator(
     from screwsim.simulate import simulate as default_simulate
     from screwsim.simulate import warm_up as default_warm_up
 
-    return default_simulate, warm_up or default_warm_up
+    return partial(default_simulate, trace=scene.output.keep == "cycle"), warm_up or default_warm_up
 
 
 def _nothing(scene: Scene) -> None: ...

@@ -1,0 +1,312 @@
+"""The ledger: where the shaft power goes, as exergy destroyed by each effect (docs/model.md M50–M59).
+
+Shaft power = exergy rise of the gas + exergy rise of the oil + T_0 Σ entropy generated + residue. Every effect of the
+scene has an entry, and so has what the model itself destroys or gives: the oil's supply, its injection, the lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from math import log
+from typing import Any
+
+import numpy as np
+
+from screwsim.effects.base import FlowPath, PowerLoss
+from screwsim.model import ledger as kernels
+from screwsim.model.close import Array, discharge_enthalpy
+from screwsim.model.compose import OilPart
+from screwsim.model.run import Machinery
+from screwsim.model.slots import (
+    DENSITY,
+    ENTHALPY,
+    OIL_TEMPERATURE,
+    P_INJECTION,
+    R_DISCHARGE,
+    R_INJECTED,
+    R_OIL_BEFORE,
+    R_RATIO,
+    R_SUCTION,
+)
+from screwsim.outputs import Figures
+from screwsim.performance import CycleFigures, Lines
+
+OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
+SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"
+
+
+@dataclass(frozen=True)
+class State:
+    """A state of the gas, relative to nothing: T [K], ρ [kg/m³], h [J/kg], s [J/(kg K)]."""
+
+    T: float
+    rho: float
+    h: float
+    s: float
+
+    def generated(self, mass: float, enthalpy: float, entropy: float) -> float:
+        """Return the entropy [J/K] generated where gas with these sums comes to this state, at its pressure (M52)."""
+        return (enthalpy - mass * self.h) / self.T - (entropy - mass * self.s)
+
+
+@dataclass
+class Entry:
+    """One line of the ledger [SI]: gas moved, energy moved, entropy generated and the shaft power that it costs."""
+
+    gas_moved: float | None = None
+    energy_moved: float | None = None
+    entropy_generated: float = 0.0
+    exergy_destroyed: float = 0.0
+
+
+@dataclass
+class _Book:
+    """The entries while they are written, in rates; T_0 [K]."""
+
+    T_0: float
+    entries: dict[str, Entry] = field(default_factory=dict)
+
+    def add(
+        self,
+        name: str,
+        *,
+        entropy: float | None = None,
+        exergy: float | None = None,
+        gas: float | None = None,
+        energy: float | None = None,
+    ) -> None:
+        """Add to an entry: entropy generated [W/K], or exergy destroyed [W], which stands for entropy at T_0."""
+        entry = self.entries.setdefault(name, Entry())
+        if gas is not None:
+            entry.gas_moved = (entry.gas_moved or 0.0) + gas
+        if energy is not None:
+            entry.energy_moved = (entry.energy_moved or 0.0) + energy
+        destroyed = exergy if exergy is not None else self.T_0 * (entropy or 0.0)
+        entry.exergy_destroyed += destroyed
+        entry.entropy_generated += destroyed / self.T_0
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """What the ledger asks of a closed cycle.
+
+    `streams` are the sums over one chamber's life (model.close.Balances.streams); `line_given` tells that the state of
+    the discharge line is not that of the outflow.
+    """
+
+    parts: Any
+    lines: Lines
+    machinery: Machinery
+    streams: Array
+    known: CycleFigures
+    shaft_power: float
+    T_0: float
+    line_given: bool
+
+    @property
+    def rate(self) -> float:
+        """Return chamber lives per second."""
+        return self.parts.omega / self.parts.geometry.pitch
+
+    def state(self, T: float, rho: float, h: float) -> State:
+        """Return a state of the gas with its entropy."""
+        c = self.machinery.composition
+        return State(T, rho, h, float(self.machinery.module.gas_entropy(T, rho, c.P, c.TAB)))
+
+    def at_discharge(self, h: float) -> State:
+        """Return the state at discharge pressure of enthalpy h [J/kg]."""
+        gas, p_d = self.parts.gas, self.lines.p_d
+        return self.state(gas.temperature(p_d, h), gas.place_of_enthalpy(p_d, h)[1], h)
+
+
+def ledger(cycle: Cycle) -> Figures:
+    """Return the ledger of a closed cycle: its totals, and the entries as `<quantity>_<effect>` (outputs.LEDGER)."""
+    R = cycle.machinery.R
+    suction = cycle.state(cycle.lines.T_s, float(R[R_SUCTION + DENSITY]), float(R[R_SUCTION + ENTHALPY]))
+    line = cycle.at_discharge(float(R[R_DISCHARGE + ENTHALPY]))
+    mean = discharge_enthalpy(cycle.streams)
+    discharge = line if mean is None else cycle.at_discharge(mean[0])
+    paths, heats, oil = (cycle.rate * sums for sums in cycle.machinery.account(suction.s, line.s))
+    book = _Book(cycle.T_0, {name: Entry() for name in cycle.parts.effects})
+    _paths(book, cycle, paths, suction, discharge)
+    gas_rise = _gas(book, cycle, suction, line, discharge)
+    oil_rise = None
+    if cycle.parts.oil is not None:
+        oil_rise = _oil(book, cycle, paths, heats, oil)
+    _losses(book, cycle)
+    return _figures(book, cycle, gas_rise, oil_rise)
+
+
+def _figures(book: _Book, cycle: Cycle, gas_rise: float, oil_rise: float | None) -> Figures:
+    destroyed = sum(entry.exergy_destroyed for entry in book.entries.values())
+    residue = cycle.shaft_power - gas_rise - (oil_rise or 0.0) - destroyed
+    found: dict[str, Any] = {
+        "ambient_temperature": cycle.T_0,
+        "shaft_power": cycle.shaft_power,
+        "gas_exergy_rise": gas_rise,
+        "oil_exergy_rise": oil_rise,
+        "exergy_destroyed": destroyed,
+        "residue": residue,
+        "relative_residue": residue / abs(cycle.shaft_power) if cycle.shaft_power != 0.0 else None,
+    }
+    for name, entry in book.entries.items():
+        found |= {f"{quantity}_{name}": value for quantity, value in vars(entry).items()}
+    return Figures(found)
+
+
+def _names(cycle: Cycle) -> list[str]:
+    c = cycle.machinery.composition
+    return [*c.plenum_paths, *(name for name, _ in c.gap_paths)]
+
+
+def _to_suction(cycle: Cycle) -> list[bool]:
+    """Return of each path whether what leaves through it goes to the suction line."""
+    return [part.to == "suction" for part in _flow_paths(cycle)]
+
+
+def _flow_paths(cycle: Cycle) -> Iterator[FlowPath]:
+    """Yield the flow paths in the order of the composition: those to a line, then the gaps."""
+    found = [part for items in cycle.parts.effects.values() for part in items if isinstance(part, FlowPath)]
+    yield from (part for part in found if part.to != "neighbour")
+    yield from (part for part in found if part.to == "neighbour")
+
+
+def _paths(book: _Book, cycle: Cycle, paths: Array, suction: State, discharge: State) -> None:
+    """Enter every flow path: what its gas generates where it arrives, in a chamber or in a line (M50–M52)."""
+    for name, to_suction, row in zip(_names(cycle), _to_suction(cycle), paths, strict=True):
+        target = suction if to_suction else discharge
+        left = target.generated(row[kernels.OUT_MASS], row[kernels.OUT_ENTHALPY], row[kernels.OUT_ENTROPY])
+        moved = float(row[kernels.MOVED])
+        energy = float(row[kernels.CARRIES]) - moved * suction.h
+        book.add(name, gas=moved, energy=energy, entropy=float(row[kernels.GENERATED] + left))
+        if to_suction and row[kernels.OUT_MASS] > 0.0:
+            # the line stays at T_s: what the gas brings above that leaves as heat at T_s (M54)
+            heat = float(row[kernels.OUT_ENTHALPY] - row[kernels.OUT_MASS] * suction.h)
+            book.add(SUCTION_LINE, energy=heat, exergy=heat * (1.0 - cycle.T_0 / suction.T))
+
+
+def _gas(book: _Book, cycle: Cycle, suction: State, line: State, discharge: State) -> float:
+    """Return the exergy rise of the gas [W] (M55), and enter what keeps the discharge line at a given state (M54)."""
+
+    def exergy(state: State) -> float:
+        return state.h - suction.h - cycle.T_0 * (state.s - suction.s)
+
+    back, out = (float(cycle.streams[row, 0]) * cycle.rate for row in (2, 3))
+    if cycle.line_given:
+        heat = back * (discharge.h - line.h)
+        book.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
+    return -(out + back) * exergy(discharge)
+
+
+# ---- oil ---------------------------------------------------------------------------------------------------------
+
+
+def _oil(book: _Book, cycle: Cycle, paths: Array, heats: Array, sums: Array) -> float:
+    """Return the exergy rise of the oil [W] (M56), and enter its heat, injection, supply and what is not conserved."""
+    c, known = cycle.machinery.composition, cycle.known
+    for name, row in zip(c.heats, heats, strict=True):
+        book.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
+    lift = known.oil_volume_flow * (cycle.lines.p_d - known.injection_pressure)
+    kept = _kept(cycle)
+    throttled = known.oil_volume_flow * (known.oil_source_pressure - known.injection_pressure) + kept
+    book.add(OIL_SUPPLY, energy=lift, exergy=throttled)
+    mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
+    if c.carried:
+        return mechanical + _carried(book, cycle, paths)
+    if c.heats:
+        return mechanical + _not_carried(book, cycle, paths, sums)
+    return mechanical
+
+
+def _thermal(cycle: Cycle, mass: float, mass_T: float, mass_log: float) -> float:
+    """Return the exergy [W] of oil above that of injected oil at equal pressure, from Σ ṁ, Σ ṁ T, Σ ṁ ln T (M56)."""
+    oil: OilPart = cycle.parts.oil
+    T = oil.temperature
+    return oil.heat_capacity * ((mass_T - mass * T) - cycle.T_0 * (mass_log - mass * log(T)))
+
+
+def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
+    """Return Σ ṁ, Σ ṁ T, Σ ṁ ln T of oil mixed to one temperature."""
+    return mass, mass_T, mass * log(mass_T / mass) if mass > 0.0 else 0.0
+
+
+def _mixing(book: _Book, cycle: Cycle, paths: Array, T_mean: float) -> None:
+    """Enter the mixing of the oil that leaves to the discharge line to its mean temperature there (M53)."""
+    c_oil = cycle.parts.oil.heat_capacity
+    for name, to_suction, row in zip(_names(cycle), _to_suction(cycle), paths, strict=True):
+        mass, mass_T, mass_log = (float(row[i]) for i in (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG))
+        if mass > 0.0 and not to_suction:
+            book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
+
+
+def _carried(book: _Book, cycle: Cycle, paths: Array) -> float:
+    """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
+    oil: OilPart = cycle.parts.oil
+    out, out_T = (-float(cycle.streams[3, i]) * cycle.rate for i in (2, 3))
+    back = float(cycle.streams[2, 2]) * cycle.rate
+    if out > 0.0:
+        _mixing(book, cycle, paths, out_T / out)
+    to_suction = np.array(_to_suction(cycle), bool)
+    columns = (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG)
+    taken = [float(paths[to_suction, column].sum()) for column in columns]
+    if taken[0] > 0.0:
+        pressure = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
+        energy = oil.heat_capacity * (taken[1] - taken[0] * oil.temperature)
+        book.add(SUCTION_LINE, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
+    book.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
+    T_line = float(cycle.machinery.R[R_DISCHARGE + OIL_TEMPERATURE])
+    lost = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
+    return _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
+
+
+def _injection(cycle: Cycle) -> float:
+    """Return the entropy [J/K] that one injection generates by mixing with the oil that is there (M53)."""
+    oil, R = cycle.parts.oil, cycle.machinery.R
+    before, injected = float(R[R_OIL_BEFORE]), float(R[R_INJECTED])
+    times, dense, _, steps = cycle.machinery.last()
+    i = int(np.searchsorted(times[: steps + 1], cycle.machinery.composition.P[P_INJECTION] + 1e-9)) - 1
+    T_before, T_after = float(dense[i - 1, 1, 2]), float(dense[i, 0, 2])
+    mixed = injected * log(T_after / oil.temperature)
+    return oil.heat_capacity * (mixed + (before * log(T_after / T_before) if before > 0.0 else 0.0))
+
+
+def _not_carried(book: _Book, cycle: Cycle, paths: Array, sums: Array) -> float:
+    """Return the thermal exergy rise of oil at a constant ratio [W], and enter what appears and vanishes (M57)."""
+    oil, R = cycle.parts.oil, cycle.machinery.R
+    out, out_T = (float(paths[:, column].sum()) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
+    T_mean = out_T / out if out > 0.0 else oil.temperature
+    _mixing(book, cycle, paths, T_mean)
+    injected = cycle.known.oil_mass_flow
+    times, dense, _, steps = cycle.machinery.last()
+    c = cycle.machinery.composition
+    volume = float(cycle.machinery.module.volume_at(times[steps], c.P, c.TAB))
+    rest = cycle.rate * float(R[R_RATIO] * dense[steps - 1, 1, 1]) * volume
+    rise = _thermal(cycle, *_mixed(injected, injected * T_mean))
+    entry = _thermal(cycle, *_mixed(rest, rest * float(dense[steps - 1, 1, 2])))
+    entry -= _thermal(cycle, sums[kernels.MADE], sums[kernels.MADE_T], sums[kernels.MADE_LOG])
+    entry += _thermal(cycle, *_mixed(out, out_T)) - rise
+    entry += float(sums[kernels.LOST] - cycle.T_0 * sums[kernels.LOST_OVER_T])
+    book.add(NOT_CONSERVED, exergy=float(entry))
+    return rise
+
+
+# ---- losses ------------------------------------------------------------------------------------------------------
+
+
+def _power_losses(cycle: Cycle) -> Iterator[tuple[str, PowerLoss]]:
+    for name, items in cycle.parts.effects.items():
+        yield from ((name, part) for part in items if isinstance(part, PowerLoss))
+
+
+def _kept(cycle: Cycle) -> float:
+    """Return the power [W] that losses leave in the oil as pressure."""
+    return sum(float(part.kept(cycle.known)) for _, part in _power_losses(cycle) if part.kept is not None)
+
+
+def _losses(book: _Book, cycle: Cycle) -> None:
+    """Enter every power beside the gas work: dissipated at T_0, but for what stays in the oil as pressure (M58)."""
+    for name, part in _power_losses(cycle):
+        power = float(part.power(cycle.known))
+        kept = float(part.kept(cycle.known)) if part.kept is not None else 0.0
+        book.add(name, energy=power, exergy=power - kept)

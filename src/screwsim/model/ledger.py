@@ -1,0 +1,228 @@
+"""What every stream and heat of a closed cycle moves and generates, summed over one life: the ledger's raw material.
+
+Source: docs/model.md M50–M57. Gauss–Legendre quadrature of the dense output on each step; all sums are free of the
+ambient temperature and of the mean states of the lines, which `screwsim.ledger` adds.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from screwsim.model.chamber import SIDE, path_flows, surroundings
+from screwsim.model.slots import (
+    CARRIED,
+    DENSITY,
+    E_ANGLE,
+    E_AREAS,
+    E_OILED,
+    E_SLOPE,
+    E_VOLUME,
+    ENTHALPY,
+    GAP_OFFSET,
+    HEATED,
+    N_GAPS,
+    N_HEATS,
+    N_OFFSETS,
+    N_PLENUM,
+    OFFSETS,
+    OIL_RATIO,
+    OIL_TEMPERATURE,
+    P_C_OIL,
+    P_OMEGA,
+    P_PITCH,
+    P_PORT_WIDTH,
+    PLACE,
+    PLENUM,
+    PRESSURE,
+    R_DISCHARGE,
+    R_RATIO,
+    N,
+    gas_entropy,
+    heat_part,
+)
+from screwsim.numerics.history import read
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.rodas import dense_value
+
+# of one path: |flow| [kg], the enthalpy it carries [J] and the entropy generated where it arrives [J/K] in a chamber;
+# of what leaves to the path's line: mass, enthalpy, entropy, oil [kg], oil × T_oil, oil × ln T_oil
+MOVED, CARRIES, GENERATED, OUT_MASS, OUT_ENTHALPY, OUT_ENTROPY, OUT_OIL, OUT_OIL_T, OUT_OIL_LOG = range(9)
+PATH_SUMS = 9
+# of one heat rate: heat into the gas [J], entropy generated [J/K]
+HEAT, HEAT_GENERATED = range(2)
+HEAT_SUMS = 2
+# of oil that is not conserved: oil made [kg], × T_oil, × ln T_oil; heat the oil loses beyond the gas's, and over T_oil
+MADE, MADE_T, MADE_LOG, LOST, LOST_OVER_T = range(5)
+OIL_SUMS = 5
+
+NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
+POINTS = 4
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
+NODES = 0.5 + 0.5 * _NODES
+WEIGHTS = 0.5 * _WEIGHTS
+
+
+@kernel
+def arriving(m, h_i, s_i, h, s, T):
+    """Return the entropy generated [W/K] where a stream m [kg/s] of state i meets a chamber's gas (M50)."""
+    return m * ((h_i - h) / T - (s_i - s))
+
+
+@kernel
+def oil_arriving(m, T_i, T):
+    """Return the entropy generated over c_oil [kg/s] where oil of temperature T_i mixes with oil of T (M51)."""
+    return m * ((T_i - T) / T - math.log(T_i / T))
+
+
+@kernel
+def balanced(flows, mass_rate, E, own, R, P):
+    """Let the mass balance tell the flow through the widest open port where its pressures are nearly equal.
+
+    Such a port is held there by a tiny Δp, which between the ends of a step carries the whole error of the pressure.
+    """
+    widest = 0.0
+    port = 0
+    total = 0.0
+    for i in range(N_PLENUM):
+        total += flows[i]
+        if E[E_AREAS + i] > widest:
+            widest = E[E_AREAS + i]
+            port = i
+    for i in range(2 * N_GAPS):
+        total += flows[N_PLENUM + i]
+    if widest > 0.0:
+        drop = R[R_DISCHARGE * PLENUM[port] + PRESSURE] - own[PRESSURE]
+        if abs(drop) < NEAR * P[P_PORT_WIDTH + PLENUM[port]]:
+            flows[port] += mass_rate - total
+
+
+@kernel
+def neighbours_entropy(phi, context, flows, E, s_discharge, entropies):
+    """Fill the specific entropy of each neighbour that gas comes from, where `surroundings` found it."""
+    P, TAB, _R, times, dense, _t_new, _d_new, _kept, hints, _state, _own, _work = context
+    for side in range(2 * N_OFFSETS):
+        coming = False
+        for i in range(N_GAPS):
+            if GAP_OFFSET[i] == side // 2 and flows[N_PLENUM + 2 * i + side % 2] > 0.0:
+                coming = True
+        at = E_AREAS + N_PLENUM + 2 * N_GAPS + side * SIDE
+        if coming and E[at + PLACE] > 0.0:
+            entropies[side] = s_discharge
+        elif coming:
+            i = hints[side]
+            there = phi + (1 - 2 * (side % 2)) * OFFSETS[side // 2] * P[P_PITCH]
+            theta = (there - times[i]) / (times[i + 1] - times[i])
+            T = dense_value(theta, dense[i, 0, 0], dense[i, 1, 0], dense[i, 2, 0], dense[i, 3, 0])
+            entropies[side] = gas_entropy(T, E[at + DENSITY], P, TAB)
+
+
+@kernel
+def add_arrival(sums, m, source, b, s_i, own, T, s, T_oil, dt, c_oil):
+    """Add what a stream m ≥ 0 from place source[b] moves, and generates in the chamber, over the time dt."""
+    sums[MOVED] += dt * m
+    sums[CARRIES] += dt * m * source[b + ENTHALPY]
+    sums[GENERATED] += dt * arriving(m, source[b + ENTHALPY], s_i, own[ENTHALPY], s, T)
+    if CARRIED == 1 and source[b + OIL_RATIO] > 0.0:
+        oil = m * source[b + OIL_RATIO]
+        sums[GENERATED] += dt * c_oil * oil_arriving(oil, source[b + OIL_TEMPERATURE], T_oil)
+
+
+@kernel
+def add_departure(sums, m, own, s, ratio, T_oil, dt):
+    """Add what a stream m > 0 takes from the chamber to a line over the time dt, `ratio` oil per gas with it."""
+    sums[MOVED] += dt * m
+    sums[CARRIES] += dt * m * own[ENTHALPY]
+    sums[OUT_MASS] += dt * m
+    sums[OUT_ENTHALPY] += dt * m * own[ENTHALPY]
+    sums[OUT_ENTROPY] += dt * m * s
+    if ratio > 0.0:
+        sums[OUT_OIL] += dt * m * ratio
+        sums[OUT_OIL_T] += dt * m * ratio * T_oil
+        sums[OUT_OIL_LOG] += dt * m * ratio * math.log(T_oil)
+
+
+@kernel
+def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharge, dt, paths, heats, oil):
+    """Add a moment of the cycle, weighted with the time dt [s] that it stands for.
+
+    `paths` has a row for each path (plenum paths, then gaps, both sides of a gap together), `heats` one for each heat
+    rate. An outflow generates nothing in its donor: streams between chambers count where they arrive.
+    """
+    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    T = y[0]
+    s = gas_entropy(T, y[1], P, TAB)
+    T_oil = y[2] if HEATED == 1 else 1.0
+    leaving = 0.0  # oil per gas that leaves to the discharge line
+    if CARRIED == 1:
+        leaving = y[3]
+    elif HEATED == 1:
+        leaving = E[E_OILED] * R[R_RATIO]
+    discharged = 0.0
+    for i in range(N_PLENUM):
+        m = flows[i]
+        b = R_DISCHARGE * PLENUM[i]
+        if m >= 0.0:
+            s_i = s_discharge if PLENUM[i] == 1 else s_suction
+            add_arrival(paths[i], m, R, b, s_i, own, T, s, T_oil, dt, P[P_C_OIL])
+        else:
+            ratio = leaving if PLENUM[i] == 1 or CARRIED == 1 else 0.0
+            add_departure(paths[i], -m, own, s, ratio, T_oil, dt)
+            discharged -= ratio * m
+    for i in range(2 * N_GAPS):
+        m = flows[N_PLENUM + i]
+        side = 2 * GAP_OFFSET[i // 2] + i % 2
+        b = E_AREAS + N_PLENUM + 2 * N_GAPS + side * SIDE
+        if m > 0.0:
+            add_arrival(paths[N_PLENUM + i // 2], m, E, b, entropies[side], own, T, s, T_oil, dt, P[P_C_OIL])
+        elif m < 0.0 and E[b + PLACE] > 0.0:
+            add_departure(paths[N_PLENUM + i // 2], -m, own, s, leaving, T_oil, dt)
+            discharged -= leaving * m
+    if HEATED == 1:
+        m_gas = y[1] * E[E_VOLUME]
+        m_oil = m_gas * leaving
+        for i in range(N_HEATS):
+            heat, lost = heat_part(
+                i, T, m_gas, own[PRESSURE], y[1], E[E_VOLUME], E[E_ANGLE], T_oil, m_oil, R[R_RATIO], P
+            )
+            heats[i, HEAT] += dt * heat
+            heats[i, HEAT_GENERATED] += dt * heat * (1.0 / T - 1.0 / T_oil)
+            oil[LOST] += dt * (lost - heat)
+            oil[LOST_OVER_T] += dt * (lost - heat) / T_oil
+        if CARRIED == 0 and E[E_OILED] > 0.0:
+            made = dt * (R[R_RATIO] * mass_rate + discharged)
+            oil[MADE] += made
+            oil[MADE_T] += made * T_oil
+            oil[MADE_LOG] += made * math.log(T_oil)
+
+
+@kernel
+def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, heats, oil):
+    """Sum the moments of a closed cycle over one life into `paths`, `heats` and `oil` (zero before).
+
+    The history must be that of the context's last turn; `s_…` are the specific entropies of the lines' gas.
+    """
+    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    E = np.empty(n_e)
+    y = np.empty(N)
+    flows = np.empty(N_PLENUM + 2 * N_GAPS)
+    entropies = np.empty(2 * N_OFFSETS + 1)
+    for i in range(n_e):
+        E[i] = 0.0
+    for step in range(steps):
+        h = times[step + 1] - times[step]
+        middle = times[step] + 0.5 * h
+        for k in range(POINTS):
+            theta = NODES[k]
+            phi = times[step] + theta * h
+            read(phi, times, dense, step, y)
+            surroundings(phi, middle, context, E)
+            path_flows(y, E, context, flows)
+            rise = dense[step, 1, 1] - dense[step, 0, 1]
+            bend = (1.0 - 2.0 * theta) * dense[step, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[step, 3, 1]
+            mass_rate = P[P_OMEGA] * (E[E_VOLUME] * (rise + bend) / h + E[E_SLOPE] * y[1])
+            balanced(flows, mass_rate, E, own, R, P)
+            neighbours_entropy(phi, context, flows, E, s_discharge, entropies)
+            dt = WEIGHTS[k] * h / P[P_OMEGA]
+            add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharge, dt, paths, heats, oil)

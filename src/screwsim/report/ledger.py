@@ -1,0 +1,92 @@
+"""Figure of the ledger: from the shaft power down to the useful exergy of the gas, what each effect destroys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.outputs import ledger_entries
+from screwsim.report.style import COLOURS, DOUBLE, GREY, SMALL, new_figure, note, plain_ticks
+from screwsim.report.trace import best_case, case_title
+from screwsim.results import Results
+
+_LEAST = 1e-3  # of the shaft power: smaller entries are drawn as one
+_SHAFT, _LOSS, _GAIN, _OIL, _GAS = COLOURS[0], COLOURS[2], COLOURS[4], COLOURS[3], COLOURS[1]
+
+
+class Step(NamedTuple):
+    """One bar of the waterfall: words, power [W] (positive: spent), colour; `total` bars begin at zero."""
+
+    words: str
+    power: float
+    colour: str
+    total: bool = False
+
+
+def plans(results: Results) -> Iterator[tuple[str, Any]]:
+    """Yield the waterfall of the ledger that the file keeps, of its best case in a sweep."""
+    if "shaft_power" not in results.ledger or (index := best_case(results)) is None:
+        return
+    ledger = {name: float(results.ledger[name][index]) for name in results.ledger}
+    if np.isfinite(ledger["shaft_power"]) and ledger["shaft_power"] > 0.0:
+        yield "shaft_power", partial(_draw, ledger, case_title(results, index))
+
+
+def steps(ledger: Mapping[str, float]) -> list[Step]:
+    """Return the bars from the shaft power to the gas: losses by size, small ones as one, then what the oil takes."""
+    shaft = ledger["shaft_power"]
+    losses = {name: entry["exergy_destroyed"] for name, entry in ledger_entries(ledger).items()}
+    losses = {name: power for name, power in losses.items() if np.isfinite(power)}
+    large = {name: power for name, power in losses.items() if abs(power) >= _LEAST * shaft}
+    small = [power for name, power in losses.items() if name not in large]
+    found = [Step("shaft power", shaft, _SHAFT, True)]
+    found += [_loss(name.replace("_", " "), large[name]) for name in sorted(large, key=lambda name: -large[name])]
+    if abs(sum(small)) >= _LEAST * shaft:
+        found.append(_loss(f"others ({len(small)})", sum(small)))
+    oil = ledger.get("oil_exergy_rise", np.nan)
+    if np.isfinite(oil) and abs(oil) >= _LEAST * shaft:
+        found.append(Step("exergy rise of the oil", oil, _OIL))
+    return [*found, Step("exergy rise of the gas", ledger["gas_exergy_rise"], _GAS, True)]
+
+
+def _loss(words: str, power: float) -> Step:
+    return Step(words, power, _LOSS if power >= 0.0 else _GAIN)
+
+
+def _draw(ledger: Mapping[str, float], title: str) -> Any:
+    """Draw the waterfall: each bar begins where the one above ends; power and share stand on the right."""
+    bars = steps(ledger)
+    shaft = ledger["shaft_power"]
+    factor, unit = (1e-3, "kW") if shaft >= 1e3 else (1.0, "W")
+    decimals = max(0, 3 - int(np.log10(shaft * factor)))
+    figure = new_figure(DOUBLE, 16.0 + 4.6 * len(bars))
+    axes = figure.subplots()
+    left = 0.0
+    for row, bar in enumerate(bars):
+        start = 0.0 if bar.total else left - bar.power
+        axes.barh(row, bar.power * factor, left=start * factor, height=0.62, color=bar.colour, linewidth=0.0)
+        end = bar.power if bar.total else start
+        if row + 1 < len(bars):
+            axes.plot([end * factor] * 2, [row + 0.31, row + 0.69], color=GREY, linewidth=0.5)
+        left = end
+        _cells(axes, row, f"{bar.power * factor:.{decimals}f}", f"{100.0 * bar.power / shaft:.1f}")
+    _cells(axes, -1.0, unit, "%")
+    axes.set_yticks(range(len(bars)), [bar.words for bar in bars])
+    axes.tick_params(axis="y", which="both", length=0.0)
+    axes.set_ylim(len(bars) - 0.4, -0.6)
+    axes.set_xlim(min(0.0, 1.05 * factor * min(bar.power for bar in bars if bar.total)), 1.02 * shaft * factor)
+    plain_ticks(axes.xaxis)
+    axes.set_xlabel(f"exergy ({unit})")
+    ambient = f"what is left of the shaft power, exergy at {ledger['ambient_temperature']:.2f} K"
+    note(figure, title, ambient, f"residue {100.0 * ledger['residue'] / shaft:.1g} %".replace("-", "−"))
+    return figure
+
+
+def _cells(axes: Any, row: float, *texts: str) -> None:
+    """Write texts in columns right of the axes, at the height of a row."""
+    for place, text in zip((1.075, 1.14), texts, strict=True):
+        at = {"xycoords": ("axes fraction", "data"), "ha": "right", "va": "center", "fontsize": SMALL}
+        axes.annotate(text.replace("-", "−"), (place, row), **at)
