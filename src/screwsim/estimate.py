@@ -54,10 +54,12 @@ def close_accurately(solution: Any) -> Accurate:
         watch.lap("estimating")
         if worst(errors)[1] <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
             break
+        before = Snapshot(machinery)
         solution.tighten(TIGHTER)
         tighter = closing.again(solution, closed)
         watch.lap("closing")
         if tighter.status != "ok":
+            before.put_back()
             break
         closed = tighter
     return Accurate(closed, errors, watch.counts["closing"], watch.times["closing"], watch.times["estimating"])
@@ -120,14 +122,26 @@ def _finer_turn(machinery: Any, closed: closing.Closed) -> tuple[int, np.ndarray
     return status, q
 
 
+class Snapshot:
+    """Parameters, run-time cells and the last history of a machinery, to be put back."""
+
+    def __init__(self, machinery: Any) -> None:
+        self.machinery = machinery
+        self.P, self.R = machinery.composition.P.copy(), machinery.R.copy()
+        times, dense, quads, steps = machinery.last()
+        self.history = times[: steps + 1].copy(), dense[:steps].copy(), quads[:steps].copy()
+
+    def put_back(self) -> None:
+        """Leave the machinery as it was."""
+        self.machinery.composition.P[:], self.machinery.R[:] = self.P, self.R
+        self.machinery.restore(*self.history)
+
+
 @contextmanager
 def _borrowed(machinery: Any) -> Iterator[None]:
-    """Leave parameters, run-time cells and the last history of a machinery as they were."""
-    P, R = machinery.composition.P.copy(), machinery.R.copy()
-    times, dense, quads, steps = machinery.last()
-    kept = times[: steps + 1].copy(), dense[:steps].copy(), quads[:steps].copy()
+    """Leave a machinery as it was."""
+    before = Snapshot(machinery)
     try:
         yield
     finally:
-        machinery.composition.P[:], machinery.R[:] = P, R
-        machinery.restore(*kept)
+        before.put_back()

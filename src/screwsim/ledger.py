@@ -310,3 +310,14 @@ def _losses(book: _Book, cycle: Cycle) -> None:
         power = float(part.power(cycle.known))
         kept = float(part.kept(cycle.known)) if part.kept is not None else 0.0
         book.add(name, energy=power, exergy=power - kept)
+
+
+def entropy_residue(book: Figures) -> float | None:
+    """Return the residue of the ledger over the shaft power and all that is destroyed; None without a ledger.
+
+    Given that energy closes, it is the residue of the entropy balance times T_0 (docs/model.md M59).
+    """
+    if not book:
+        return None
+    destroyed = sum(abs(value) for name, value in book.items() if name.startswith("exergy_destroyed_") and value)
+    return abs(book["residue"]) / max(abs(book["shaft_power"]) + destroyed, 1e-300)

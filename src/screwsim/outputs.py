@@ -55,11 +55,12 @@ PERFORMANCE = {
 BALANCE = {
     "mass": Variable("1", "relative residue of the gas mass balance"),
     "energy": Variable("1", "relative residue of the energy balance"),
+    "entropy": Variable("1", "relative residue of the entropy balance: of the ledger, over shaft power and losses"),
     "oil_mass": Variable("1", "relative residue of the oil mass balance (oil.transport: carried)"),
     "oil_residue": Variable(
         "W", "heat taken up by the oil beyond what injected oil carries to discharge (oil.transport: paper)"
     ),
-    "bound": Variable("1", "bound on mass and energy residues"),
+    "bound": Variable("1", "bound on the residues of mass, energy and entropy"),
 }
 
 NUMERICS = {

@@ -105,7 +105,7 @@ def test_gas_between_chambers_cancels():
 
 def exchanged(transport):
     """Return the summed streams between chambers of a coupled solution [kg, J, …] and the mass moved [kg] in a life."""
-    from screwsim.simulate import Solution
+    from screwsim.solution import Solution
 
     scene = make({"operation.speed": "1000 rpm", "oil.transport": transport, "numerics": {"closing": "coupled"}})
     solution = Solution(scene)
@@ -171,7 +171,7 @@ def test_a_scene_leaves_nothing_behind_for_the_next(way, transport):
 @pytest.mark.parametrize("way", ["histories", "coupled"])
 def test_every_scene_is_solved_as_if_it_were_the_first(way):
     from screwsim.model.run import Machinery
-    from screwsim.simulate import Solution, machinery_for
+    from screwsim.solution import Solution, machinery_for
 
     ours, other = (make({"numerics": {"closing": way}, **changes}) for changes in ({}, OTHER_ANGLES))
     simulate(ours)

@@ -4,7 +4,7 @@ import pytest
 from scenes import make, run
 
 from screwsim.build import build_gas
-from screwsim.simulate import Solution
+from screwsim.solution import Solution
 
 GAS = build_gas(make())
 D, C_OIL = 3.0, 2000.0

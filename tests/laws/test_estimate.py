@@ -5,7 +5,7 @@ from scenes import make, run
 
 from screwsim.errors import relative_errors
 from screwsim.estimate import estimated_errors, worst
-from screwsim.simulate import Solution
+from screwsim.solution import Solution
 
 CASES = {
     "fast": {"operation.speed": "5000 rpm"},

@@ -14,7 +14,8 @@ from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.model import ledger as kernels
 from screwsim.model.run import Machinery
 from screwsim.outputs import ledger_entries
-from screwsim.simulate import Solution, simulate
+from screwsim.simulate import simulate
+from screwsim.solution import Solution
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 TRANSPORTS = ("paper", "carried")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scenes import make
 
-from screwsim.simulate import Solution
+from screwsim.solution import Solution
 
 Array = np.ndarray
 # off the knots: there the derivatives of both sides differ

@@ -14,7 +14,7 @@ from typing import Any, cast
 from screwsim.fluid.nozzle import choking
 from screwsim.model.run import Machinery
 from screwsim.scene.types import Scene
-from screwsim.simulate import Solution
+from screwsim.solution import Solution
 
 STATE = """@njit(error_model='numpy')
 def gas_state(T, rho, P, TAB):
