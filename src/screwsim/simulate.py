@@ -117,10 +117,10 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
             f"{shown} against the bound {balance.bound:.2g}, last change {closed.change:.2g}; "
             "try numerics.closing: coupled, or a tighter numerics.accuracy"
         )
-    cycle = solution.cycle() if trace else {}
+    cycle, kept = (solution.cycle(), book) if trace else ({}, Figures())
     warnings = (*_warnings(solution, found), *_inaccurate(scene, accurate.errors))
     errors = accurate.errors
-    return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, book)
+    return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, kept)
 
 
 def warm_up(scene: Scene) -> None:

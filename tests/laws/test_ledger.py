@@ -1,5 +1,6 @@
 """The ledger: shaft power = exergy rises + T_0 Σ entropy generated, every entropy generated is positive."""
 
+import importlib
 from pathlib import Path
 
 import numpy as np
@@ -224,8 +225,11 @@ def test_a_pump_from_a_sump_keeps_what_lifts_the_oil():
 # ---- only where it is wanted -------------------------------------------------------------------------------------
 
 
-def test_without_traces_nothing_is_computed(monkeypatch):
-    scene = make()
+HURRIED = {"numerics": {"error": "none"}}
+
+
+def test_without_traces_and_errors_nothing_is_computed(monkeypatch):
+    scene = make(HURRIED)
     monkeypatch.setattr(Machinery, "account", lambda *_: pytest.fail("the ledger was computed"))
     assert simulate(scene, trace=False).ledger == {}
 
@@ -234,9 +238,22 @@ def test_a_sweep_that_keeps_no_cycle_computes_none(monkeypatch, tmp_path):
     from screwsim.study.sweep import run_sweep
 
     monkeypatch.setattr(Machinery, "account", lambda *_: pytest.fail("the ledger was computed"))
-    scene = make({"sweep": {"operation.speed": ["1000 rpm", "3000 rpm"]}})
+    scene = make({**HURRIED, "sweep": {"operation.speed": ["1000 rpm", "3000 rpm"]}})
     assert run_sweep(scene, tmp_path / "x.h5", jobs=1).ok == 2
     assert len(screwsim.open_results(tmp_path / "x.h5").ledger) == 0
+
+
+def test_the_entropy_balance_is_judged_without_traces_too():
+    whole, figures = run(), simulate(make(), trace=False)
+    assert figures.ledger == {}
+    assert figures.balance.entropy == whole.balance.entropy < figures.balance.bound
+
+
+def test_an_entropy_balance_above_its_bound_is_not_closed(monkeypatch):
+    monkeypatch.setattr(importlib.import_module("screwsim.simulate"), "entropy_residue", lambda book: 4e-4)
+    result = simulate(make())
+    assert result.status == "not_closed"
+    assert "entropy 0.0004 against the bound 0.0003" in result.message
 
 
 def test_a_sweep_that_keeps_the_cycle_keeps_the_ledger(tmp_path):
