@@ -72,11 +72,14 @@ def _angle(rho: Array, outer: float, radii: Array, angles: Array) -> Array:
 
 
 def crossing(pair: Pair, chain: Chain) -> tuple[Array, Array]:
-    """Return (ψ, area [m²]) that has crossed the open blow-hole from the chamber behind; the last one is Δ."""
+    """Return the ramp R between chamber and blow-hole: its ends ψm, ψS [rad], and the area crossed by then [m²].
+
+    The area is exact (what each rotor sweeps at its end on the line H→S), one row a rotor, and sums to Δ; between its
+    ends the ramp is taken as linear.
+    """
     o = opening(pair, chain)
-    male = pair.male_radius**2 - o.rho1**2
-    female = pair.k * (pair.female_radius**2 - o.rho2**2)
-    total = 0.0
-    for levels, psi in ((male, o.psi_male), (female, o.psi_female)):
-        total += 0.5 * float(np.trapezoid(levels, psi))
-    return np.array([o.psi_male[0], o.psi_male[-1]]), np.array([0.0, total])
+    levels = pair.male_radius**2 - o.rho1**2, pair.k * (pair.female_radius**2 - o.rho2**2)
+    crossed = [
+        0.5 * float(np.trapezoid(level, psi)) for level, psi in zip(levels, (o.psi_male, o.psi_female), strict=True)
+    ]
+    return np.array([-pair.beta1, chain.psi[chain.trail]]), np.array([[0.0, area] for area in crossed])

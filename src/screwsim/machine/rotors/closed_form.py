@@ -14,7 +14,7 @@ import numpy as np
 from screwsim.faults import UsageError
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 
-POINTS = 800  # points a segment: areas and volumes are then exact to 1e-6 (the error falls as 1/POINTS²)
+POINTS = 801  # points a segment: areas and volumes are then exact to 1e-6 (the error falls as POINTS⁻²); odd: one on a tip
 Segment = tuple[Array, Array, Array]  # ψ, X, Y
 
 
@@ -111,6 +111,11 @@ def _tip_centre(pair: Pair, r4: float, ux: float) -> float:
 def female_tip(pair: Pair, r4: float, start: float, u: tuple[float, float], points: int) -> Segment:
     """Return the contact of a female tip arc of radius r4 from ψ = start (direction u from P) to the centre line."""
     r2, Re = pair.r2, pair.female_radius - r4
+    if r4 <= pair.dedendum:
+        raise UsageError(
+            f"machine.profile.female_tip_radius: at or below the height of the female lobe, {pair.dedendum * 1e3:.4g} mm, "
+            "the male flank cuts itself (undercut; choose 1.25 times that height, or a smaller female_diameter)"
+        )
     t = _tip_centre(pair, r4, u[0])
     eta_start = math.atan2(t * u[1], r2 - t * u[0])
     eta = eta_start * np.linspace(1.0, 0.0, points) ** 2  # dense at the end: there the direction to P turns fast
@@ -127,7 +132,12 @@ def join(pair: Pair, segments: list[Segment], points: int, lead: int, trail: int
     """
     first, last = float(segments[0][0][0]), float(segments[-1][0][-1])
     flat = pair.pitch - (last - first)
-    root = pair.male_radius - pair.addendum - pair.dedendum
+    if flat < 0.0:
+        raise UsageError(
+            f"machine.profile: the lobe is {-flat * pair.r1 * 1e3:.3g} mm wider than the pitch on the pitch circle "
+            "(choose a smaller flank_radius or pressure_angle, fewer lobes, or a larger centre_distance)"
+        )
+    root = pair.r1 - pair.dedendum
     count = max(points // 8, 2)
     ends = []
     for begin, end in ((first - 0.5 * flat, first), (last, last + 0.5 * flat)):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from screwsim.machine.rotors.pair import Array, Chain, Pair
+from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated
 
 TURN = 2.0 * math.pi
 
@@ -44,7 +44,7 @@ def sealing_line(pair: Pair, chain: Chain, h: float) -> SealingLine:
     rising = np.concatenate([length[chain.trail :] - length[-1], length[1 : chain.lead + 1]])
     back = slice(chain.lead, chain.trail + 1)
     falling = (length[chain.trail] - length[back])[::-1]
-    return SealingLine((psi, rising - rising[0]), (_rising(chain.psi[back][::-1]), falling))
+    return SealingLine(cumulated(psi, rising), cumulated(_rising(chain.psi[back][::-1]), falling))
 
 
 def _rising(psi: Array) -> Array:

@@ -127,6 +127,26 @@ class Chain:
         return float(self.psi[self.edges[0]])
 
 
+def cumulated(psi: Array, total: Array) -> tuple[Array, Array]:
+    """Return (ψ, sum of what lies below it) of a quantity summed along a branch of the chain.
+
+    Where ψ runs back (a rack root with r5 < hf) each monotone piece counts by itself.
+    """
+    way = np.sign(np.diff(psi))
+    turns = np.flatnonzero(way[1:] * way[:-1] < 0.0) + 1
+    if len(turns) == 0:
+        return psi, total - total[0]
+    nodes = np.unique(psi)
+    values = np.zeros(len(nodes))
+    for first, last in zip([0, *turns], [*turns, len(psi) - 1], strict=True):
+        piece, part = psi[first : last + 1], total[first : last + 1]
+        back = piece[-1] < piece[0]
+        if back:
+            piece, part = piece[::-1], part[::-1]
+        values += (-1.0 if back else 1.0) * (np.interp(nodes, piece, part) - part[0])
+    return nodes, values
+
+
 def outline(x: Array, y: Array, lobes: int, turn: float) -> tuple[Array, Array]:
     """Return the closed outline of a rotor [m] from one pitch of points, repeated `lobes` times by `turn` [rad]."""
     angle = turn * np.arange(lobes)[:, None]
