@@ -22,6 +22,7 @@ from screwsim.machine.rotors.pair import Array, Chain, Pair
 POINTS = 4001  # points of the curve, at least
 CORNER = math.radians(40.0)  # points that turn more than this are a corner, not a curve
 CLOSED = 1e-3  # of the centre distance: how far from the root circle a curve may end
+LOOP = 5e-3  # of the centre distance: shorter loops of contact on a rotor are noise of the points and are cut off
 NOISE = 1e-3  # rad: contact that runs back by less, outside the tip, is noise of the points and is straightened
 
 
@@ -139,7 +140,32 @@ def closed(pair: Pair, contact: Segment) -> Chain:
         np.concatenate([np.zeros(count - 1), y, np.zeros(count - 1)]),
     )
     edges = count - 1, count - 2 + len(psi)
-    return Chain(*chain, lead + count - 1, trail + count - 1, edges)
+    return _forward(pair, Chain(*chain, lead + count - 1, trail + count - 1, edges))
+
+
+def _forward(pair: Pair, chain: Chain) -> Chain:
+    """Return the chain without points that run back on a rotor by less than `LOOP`: noise of a tangent, no undercut."""
+    marks = (0, chain.edges[0], chain.lead, chain.trail, chain.edges[1], len(chain.psi) - 1)
+    keep = np.ones(len(chain.psi), dtype=bool)
+    for x, y in (chain.male(), chain.female(pair)):
+        keep &= ~_backward(x.tolist(), y.tolist(), LOOP * pair.centre_distance)
+    keep[list(marks)] = True
+    place = np.cumsum(keep) - 1
+    lead, trail, first, last = (int(place[i]) for i in (chain.lead, chain.trail, *chain.edges))
+    return Chain(chain.psi[keep], chain.x[keep], chain.y[keep], lead, trail, (first, last))
+
+
+def _backward(x: list[float], y: list[float], limit: float) -> Array:
+    """Return which points lie behind the farthest one so far, seen along the last step, and nearer than the limit."""
+    behind = np.zeros(len(x), dtype=bool)
+    px, py, dx, dy = x[0], y[0], 0.0, 0.0
+    for i in range(1, len(x)):
+        sx, sy = x[i] - px, y[i] - py
+        if sx * dx + sy * dy < 0.0 and sx * sx + sy * sy < limit * limit:
+            behind[i] = True
+        else:
+            px, py, dx, dy = x[i], y[i], sx, sy
+    return behind
 
 
 def _reversal(x: Array, y: Array, psi: Array) -> tuple[int, int]:

@@ -7,7 +7,7 @@ The edges of a port are the flanks and tip helices of the chamber at the angle a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ class Uncovered:
     k: float
     male: Flanks
     female: Flanks
+    scale: float  # to A01 + A02, which the flanks at some radii give to 1e-5 only
 
     def area(self, delta: Array) -> Array:
         """Return ∫ρ min(Δ, w_M) dρ + ∫ρ min(kΔ, w_F) dρ [m²]; w are the angular widths of the grooves."""
@@ -34,12 +35,13 @@ class Uncovered:
         ):
             arc = np.clip(ratio * delta[:, None], 0.0, width)
             total = total + np.trapezoid(flanks.radii * arc, flanks.radii, axis=1)
-        return total
+        return self.scale * total
 
 
-def uncovered(pair: Pair, chain: Chain) -> Uncovered:
+def uncovered(pair: Pair, chain: Chain, cut: Sections) -> Uncovered:
     """Return the grooves of a pair for `axial_discharge` and `axial_suction`."""
-    return Uncovered(pair.k, male_flanks(pair, chain), female_flanks(pair, chain))
+    rough = Uncovered(pair.k, male_flanks(pair, chain), female_flanks(pair, chain), 1.0)
+    return replace(rough, scale=cut.grooves / float(rough.area(np.array([TURN]))[0]))
 
 
 def axial_discharge(grooves: Uncovered, cut: Sections, phi: Array, wrap: float, phi_dis: float) -> Array:
@@ -77,7 +79,8 @@ def radial_discharge(pair: Pair, chain: Chain, phi: Array, wrap: float, h: float
 def radial_suction(pair: Pair, chain: Chain, phi: Array, wrap: float, h: float, phi_close: float) -> tuple[Array, Array]:
     """Return the open areas [m²] of the suction port on the male and the female bore.
 
-    The port lies behind the chamber's trailing tip as it stands at φ_close, from the suction cusp on.
+    The port lies behind the chamber's trailing tip as it stands at φ_close, from the suction cusp on. (The female groove
+    is the one that is compressed: it passes the suction cusp before the chamber's own life begins, see `curves`.)
     """
     areas = []
     for tip, width, radius in _tips(pair, chain, h):
