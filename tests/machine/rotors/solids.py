@@ -67,17 +67,21 @@ class Solids:
         labels = ndimage.label(self.free(psi))[0]
         pair, own = self.pair, psi - lobe * self.pair.pitch
         tip = -np.linspace(0.02, 0.12, 40)  # male frame, ahead of the tip
-        seeds = [(r * np.cos(a - own), r * np.sin(a - own)) for a in tip for r in pair.male_radius - STEP * np.arange(1, 9)]
+        seeds = [
+            (r * np.cos(a - own), r * np.sin(a - own)) for a in tip for r in pair.male_radius - STEP * np.arange(1, 9)
+        ]
         bottom = pair.centre_distance - pair.male_radius + 3 * STEP
         eta = -pair.k * own
         seeds.append((pair.centre_distance - bottom * np.cos(eta), bottom * np.sin(eta)))
         found = set()
         for x, y in seeds:
-            found.add(int(labels[self._row(y), self._column(x)]))
+            found.add(int(labels[self.row(y), self.column(x)]))
         return np.isin(labels, sorted(found - {0}))
 
-    def _row(self, y):
-        return int(round((y - self.y[0, 0]) / STEP))
+    def row(self, y):
+        """Return the row of the pixels at y [m]."""
+        return np.rint((y - self.y[0, 0]) / STEP).astype(int)
 
-    def _column(self, x):
-        return int(round((x - self.x[0, 0]) / STEP))
+    def column(self, x):
+        """Return the column of the pixels at x [m]."""
+        return np.rint((x - self.x[0, 0]) / STEP).astype(int)

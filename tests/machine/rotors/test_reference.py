@@ -173,7 +173,9 @@ def test_circles_without_tips_give_the_lens():
     pair = Pair(4, 6, 80 * MM, 50 * MM, 48 * MM)
     chain: Chain = closed_form.circular(pair, 1e-9)
     r, R = 18.0, 48.0
-    lens = r**2 * math.acos(r / (2 * R)) + R**2 * math.acos(1 - r**2 / (2 * R**2)) - 0.5 * r * math.sqrt(4 * R**2 - r**2)
+    lens = (
+        r**2 * math.acos(r / (2 * R)) + R**2 * math.acos(1 - r**2 / (2 * R**2)) - 0.5 * r * math.sqrt(4 * R**2 - r**2)
+    )
     assert lens == pytest.approx(468.2940, abs=5e-5)
     assert sections(pair, chain).female_groove / MM**2 == pytest.approx(lens, rel=2e-6)
 

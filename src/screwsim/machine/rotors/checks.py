@@ -24,7 +24,9 @@ def check_pair(pair: Pair) -> list[Fault]:
     """Return the faults of the main dimensions, before any profile."""
     A, R1, R2 = pair.centre_distance, pair.male_radius, pair.female_radius
     if R1 + R2 <= A:
-        return [Fault(f"{PATH}.centre_distance", "lies beyond both radii: the rotors do not mesh (choose a smaller one)")]
+        return [
+            Fault(f"{PATH}.centre_distance", "lies beyond both radii: the rotors do not mesh (choose a smaller one)")
+        ]
     if pair.addendum <= 0.0 or pair.dedendum < 0.0:
         return [Fault(f"{PATH}.centre_distance", "puts a tip inside its pitch circle (choose a smaller one)")]
     if R1 >= A or R2 >= A:
@@ -41,7 +43,9 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True) -> list[F
     ):
         if reversals(*curve):
             faults.append(
-                Fault(PATH, f"the {name} flank turns back: undercut (choose a larger female_tip_radius, 1.25 hf is safe)")
+                Fault(
+                    PATH, f"the {name} flank turns back: undercut (choose a larger female_tip_radius, 1.25 hf is safe)"
+                )
             )
         elif crosses_itself(*curve, turn):
             faults.append(Fault(PATH, f"the {name} profile crosses itself (choose larger tip radii or fewer lobes)"))
@@ -52,7 +56,9 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True) -> list[F
         depth = mesh(pair, chain)[1]
         if depth > DEEP * pair.centre_distance:
             faults.append(
-                Fault(PATH, f"the rotors cut into each other by {depth * 1e3:.3g} mm (choose a smaller male_tip_radius)")
+                Fault(
+                    PATH, f"the rotors cut into each other by {depth * 1e3:.3g} mm (choose a smaller male_tip_radius)"
+                )
             )
     return faults
 
@@ -111,12 +117,12 @@ def _thin(pair: Pair, chain: Chain) -> list[Fault]:
 
 def mesh(pair: Pair, chain: Chain, angles: int = 12) -> tuple[float, float]:
     """Return the largest gap and the deepest interference [m] of the polygons at angles over one pitch."""
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     (mx, my), (fx, fy) = outlines(pair, chain)
     near = pair.centre_distance - pair.female_radius
     female = np.column_stack([fx, fy])
-    tree, gap, depth = cKDTree(female), -math.inf, -math.inf
+    tree, gap, depth = KDTree(female), -math.inf, -math.inf
     for psi in chain.psi[0] + pair.pitch * (np.arange(angles) + 0.5) / angles:
         c, s = math.cos(psi), math.sin(psi)
         x, y = c * mx + s * my, c * my - s * mx

@@ -14,7 +14,9 @@ import numpy as np
 from screwsim.faults import UsageError
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 
-POINTS = 801  # points a segment: areas and volumes are then exact to 1e-6 (the error falls as POINTS⁻²); odd: one on a tip
+POINTS = (
+    801  # points a segment: areas and volumes are then exact to 1e-6 (the error falls as POINTS⁻²); odd: one on a tip
+)
 Segment = tuple[Array, Array, Array]  # ψ, X, Y
 
 
@@ -25,7 +27,7 @@ def circular(pair: Pair, r4: float, points: int = POINTS) -> Chain:
     ux = (T * T + r2 * r2 - Re * Re) / (2.0 * r2 * T)
     if abs(ux) >= 1.0:
         raise UsageError(
-            "machine.profile: the male arc and the female tip do not touch (choose a smaller female_tip_radius)"
+            "machine.profile: the male arc and the female tip do not touch (choose a smaller female_diameter)"
         )
     end = math.acos(ux)
     a = np.linspace(-end, end, points)
@@ -35,9 +37,7 @@ def circular(pair: Pair, r4: float, points: int = POINTS) -> Chain:
     return join(pair, [leading, arc, trailing], points, lead=1, trail=2)
 
 
-def rack(
-    pair: Pair, r3: float, r4: float, rho: float, alpha: float, r5: float, points: int = POINTS
-) -> Chain:
+def rack(pair: Pair, r3: float, r4: float, rho: float, alpha: float, r5: float, points: int = POINTS) -> Chain:
     """Return the asymmetric profile: leading flank from a rack (arc r5, line at angle alpha, arc rho), trailing tips.
 
     r3, r4: radii of the male and of the female tip on the trailing side.
@@ -85,7 +85,6 @@ def _on_rack(pair: Pair, x: Array, y: Array, slope: Array) -> Segment:
 
 def _contact_of_tips(pair: Pair, r3: float, r4: float) -> float:
     """Return θ*: the male angle at which both tip arcs touch on one line with the pitch point [rad] (bisection)."""
-    from scipy.optimize import brentq
 
     def gap(theta: float) -> float:
         cx = (pair.male_radius - r3) * math.cos(theta) - pair.r1
@@ -99,7 +98,10 @@ def _contact_of_tips(pair: Pair, r3: float, r4: float) -> float:
             "machine.profile: the male and the female tip never touch (choose smaller tip radii, "
             "or a larger female_diameter)"
         )
-    return float(brentq(gap, low, high, xtol=1e-14, rtol=1e-14))
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if gap(low) * gap(middle) > 0.0 else (low, middle)
+    return 0.5 * (low + high)
 
 
 def _tip_centre(pair: Pair, r4: float, ux: float) -> float:
@@ -113,8 +115,8 @@ def female_tip(pair: Pair, r4: float, start: float, u: tuple[float, float], poin
     r2, Re = pair.r2, pair.female_radius - r4
     if r4 <= pair.dedendum:
         raise UsageError(
-            f"machine.profile.female_tip_radius: at or below the height of the female lobe, {pair.dedendum * 1e3:.4g} mm, "
-            "the male flank cuts itself (undercut; choose 1.25 times that height, or a smaller female_diameter)"
+            f"machine.profile.female_tip_radius: not above the female lobe's height of {pair.dedendum * 1e3:.4g} mm: "
+            "undercut of the male flank (choose 1.25 times that height, or a smaller female_diameter)"
         )
     t = _tip_centre(pair, r4, u[0])
     eta_start = math.atan2(t * u[1], r2 - t * u[0])

@@ -32,18 +32,26 @@ class Contacts:
 
 
 def contacts(pair: Pair, chain: Chain, radii: Array, outer: float) -> Contacts:
-    """Return the contacts of one rotor, given the radii of its contact points and its outer radius."""
+    """Return the contacts of one rotor, given the radii of its contact points and its outer radius.
+
+    Past S' the whole flank ahead of the lobe is on the suction side, and so is the one behind past the male tip.
+    """
     first, last = chain.edges
-    start = np.array([-pair.beta1])
-    back = slice(chain.lead, chain.trail + 1)
-    lead = np.maximum.accumulate(chain.psi[first : chain.lead + 1]), radii[first : chain.lead + 1]
-    top = np.array([outer])
-    trail = (
-        np.concatenate([start, chain.psi[chain.trail : last + 1]]),
-        np.concatenate([top, radii[chain.trail : last + 1]]),
+    past = np.array([1e-9])
+    start, top, end = np.array([-pair.beta1]), np.array([outer]), radii[[chain.tip]]
+    lead, tip = slice(first, chain.lead + 1), slice(chain.tip, chain.trail + 1)
+    trail = slice(chain.trail, last + 1)
+    return Contacts(
+        (
+            np.concatenate([np.maximum.accumulate(chain.psi[lead]) - past, chain.psi[[chain.lead]]]),
+            np.concatenate([radii[lead], end]),
+        ),
+        (
+            np.concatenate([start, chain.psi[tip][::-1] - past, chain.psi[[chain.tip]]]),
+            np.concatenate([top, radii[tip][::-1], end]),
+        ),
+        (np.concatenate([start, chain.psi[trail]]), np.concatenate([top, radii[trail]])),
     )
-    tip = np.concatenate([start, chain.psi[back][::-1]]), np.concatenate([top, radii[back][::-1]])
-    return Contacts(lead, tip, trail)
 
 
 def male_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
@@ -98,4 +106,3 @@ def face_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
         for offset, length in part.items():
             total[offset] = total.get(offset, np.zeros_like(length)) + length
     return dict(sorted(total.items()))
-

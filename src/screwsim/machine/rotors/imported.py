@@ -3,7 +3,7 @@
 The common normal at a contact passes through the pitch point: for a male point p with unit tangent t,
 ψ = ang(t) − acos(p·t/r1); for a rack point (x, y), Y = −x dx/dy, ψ = (y − Y)/r1 (Litvin & Fuentes 2004, ch. 6).
 Smoothing: the tangent's angle is averaged over the length `smoothing` of the curve; the points stay. (What noise of
-points spoils is the tangent; a smoothing spline would overshoot where the curvature jumps.) Lengths in m, angles in rad.
+points spoils is the tangent; a smoothing spline would overshoot where the curvature jumps.) Lengths: m; angles: rad.
 """
 
 from __future__ import annotations
@@ -106,7 +106,10 @@ def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
 
 
 def from_rack(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
-    """Return the chain of a rack: x above the pitch line, y along it [m], y growing, y = 0 on the centre line at ψ = 0."""
+    """Return the chain of a rack: x above the pitch line, y along it [m], y growing.
+
+    y = 0 lies on the centre line at ψ = 0.
+    """
     x, y, angle = _curve(x, y, smoothing)
     tx, ty = np.cos(angle), np.sin(angle)
     if np.min(ty) <= 0.0:

@@ -49,7 +49,7 @@ def sealing_line(pair: Pair, chain: Chain, h: float) -> SealingLine:
 
 def _rising(psi: Array) -> Array:
     """Return ψ such that it rises: of the symmetric profile all points of the branch meet at once, at ψ = 0."""
-    return psi + 1e-9 * np.arange(len(psi)) if psi[-1] - psi[0] < 1e-6 else psi
+    return psi - 1e-9 * np.arange(len(psi))[::-1] if psi[-1] - psi[0] < 1e-6 else psi
 
 
 @dataclass(frozen=True)

@@ -78,9 +78,9 @@ class Pair:
 class Chain:
     """Contact points in the frame, in order over one pitch: leading root → tip → trailing root of male lobe 0.
 
-    psi [rad], x, y [m]: arrays. `lead` and `trail` are the indices of S' (local maximum of ψ, where contact on the
-    leading flank ends) and S (local minimum, where contact on the trailing flank begins); `edges` those where the flat
-    (female land on male root) ends and begins; `joints` those of the ends of segments. ψ ends one pitch above its beginning, at the same place.
+    psi [rad], x, y [m]: arrays; ψ ends one pitch above its beginning, at the same place. Indices: `lead` of S' (local
+    maximum of ψ, where contact on the leading flank ends), `trail` of S (local minimum, where contact on the trailing
+    flank begins), `edges` where the flat (female land on male root) ends and begins, `joints` of the ends of segments.
     """
 
     psi: Array

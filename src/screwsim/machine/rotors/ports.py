@@ -62,7 +62,9 @@ def _half_square(x: Array, top: float) -> Array:
     return 0.5 * np.clip(x, 0.0, max(top, 0.0)) ** 2
 
 
-def radial_discharge(pair: Pair, chain: Chain, phi: Array, wrap: float, h: float, phi_dis: float) -> tuple[Array, Array]:
+def radial_discharge(
+    pair: Pair, chain: Chain, phi: Array, wrap: float, h: float, phi_dis: float
+) -> tuple[Array, Array]:
     """Return the open areas [m²] of the discharge port on the male and the female bore.
 
     The port lies ahead of the chamber's leading tip as it stands at φ_dis, up to cusp and end face.
@@ -76,11 +78,13 @@ def radial_discharge(pair: Pair, chain: Chain, phi: Array, wrap: float, h: float
     return areas[0], areas[1]
 
 
-def radial_suction(pair: Pair, chain: Chain, phi: Array, wrap: float, h: float, phi_close: float) -> tuple[Array, Array]:
+def radial_suction(
+    pair: Pair, chain: Chain, phi: Array, wrap: float, h: float, phi_close: float
+) -> tuple[Array, Array]:
     """Return the open areas [m²] of the suction port on the male and the female bore.
 
-    The port lies behind the chamber's trailing tip as it stands at φ_close, from the suction cusp on. (The female groove
-    is the one that is compressed: it passes the suction cusp before the chamber's own life begins, see `curves`.)
+    The port lies behind the chamber's trailing tip as it stands at φ_close, from the suction cusp on. The female
+    groove is the one that is compressed: it passes the suction cusp before the chamber's own life begins (`curves`).
     """
     areas = []
     for tip, width, radius in _tips(pair, chain, h):

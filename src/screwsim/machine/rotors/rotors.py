@@ -112,12 +112,12 @@ class Rotors:
         angle, largest = self.largest
         D = 2.0 * pair.male_radius
         return {
-            "male_groove_area": (cut.male_groove, "m^2", "A01, of one male groove"),
-            "female_groove_area": (cut.female_groove, "m^2", "A02, of one female groove"),
+            "male_groove_area": (cut.male_groove, "m^2", "of one male groove (A01)"),
+            "female_groove_area": (cut.female_groove, "m^2", "of one female groove (A02)"),
             "area_coefficient": (cut.grooves * pair.male_lobes / D**2, "1", "Cn = (A01 + A02) z1/D²"),
             "wrap_coefficient": (largest / (self.length * cut.grooves), "1", "Cφ = V_max/(L (A01 + A02))"),
             "largest_volume": (largest, "m^3", "V_max of one chamber"),
-            "displacement": (largest * pair.male_lobes, "m^3", "V_max z1, a male revolution"),
+            "displacement": (largest * pair.male_lobes, "m^3", "V_max z1 of one male revolution"),
             "angle_of_largest_volume": (angle - self.start, "rad", "of a chamber's life"),
             "life": (self.life, "rad", "of a chamber"),
             "male_share": (cut.male_share, "1", "share of the male rotor in the displacement work"),

@@ -44,7 +44,10 @@ class Ports:
 
     volume_ratio: float = number("built-in volume ratio: largest chamber volume over that at phi_dis", gt=1.0)
     suction_closes: float | None = quantity(
-        "angle", "angle of a chamber's life at which suction closes (default: where its volume is largest)", None, gt=0.0
+        "angle",
+        "angle of a chamber's life at which suction closes (default: where its volume is largest)",
+        None,
+        gt=0.0,
     )
 
 
