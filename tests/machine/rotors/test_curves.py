@@ -74,9 +74,9 @@ def test_offsets_are_those_of_the_interfaces(curves):
 
 
 def test_whole_lobes_separate_neighbours_on_the_end_face(pairs):
-    """Before the mesh at the discharge face (ψ = −130°) both lobes do so with their whole heights."""
+    """Before the mesh at the discharge face (ψ = −145°) both lobes do so with their whole heights."""
     for rotors in pairs.values():
-        lengths = face_lengths(rotors.pair, rotors.chain, np.array([math.radians(-130.0)]))
+        lengths = face_lengths(rotors.pair, rotors.chain, np.array([math.radians(-145.0)]))
         pair = rotors.pair
         heights = 2.0 * (pair.male_radius + pair.female_radius - pair.centre_distance)
         assert lengths.pop(1)[0] == pytest.approx(heights, rel=1e-6)
