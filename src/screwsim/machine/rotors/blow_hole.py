@@ -33,9 +33,13 @@ class Opening:
 
     def area_at(self, phi: Array, wrap: float, h: float) -> Array:
         """Return the area of the part that lies between the end faces [m²], for ψ ∈ [φ − τ, φ]."""
-        low = np.maximum(self.psi_male, phi[:, None] - wrap)
-        high = np.minimum(self.psi_female, phi[:, None])
-        return h * np.trapezoid(np.maximum(high - low, 0.0), self.s, axis=1)
+        first, last = self.psi_male.min(), self.psi_female.max()
+        area = np.where((phi >= last) & (phi - wrap <= first), self.area(h), 0.0)
+        part = ((phi > first) & (phi < last)) | ((phi - wrap > first) & (phi - wrap < last))
+        low = np.maximum(self.psi_male, phi[part, None] - wrap)
+        high = np.minimum(self.psi_female, phi[part, None])
+        area[part] = h * np.trapezoid(np.maximum(high - low, 0.0), self.s, axis=1)
+        return area
 
 
 def mirrored(chain: Chain) -> Chain:

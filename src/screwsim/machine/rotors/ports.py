@@ -33,8 +33,11 @@ class Uncovered:
             (self.male, self.male.outer, 1.0),
             (self.female, self.female.inner, self.k),
         ):
-            arc = np.clip(ratio * delta[:, None], 0.0, width)
-            total = total + np.trapezoid(flanks.radii * arc, flanks.radii, axis=1)
+            reach = np.clip(ratio * delta, 0.0, width.max())
+            part = (reach > 0.0) & (reach < width.max())
+            arc = np.minimum(reach[part, None], width)
+            total += np.where(reach > 0.0, float(np.trapezoid(flanks.radii * width, flanks.radii)), 0.0)
+            total[part] += np.trapezoid(flanks.radii * (arc - width), flanks.radii, axis=1)
         return self.scale * total
 
 
