@@ -1,0 +1,165 @@
+"""Is a pair of rotors possible? Undercut, self-intersection, thin lobes, interference; each with its remedy.
+
+The checks look at the polygons of both rotors only, so that they are independent of how the chain was made.
+Lengths in m, angles in rad.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from screwsim.faults import Fault
+from screwsim.machine.rotors.flanks import female_flanks, male_flanks
+from screwsim.machine.rotors.pair import Array, Chain, Pair, outline, outlines
+
+PATH = "machine.profile"
+THIN = 0.01  # of the centre distance: thinner lobes are refused
+SEEN = 2e-4  # of the outer radius: length of the steps along a curve (10 µm at 50 mm)
+DEEP = 1e-4  # of the centre distance: deeper interference is refused (8 µm at 80 mm; closed forms: 1e-7)
+
+
+def check_pair(pair: Pair) -> list[Fault]:
+    """Return the faults of the main dimensions, before any profile."""
+    A, R1, R2 = pair.centre_distance, pair.male_radius, pair.female_radius
+    if R1 + R2 <= A:
+        return [
+            Fault(f"{PATH}.centre_distance", "lies beyond both radii: the rotors do not mesh (choose a smaller one)")
+        ]
+    if pair.addendum <= 0.0 or pair.dedendum < 0.0:
+        return [Fault(f"{PATH}.centre_distance", "puts a tip inside its pitch circle (choose a smaller one)")]
+    if R1 >= A or R2 >= A:
+        return [Fault(f"{PATH}.centre_distance", "lies inside a rotor: no shaft is left (choose a larger one)")]
+    return []
+
+
+def check_profile(pair: Pair, chain: Chain, interference: bool = True) -> list[Fault]:
+    """Return the faults of the rotors: undercut, self-intersection, thin lobes and, if asked, interference."""
+    faults = []
+    for name, curve, turn in (
+        ("male", chain.male(), pair.pitch),
+        ("female", chain.female(pair), -2.0 * math.pi / pair.female_lobes),
+    ):
+        if reversals(*curve):
+            faults.append(
+                Fault(
+                    PATH, f"the {name} flank turns back: undercut (choose a larger female_tip_radius, 1.25 hf is safe)"
+                )
+            )
+        elif crosses_itself(*curve, turn):
+            faults.append(Fault(PATH, f"the {name} profile crosses itself (choose larger tip radii or fewer lobes)"))
+    if faults:
+        return faults  # what follows would only repeat them
+    faults = _thin(pair, chain)
+    if interference:
+        depth = mesh(pair, chain)[1]
+        if depth > DEEP * pair.centre_distance:
+            faults.append(
+                Fault(
+                    PATH, f"the rotors cut into each other by {depth * 1e3:.3g} mm (choose a smaller male_tip_radius)"
+                )
+            )
+    return faults
+
+
+def reversals(x: Array, y: Array) -> int:
+    """Return how often a curve turns by more than a right angle; loops shorter than `SEEN` are not seen."""
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+    first = np.unique((way / (SEEN * np.hypot(x, y).max())).astype(int), return_index=True)[1]
+    dx, dy = np.diff(x[first]), np.diff(y[first])
+    return int(np.count_nonzero(dx[1:] * dx[:-1] + dy[1:] * dy[:-1] < 0.0))
+
+
+def crosses_itself(x: Array, y: Array, turn: float, points: int = 250) -> bool:
+    """Return whether the outline of a pitch crosses itself or its neighbours."""
+    stride = max(len(x) // points, 1)
+    px, py = np.append(x[:-1:stride], x[-1]), np.append(y[:-1:stride], y[-1])
+    ax, ay = outline(px, py, 2, turn)  # this pitch and the next
+    p, q = np.column_stack([ax, ay]), np.column_stack([np.append(ax[1:], np.nan), np.append(ay[1:], np.nan)])
+    p, q = p[:-1], q[:-1]
+    d = q - p
+    a = p[None, :, :] - p[:, None, :]
+    cross = d[:, None, 0] * d[None, :, 1] - d[:, None, 1] * d[None, :, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        s = (a[..., 0] * d[None, :, 1] - a[..., 1] * d[None, :, 0]) / cross
+        t = (a[..., 0] * d[:, None, 1] - a[..., 1] * d[:, None, 0]) / cross
+    i = np.arange(len(p))
+    apart = np.abs(i[:, None] - i[None, :]) > 1
+    return bool(np.any(apart & (s > 1e-9) & (s < 1.0 - 1e-9) & (t > 1e-9) & (t < 1.0 - 1e-9)))
+
+
+def lobe_thickness(pair: Pair, chain: Chain) -> tuple[float, float]:
+    """Return the least thickness [m] of the male lobe below nine tenths of its height, and of the female lobe."""
+    male, female = male_flanks(pair, chain), female_flanks(pair, chain)
+    body = male.radii < male.radii[-1] - 0.1 * (male.radii[-1] - male.radii[0])
+    land = pair.k * (pair.pitch - chain.land_start + chain.land_end) * pair.female_radius
+    return float(np.min((male.radii * male.inner)[body])), min(float(np.min(female.radii * female.outer)), land)
+
+
+def _thin(pair: Pair, chain: Chain) -> list[Fault]:
+    least = THIN * pair.centre_distance
+    return [
+        Fault(
+            PATH,
+            f"the {name} lobe is only {thickness * 1e3:.3g} mm thick, less than {least * 1e3:.3g} mm "
+            f"(choose {remedy} or fewer lobes)",
+        )
+        for name, thickness, remedy in zip(
+            ("male", "female"),
+            lobe_thickness(pair, chain),
+            ("a larger flank_radius", "a smaller flank_radius or pressure_angle"),
+            strict=True,
+        )
+        if thickness < least
+    ]
+
+
+def mesh(pair: Pair, chain: Chain, angles: int = 12) -> tuple[float, float]:
+    """Return the largest gap and the deepest interference [m] of the polygons at angles over one pitch."""
+    from scipy.spatial import KDTree
+
+    (mx, my), (fx, fy) = outlines(pair, chain)
+    near = pair.centre_distance - pair.female_radius
+    female = np.column_stack([fx, fy])
+    tree, gap, depth = KDTree(female), -math.inf, -math.inf
+    for psi in chain.psi[0] + pair.pitch * (np.arange(angles) + 0.5) / angles:
+        c, s = math.cos(psi), math.sin(psi)
+        x, y = c * mx + s * my, c * my - s * mx
+        close = x > near - 1e-3 * pair.centre_distance
+        x, y = x[close] - pair.centre_distance, y[close]
+        c, s = math.cos(pair.k * psi), math.sin(pair.k * psi)
+        distance = _signed(np.column_stack([c * x + s * y, c * y - s * x]), female, tree)
+        gap, depth = max(gap, float(distance.min())), max(depth, float(-distance.min()))
+    return max(gap, 0.0), max(depth, 0.0)
+
+
+def inside(points: Array, polygon: Array) -> Array:
+    """Return which points lie inside a polygon (crossings of a ray)."""
+    x, y = points[:, :1], points[:, 1:]
+    ax, ay = polygon[:, 0], polygon[:, 1]
+    bx, by = np.roll(ax, -1), np.roll(ay, -1)
+    spans = (ay <= y) != (by <= y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        right = ax + (y - ay) * (bx - ax) / (by - ay) > x
+    return np.count_nonzero(spans & right, axis=1) % 2 == 1
+
+
+def _signed(points: Array, polygon: Array, tree) -> Array:
+    """Return the distances of points from a clockwise polygon [m]: negative inside; exact near it."""
+    i = tree.query(points)[1]
+    best = np.full(len(points), np.inf)
+    for first, second in ((i - 1, i), (i, (i + 1) % len(polygon))):
+        p, d = polygon[first], polygon[second] - polygon[first]
+        length = np.hypot(d[:, 0], d[:, 1])
+        r = points - p
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = np.clip((r * d).sum(axis=1) / length**2, 0.0, 1.0)
+        r = r - np.where(np.isfinite(t), t, 0.0)[:, None] * d
+        left = d[:, 0] * r[:, 1] - d[:, 1] * r[:, 0]  # a clockwise polygon lies on the right of its sides
+        value = np.hypot(r[:, 0], r[:, 1]) * np.where(left >= 0.0, 1.0, -1.0)
+        best = np.where((np.abs(value) < np.abs(best)) & (length > 0.0), value, best)
+    doubtful = np.flatnonzero(best < -1e-6 * np.abs(polygon).max())  # at sharp corners the side's sign may err
+    doubtful = doubtful[np.argsort(best[doubtful])][:40]
+    best[doubtful] = np.where(inside(points[doubtful], polygon), best[doubtful], -best[doubtful])
+    return best

@@ -1,0 +1,173 @@
+"""All curves of a machine over a chamber's own angle, as tables for `numerics.spline.pack_curve`.
+
+Angles count from the beginning of a chamber's life (0) to its end (`Rotors.life`, not forced to 720°). A leakage
+curve belongs to the interface of a chamber with the one `offset` lobe pitches behind it: `angle` is the leading
+chamber's; `behind` is the same table over the trailing chamber's angle, as the effects ask for it. Units SI.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from screwsim.machine.rotors import end_face, ports
+from screwsim.machine.rotors.leakage import female_tip, male_tip, sealing_line
+from screwsim.machine.rotors.pair import Array
+from screwsim.machine.rotors.rotors import Rotors
+from screwsim.machine.rotors.sections import TURN
+
+STEP = np.radians(0.5)  # of the tables, between knots
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A table: angle [rad], value in `unit`, and the angles [rad] at which its slope may jump."""
+
+    angle: Array
+    value: Array
+    unit: str
+    knots: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """A leakage path: from a chamber to the one `offset` pitches behind; m: length for a clearance, m^2: area."""
+
+    name: str
+    offset: int
+    pitch: float
+    curve: Curve
+
+    @property
+    def behind(self) -> Curve:
+        """The curve over the trailing chamber's angle (negative where that one is not yet born)."""
+        shift, c = self.offset * self.pitch, self.curve
+        return Curve(c.angle - shift, c.value, c.unit, tuple(knot - shift for knot in c.knots))
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Everything by angle: volume and what it drives, ports, leakage paths."""
+
+    life: float
+    chambers: int
+    volume: Curve
+    volume_slope: Curve
+    male_slope: Curve
+    suction: dict[str, Curve]
+    discharge: dict[str, Curve]
+    paths: tuple[Path, ...]
+    suction_closes: float
+    discharge_opens: float
+
+
+def _grid(rotors: Rotors, knots: list[float]) -> tuple[Array, tuple[float, ...]]:
+    """Return angles φ over the life with all knots that lie in it [rad], and these knots as own angles."""
+    start, end = rotors.start, rotors.wrap
+    inside = np.array(sorted({round(k, 12) for k in knots if start + 1e-9 < k < end - 1e-9}))
+    count = round((end - start) / STEP)
+    grid = np.linspace(start, end, count + 1)
+    near = np.min(np.abs(grid[:, None] - inside), axis=1) > 0.1 * STEP if len(inside) else np.ones(len(grid), bool)
+    near[[0, -1]] = True
+    phi = np.sort(np.concatenate([grid[near], inside]))
+    return phi, tuple(inside - start)
+
+
+def _curve(rotors: Rotors, knots: list[float], unit: str, function) -> Curve:
+    phi, kept = _grid(rotors, knots)
+    return Curve(phi - rotors.start, function(phi), unit, (0.0, *kept, rotors.life))
+
+
+def section_knots(rotors: Rotors) -> list[float]:
+    """Return the angles ψ at which the slope of the section area jumps [rad]."""
+    chain, pair = rotors.chain, rotors.pair
+    p, S, lead = pair.pitch, float(chain.psi[chain.trail]), float(chain.psi[chain.lead])
+    joints = [float(chain.psi[j]) for j in (chain.edges[0], chain.edges[1])]
+    mesh = [S - p, joints[1] - p, joints[0], lead]
+    return [*(m - TURN for m in mesh), *mesh, -pair.beta1 - p, -pair.beta1, S]
+
+
+def _both_ends(rotors: Rotors, psi: list[float]) -> list[float]:
+    return [*psi, *(x + rotors.wrap for x in psi)]
+
+
+def _volume_curves(rotors: Rotors) -> tuple[Curve, Curve, Curve]:
+    knots = _both_ends(rotors, section_knots(rotors))
+    cut, wrap, length = rotors.sections, rotors.wrap, rotors.length
+    return (
+        _curve(rotors, knots, "m^3", rotors.volume),
+        _curve(rotors, knots, "m^3/rad", rotors.volume_slope),
+        _curve(rotors, knots, "m^3/rad", lambda phi: cut.male_slope(phi, wrap, length)),
+    )
+
+
+def _suction_curves(rotors: Rotors, closes: float) -> dict[str, Curve]:
+    pair, chain, h = rotors.pair, rotors.chain, rotors.h
+    knots = [closes, closes - pair.pitch, -TURN + pair.beta1]
+    grooves = ports.uncovered(pair, chain, rotors.sections)
+    phi, cut = _grid(rotors, knots)[0], rotors.sections
+    middle = 0.5 * (cut.psi[0] + cut.psi[-1])
+    gained = np.where(phi < middle, cut.area_at(phi) / cut.grooves, 1.0)  # a chamber is born shut, whatever its grooves
+    one, two = ports.radial_suction(pair, chain, phi, rotors.wrap, h, closes)
+    parts = {"axial": ports.axial_suction(grooves, cut, phi, closes), "radial": gained * (one + two)}
+    return {name: _curve(rotors, knots, "m^2", lambda _, area=area: area) for name, area in parts.items()}
+
+
+def _discharge_curves(rotors: Rotors, opens: float) -> dict[str, Curve]:
+    pair, chain, h = rotors.pair, rotors.chain, rotors.h
+    knots = [opens, opens + pair.pitch, rotors.wrap - pair.beta1 - pair.pitch, rotors.wrap - pair.beta1]
+    grooves = ports.uncovered(pair, chain, rotors.sections)
+    phi = _grid(rotors, knots)[0]
+    one, two = ports.radial_discharge(pair, chain, phi, rotors.wrap, h, opens)
+    axial = ports.axial_discharge(grooves, rotors.sections, phi, rotors.wrap, opens)
+    parts = {"axial": axial, "radial": one + two}
+    return {name: _curve(rotors, knots, "m^2", lambda _, area=area: area) for name, area in parts.items()}
+
+
+def _paths(rotors: Rotors) -> tuple[Path, ...]:
+    pair, chain, h, wrap = rotors.pair, rotors.chain, rotors.h, rotors.wrap
+    z1, S, p = pair.male_lobes, float(chain.psi[chain.trail]), pair.pitch
+    line, tips = sealing_line(pair, chain, h), (male_tip(pair, h), female_tip(pair, chain, h))
+    contact = _both_ends(rotors, [S - p, S, float(chain.psi[chain.lead])])
+    hole, back = rotors.blow_hole, rotors.suction_blow_hole
+    angles = [float(x) for x in (hole.psi_male[0], S, hole.psi_female[0])]
+    early = [-TURN - float(x) for x in (back.psi_male[0], back.psi_male[-1], back.psi_female[0])]
+    face = _both_ends(rotors, [*section_knots(rotors), S - p, S])
+    lengths = end_face.face_lengths(pair, chain, _grid(rotors, face)[0] - wrap)
+    made = [
+        ("sealing_line", z1, contact, "m", lambda phi: line.lengths_at(phi, wrap)[0]),
+        ("sealing_line_over_tip", z1 + 1, contact, "m", lambda phi: line.lengths_at(phi, wrap)[1]),
+        *(
+            (f"{name}_tip", 1, _both_ends(rotors, [tip.start, tip.end]), "m", lambda phi, t=tip: t.length_at(phi, wrap))
+            for name, tip in zip(("male", "female"), tips, strict=True)
+        ),
+        ("blow_hole", 1, _both_ends(rotors, angles), "m^2", lambda phi: hole.area_at(phi, wrap, h)),
+        (
+            "suction_blow_hole",
+            1,
+            _both_ends(rotors, early),
+            "m^2",
+            lambda phi: back.area_at(wrap - phi - TURN, wrap, h),
+        ),
+        *((f"end_face_{offset}", offset, face, "m", lambda _, v=value: v) for offset, value in lengths.items()),
+    ]
+    return tuple(
+        Path(name, offset, p, _curve(rotors, knots, unit, function)) for name, offset, knots, unit, function in made
+    )
+
+
+def make_curves(rotors: Rotors, volume_ratio: float, suction_closes: float | None = None) -> Curves:
+    """Return all curves; suction closes at an own angle [rad], by default where the volume is largest."""
+    closes = rotors.largest[0] if suction_closes is None else suction_closes + rotors.start
+    opens = rotors.discharge_angle(volume_ratio)
+    return Curves(
+        rotors.life,
+        rotors.chambers,
+        *_volume_curves(rotors),
+        _suction_curves(rotors, closes),
+        _discharge_curves(rotors, opens),
+        _paths(rotors),
+        closes - rotors.start,
+        opens - rotors.start,
+    )

@@ -1,0 +1,198 @@
+"""Profiles from points: a male curve or a rack, smoothed as stated, made a chain by the general gearing equation.
+
+The common normal at a contact passes through the pitch point: for a male point p with unit tangent t,
+ψ = ang(t) − acos(p·t/r1); for a rack point (x, y), Y = −x dx/dy, ψ = (y − Y)/r1 (Litvin & Fuentes 2004, ch. 6).
+Smoothing: the tangent's angle is averaged over the length `smoothing` of the curve; the points stay. (What noise of
+points spoils is the tangent; a smoothing spline would overshoot where the curvature jumps.) Lengths: m; angles: rad.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from screwsim.faults import UsageError
+from screwsim.machine.rotors.closed_form import Segment
+from screwsim.machine.rotors.pair import Array, Chain, Pair
+
+POINTS = 4001  # points of the curve, at least
+CORNER = math.radians(40.0)  # points that turn more than this are a corner, not a curve
+CLOSED = 1e-3  # of the centre distance: how far from the root circle a curve may end
+LOOP = 5e-3  # of the centre distance: shorter loops of contact on a rotor are noise of the points and are cut off
+NOISE = 1e-3  # rad: contact that runs back by less, outside the tip, is noise of the points and is straightened
+
+
+def read_profile(path: str) -> tuple[Array, Array]:
+    """Return x and y [m] from a CSV file with the columns x_mm, y_mm; lines that begin with # are remarks."""
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+        rows = list(csv.DictReader(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
+        points = np.array([(float(row["x_mm"]), float(row["y_mm"])) for row in rows])
+    except (OSError, UnicodeDecodeError) as error:
+        raise UsageError(f"{path}: cannot be read ({error}); name an existing CSV file") from None
+    except (KeyError, TypeError, ValueError):
+        raise UsageError(f"{path}: needs the columns x_mm and y_mm with a number in every row") from None
+    if len(points) < 20 or not np.isfinite(points).all():
+        raise UsageError(f"{path}: has {len(points)} rows; a profile needs at least 20 finite points of one lobe")
+    return points[:, 0] * 1e-3, points[:, 1] * 1e-3
+
+
+def averaged(way: Array, angle: Array, length: float) -> Array:
+    """Return the angle averaged over a length of the curve around each point (less near its ends)."""
+    half = np.minimum(0.5 * length, np.minimum(way - way[0], way[-1] - way))
+    total = np.concatenate([[0.0], np.cumsum(0.5 * (angle[1:] + angle[:-1]) * np.diff(way))])
+    fine = np.linspace(way[0], way[-1], 20 * len(way))  # the integral of a linear angle, nearly exact
+    sums = np.interp(fine, way, total) + _sag(fine, way, angle)
+    mean = (np.interp(way + half, fine, sums) - np.interp(way - half, fine, sums)) / np.maximum(2.0 * half, 1e-12)
+    return np.where(half > 1e-3 * length, mean, angle)
+
+
+def _sag(fine: Array, way: Array, angle: Array) -> Array:
+    """Return what the integral of a piecewise linear function lies below its chords."""
+    i = np.clip(np.searchsorted(way, fine, side="right") - 1, 0, len(way) - 2)
+    slope = (angle[i + 1] - angle[i]) / (way[i + 1] - way[i])
+    return -0.5 * slope * (fine - way[i]) * (way[i + 1] - fine)
+
+
+def _curve(x: Array, y: Array, smoothing: float) -> Segment:
+    """Return points of the curve, without repetitions, and the angle of its tangent [rad].
+
+    The tangent at a point is that of the circle through it and its neighbours, linear between: its curvature never
+    overshoots where that of the profile jumps, which would make loops in the conjugate curve.
+    """
+    keep = np.concatenate([[True], np.hypot(np.diff(x), np.diff(y)) > 1e-9])
+    x, y = x[keep], y[keep]
+    step, chord = np.hypot(np.diff(x), np.diff(y)), np.unwrap(np.arctan2(np.diff(y), np.diff(x)))
+    turn = np.abs(np.diff(chord))
+    worst = int(np.argmax(turn))
+    if turn[worst] > CORNER:
+        raise UsageError(
+            f"machine.profile.file: the curve turns {math.degrees(turn[worst]):.0f} deg at its point {worst + 2} "
+            "(give more points there, or round the corner)"
+        )
+    inner = (chord[:-1] * step[1:] + chord[1:] * step[:-1]) / (step[1:] + step[:-1])
+    angle = np.concatenate([[2.0 * chord[0] - inner[0]], inner, [2.0 * chord[-1] - inner[-1]]])
+    way = np.concatenate([[0.0], np.cumsum(step)])
+    if smoothing > 0.0:
+        angle = averaged(way, angle, smoothing)
+    fine = max(math.ceil(POINTS / len(x)), 1)
+    at = np.unique(np.concatenate([way[:-1] + part * step for part in np.arange(fine) / fine] + [way[-1:]]))
+    curve = CubicHermiteSpline(way, np.column_stack([x, y]), np.column_stack([np.cos(angle), np.sin(angle)]))
+    return curve(at)[:, 0], curve(at)[:, 1], np.interp(at, way, angle)
+
+
+def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
+    """Return the chain of a male lobe: points [m] in the male frame, counter-clockwise, root → tip → root.
+
+    The x axis is the lobe's: it lies on the centre line at ψ = 0. What the points leave of the pitch is root circle.
+    """
+    x, y, angle = _curve(x, y, smoothing)
+    tx, ty = np.cos(angle), np.sin(angle)
+    reach = (x * tx + y * ty) / pair.r1
+    worst = int(np.argmax(np.abs(reach)))
+    if abs(reach[worst]) > 1.0 + 1e-9:
+        raise UsageError(
+            f"machine.profile.file: the normal at x = {x[worst] * 1e3:.3f} mm, y = {y[worst] * 1e3:.3f} mm misses the "
+            "pitch circle: no contact there (undercut; change the curve or the centre_distance)"
+        )
+    psi = angle - np.arccos(np.clip(reach, -1.0, 1.0))
+    psi -= 2.0 * math.pi * round(psi[np.argmax(np.hypot(x, y))] / (2.0 * math.pi))
+    c, s = np.cos(psi), np.sin(psi)
+    return closed(pair, (psi, c * x + s * y, c * y - s * x))
+
+
+def from_rack(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
+    """Return the chain of a rack: x above the pitch line, y along it [m], y growing.
+
+    y = 0 lies on the centre line at ψ = 0.
+    """
+    x, y, angle = _curve(x, y, smoothing)
+    tx, ty = np.cos(angle), np.sin(angle)
+    if np.min(ty) <= 0.0:
+        raise UsageError("machine.profile.file: the rack runs back along its pitch line (y must grow from row to row)")
+    Y = -x * tx / ty
+    return closed(pair, ((y - Y) / pair.r1, pair.r1 + x, Y))
+
+
+def closed(pair: Pair, contact: Segment) -> Chain:
+    """Return the chain over one pitch: the contact, between halves of the flat, with S' and S found."""
+    psi, x, y = contact
+    root = pair.r1 - pair.dedendum
+    for end in (0, -1):
+        if math.hypot(x[end] - root, y[end]) > CLOSED * pair.centre_distance:
+            raise UsageError(
+                f"machine.profile.file: the curve must begin and end on the root circle of {root * 1e3:.4g} mm "
+                f"(contact at its end: {x[end] * 1e3:.4g}, {y[end] * 1e3:.4g} mm; add points, or set female_diameter)"
+            )
+    flat = pair.pitch - (psi[-1] - psi[0])
+    if flat < -1e-6:
+        raise UsageError(
+            f"machine.profile.file: the curve is {math.degrees(-flat):.3g} deg longer than a lobe pitch (remove points)"
+        )
+    lead, trail = _reversal(x, y, psi)
+    psi = _straightened(psi, lead, trail)
+    count = POINTS // 40
+    before, after = np.linspace(-0.5, 0.0, count) * max(flat, 0.0), np.linspace(0.0, 0.5, count) * max(flat, 0.0)
+    chain = (
+        np.concatenate([psi[0] + before[:-1], psi, psi[-1] + after[1:]]),
+        np.concatenate([np.full(count - 1, root), x, np.full(count - 1, root)]),
+        np.concatenate([np.zeros(count - 1), y, np.zeros(count - 1)]),
+    )
+    edges = count - 1, count - 2 + len(psi)
+    return _forward(pair, Chain(*chain, lead + count - 1, trail + count - 1, edges))
+
+
+def _forward(pair: Pair, chain: Chain) -> Chain:
+    """Return the chain without points that run back on a rotor by less than `LOOP`: noise of a tangent, no undercut."""
+    marks = (0, chain.edges[0], chain.lead, chain.trail, chain.edges[1], len(chain.psi) - 1)
+    keep = np.ones(len(chain.psi), dtype=bool)
+    for x, y in (chain.male(), chain.female(pair)):
+        keep &= ~_backward(x.tolist(), y.tolist(), LOOP * pair.centre_distance)
+    keep[list(marks)] = True
+    place = np.cumsum(keep) - 1
+    lead, trail, first, last = (int(place[i]) for i in (chain.lead, chain.trail, *chain.edges))
+    return Chain(chain.psi[keep], chain.x[keep], chain.y[keep], lead, trail, (first, last))
+
+
+def _backward(x: list[float], y: list[float], limit: float) -> Array:
+    """Return which points lie behind the farthest one so far, seen along the last step, and nearer than the limit."""
+    behind = np.zeros(len(x), dtype=bool)
+    px, py, dx, dy = x[0], y[0], 0.0, 0.0
+    for i in range(1, len(x)):
+        sx, sy = x[i] - px, y[i] - py
+        if sx * dx + sy * dy < 0.0 and sx * sx + sy * sy < limit * limit:
+            behind[i] = True
+        else:
+            px, py, dx, dy = x[i], y[i], sx, sy
+    return behind
+
+
+def _reversal(x: Array, y: Array, psi: Array) -> tuple[int, int]:
+    """Return the indices of S' and S: the ends of the largest fall of ψ, or of the stretch at rest around the tip."""
+    radii = np.hypot(x, y)
+    lobe = np.flatnonzero(radii > 0.5 * (radii.min() + radii.max()))
+    first, last = int(lobe[0]), int(lobe[-1]) + 1
+    part = psi[first:last]
+    trail = int(np.argmax(np.maximum.accumulate(part) - part))
+    lead = int(np.argmax(part[: trail + 1]))
+    if part[lead] - part[trail] > NOISE:
+        return first + lead, first + trail
+    tip = int(np.argmax(radii))
+    moved = np.abs(psi - psi[tip]) > NOISE
+    before, after = np.flatnonzero(moved[:tip]), np.flatnonzero(moved[tip:])
+    return int(before[-1]) + 1 if len(before) else 0, tip + int(after[0]) - 1 if len(after) else len(psi) - 1
+
+
+def _straightened(psi: Array, lead: int, trail: int) -> Array:
+    """Return ψ monotone on each branch where it runs back by noise only; a true turn of the contact stays."""
+    parts = (
+        np.maximum.accumulate(psi[:lead]),
+        np.minimum.accumulate(psi[lead : trail + 1]),
+        np.maximum.accumulate(psi[trail + 1 :]),
+    )
+    result = np.concatenate(parts)
+    return result if np.max(np.abs(result - psi)) < NOISE else psi

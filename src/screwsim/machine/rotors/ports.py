@@ -1,0 +1,112 @@
+"""Ports that belong to a built-in volume ratio: axial (on the end faces) and radial (on the bores).
+
+The edges of a port are the flanks and tip helices of the chamber at the angle at which it opens (discharge) or closes
+(suction); the port reaches up to the contact line, to the cusp, and over the whole bore. Source: docs/rotors.md.
+φ and ψ as in `leakage`; areas in m², lengths in m, angles in rad; h = L/τ [m/rad].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from screwsim.machine.rotors.flanks import Flanks, female_flanks, male_flanks
+from screwsim.machine.rotors.leakage import TURN, Helix, female_tip, male_tip
+from screwsim.machine.rotors.pair import Array, Chain, Pair
+from screwsim.machine.rotors.sections import Sections
+
+
+@dataclass(frozen=True, eq=False)
+class Uncovered:
+    """What an edge uncovers of the grooves of one chamber on an end face, over the angle Δ since it was passed."""
+
+    k: float
+    male: Flanks
+    female: Flanks
+    scale: float  # to A01 + A02, which the flanks at some radii give to 1e-5 only
+
+    def area(self, delta: Array) -> Array:
+        """Return ∫ρ min(Δ, w_M) dρ + ∫ρ min(kΔ, w_F) dρ [m²]; w are the angular widths of the grooves."""
+        total = np.zeros_like(delta)
+        for flanks, width, ratio in (
+            (self.male, self.male.outer, 1.0),
+            (self.female, self.female.inner, self.k),
+        ):
+            reach = np.clip(ratio * delta, 0.0, width.max())
+            part = (reach > 0.0) & (reach < width.max())
+            arc = np.minimum(reach[part, None], width)
+            total += np.where(reach > 0.0, float(np.trapezoid(flanks.radii * width, flanks.radii)), 0.0)
+            total[part] += np.trapezoid(flanks.radii * (arc - width), flanks.radii, axis=1)
+        return self.scale * total
+
+
+def uncovered(pair: Pair, chain: Chain, cut: Sections) -> Uncovered:
+    """Return the grooves of a pair for `axial_discharge` and `axial_suction`."""
+    rough = Uncovered(pair.k, male_flanks(pair, chain), female_flanks(pair, chain), 1.0)
+    return replace(rough, scale=cut.grooves / float(rough.area(np.array([TURN]))[0]))
+
+
+def axial_discharge(grooves: Uncovered, cut: Sections, phi: Array, wrap: float, phi_dis: float) -> Array:
+    """Return the open area [m²] of the discharge port on the end face: uncovered, less what the mesh has taken."""
+    psi = phi - wrap
+    taken = np.where(psi > -0.75 * TURN, cut.grooves - cut.area_at(psi), 0.0)
+    return np.maximum(grooves.area(phi - phi_dis) - taken, 0.0)
+
+
+def axial_suction(grooves: Uncovered, cut: Sections, phi: Array, phi_close: float) -> Array:
+    """Return the open area [m²] of the suction port on the end face: still uncovered, less what is not yet gained."""
+    middle = 0.5 * (cut.psi[0] + cut.psi[-1])
+    lacking = np.where(phi < middle, cut.grooves - cut.area_at(phi), 0.0)
+    return np.where(phi < phi_close, np.maximum(grooves.area(phi_close - phi) - lacking, 0.0), 0.0)
+
+
+def _half_square(x: Array, top: float) -> Array:
+    return 0.5 * np.clip(x, 0.0, max(top, 0.0)) ** 2
+
+
+def radial_discharge(
+    pair: Pair, chain: Chain, phi: Array, wrap: float, h: float, phi_dis: float
+) -> tuple[Array, Array]:
+    """Return the open areas [m²] of the discharge port on the male and the female bore.
+
+    The port lies ahead of the chamber's leading tip as it stands at φ_dis, up to cusp and end face.
+    """
+    areas = []
+    for tip, width, radius in _tips(pair, chain, h):
+        whole = wrap - phi_dis - width + tip.end
+        left = whole - (phi - phi_dis)
+        area = radius * h * (_half_square(left + width, whole) - _half_square(left, whole))
+        areas.append(np.where(phi > phi_dis, area, 0.0))
+    return areas[0], areas[1]
+
+
+def radial_suction(
+    pair: Pair, chain: Chain, phi: Array, wrap: float, h: float, phi_close: float
+) -> tuple[Array, Array]:
+    """Return the open areas [m²] of the suction port on the male and the female bore.
+
+    The port lies behind the chamber's trailing tip as it stands at φ_close, from the suction cusp on. The female
+    groove is the one that is compressed: it passes the suction cusp before the chamber's own life begins (`curves`).
+    """
+    areas = []
+    for tip, width, radius in _tips(pair, chain, h):
+        far = np.minimum(phi + width, phi_close)
+        near = np.minimum(phi, phi_close)
+        areas.append(radius * h * (_strip(far, tip.start, wrap) - _strip(near, tip.start, wrap)))
+    return areas[0], areas[1]
+
+
+def _strip(x: Array, start: float, wrap: float) -> Array:
+    """Return ∫ up to x of the angle along which a helix lies on the bore: it enters at `start`, ends with the wrap."""
+    on = np.maximum(x - start, 0.0)
+    return 0.5 * on**2 - 0.5 * np.maximum(on - wrap, 0.0) ** 2
+
+
+def _tips(pair: Pair, chain: Chain, h: float) -> tuple[tuple[Helix, float, float], ...]:
+    """Return for both rotors: trailing tip, groove at the bore in male radians, bore's length a male radian [m]."""
+    groove = chain.land_start - chain.land_end
+    return (
+        (male_tip(pair, h), pair.pitch, pair.male_radius),
+        (female_tip(pair, chain, h), groove, pair.k * pair.female_radius),
+    )

@@ -1,0 +1,158 @@
+"""A pair of rotors of a length and a wrap: its volume, coefficients and angles.
+
+φ as in `leakage`: zero when the tip of the chamber's trailing lobe lies on the centre line at the inlet plane, where
+the volume ends at φ = τ. A chamber's own angle counts from the beginning of its life. Units SI.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from screwsim.faults import Fault, UsageError
+from screwsim.machine.rotors import closed_form, imported
+from screwsim.machine.rotors.blow_hole import Opening, mirrored, opening
+from screwsim.machine.rotors.checks import check_pair, check_profile
+from screwsim.machine.rotors.pair import Array, Chain, Pair
+from screwsim.machine.rotors.sections import TURN, Sections, sections
+from screwsim.machine.rotors.settings import Profile, check_settings
+
+
+@dataclass(frozen=True, eq=False)
+class Rotors:
+    """Profile (as contact points), length [m] and male wrap τ [rad] of a pair of rotors."""
+
+    pair: Pair
+    chain: Chain
+    length: float
+    wrap: float
+
+    @property
+    def h(self) -> float:
+        """Length over wrap, L/τ [m/rad]."""
+        return self.length / self.wrap
+
+    @cached_property
+    def sections(self) -> Sections:
+        """Section area of a chamber over ψ."""
+        return sections(self.pair, self.chain)
+
+    @cached_property
+    def blow_hole(self) -> Opening:
+        """The blow-hole at the high-pressure cusp."""
+        return opening(self.pair, self.chain)
+
+    @cached_property
+    def suction_blow_hole(self) -> Opening:
+        """The blow-hole at the suction cusp; its angles are those of the mirror, −ψ − 2π."""
+        return opening(self.pair, mirrored(self.chain))
+
+    @property
+    def start(self) -> float:
+        """φ at which a chamber's life begins [rad]."""
+        return float(self.sections.psi[0])
+
+    @property
+    def life(self) -> float:
+        """Angle from the first to the last volume of a chamber [rad]: 2π + p − ψS + τ."""
+        return self.wrap - self.start
+
+    @property
+    def chambers(self) -> int:
+        """Number of chambers that are alive at once at most."""
+        return math.ceil(self.life / self.pair.pitch - 1e-9)
+
+    def volume(self, phi: Array) -> Array:
+        """Return V [m³] at φ [rad]."""
+        return self.sections.volume(phi, self.wrap, self.length)
+
+    def volume_slope(self, phi: Array) -> Array:
+        """Return dV/dφ [m³/rad], the exact derivative of `volume`."""
+        return self.sections.volume_slope(phi, self.wrap, self.length)
+
+    @cached_property
+    def largest(self) -> tuple[float, float]:
+        """φ of the largest volume [rad] and that volume [m³]."""
+        grid = np.linspace(self.start, self.wrap, 721)
+        i = int(np.argmax(self.volume(grid)))
+        low, high = grid[max(i - 1, 0)], grid[min(i + 1, 720)]
+        for _ in range(60):  # bisection of dV/dφ, which falls through zero
+            middle = 0.5 * (low + high)
+            rising = self.volume_slope(np.array([middle]))[0] > 0.0
+            low, high = (middle, high) if rising else (low, middle)
+        angle = 0.5 * (low + high)
+        return float(angle), float(self.volume(np.array([angle]))[0])
+
+    def discharge_angle(self, volume_ratio: float) -> float:
+        """Return φ_dis [rad] at which the volume is the largest one over the built-in ratio.
+
+        Raise UsageError in one line for a ratio at which the volume does not fall linearly or the port is shut.
+        """
+        grid = np.linspace(self.largest[0], self.wrap, 2001)
+        volume = self.volume(grid)
+        wanted = self.largest[1] / volume_ratio
+        i = int(np.searchsorted(-volume, -wanted))
+        low, high = grid[max(i - 1, 0)], grid[min(i, len(grid) - 1)]
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.volume(np.array([middle]))[0] > wanted else (low, middle)
+        if self.wrap - high < math.radians(10.0):
+            raise UsageError(
+                f"machine.ports.volume_ratio: {volume_ratio:.4g} leaves the port 10 deg before the end of discharge "
+                "(choose a smaller ratio)"
+            )
+        return float(0.5 * (low + high))
+
+    def coefficients(self) -> dict[str, tuple[float, str, str]]:
+        """Return {name: (value, unit, meaning)} of the pair."""
+        cut, pair = self.sections, self.pair
+        angle, largest = self.largest
+        D = 2.0 * pair.male_radius
+        return {
+            "male_groove_area": (cut.male_groove, "m^2", "of one male groove (A01)"),
+            "female_groove_area": (cut.female_groove, "m^2", "of one female groove (A02)"),
+            "area_coefficient": (cut.grooves * pair.male_lobes / D**2, "1", "Cn = (A01 + A02) z1/D²"),
+            "wrap_coefficient": (largest / (self.length * cut.grooves), "1", "Cφ = V_max/(L (A01 + A02))"),
+            "largest_volume": (largest, "m^3", "V_max of one chamber"),
+            "displacement": (largest * pair.male_lobes, "m^3", "V_max z1 of one male revolution"),
+            "angle_of_largest_volume": (angle - self.start, "rad", "of a chamber's life"),
+            "life": (self.life, "rad", "of a chamber"),
+            "male_share": (cut.male_share, "1", "share of the male rotor in the displacement work"),
+            "blow_hole_area": (self.blow_hole.area(self.h), "m^2", "at the high-pressure cusp"),
+            "suction_blow_hole_area": (self.suction_blow_hole.area(self.h), "m^2", "at the suction cusp"),
+        }
+
+
+def make_chain(pair: Pair, profile: Profile) -> Chain:
+    """Return the contact points of a profile."""
+    if profile.kind == "points":
+        x, y = imported.read_profile(str(profile.file))
+        make = imported.from_male if profile.curve == "male" else imported.from_rack
+        return make(pair, x, y, profile.smoothing)
+    r3, r4 = profile.male_tip_radius or 0.0, profile.female_tip_radius or 0.0
+    if profile.kind == "circular":
+        return closed_form.circular(pair, r4)
+    rho, alpha, r5 = profile.flank_radius or 0.0, profile.pressure_angle or 0.0, profile.root_radius or 0.0
+    return closed_form.rack(pair, r3, r4, rho, alpha, r5)
+
+
+def make_rotors(
+    profile: Profile, male_lobes: int, female_lobes: int, male_diameter: float, length: float, check: bool = True
+) -> Rotors:
+    """Return the rotors of a profile; raise UsageError with one line a fault."""
+    pair = Pair(male_lobes, female_lobes, profile.centre_distance, 0.5 * male_diameter, 0.5 * profile.female_diameter)
+    _refuse(check_settings(profile) + check_pair(pair))
+    chain = make_chain(pair, profile)
+    if check:
+        _refuse(check_profile(pair, chain, interference=profile.kind == "points"))
+    if profile.wrap_angle > TURN:
+        _refuse([Fault("machine.profile.wrap_angle", "is above 360 deg: chambers would meet themselves (choose less)")])
+    return Rotors(pair, chain, length, profile.wrap_angle)
+
+
+def _refuse(faults: list[Fault]) -> None:
+    if faults:
+        raise UsageError("\n".join(f"{fault.path}: {fault.what}" for fault in faults))

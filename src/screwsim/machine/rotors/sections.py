@@ -1,0 +1,138 @@
+"""Areas of the transverse section, and the chamber's volume from them.
+
+A rotating rigid curve sweeps ½ρ² a radian, so only the contact radii matter: dA = ½[(R1² − ρ1²) + k(R2² − ρ2²)] dψ
+along the chain; over one pitch it sums to A01 + A02 exactly. Between the points of the chain the section area a(ψ) is
+linear and its integral quadratic, so V and dV/dφ belong to each other exactly, whatever length and wrap.
+Source: docs/rotors.md. Lengths in m, angles in rad.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from screwsim.machine.rotors.blow_hole import crossing
+from screwsim.machine.rotors.pair import Array, Chain, Pair, cumulated, outlines
+
+TURN = 2.0 * math.pi
+
+
+def polygon_area(x: Array, y: Array) -> float:
+    """Return the area of a closed polygon [m²], positive whatever its sense."""
+    return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
+
+
+def sweep(pair: Pair, chain: Chain) -> tuple[Array, Array]:
+    """Return the areas [m²] that the male and the female rotor displace from each contact point to the next."""
+    male = pair.male_radius**2 - chain.male_radii() ** 2
+    female = pair.female_radius**2 - chain.female_radii(pair) ** 2
+    step = 0.25 * np.diff(chain.psi)
+    return (male[1:] + male[:-1]) * step, pair.k * (female[1:] + female[:-1]) * step
+
+
+@dataclass(frozen=True, eq=False)
+class Sections:
+    """Section area a(ψ) of one chamber on its nodes, and its integral: arrays; ψ [rad], a [m²], integral [m² rad].
+
+    Convention: a chamber is a male groove and the female groove that meets it at the high-pressure cusp; while it
+    fills, that which leaves the mesh with it. R is linear. Both choices are worth 0.1–1.2 % of V_max, none later.
+    """
+
+    psi: Array
+    a: Array
+    a_male: Array  # its part that the male rotor displaces [m²]
+    integral: Array
+    male_groove: float  # A01 [m²]
+    female_groove: float  # A02 [m²]
+    male_share: float  # of displacement work, hence of the gas torque
+    crossing: float  # Δ: area that crosses the open blow-hole [m²]
+
+    @property
+    def grooves(self) -> float:
+        """Area of both grooves, A01 + A02 [m²]."""
+        return self.male_groove + self.female_groove
+
+    @property
+    def delay(self) -> float:
+        """Angle φ̄ that meshing takes off the linear range: ∫(1 − a/(A01 + A02)) dψ up to 0 [rad]."""
+        middle = 0.5 * (self.psi[0] + self.psi[-1])
+        start = float(self.psi[np.searchsorted(self.psi, middle)])
+        return -start - float(self.integral[-1] - self.integral_at(np.array([start]))[0]) / self.grooves
+
+    def area_at(self, psi: Array) -> Array:
+        """Return a(ψ) [m²]; zero outside the life of a section."""
+        return np.interp(psi, self.psi, self.a, left=0.0, right=0.0)
+
+    def integral_at(self, psi: Array) -> Array:
+        """Return ∫a dψ [m² rad] from the beginning of a section's life."""
+        inside = np.clip(psi, self.psi[0], self.psi[-1])
+        i = np.clip(np.searchsorted(self.psi, inside, side="right") - 1, 0, len(self.psi) - 2)
+        step = inside - self.psi[i]
+        slope = (self.a[i + 1] - self.a[i]) / (self.psi[i + 1] - self.psi[i])
+        return self.integral[i] + step * (self.a[i] + 0.5 * step * slope)
+
+    def volume(self, phi: Array, wrap: float, length: float) -> Array:
+        """Return V(φ) = (L/τ) ∫ a dψ over [φ − τ, φ] [m³]."""
+        return length / wrap * (self.integral_at(phi) - self.integral_at(phi - wrap))
+
+    def volume_slope(self, phi: Array, wrap: float, length: float) -> Array:
+        """Return dV/dφ [m³/rad], the exact derivative of `volume`."""
+        return length / wrap * (self.area_at(phi) - self.area_at(phi - wrap))
+
+    def male_slope(self, phi: Array, wrap: float, length: float) -> Array:
+        """Return ∂V/∂φ of the male rotor alone [m³/rad]: times pressure, the gas torque on it.
+
+        The rest of `volume_slope` is the female's; over k it is that of the female shaft.
+        """
+        now, behind = (np.interp(x, self.psi, self.a_male, left=0.0, right=0.0) for x in (phi, phi - wrap))
+        return length / wrap * (now - behind)
+
+
+Branches = tuple[tuple[Array, Array], tuple[Array, Array]]
+
+
+def mesh_functions(pair: Pair, chain: Chain, area: Array) -> Branches:
+    """Return (ψ, cumulated area) along the rising branch S₋₁→S'₀ and along the falling one, S₀→S'₀ with its sign.
+
+    area: of each step along the chain [m²], of one rotor or of both.
+    """
+    total = np.concatenate([[0.0], np.cumsum(area)])
+    psi = np.concatenate([chain.psi[chain.trail :] - pair.pitch, chain.psi[1 : chain.lead + 1]])
+    rising = np.concatenate([total[chain.trail :] - total[-1], total[1 : chain.lead + 1]])
+    back = slice(chain.lead, chain.trail + 1)
+    return cumulated(psi, rising), cumulated(chain.psi[back][::-1], (total[back] - total[chain.lead])[::-1])
+
+
+def _chamber(pair: Pair, psi: Array, branches: Branches, crossed: tuple[Array, Array]) -> Array:
+    """Return Gain(ψ + 2π) − Loss(ψ) − Δ [R(ψ + p) − R(ψ)] [m²]."""
+    rising, falling = branches
+    p = pair.pitch
+    gain = np.interp(psi + TURN, *rising) - np.interp(psi + TURN + p, *falling)
+    loss = np.interp(psi, *rising) - np.interp(psi, *falling)
+    return gain - loss - (np.interp(psi + p, *crossed) - np.interp(psi, *crossed))
+
+
+def sections(pair: Pair, chain: Chain) -> Sections:
+    """Return the section area of a chamber over ψ, and the part of it that the male rotor displaces."""
+    steps, p = sweep(pair, chain), pair.pitch
+    ramp, delta = crossing(pair, chain)
+    parts = []
+    rising, falling = mesh_functions(pair, chain, steps[0])
+    nodes = [rising[0] - TURN, falling[0] - TURN - p, rising[0], falling[0], ramp - p, ramp]
+    psi = np.unique(np.concatenate(nodes))
+    psi = psi[np.concatenate([[True], np.diff(psi) > 1e-12])]
+    for step, crossed in zip(steps, delta, strict=True):
+        parts.append(_chamber(pair, psi, mesh_functions(pair, chain, step), (ramp, crossed)))
+    a = parts[0] + parts[1]
+    integral = np.concatenate([[0.0], np.cumsum(0.5 * (a[1:] + a[:-1]) * np.diff(psi))])
+    share = float(steps[0].sum() / (steps[0].sum() + steps[1].sum()))
+    return Sections(psi, a, parts[0], integral, *_grooves(pair, chain), share, float(delta[:, 1].sum()))
+
+
+def _grooves(pair: Pair, chain: Chain) -> tuple[float, float]:
+    """Return A01 and A02 [m²]: what the outline of a rotor leaves of its outer circle, over the lobes."""
+    male, female = outlines(pair, chain)
+    A01 = (math.pi * pair.male_radius**2 - polygon_area(*male)) / pair.male_lobes
+    return A01, (math.pi * pair.female_radius**2 - polygon_area(*female)) / pair.female_lobes

@@ -1,0 +1,60 @@
+"""What a scene says of a rotor profile and its ports (typed, SI units)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import choice, file, number, quantity
+from screwsim.faults import Fault
+
+_NEEDS = {
+    "circular": ("female_tip_radius",),
+    "rack": ("male_tip_radius", "female_tip_radius", "flank_radius", "pressure_angle", "root_radius"),
+    "points": ("file",),
+}
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A profile of a rotor pair; the male outer diameter and the lobes are the machine's."""
+
+    kind: str = choice(
+        "circular: symmetric, arcs about the pitch point; rack: asymmetric, leading flank from a rack; points: a file",
+        ("circular", "rack", "points"),
+        "rack",
+    )
+    centre_distance: float = quantity("length", "distance of the rotors' axes", gt=0.0)
+    female_diameter: float = quantity("length", "outer diameter of the female rotor", gt=0.0)
+    wrap_angle: float = quantity("angle", "angle by which the male rotor is twisted over its length", gt=0.0)
+    male_tip_radius: float | None = quantity("length", "r3, tip of the male lobe (kind: rack)", None, gt=0.0)
+    female_tip_radius: float | None = quantity("length", "r4, tip of the female lobe (circular, rack)", None, gt=0.0)
+    flank_radius: float | None = quantity("length", "rho, arc of the rack at the male tip (kind: rack)", None, gt=0.0)
+    pressure_angle: float | None = quantity(
+        "angle", "alpha, between the rack's straight line and its height (kind: rack)", None, gt=0.0
+    )
+    root_radius: float | None = quantity("length", "r5, arc of the rack at its root (kind: rack)", None, gt=0.0)
+    file: str | None = file("CSV with columns x_mm, y_mm of one lobe, from root to root (kind: points)")
+    curve: str = choice("what the points are: the male lobe, or the rack", ("male", "rack"), "male")
+    smoothing: float = quantity("length", "length over which the tangent of the points is averaged", 0.0, ge=0.0)
+
+
+@dataclass(frozen=True)
+class Ports:
+    """Ports that the geometry cuts into the housing for a built-in volume ratio."""
+
+    volume_ratio: float = number("built-in volume ratio: largest chamber volume over that at phi_dis", gt=1.0)
+    suction_closes: float | None = quantity(
+        "angle",
+        "angle of a chamber's life at which suction closes (default: where its volume is largest)",
+        None,
+        gt=0.0,
+    )
+
+
+def check_settings(profile: Profile) -> list[Fault]:
+    """Return the parameters that a kind of profile lacks."""
+    return [
+        Fault(f"machine.profile.{name}", f"is missing (kind: {profile.kind} needs it)")
+        for name in _NEEDS[profile.kind]
+        if getattr(profile, name) is None
+    ]

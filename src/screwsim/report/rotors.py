@@ -1,0 +1,206 @@
+"""Figures of a pair of rotors: the mesh, the sealing line in space, volume and areas over the angle; and its files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.machine.rotors.curves import Curves, make_curves
+from screwsim.machine.rotors.export import coefficients_csv, curves_csv, lobe_csv, outline_dxf, profile_csv
+from screwsim.machine.rotors.pair import outlines
+from screwsim.machine.rotors.rotors import Rotors
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, journal, new_figure, plain_ticks, write
+from screwsim.results.atomic import make_folder, replacing
+
+MM = 1e3  # [mm/m]
+_FILL = "#e4e4e4"
+
+
+def draw_rotors(rotors: Rotors, volume_ratio: float, folder: str | Path) -> list[str]:
+    """Write all figures (PNG, PDF) and all files (CSV, DXF) of a pair and return their paths."""
+    target = Path(folder)
+    make_folder(target)
+    curves = make_curves(rotors, volume_ratio)
+    written = []
+    plans: tuple[tuple[str, Callable[[], Any]], ...] = (
+        ("rotors", partial(mesh_figure, rotors)),
+        ("sealing_line", partial(sealing_figure, rotors)),
+        ("volume", partial(volume_figure, rotors, curves)),
+        ("areas", partial(areas_figure, rotors, curves)),
+    )
+    for name, draw in plans:
+        with journal():
+            written += write(draw(), target, name)
+    male, female = outlines(rotors.pair, rotors.chain)
+    files = {
+        "coefficients.csv": coefficients_csv(rotors),
+        "male_lobe.csv": lobe_csv(rotors),
+        "male.csv": profile_csv(*male),
+        "female.csv": profile_csv(*female),
+        "male.dxf": outline_dxf(*male),
+        "female.dxf": outline_dxf(*female),
+        **curves_csv(curves),
+    }
+    for name, text in files.items():
+        with replacing(target / name) as temporary:
+            temporary.write_text(text)
+        written.append(str(target / name))
+    return written
+
+
+def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
+    """Draw both rotors in their bores at an angle ψ [rad], pitch circles, the line of contact, H, P and S."""
+    pair, chain = rotors.pair, rotors.chain
+    A, (Hx, Hy) = pair.centre_distance, pair.cusp
+    figure = new_figure(DOUBLE, 104.0)
+    axes = figure.subplots()
+    (mx, my), (fx, fy) = outlines(pair, chain)
+    c, s = math.cos(psi), math.sin(psi)
+    axes.fill(MM * (c * mx + s * my), MM * (c * my - s * mx), facecolor=_FILL, edgecolor=COLOURS[0], linewidth=0.9)
+    c, s = math.cos(pair.k * psi), math.sin(pair.k * psi)
+    x, y = A + c * fx - s * fy, s * fx + c * fy
+    axes.fill(MM * x, MM * y, facecolor="white", edgecolor=COLOURS[0], linewidth=0.9)
+    for centre, radius, beta, side in ((0.0, pair.male_radius, pair.beta1, 1), (A, pair.female_radius, pair.beta2, -1)):
+        angle = np.linspace(beta, 2.0 * math.pi - beta, 400)
+        bore = MM * (centre + side * radius * np.cos(angle)), MM * radius * np.sin(angle)
+        axes.plot(*bore, color=GREY, linewidth=1.6)
+    turn = np.linspace(0.0, 2.0 * math.pi, 400)
+    for centre, radius in ((0.0, pair.r1), (A, pair.r2)):
+        circle = MM * (centre + radius * np.cos(turn)), MM * radius * np.sin(turn)
+        axes.plot(*circle, color=GREY, linewidth=0.5, linestyle=(0, (6, 3)))
+        axes.plot(MM * centre, 0.0, "+", color=GREY, markersize=7)
+    axes.plot(MM * chain.x, MM * chain.y, color=COLOURS[2], linewidth=1.3)
+    S = float(chain.x[chain.trail]), float(chain.y[chain.trail])
+    for name, point, way in (("H", (Hx, Hy), (0, 9)), ("S", S, (9, 2)), ("P", (pair.r1, 0.0), (-8, -9))):
+        axes.plot(MM * point[0], MM * point[1], "o", color=COLOURS[2], markersize=2.6)
+        axes.annotate(name, (MM * point[0], MM * point[1]), xytext=way, textcoords="offset points", ha="center")
+    axes.set_aspect("equal")
+    axes.set_xlabel("$x$ [mm]")
+    axes.set_ylabel("$y$ [mm]")
+    plain_ticks(axes.xaxis, 9)
+    plain_ticks(axes.yaxis)
+    return figure
+
+
+def sealing_figure(rotors: Rotors) -> Any:
+    """Draw the sealing line of one chamber in space, and its three projections as thin lines on the walls."""
+    chain, pair = rotors.chain, rotors.pair
+    n, trail = len(chain.psi), chain.trail
+    order = np.concatenate([np.arange(trail, n), np.arange(1, trail + 1)])
+    psi = chain.psi[order] - np.where(np.arange(n) < n - trail, pair.pitch, 0.0)
+    x, y = MM * chain.x[order], MM * chain.y[order]
+    z = MM * rotors.h * (psi.max() - psi)  # what has the larger ψ meshes nearer the inlet
+    figure = new_figure(SINGLE, 92.0)
+    figure.set_layout_engine("none")
+    axes = figure.add_axes((0.02, 0.06, 0.86, 0.92), projection="3d")
+    walls = (x.min() - 4.0, y.max() + 4.0, z.min() - 4.0)
+    for line in ((np.full(n, walls[0]), y, z), (x, np.full(n, walls[1]), z), (x, y, np.full(n, walls[2]))):
+        axes.plot(*line, color=GREY, linewidth=0.6, linestyle=DASHES[1])
+    axes.plot(x, y, z, color=COLOURS[0], linewidth=1.6)
+    marks = (("$S_{-1}$", 0, 2.5), ("$S'_0$", n - 1 - (trail - chain.lead), -5.5), ("$S_0$", n - 1, 2.5))
+    for name, i, up in marks:
+        axes.plot([x[i]], [y[i]], [z[i]], "o", color=COLOURS[2], markersize=3.5)
+        axes.text(x[i] + 1.0, y[i] + 1.0, z[i] + up, name)
+    axes.set_xlim(walls[0], x.max() + 4.0)
+    axes.set_ylim(y.min() - 4.0, walls[1])
+    axes.set_zlim(walls[2], z.max() + 4.0)
+    axes.set_box_aspect((np.ptp(x) + 8.0, np.ptp(y) + 8.0, np.ptp(z) + 8.0), zoom=0.86)
+    axes.set_xlabel("$x$ [mm]", labelpad=-2)
+    axes.set_ylabel("$y$ [mm]", labelpad=0)
+    axes.set_zlabel("$z$ [mm]", labelpad=-2)
+    axes.tick_params(pad=-1)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        plain_ticks(axis, 4)
+        axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for one figure
+    axes.view_init(elev=22.0, azim=-58.0)
+    return figure
+
+
+def _angle_axis(axes: Any, life: float) -> None:
+    from matplotlib.ticker import AutoMinorLocator, MultipleLocator
+
+    axes.set_xlim(0.0, math.degrees(life))
+    axes.xaxis.set_major_locator(MultipleLocator(120.0))
+    axes.xaxis.set_minor_locator(AutoMinorLocator(4))
+
+
+def _mark(axes: Any, curves: Curves, named: bool) -> None:
+    """Mark where suction closes and discharge opens; the names stand above the axes."""
+    for text, angle in (("suction closes", curves.suction_closes), ("discharge opens", curves.discharge_opens)):
+        at = math.degrees(angle)
+        axes.axvline(at, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
+        if named:
+            axes.annotate(
+                text, (at, 1.02), xycoords=("data", "axes fraction"), ha="center", va="bottom", fontsize=SMALL
+            )
+
+
+def volume_figure(rotors: Rotors, curves: Curves) -> Any:
+    """Draw V and dV/dφ over a chamber's own angle, and the male rotor's part of dV/dφ."""
+    figure = new_figure(SINGLE, 96.0)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    degrees = np.degrees(curves.volume.angle)
+    upper.plot(degrees, 1e6 * curves.volume.value, color=COLOURS[0])
+    upper.set_ylabel("$V$ [cm³]")
+    upper.set_ylim(bottom=0.0)
+    lower.axhline(0.0, color=GREY, linewidth=0.4)
+    for curve, name, i in ((curves.volume_slope, "both rotors", 0), (curves.male_slope, "male rotor", 1)):
+        lower.plot(np.degrees(curve.angle), 1e6 * curve.value, color=COLOURS[2 * i], linestyle=DASHES[i], label=name)
+    lower.set_ylabel(r"$\mathrm{d}V/\mathrm{d}\varphi$ [cm³/rad]")
+    lower.legend(loc="lower left")
+    lower.set_xlabel("angle of the chamber's life [°]")
+    for axes in (upper, lower):
+        _angle_axis(axes, curves.life)
+        plain_ticks(axes.yaxis, 6)
+        _mark(axes, curves, axes is upper)
+    return figure
+
+
+def areas_figure(rotors: Rotors, curves: Curves) -> Any:
+    """Draw ports, sealing line and tips, blow-holes and end-face lengths over the chamber's own angle."""
+    figure = new_figure(DOUBLE, 116.0)
+    panels = figure.subplots(2, 2, sharex=True).ravel()
+    ports = {
+        f"{side} {way}": curve
+        for side, both in (("suction", curves.suction), ("discharge", curves.discharge))
+        for way, curve in both.items()
+    }
+    lines = {path.name: path for path in curves.paths}
+    _panel(panels[0], {name: (c, 1e4) for name, c in ports.items()}, "port area [cm²]")
+    names = {"sealing_line": "contact line", "sealing_line_over_tip": "over the male tip"}
+    names |= {"male_tip": "male tip", "female_tip": "female tip"}
+    _panel(panels[1], {text: (lines[name].curve, MM) for name, text in names.items()}, "length [mm]")
+    holes = {"blow_hole": "discharge side", "suction_blow_hole": "suction side"}
+    _panel(panels[2], {text: (lines[name].curve, 1e6) for name, text in holes.items()}, "blow-hole area [mm²]")
+    faces = {
+        f"{path.offset} pitch{'es' if path.offset > 1 else ''} behind": (path.curve, MM)
+        for path in curves.paths
+        if path.name.startswith("end_face")
+    }
+    _panel(panels[3], faces, "length on the end face [mm]")
+    tops = max(c.value.max() for c in ports.values()) * 1e4, max(lines[n].curve.value.max() for n in holes) * 1e6
+    for axes, top in zip((panels[0], panels[2]), tops, strict=True):
+        axes.set_yscale("log")
+        axes.set_ylim(0.1, 12.0 * top)
+    for i, axes in enumerate(panels):
+        _angle_axis(axes, curves.life)
+        _mark(axes, curves, i < 2)
+        if i % 2:
+            plain_ticks(axes.yaxis, 6)
+            axes.set_ylim(0.0, 1.32 * axes.dataLim.y1)
+    figure.supxlabel("angle of the chamber's life [°]", fontsize=8.0)
+    return figure
+
+
+def _panel(axes: Any, named: dict[str, tuple[Any, float]], label: str) -> None:
+    for i, (name, (curve, factor)) in enumerate(named.items()):
+        colour = COLOURS[(0, 2, 3, 5)[i]]
+        axes.plot(np.degrees(curve.angle), factor * curve.value, color=colour, linestyle=DASHES[i], label=name)
+    axes.set_ylabel(label)
+    box = {"frameon": True, "facecolor": "white", "edgecolor": "none", "framealpha": 1.0}
+    axes.legend(loc="upper center", ncols=2, columnspacing=1.2, **box)

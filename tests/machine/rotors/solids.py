@@ -1,0 +1,87 @@
+"""Rotors as pixels, for checks that share nothing with the contact chain but the outlines of the rotors.
+
+Both rotors are drawn once in their own frames; a transverse section looks them up, turned, on a grid, and chambers are
+connected regions of free pixels.
+"""
+
+import math
+
+import numpy as np
+from PIL import Image, ImageDraw
+from scipy import ndimage
+
+from screwsim.machine.rotors.pair import outlines
+
+FINE = 0.02e-3  # [m] pixel of a rotor's picture
+STEP = 0.1e-3  # [m] pixel of a section
+
+
+def picture(x, y, radius):
+    """Return a boolean picture of a polygon [m] in a square of half-width `radius`."""
+    size = math.ceil(2 * radius / FINE) + 1
+    image = Image.new("1", (size, size))
+    points = np.column_stack([(x + radius) / FINE, (y + radius) / FINE])
+    ImageDraw.Draw(image).polygon([tuple(p) for p in points.tolist()], fill=1)
+    return np.asarray(image)
+
+
+class Solids:
+    """The pair as pictures; `free(psi)` are the points of both bores outside both rotors at an angle ψ."""
+
+    def __init__(self, rotors):
+        self.pair = pair = rotors.pair
+        (mx, my), (fx, fy) = outlines(pair, rotors.chain)
+        self.male, self.female = picture(mx, my, pair.male_radius), picture(fx, fy, pair.female_radius)
+        A, R1, R2 = pair.centre_distance, pair.male_radius, pair.female_radius
+        x, y = np.arange(-R1, A + R2, STEP), np.arange(-max(R1, R2), max(R1, R2), STEP)
+        self.x, self.y = np.meshgrid(x, y)
+        self.male_bore, self.female_bore = np.hypot(self.x, self.y) < R1, np.hypot(self.x - A, self.y) < R2
+
+    def in_male(self, x, y, psi):
+        """Return which points [m] lie in the male rotor at ψ."""
+        c, s = np.cos(psi), np.sin(psi)
+        return self._look(self.male, c * x - s * y, s * x + c * y, self.pair.male_radius)
+
+    def in_female(self, x, y, psi):
+        """Return which points [m] lie in the female rotor at ψ."""
+        c, s = np.cos(self.pair.k * psi), np.sin(self.pair.k * psi)
+        x = x - self.pair.centre_distance
+        return self._look(self.female, c * x + s * y, c * y - s * x, self.pair.female_radius)
+
+    @staticmethod
+    def _look(image, u, v, radius):
+        i, j = np.rint((v + radius) / FINE).astype(int), np.rint((u + radius) / FINE).astype(int)
+        inside = (i >= 0) & (j >= 0) & (i < len(image)) & (j < len(image))
+        return inside & image[np.clip(i, 0, len(image) - 1), np.clip(j, 0, len(image) - 1)]
+
+    def free(self, psi):
+        """Return the free pixels of a section at ψ."""
+        bores = self.male_bore | self.female_bore
+        return bores & ~self.in_male(self.x, self.y, psi) & ~self.in_female(self.x, self.y, psi)
+
+    def chamber(self, psi, lobe=0):
+        """Return the pixels of the chamber ahead of male lobe `lobe` (1: the next one behind), as connected regions.
+
+        It holds what touches the lobe's leading flank near its tip, and the bottom of the groove that lobe enters.
+        """
+        labels = ndimage.label(self.free(psi))[0]
+        pair, own = self.pair, psi - lobe * self.pair.pitch
+        tip = -np.linspace(0.02, 0.12, 40)  # male frame, ahead of the tip
+        seeds = [
+            (r * np.cos(a - own), r * np.sin(a - own)) for a in tip for r in pair.male_radius - STEP * np.arange(1, 9)
+        ]
+        bottom = pair.centre_distance - pair.male_radius + 3 * STEP
+        eta = -pair.k * own
+        seeds.append((pair.centre_distance - bottom * np.cos(eta), bottom * np.sin(eta)))
+        found = set()
+        for x, y in seeds:
+            found.add(int(labels[self.row(y), self.column(x)]))
+        return np.isin(labels, sorted(found - {0}))
+
+    def row(self, y):
+        """Return the row of the pixels at y [m]."""
+        return np.rint((y - self.y[0, 0]) / STEP).astype(int)
+
+    def column(self, x):
+        """Return the column of the pixels at x [m]."""
+        return np.rint((x - self.x[0, 0]) / STEP).astype(int)

@@ -1,0 +1,134 @@
+"""Curves: ends, knots, the spline of `pack_curve` against the exact functions, files that `law: table` reads."""
+
+import math
+
+import numpy as np
+import pytest
+
+from screwsim.machine.rotors import curves as module
+from screwsim.machine.rotors.curves import make_curves
+from screwsim.machine.rotors.end_face import face_lengths
+from screwsim.machine.rotors.export import coefficients_csv, curve_csv, curves_csv, outline_dxf
+from screwsim.machine.rotors.pair import outlines
+from screwsim.numerics.spline import pack_curve, read_curve, table_slope, table_value
+
+
+@pytest.fixture(scope="module")
+def curves(pairs):
+    return {name: make_curves(rotors, 3.2) for name, rotors in pairs.items()}
+
+
+def every(made):
+    """Return all curves of a machine by name."""
+    named = {"volume": made.volume, "volume_slope": made.volume_slope, "male_slope": made.male_slope}
+    named |= {f"suction_{n}": c for n, c in made.suction.items()} | {
+        f"discharge_{n}": c for n, c in made.discharge.items()
+    }
+    return named | {path.name: path.curve for path in made.paths}
+
+
+@pytest.mark.parametrize("name", ["a", "b", "c"])
+def test_curves_live_as_long_as_the_chamber_and_begin_and_end_with_nothing(curves, name):
+    made = curves[name]
+    for label, curve in every(made).items():
+        assert (curve.angle[0], curve.angle[-1]) == pytest.approx((0.0, made.life))
+        assert np.all(np.diff(curve.angle) > 0.0)
+        assert np.isfinite(curve.value).all()
+        if label not in ("volume_slope", "male_slope"):
+            assert curve.value.min() > -1e-15
+            assert max(curve.value[0], curve.value[-1]) <= 1e-9 * curve.value.max()
+
+
+@pytest.mark.parametrize("name", ["a", "b", "c"])
+def test_the_spline_of_the_volume_table_meets_volume_and_slope(pairs, curves, name):
+    """Rows every 0.5° and knots: V to 5e-6 of its maximum; the slope to 1 % of its own beside kinks of dV/dφ."""
+    rotors, made = pairs[name], curves[name]
+    TAB = pack_curve(made.volume.angle, made.volume.value)
+    theta = np.linspace(0.0, made.life, 1501)
+    volume = np.array([table_value(x, TAB, 0) for x in theta])
+    slope = np.array([table_slope(x, TAB, 0) for x in theta])
+    exact = rotors.volume_slope(theta + rotors.start)
+    assert volume == pytest.approx(rotors.volume(theta + rotors.start), abs=5e-6 * rotors.largest[1])
+    assert slope == pytest.approx(exact, abs=1e-2 * np.abs(exact).max())
+
+
+def test_male_and_female_torque_share_the_work(pairs, curves):
+    """Over a life the male's ∂V/∂φ sums to its share of what is swept: both integrals vanish, their halves do not."""
+    for name, rotors in pairs.items():
+        c = curves[name]
+        falling = c.volume_slope.value < 0.0
+        male, all_ = (np.trapezoid(np.where(falling, x.value, 0.0), x.angle) for x in (c.male_slope, c.volume_slope))
+        assert male / all_ == pytest.approx(rotors.sections.male_share, abs=0.02)
+
+
+def test_offsets_are_those_of_the_interfaces(curves):
+    offsets = {path.name: path.offset for path in curves["c"].paths}
+    assert offsets["sealing_line"] == 5
+    assert offsets["sealing_line_over_tip"] == 6
+    assert all(
+        offsets[name] == 1 for name in ("male_tip", "female_tip", "blow_hole", "suction_blow_hole", "end_face_1")
+    )
+    assert {name: n for name, n in offsets.items() if name.startswith("end_face")} == {
+        f"end_face_{n}": n for n in (1, 4, 5, 6)
+    }
+
+
+def test_whole_lobes_separate_neighbours_on_the_end_face(pairs):
+    """Before the mesh at the discharge face (ψ = −145°) both lobes do so with their whole heights."""
+    for rotors in pairs.values():
+        lengths = face_lengths(rotors.pair, rotors.chain, np.array([math.radians(-145.0)]))
+        pair = rotors.pair
+        heights = 2.0 * (pair.male_radius + pair.female_radius - pair.centre_distance)
+        assert lengths.pop(1)[0] == pytest.approx(heights, rel=1e-6)
+        assert all(length[0] < 1e-12 for length in lengths.values())
+
+
+def test_curve_of_the_trailing_chamber_is_shifted_by_its_offset(pairs, curves):
+    path = next(path for path in curves["b"].paths if path.name == "sealing_line")
+    assert path.curve.angle - path.behind.angle == pytest.approx(2 * math.pi)
+
+
+def test_more_chambers_live_than_720_degrees_hold(curves):
+    assert {name: made.chambers for name, made in curves.items()} == {"a": 9, "b": 9, "c": 11}
+
+
+def test_discharge_opens_at_the_built_in_ratio(pairs, curves):
+    for name, rotors in pairs.items():
+        volume = rotors.volume(np.array([curves[name].discharge_opens + rotors.start]))[0]
+        assert rotors.largest[1] / volume == pytest.approx(3.2, rel=1e-9)
+
+
+def test_tables_are_those_that_a_scene_reads(tmp_path, curves):
+    for name, text in curves_csv(curves["b"]).items():
+        path = tmp_path / name
+        path.write_text(text)
+        column = "volume_m3" if name == "volume.csv" else "area_m2"
+        if f"angle_deg,{column}\n" in text:
+            angles, values = read_curve(str(path), column)
+            assert len(angles) > 1000
+            assert values.max() > 0.0
+
+
+def test_a_length_times_a_clearance_is_an_area(curves):
+    path = next(path for path in curves["b"].paths if path.name == "male_tip")
+    text = curve_csv(path.curve, clearance=2e-5)
+    rows = np.loadtxt(text.splitlines()[1:], delimiter=",")
+    assert text.startswith("angle_deg,area_m2\n")
+    assert rows[:, 1] == pytest.approx(2e-5 * path.curve.value, rel=1e-9)
+
+
+def test_drawing_has_every_point_of_the_outline(pairs):
+    x, y = outlines(pairs["b"].pair, pairs["b"].chain)[0]
+    assert outline_dxf(x, y).count("VERTEX") == len(x)
+
+
+def test_coefficients_are_listed_with_units(pairs):
+    rows = coefficients_csv(pairs["a"]).splitlines()
+    assert rows[0] == "name,value,unit,meaning"
+    assert all(len(row.split(",")) == 4 for row in rows)
+
+
+def test_rows_lie_on_knots(pairs, curves):
+    assert module.STEP == pytest.approx(math.radians(0.5))
+    curve = curves["b"].volume
+    assert all(np.min(np.abs(curve.angle - knot)) < 1e-9 for knot in curve.knots)

@@ -1,0 +1,171 @@
+"""Profiles from points, and the refusals: each in one line with its remedy."""
+
+import math
+
+import numpy as np
+import pytest
+
+from screwsim.faults import UsageError
+from screwsim.machine.rotors import imported
+from screwsim.machine.rotors.checks import check_pair, check_profile, crosses_itself, mesh
+from screwsim.machine.rotors.closed_form import circular, rack, rack_line
+from screwsim.machine.rotors.export import lobe_csv
+from screwsim.machine.rotors.pair import Chain, Pair
+from screwsim.machine.rotors.rotors import make_rotors
+from screwsim.machine.rotors.sections import sections
+from screwsim.machine.rotors.settings import Profile
+
+MM, DEG = 1e-3, math.pi / 180.0
+PAIR = Pair(4, 6, 80 * MM, 50 * MM, 50 * MM)
+
+
+def points(path, curve="male", **more):
+    return Profile(
+        kind="points",
+        centre_distance=80 * MM,
+        female_diameter=100 * MM,
+        wrap_angle=300 * DEG,
+        file=str(path),
+        curve=curve,
+        **more,
+    )
+
+
+@pytest.mark.parametrize("name", ["a", "b", "c"])
+def test_an_exported_lobe_gives_the_same_machine(pairs, name):
+    """The tangent of three points errs by their spacing times jumps of curvature: 2e-5 of V_max at 50 µm.
+
+    (a) has its whole arc in contact at once; where that ends is found to 1e-3 rad only, so Δ errs by 0.3 %: 6e-5.
+    """
+    rotors = pairs[name]
+    first, last = rotors.chain.edges
+    x, y = (line[first : last + 1 : 2] for line in rotors.chain.male())
+    chain = imported.from_male(rotors.pair, x, y)
+    again, cut = sections(rotors.pair, chain), rotors.sections
+    phi = np.linspace(-1.5, 4.0, 50)
+    expected, found = (part.volume(phi, rotors.wrap, rotors.length) for part in (cut, again))
+    assert found == pytest.approx(expected, abs=(6e-5 if name == "a" else 2e-5) * rotors.largest[1])
+    assert check_profile(rotors.pair, chain) == []
+
+
+def test_a_rack_in_points_gives_the_leading_flank(pairs):
+    """The rack of (b) mirrored on its trailing side: a symmetric rotor whose leading contact is that of (b)."""
+    pair, rho, alpha, r5 = PAIR, 18 * MM, 35 * DEG, 3 * MM
+    length, yL = rack_line(pair, rho, alpha, r5)
+    g = np.linspace(0.0, 0.5 * math.pi - alpha, 200)
+    line = np.linspace(0.0, length, 100)[1:-1]
+    x = [r5 - pair.dedendum - r5 * np.cos(g), pair.addendum - rho + rho * np.cos(g[::-1])]
+    y = [-yL + r5 * np.sin(g), -rho * np.sin(g[::-1])]
+    x.insert(1, x[0][-1] + line * math.cos(alpha))
+    y.insert(1, y[0][-1] + line * math.sin(alpha))
+    left, along = np.concatenate(x), np.concatenate(y)
+    chain = imported.from_rack(pair, np.append(left, left[-2::-1]), np.append(along, -along[-2::-1]))
+    exact = rack(pair, 1 * MM, 3 * MM, rho, alpha, r5)
+    i = slice(exact.edges[0], exact.lead)
+    lead = slice(chain.edges[0], chain.lead)
+    psi = np.linspace(-0.6, -0.05, 50)
+    found, expected = (np.interp(psi, part.psi[cut], part.x[cut]) for part, cut in ((chain, lead), (exact, i)))
+    assert found == pytest.approx(expected, abs=2e-3 * MM)
+
+
+def test_smoothing_averages_the_tangent_only():
+    """A straight line plus noise gives the line's direction back; a circle keeps its linear angle."""
+    way = np.linspace(0.0, 1.0, 400)
+    assert imported.averaged(way, 3.0 * way, 0.1) == pytest.approx(3.0 * way, abs=1e-6)
+    noise = np.where(np.arange(400) % 2, 1e-3, -1e-3)
+    assert np.abs(imported.averaged(way, noise, 0.1)[30:-30]).max() < 1e-4
+
+
+def test_noise_of_a_tenth_of_a_micrometre_is_smoothed(pairs):
+    rotors, random = pairs["c"], np.random.default_rng(1)
+    x, y = rotors.chain.male()
+    first, last = rotors.chain.edges
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])[first : last + 1]
+    keep = np.unique(np.searchsorted(way, np.linspace(way[0], way[-1], 1500)).clip(0, last - first))
+    px, py = (line[first : last + 1][keep] + 1e-7 * random.standard_normal(len(keep)) for line in (x, y))
+    chain = imported.from_male(rotors.pair, px, py, 0.2 * MM)
+    assert check_profile(rotors.pair, chain) == []
+    largest = sections(rotors.pair, chain).volume(np.array([rotors.largest[0]]), rotors.wrap, rotors.length)[0]
+    assert largest == pytest.approx(rotors.largest[1], rel=1e-3)
+
+
+def test_file_round_trip(tmp_path, pairs):
+    path = tmp_path / "lobe.csv"
+    path.write_text(lobe_csv(pairs["b"]))
+    again = make_rotors(points(path), 4, 6, 100 * MM, 110 * MM)
+    assert again.largest[1] == pytest.approx(pairs["b"].largest[1], rel=2e-5)
+
+
+def _refusal(function, *arguments):
+    with pytest.raises(UsageError) as error:
+        function(*arguments)
+    text = str(error.value)
+    assert "\n" not in text
+    return text
+
+
+def test_undercut_of_the_female_tip_is_refused():
+    assert "1.25 times" in _refusal(rack, PAIR, 1 * MM, 2 * MM, 22 * MM, 35 * DEG, 3 * MM)
+    chain = rack(PAIR, 1 * MM, 2.01 * MM, 22 * MM, 35 * DEG, 3 * MM)
+    (fault,) = check_profile(PAIR, chain)
+    assert "choose" in fault.what
+    assert check_profile(PAIR, rack(PAIR, 1 * MM, 2.5 * MM, 22 * MM, 35 * DEG, 3 * MM)) == []
+
+
+def test_a_lobe_wider_than_the_pitch_is_refused():
+    assert "wider than the pitch" in _refusal(rack, PAIR, 1 * MM, 3 * MM, 22 * MM, 60 * DEG, 3 * MM)
+
+
+def test_overlapping_arcs_of_the_rack_are_refused():
+    assert "overlap" in _refusal(rack, PAIR, 1 * MM, 3 * MM, 80 * MM, 35 * DEG, 3 * MM)
+
+
+def test_thin_lobes_are_refused():
+    (fault,) = check_profile(PAIR, rack(PAIR, 1 * MM, 3 * MM, 22 * MM, 53.0 * DEG, 3 * MM), interference=False)
+    assert "thick" in fault.what
+
+
+def test_interference_is_found():
+    """Points that meet 0.06° too early or too late break the law of gearing: the curves through them cut each other."""
+    chain = rack(PAIR, 1 * MM, 3 * MM, 22 * MM, 35 * DEG, 3 * MM)
+    assert mesh(PAIR, chain)[1] < 2e-8
+    wrong = 0.001 * np.sin(2.0 * PAIR.male_lobes * chain.psi)
+    spoiled = Chain(chain.psi + wrong, chain.x, chain.y, chain.lead, chain.trail, chain.edges)
+    (fault,) = check_profile(PAIR, spoiled)
+    assert "cut into each other" in fault.what
+
+
+def test_main_dimensions_that_cannot_mesh_are_refused():
+    for centre, word in ((110.0, "do not mesh"), (49.0, "inside a rotor"), (81.0, None)):
+        faults = check_pair(Pair(4, 6, centre * MM, 50 * MM, 50 * MM))
+        assert (word is None and not faults) or word in faults[0].what
+
+
+def test_a_figure_of_eight_crosses_itself():
+    t = np.linspace(0.3, 2.0 * math.pi + 0.3, 400)
+    assert crosses_itself(0.04 + 0.01 * np.sin(2 * t), 0.01 * np.sin(t), math.pi)
+
+
+def test_missing_parameters_are_named():
+    bare = Profile(kind="circular", centre_distance=80 * MM, female_diameter=100 * MM, wrap_angle=5.0)
+    assert "female_tip_radius" in _refusal(make_rotors, bare, 4, 6, 100 * MM, 110 * MM)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("a,b\n1,2\n", "columns x_mm and y_mm"), ("x_mm,y_mm\n1,2\n", "at least 20"), ("x_mm,y_mm\n1,two\n", "a number")],
+)
+def test_bad_files_are_refused(tmp_path, text, words):
+    path = tmp_path / "points.csv"
+    path.write_text(text)
+    assert words in _refusal(imported.read_profile, str(path))
+
+
+def test_a_corner_in_the_points_is_refused():
+    x = np.concatenate([np.linspace(30, 50, 30), np.linspace(50, 30, 30)[1:]]) * MM
+    y = np.concatenate([np.linspace(-8, 0, 30), np.linspace(0, 8, 30)[1:]]) * MM
+    assert "round the corner" in _refusal(imported.from_male, PAIR, x, y)
+
+
+def test_circle_that_misses_the_tip_is_refused():
+    assert "do not touch" in _refusal(circular, Pair(4, 6, 80 * MM, 33 * MM, 58 * MM), 3 * MM)

@@ -1,0 +1,55 @@
+"""Figures and files of a pair of rotors: all there, all text inside the figure, the same bytes again."""
+
+import math
+
+import pytest
+
+from screwsim.machine.rotors.curves import make_curves
+from screwsim.machine.rotors.rotors import Rotors, make_rotors
+from screwsim.machine.rotors.settings import Profile
+from screwsim.report import rotors as figures
+from screwsim.report.style import journal
+
+
+@pytest.fixture(scope="module")
+def pair() -> Rotors:
+    """Return the asymmetric 4/6 pair (b) of docs/rotors.md."""
+    profile = Profile(
+        kind="rack",
+        centre_distance=0.08,
+        female_diameter=0.1,
+        wrap_angle=math.radians(300.0),
+        male_tip_radius=1e-3,
+        female_tip_radius=3e-3,
+        flank_radius=22e-3,
+        pressure_angle=math.radians(35.0),
+        root_radius=3e-3,
+    )
+    return make_rotors(profile, 4, 6, 0.1, 0.11)
+
+
+def draw(pair, name):
+    """Return one of the four figures."""
+    if name in ("mesh_figure", "sealing_figure"):
+        return getattr(figures, name)(pair)
+    return getattr(figures, name)(pair, make_curves(pair, 3.2))
+
+
+@pytest.mark.parametrize("name", ["mesh_figure", "sealing_figure", "volume_figure", "areas_figure"])
+def test_all_text_lies_inside_the_figure(pair, name):
+    with journal():
+        figure = draw(pair, name)
+        figure.draw_without_rendering()
+        box = figure.get_tightbbox(figure.canvas.get_renderer())  # [inch]
+    assert box.x0 >= -0.01 and box.y0 >= -0.01
+    assert box.x1 <= figure.get_figwidth() + 0.01 and box.y1 <= figure.get_figheight() + 0.01
+
+
+def test_every_figure_and_file_is_written_and_the_same_again(pair, tmp_path):
+    first, second = (figures.draw_rotors(pair, 3.2, tmp_path / name) for name in ("one", "two"))
+    names = {path.rpartition("/")[2] for path in first}
+    assert {"rotors.png", "sealing_line.pdf", "volume.png", "areas.png", "volume.csv", "male.dxf"} <= names
+    assert {"suction_port.csv", "discharge_port.csv", "blow_hole.csv", "coefficients.csv", "male_lobe.csv"} <= names
+    for one, two in zip(first, second, strict=True):
+        with open(one, "rb") as a, open(two, "rb") as b:
+            assert a.read() == b.read(), one
