@@ -27,6 +27,11 @@ _ENGINEERING = {
 }
 
 
+def shown_name(name: str) -> str:
+    """Return the name of a figure as a person writes it."""
+    return "COP" if name == "cop" else name.replace("_", " ")
+
+
 def plain(value: Any) -> Any:
     """Return a value in types of JSON: numpy's become Python's, NaN and infinities None."""
     if isinstance(value, Mapping):
@@ -100,7 +105,7 @@ def _table(result: Result) -> Any:
     for name, value in result.performance.items():
         if value is not None:
             error = [_small(result.error.get(name))] if result.error else []
-            table.add_row(name.replace("_", " "), *engineering(name, value), *error)
+            table.add_row(shown_name(name), *engineering(name, value), *error)
     return table
 
 
@@ -179,10 +184,10 @@ def _account(result: Result) -> Iterable[str]:
     reasons: dict[str, list[str]] = {}
     for name in absent:
         if name in result.notes:
-            reasons.setdefault(result.notes[name], []).append(name.replace("_", " "))
+            reasons.setdefault(result.notes[name], []).append(shown_name(name))
     for reason, names in reasons.items():
         yield f"no {', '.join(names)}: {reason}"
-    silent = [name.replace("_", " ") for name in absent if name not in result.notes]
+    silent = [shown_name(name) for name in absent if name not in result.notes]
     if silent:
         yield f"not simulated: {', '.join(silent)}"
     for cost in result.knock_out:
