@@ -114,14 +114,34 @@ def _change(new: tuple[float, float], old: tuple[float, float], least_work: floa
 
 def _plenum_change(new: Array, old: Array) -> float:
     """Return the largest relative change of the discharge plenum; small oil ratios count against LEAST_OIL."""
-    return float(np.max(np.abs(new - old) / np.maximum(old, LEAST_OIL)))
+    changes = np.abs(new - old) / np.maximum(old, LEAST_OIL)
+    if len(new) == 3 and max(new[1], old[1]) <= LEAST_OIL:
+        changes[2] = 0.0  # the temperature of next to nothing
+    return float(np.max(changes))
+
+
+def _plenum_logarithms(plenum: Array) -> Array:
+    """Return ln of the discharge plenum; oil as in `_logarithms`."""
+    logs = np.log(np.maximum(plenum, 1e-300))
+    if len(plenum) == 3 and plenum[1] <= LEAST_OIL:
+        logs[1:] = np.log(LEAST_OIL), 0.0
+    return logs
+
+
+def _plenum_of(mixed: Array, raw: Array) -> Array:
+    """Return the plenum from mixed logarithms; oil too little to count keeps its raw values."""
+    plenum = np.exp(mixed)
+    if len(raw) == 3 and raw[1] <= LEAST_OIL:
+        plenum[1:] = raw[1:]
+    return plenum
 
 
 def _logarithms(states: Array, n: int) -> Array:
-    """Return ln of states of n values each, oil not below LEAST_OIL of the gas."""
+    """Return ln of states of n values each; oil not above LEAST_OIL of the gas counts as that, of one temperature."""
     rows = np.maximum(states.reshape(-1, n), 1e-300)
     if n == 4:
-        rows[:, 3] = np.maximum(rows[:, 3], LEAST_OIL)
+        little = rows[:, 3] <= LEAST_OIL
+        rows[little, 2:] = 1.0, LEAST_OIL
     return np.log(rows).ravel()
 
 
@@ -162,7 +182,7 @@ def by_histories(task: Task, y: Array, last: bool, first_rtol: float = FIRST_RTO
         machinery.remember()
         mixed = _mixed(machinery, accelerate, point, image)
         y[:] = _states(mixed[: machinery.n], y, machinery.n)
-        plenum = np.exp(mixed[len(mixed) - len(plenum) :])
+        plenum = _plenum_of(mixed[len(mixed) - len(plenum) :], image_plenum)
         task.set_plenum(plenum)
     return Closed("not_closed", q, y, turn, "histories", finest, change=gap)
 
@@ -172,14 +192,14 @@ def _states(mixed: Array, raw: Array, n: int) -> Array:
     states, raw = np.exp(mixed).reshape(-1, n), raw.reshape(-1, n)
     if n == 4:
         little = raw[:, 3] <= LEAST_OIL
-        states[little, 3] = raw[little, 3]
+        states[little, 2:] = raw[little, 2:]
     return states.ravel()
 
 
 def _vector(machinery: Machinery, y: Array, angles: Array, plenum: Array) -> Array:
     """Return what one turn maps: state at 0°, states of the last history, discharge plenum, in logarithms."""
     states = np.concatenate([y, machinery.states_at(angles).ravel()])
-    return np.concatenate([_logarithms(states, machinery.n), np.log(plenum)])
+    return np.concatenate([_logarithms(states, machinery.n), _plenum_logarithms(plenum)])
 
 
 def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array) -> Array:
@@ -215,13 +235,14 @@ def by_coupling(task: Task, y: Array) -> Closed:
     for pitch in range(1, MAX_PITCHES + 1):
         if machinery.counts[2] > budget:
             break
-        point = np.concatenate([_logarithms(y, machinery.n), np.log(plenum)])
+        point = np.concatenate([_logarithms(y, machinery.n), _plenum_logarithms(plenum)])
         end = y.copy()
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, pitch / c.chambers, "coupled", rtol, angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
-        image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), np.log(task.outflow(q))])
+        image_plenum = task.outflow(q)
+        image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), _plenum_logarithms(image_plenum)])
         gap = float(np.max(np.abs(image - point)))
         least = LEAST_WORK * seen[-1][0] * task.pv
         if _settled(seen, wanted.tolerance, least) and gap <= 10 * wanted.tolerance:
@@ -233,7 +254,7 @@ def by_coupling(task: Task, y: Array) -> Closed:
         _, mixed = accelerate.mix(point, image)
         if np.max(np.abs(mixed - image)) > 1.0:
             mixed = image
-        y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), np.exp(mixed[n:])
+        y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), _plenum_of(mixed[n:], image_plenum)
         task.set_plenum(plenum)
     machinery.install_coupled()
     return Closed("not_closed", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
