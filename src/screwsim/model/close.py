@@ -280,7 +280,9 @@ def chambers_at_pitches(machinery: Machinery) -> Array:
         i = max(0, i - 1) if abs(times[i] - j * c.P[P_PITCH]) < 1e-9 and i > 0 else i
         theta = (j * c.P[P_PITCH] - times[i]) / (times[i + 1] - times[i])
         states.append(dense_value(theta, *dense[i])[: machinery.n])
-    return np.concatenate(states)
+    states = np.array(states)
+    states[:, 2:] = np.maximum(states[:, 2:], 0.0)  # the cubic of an oil ratio may dip below none by its error
+    return states.ravel()
 
 
 def close(task: Task, y: Array, integrator: str = "rodas4") -> Closed:
