@@ -100,6 +100,15 @@ class Solution:
         """Close the cycle from the first guess."""
         return closing.close(self, self.start(), self.scene.numerics.integrator)
 
+    def outside(self, closed: closing.Closed) -> bool:
+        """Tell whether the state where closing stopped, or the cycle that it left, is outside the gas's equation."""
+        gas = self.parts.gas
+        if closed.status == "failed":
+            return gas.why_outside(float(closed.y[0]), float(closed.y[1])) is not None
+        _, dense, _, steps = self.machinery.last()
+        T, rho = (np.ascontiguousarray(dense[:steps, 1, column]) for column in (0, 1))
+        return gas.first_outside(T, rho) is not None
+
     def tighten(self, factor: float) -> None:
         """Multiply the tolerances and the widths of the regularisation."""
         self.wanted = replace(self.wanted, rtol=factor * self.wanted.rtol, tolerance=factor * self.wanted.tolerance)
@@ -152,6 +161,11 @@ class Solution:
     def residue(self, q: closing.Array) -> float:
         """Return the larger of the relative residues of mass and energy."""
         return max(self.balances.residues(q, float(self.machinery.R[R_TRAPPED]), self.inlet.enthalpy, self.pv)[:2])
+
+    def least(self, q: closing.Array) -> tuple[float, float]:
+        """Return the power [W] and the work of a cycle [J] below which they are rounding (docs/numerics.md, Nothing)."""
+        work = closing.LEAST_WORK * max(float(self.machinery.R[R_TRAPPED]), 0.0) * self.pv
+        return work * self.parts.omega / self.parts.geometry.pitch, work
 
     # ---- taking the figures ----------------------------------------------------------------------------------
 

@@ -8,14 +8,14 @@ all chambers over one pitch, accelerated by Anderson's method; conserves exactly
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_LIFE, P_PITCH, R_TRAPPED
+from screwsim.model.slots import P_LIFE, P_OMEGA, P_PITCH, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
 from screwsim.numerics.rodas import dense_value
 
@@ -28,6 +28,9 @@ LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 FIRST_RTOL = 3e-3  # of the first turn; later ones follow the gap
 HISTORY_DEPTH = 5  # of Anderson's method for histories
 PITCH_DEPTH = 10  # and for coupled chambers
+DAMPED_DEPTH = 2  # of Anderson's method where closing is damped
+DAMPING = 0.5  # share of the way to the image that damped closing goes
+FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
 MAX_TURNS = 40
 MAX_PITCHES = 400
 MAX_EVALUATIONS = 20_000_000  # of one chamber's rates, after which a cycle that does not close is given up
@@ -55,6 +58,7 @@ class Closed:
     rtol: float
     angle: float = 0.0
     change: float = 0.0
+    needed: str = ""  # the further try that it took; empty where the first did
 
 
 class Balances:
@@ -222,11 +226,14 @@ def _too_slow(gaps: list[float], tolerance: float) -> bool:
     return contraction >= 1.0 or np.log(tolerance / gaps[-1]) / np.log(contraction) > DEAR
 
 
-def by_coupling(task: Task, y: Array) -> Closed:
-    """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated."""
+def by_coupling(task: Task, y: Array, depth: int = PITCH_DEPTH, damping: float = 1.0) -> Closed:
+    """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated.
+
+    `damping` is the share of the way to the image that an iterate goes.
+    """
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
-    accelerate = Anderson(PITCH_DEPTH)
+    accelerate = Anderson(depth)
     plenum = task.plenum()
     seen: list[tuple[float, float]] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
@@ -254,6 +261,8 @@ def by_coupling(task: Task, y: Array) -> Closed:
         _, mixed = accelerate.mix(point, image)
         if np.max(np.abs(mixed - image)) > 1.0:
             mixed = image
+        if damping < 1.0:
+            mixed = point + damping * (mixed - point)
         y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), _plenum_of(mixed[n:], image_plenum)
         task.set_plenum(plenum)
     machinery.install_coupled()
@@ -315,6 +324,41 @@ def _close(task: Task, y: Array) -> Closed:
         if first is not None:
             return first
     return by_coupling(task, chambers_at_pitches(task.machinery))
+
+
+def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str, Callable[[], Closed]]]:
+    """Yield what else may close a cycle that did not close, the cheapest first: (what it is, how to do it).
+
+    `start` puts the first guess back. All go by coupled chambers, which conserve exactly.
+    """
+    machinery, wanted = task.machinery, task.wanted
+    P = machinery.composition.P
+
+    def tighter() -> Closed:
+        start()
+        task.wanted = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
+        try:
+            return by_coupling(task, chambers_at_pitches(machinery))
+        finally:
+            task.wanted = wanted
+
+    def damped() -> Closed:
+        start()
+        return by_coupling(task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING)
+
+    def faster() -> Closed:
+        start()
+        omega = P[P_OMEGA]
+        P[P_OMEGA] = FASTER * omega
+        try:
+            easier = by_coupling(task, chambers_at_pitches(machinery))
+        finally:
+            P[P_OMEGA] = omega
+        return easier if easier.status == "failed" else by_coupling(task, easier.y)
+
+    yield "a tighter tolerance of the steps", tighter
+    yield "damped closing", damped
+    yield f"continuation from {FASTER:g} times the speed", faster
 
 
 def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
