@@ -66,6 +66,21 @@ def close_accurately(solution: Any) -> Accurate:
     return Accurate(closed, errors, watch.counts["closing"], watch.times["closing"], watch.times["estimating"])
 
 
+def close_tighter(solution: Any, accurate: Accurate) -> Accurate:
+    """Close a closed cycle once more, with finer tolerances; the old one stays where that fails."""
+    watch, before = Watch(solution.machinery), Snapshot(solution.machinery)
+    wanted = solution.wanted
+    solution.tighten(TIGHTER)
+    closed = closing.again(solution, accurate.closed)
+    watch.lap("closing")
+    counts, spent = accurate.counts + watch.counts["closing"], accurate.closing_time + watch.times["closing"]
+    if closed.status != "ok":
+        before.put_back()
+        solution.wanted, closed = wanted, accurate.closed
+    closed = replace(closed, needed=accurate.closed.needed)
+    return accurate._replace(closed=closed, counts=counts, closing_time=spent)
+
+
 def _close_somehow(solution: Any) -> closing.Closed:
     """Close the cycle; by further tries where the first does not and the scene leaves the way to us.
 

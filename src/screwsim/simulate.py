@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from screwsim.build import prepare
-from screwsim.estimate import Accurate, close_accurately, worst
+from screwsim.estimate import Accurate, close_accurately, close_tighter, worst
 from screwsim.ledger import entropy_residue
 from screwsim.model import close as closing
 from screwsim.model.slots import R_OIL_BEFORE
@@ -99,6 +99,18 @@ def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
     return (f"the estimated error of {name}, {size:.2g}, is above the wanted accuracy {scene.numerics.accuracy:.2g}",)
 
 
+def _judged(
+    solution: Solution, closed: closing.Closed, trace: bool
+) -> tuple[Figures, dict[str, str], Figures, Figures]:
+    """Return figures, why some are None, the balances and the ledger of a closed cycle."""
+    found, notes = solution.figures(closed.q)
+    balance = solution.balance(closed.q)
+    wanted = trace or solution.scene.numerics.error == "estimate"
+    book = solution.ledger(closed.q, found.shaft_power) if wanted else Figures()
+    balance["entropy"] = entropy_residue(book, solution.least(closed.q)[0])
+    return found, notes, balance, book
+
+
 def simulate(scene: Scene, trace: bool = True) -> Result:
     """Return the result of one scene; bad physics gives a status and what there is, never an exception.
 
@@ -117,10 +129,12 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
     refused = _refused(solution)
     if refused:
         return Result("failed", refused, effects=effects, states=states, numerics=numerics)
-    found, notes = solution.figures(closed.q)
-    balance = solution.balance(closed.q)
-    book = solution.ledger(closed.q, found.shaft_power) if trace or scene.numerics.error == "estimate" else Figures()
-    balance["entropy"] = entropy_residue(book, solution.least(closed.q)[0])
+    found, notes, balance, book = _judged(solution, closed, trace)
+    if closed.status == "ok" and (balance.entropy or 0.0) > balance.bound and scene.numerics.rtol is None:
+        # mass and energy are judged while closing, entropy only here: it needs the ledger
+        accurate = close_tighter(solution, accurate)
+        closed, numerics = accurate.closed, _numerics(solution, accurate)
+        found, notes, balance, book = _judged(solution, closed, trace)
     bad = not all(math.isfinite(value) for value in found.values() if value is not None)
     if bad:
         message = "a figure is not finite; ask for a tighter numerics.accuracy"

@@ -28,12 +28,13 @@ LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 FIRST_RTOL = 3e-3  # of the first turn; later ones follow the gap
 HISTORY_DEPTH = 5  # of Anderson's method for histories
 PITCH_DEPTH = 10  # and for coupled chambers
+MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
 DAMPED_DEPTH = 2  # of Anderson's method where closing is damped
 DAMPING = 0.5  # share of the way to the image that damped closing goes
 FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
 MAX_TURNS = 40
 MAX_PITCHES = 400
-MAX_EVALUATIONS = 20_000_000  # of one chamber's rates, after which a cycle that does not close is given up
+MAX_EVALUATIONS = 10_000_000  # of one chamber's rates, after which a cycle that does not close is given up
 
 
 @dataclass(frozen=True)
@@ -226,7 +227,9 @@ def _too_slow(gaps: list[float], tolerance: float) -> bool:
     return contraction >= 1.0 or np.log(tolerance / gaps[-1]) / np.log(contraction) > DEAR
 
 
-def by_coupling(task: Task, y: Array, depth: int = PITCH_DEPTH, damping: float = 1.0) -> Closed:
+def by_coupling(
+    task: Task, y: Array, depth: int = PITCH_DEPTH, damping: float = 1.0, most: int = MAX_EVALUATIONS
+) -> Closed:
     """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated.
 
     `damping` is the share of the way to the image that an iterate goes.
@@ -238,7 +241,7 @@ def by_coupling(task: Task, y: Array, depth: int = PITCH_DEPTH, damping: float =
     seen: list[tuple[float, float]] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
     rtol = wanted.rtol
-    budget = int(machinery.counts[2]) + MAX_EVALUATIONS
+    budget = int(machinery.counts[2]) + most
     for pitch in range(1, MAX_PITCHES + 1):
         if machinery.counts[2] > budget:
             break
@@ -338,23 +341,23 @@ def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str,
         start()
         task.wanted = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
         try:
-            return by_coupling(task, chambers_at_pitches(machinery))
+            return by_coupling(task, chambers_at_pitches(machinery), most=MOST_OF_A_TRY)
         finally:
             task.wanted = wanted
 
     def damped() -> Closed:
         start()
-        return by_coupling(task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING)
+        return by_coupling(task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING, most=MOST_OF_A_TRY)
 
     def faster() -> Closed:
         start()
         omega = P[P_OMEGA]
         P[P_OMEGA] = FASTER * omega
         try:
-            easier = by_coupling(task, chambers_at_pitches(machinery))
+            easier = by_coupling(task, chambers_at_pitches(machinery), most=MOST_OF_A_TRY)
         finally:
             P[P_OMEGA] = omega
-        return easier if easier.status == "failed" else by_coupling(task, easier.y)
+        return easier if easier.status == "failed" else by_coupling(task, easier.y, most=MOST_OF_A_TRY)
 
     yield "a tighter tolerance of the steps", tighter
     yield "damped closing", damped

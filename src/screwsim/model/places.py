@@ -158,6 +158,8 @@ def relative_error(y0, y1, error, at, place, row):
             return IMPOSSIBLE
     if not (y1[at] > 0.0 and y1[at + 1] > 0.0):
         return IMPOSSIBLE
+    if HEATED == 1 and not (y1[at + 2] > 0.0):
+        return IMPOSSIBLE
     if CARRIED == 1 and not (y1[at + 3] > -NO_OIL):
         return IMPOSSIBLE
     return worst
