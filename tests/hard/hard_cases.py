@@ -215,3 +215,32 @@ def _shut() -> list[Case]:
 
 
 CASES = [*_speeds(), *_pressures(), *_oil(), *_geometry(), *_gases(), *_shut()]
+
+
+HEAD = """\
+# Hard cases
+
+Scenes that a user could write and that break simpler programs. `tests/hard` solves every one: the status is the one
+below; every number of the result and of its cycle is finite (but for the oil's temperature before it is injected); p, T
+and m are positive; mass and energy close within the wanted accuracy; the right-hand side is evaluated at most as often
+as stated. Where *Radau* is marked, work and trapped mass equal those of coupled chambers under a tight scipy Radau
+within the wanted accuracy. *refused*: a bad scene, exit code 3 with the remedy; *failed*: exit code 4 with the angle.
+
+Where the first try does not close a cycle (`numerics.closing: auto`), a tighter tolerance of the steps, damped closing
+and a continuation from four times the speed are tried, and a warning of the result says which one it took.
+
+This page is `hard_cases.page()`; a test compares the two.
+
+| case | status | at most | Radau | why |
+|---|---|---|---|---|
+"""
+
+
+def page() -> str:
+    """Return the text of docs/hard-cases.md."""
+    rows = [
+        f"| {case.name} | {case.status} | {case.most if case.status != 'refused' else '–'} | "
+        f"{'yes' if case.radau else ''} | {case.why} |"
+        for case in CASES
+    ]
+    return HEAD + "\n".join(rows) + "\n"
