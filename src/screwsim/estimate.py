@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,7 +46,7 @@ def close_accurately(solution: Any) -> Accurate:
     """
     numerics, machinery = solution.scene.numerics, solution.machinery
     watch = Watch(machinery)
-    closed, errors = solution.close(), Figures()
+    closed, errors = _close_somehow(solution), Figures()
     watch.lap("closing")
     for attempt in range(TRIES):
         if closed.status != "ok" or numerics.integrator != "rodas4" or numerics.error == "none":
@@ -61,8 +62,42 @@ def close_accurately(solution: Any) -> Accurate:
         if tighter.status != "ok":
             before.put_back()
             break
-        closed = tighter
+        closed = replace(tighter, needed=closed.needed)
     return Accurate(closed, errors, watch.counts["closing"], watch.times["closing"], watch.times["estimating"])
+
+
+def close_tighter(solution: Any, accurate: Accurate) -> Accurate:
+    """Close a closed cycle once more, with finer tolerances; the old one stays where that fails."""
+    watch, before = Watch(solution.machinery), Snapshot(solution.machinery)
+    wanted = solution.wanted
+    solution.tighten(TIGHTER)
+    closed = closing.again(solution, accurate.closed)
+    watch.lap("closing")
+    counts, spent = accurate.counts + watch.counts["closing"], accurate.closing_time + watch.times["closing"]
+    if closed.status != "ok":
+        before.put_back()
+        solution.wanted, closed = wanted, accurate.closed
+    closed = replace(closed, needed=accurate.closed.needed)
+    return accurate._replace(closed=closed, counts=counts, closing_time=spent)
+
+
+def _close_somehow(solution: Any) -> closing.Closed:
+    """Close the cycle; by further tries where the first does not and the scene leaves the way to us.
+
+    A gas outside its equation stays there, whatever is tried. What no try closes is left as the first left it.
+    """
+    closed, numerics = solution.close(), solution.scene.numerics
+    if closed.status == "ok" or numerics.integrator != "rodas4" or numerics.closing != "auto":
+        return closed
+    if solution.outside(closed):
+        return closed
+    before = Snapshot(solution.machinery)
+    for name, attempt in closing.further_tries(solution, solution.start):
+        better = attempt()
+        if better.status == "ok":
+            return replace(better, needed=name)
+    before.put_back()
+    return closed
 
 
 class Watch:
@@ -102,7 +137,7 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> Figures:
         if status != 0:
             return Figures(dict.fromkeys(found))
         better, _ = solution.figures(q)
-    return relative_errors(found, better)
+    return relative_errors(found, better, *solution.least(closed.q))
 
 
 def _finer_turn(machinery: Any, closed: closing.Closed) -> tuple[int, np.ndarray]:

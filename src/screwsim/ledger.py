@@ -312,12 +312,13 @@ def _losses(book: _Book, cycle: Cycle) -> None:
         book.add(name, energy=power, exergy=power - kept)
 
 
-def entropy_residue(book: Figures) -> float | None:
+def entropy_residue(book: Figures, least_power: float = 0.0) -> float | None:
     """Return the residue of the ledger over the shaft power and all that is destroyed; None without a ledger.
 
-    Given that energy closes, it is the residue of the entropy balance times T_0 (docs/model.md M59).
+    Given that energy closes, it is the residue of the entropy balance times T_0 (docs/model.md M59). Powers [W] below
+    the least one are rounding, as in the energy balance.
     """
     if not book:
         return None
     destroyed = sum(abs(value) for name, value in book.items() if name.startswith("exergy_destroyed_") and value)
-    return abs(book["residue"]) / max(abs(book["shaft_power"]) + destroyed, 1e-300)
+    return abs(book["residue"]) / max(abs(book["shaft_power"]) + destroyed, least_power, 1e-300)

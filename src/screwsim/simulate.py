@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from screwsim.build import prepare
-from screwsim.estimate import Accurate, close_accurately, worst
+from screwsim.estimate import Accurate, close_accurately, close_tighter, worst
 from screwsim.ledger import entropy_residue
 from screwsim.model import close as closing
 from screwsim.model.slots import R_OIL_BEFORE
@@ -60,18 +60,35 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
         supply is not None
         and supply.kind == "pump"
         and found.oil_ratio
-        and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9)
+        and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9) + closing.LEAST_OIL
     ):
         warnings.append(
             f"leaks bring more oil ({float(R[R_OIL_BEFORE]):.3g} kg) into the chamber than oil_supply.ratio asks for; "
             f"nothing is injected and the ratio is {found.oil_ratio:.4g}"
         )
+    warnings += _drowned(solution, found)
     if found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
         warnings.append(
-            "no net gas is delivered; what flows in from the discharge line has operation.discharge.temperature, or "
-            "where that is not given the temperature of isentropic compression"
+            "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
+            "operation.discharge.temperature, or where that is not given the temperature of isentropic compression"
         )
     return tuple(warnings)
+
+
+def _drowned(solution: Solution, found: Figures) -> list[str]:
+    """Return a warning where the oil of a chamber is more than its volume holds when the discharge port opens."""
+    oil, port, geometry = solution.scene.oil, solution.scene.machine.discharge_port, solution.parts.geometry
+    if oil is None or port is None or not found.oil_ratio or not found.trapped_mass:
+        return []
+    c = solution.machinery.composition
+    opens = geometry.discharge_law().knots[0]
+    share = found.oil_ratio * found.trapped_mass / oil.density / solution.machinery.module.volume_at(opens, c.P, c.TAB)
+    if share < 1.0:
+        return []
+    return [
+        f"the oil would fill {share:.0%} of the chamber when the discharge port opens; oil takes no room in this model "
+        "(lower oil_supply.ratio, or take the result as a limit)"
+    ]
 
 
 def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
@@ -80,6 +97,18 @@ def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
     if size <= scene.numerics.accuracy:
         return ()
     return (f"the estimated error of {name}, {size:.2g}, is above the wanted accuracy {scene.numerics.accuracy:.2g}",)
+
+
+def _judged(
+    solution: Solution, closed: closing.Closed, trace: bool
+) -> tuple[Figures, dict[str, str], Figures, Figures]:
+    """Return figures, why some are None, the balances and the ledger of a closed cycle."""
+    found, notes = solution.figures(closed.q)
+    balance = solution.balance(closed.q)
+    wanted = trace or solution.scene.numerics.error == "estimate"
+    book = solution.ledger(closed.q, found.shaft_power) if wanted else Figures()
+    balance["entropy"] = entropy_residue(book, solution.least(closed.q)[0])
+    return found, notes, balance, book
 
 
 def simulate(scene: Scene, trace: bool = True) -> Result:
@@ -100,10 +129,12 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
     refused = _refused(solution)
     if refused:
         return Result("failed", refused, effects=effects, states=states, numerics=numerics)
-    found, notes = solution.figures(closed.q)
-    balance = solution.balance(closed.q)
-    book = solution.ledger(closed.q, found.shaft_power) if trace or scene.numerics.error == "estimate" else Figures()
-    balance["entropy"] = entropy_residue(book)
+    found, notes, balance, book = _judged(solution, closed, trace)
+    if closed.status == "ok" and (balance.entropy or 0.0) > balance.bound and scene.numerics.rtol is None:
+        # mass and energy are judged while closing, entropy only here: it needs the ledger
+        accurate = close_tighter(solution, accurate)
+        closed, numerics = accurate.closed, _numerics(solution, accurate)
+        found, notes, balance, book = _judged(solution, closed, trace)
     bad = not all(math.isfinite(value) for value in found.values() if value is not None)
     if bad:
         message = "a figure is not finite; ask for a tighter numerics.accuracy"
@@ -118,7 +149,8 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
             "try numerics.closing: coupled, or a tighter numerics.accuracy"
         )
     cycle, kept = (solution.cycle(), book) if trace else ({}, Figures())
-    warnings = (*_warnings(solution, found), *_inaccurate(scene, accurate.errors))
+    tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()
+    warnings = (*tried, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))
     errors = accurate.errors
     return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, kept)
 

@@ -100,6 +100,15 @@ class Solution:
         """Close the cycle from the first guess."""
         return closing.close(self, self.start(), self.scene.numerics.integrator)
 
+    def outside(self, closed: closing.Closed) -> bool:
+        """Tell whether the state where closing stopped, or the cycle that it left, is outside the gas's equation."""
+        gas = self.parts.gas
+        if closed.status == "failed":
+            return gas.why_outside(float(closed.y[0]), float(closed.y[1])) is not None
+        _, dense, _, steps = self.machinery.last()
+        T, rho = (np.ascontiguousarray(dense[:steps, 1, column]) for column in (0, 1))
+        return gas.first_outside(T, rho) is not None
+
     def tighten(self, factor: float) -> None:
         """Multiply the tolerances and the widths of the regularisation."""
         self.wanted = replace(self.wanted, rtol=factor * self.wanted.rtol, tolerance=factor * self.wanted.tolerance)
@@ -112,20 +121,25 @@ class Solution:
         return np.array([max(float(place[cell]), 1e-9) for cell in cells])
 
     def outflow(self, q: closing.Array) -> closing.Array:
-        """Return the plenum that a cycle's outflow makes: its flow-weighted mean (M27), or the given temperature."""
+        """Return the plenum that a cycle's outflow makes (M27): its flow-weighted mean, or the given temperature.
+
+        What flows back beyond the outflow comes from the line and brings no oil. So the plenum is a continuous function
+        of the flows: a state that jumped where the net flow passes zero would leave such a machine without a cycle.
+        """
         streams = self.balances.streams(q)
         mean = closing.discharge_enthalpy(streams)
         plenum = self.plenum()
         given = self.scene.operation.discharge.temperature is not None
-        if mean is None or not _delivers(streams):
-            # nothing is delivered, so no outflow can set the state of what comes in from the line
-            plenum[0] = plenum[0] if given else self._h_isentropic()
-            plenum[1:] = (1e-9, self.parts.oil.temperature) if len(plenum) == 3 and self.parts.oil else plenum[1:]
-            return plenum
+        back, out = float(streams[2, 0]), -float(streams[3, 0])
+        own = 1.0 if back <= out else out / back  # share of what flows back that had flowed out before
         if not given:
-            plenum[0] = mean[0]
-        if len(plenum) == 3 and mean[2] > 0.0:
-            plenum[1:] = max(mean[1], 1e-9), mean[2]
+            plenum[0] = mean[0] if mean is not None else 0.0
+            if mean is None or own < 1.0:
+                plenum[0] = own * plenum[0] + (1.0 - own) * self._h_isentropic()
+        if len(plenum) == 3:
+            assert self.parts.oil is not None  # carried
+            present = mean is not None and mean[2] > 0.0
+            plenum[1:] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else (1e-9, self.parts.oil.temperature)
         return plenum
 
     def _h_isentropic(self) -> float:
@@ -147,6 +161,11 @@ class Solution:
     def residue(self, q: closing.Array) -> float:
         """Return the larger of the relative residues of mass and energy."""
         return max(self.balances.residues(q, float(self.machinery.R[R_TRAPPED]), self.inlet.enthalpy, self.pv)[:2])
+
+    def least(self, q: closing.Array) -> tuple[float, float]:
+        """Return the power [W] and the work of a cycle [J] below which they are rounding (docs/numerics.md, Nothing)."""
+        work = closing.LEAST_WORK * max(float(self.machinery.R[R_TRAPPED]), 0.0) * self.pv
+        return work * self.parts.omega / self.parts.geometry.pitch, work
 
     # ---- taking the figures ----------------------------------------------------------------------------------
 

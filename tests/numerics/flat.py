@@ -11,7 +11,7 @@ from screwsim.numerics import rodas
 from screwsim.numerics.kernel import flatten
 
 Array = np.ndarray
-SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "conserve", "keep_places")
+SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "error_size", "conserve", "keep_places")
 
 
 class Path(NamedTuple):
@@ -61,9 +61,12 @@ def emitted(problem: Problem) -> dict[str, Any]:
     def conserve(y: Array, y1: Array, E: Array, E_next: Array, context: Any, dq: Array) -> None:
         problem.correct(y, y1, dq)
 
+    def error_size(y: Array, y1: Array, error: Array, context: Any) -> float:
+        return float(np.max(np.abs(error) / np.maximum(np.maximum(np.abs(y), np.abs(y1)), 1e-300)))  # NaN stays NaN
+
     names: dict[str, Any] = {"np": np, "math": __import__("math"), "njit": lambda **_: lambda function: function}
     names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian, "p_at_knot": at_knot}
-    names |= {"p_conserve": conserve, "p_keep_places": lambda step, dense, context: None}
+    names |= {"p_error_size": error_size, "p_conserve": conserve, "p_keep_places": lambda step, dense, context: None}
     text = flatten((rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p")
     exec("\n\n".join(text.values()), names)
     return names

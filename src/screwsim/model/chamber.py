@@ -9,7 +9,14 @@ run-time cells, two histories, their numbers of steps (kept[0] new, kept[1] old)
 
 from __future__ import annotations
 
-from screwsim.model.places import angle_terms, fill_place, neighbour, perturbation, place_derivatives
+from screwsim.model.places import (
+    angle_terms,
+    fill_place,
+    neighbour,
+    perturbation,
+    place_derivatives,
+    relative_error,
+)
 from screwsim.model.slots import (
     CARRIED,
     CATEGORIES,
@@ -282,6 +289,13 @@ def at_knot(phi, y, context):
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
     if abs(phi - P[P_INJECTION]) < 1e-9:
         inject(y, 0, P, TAB, R)
+
+
+@kernel
+def error_size(y0, y1, error, context):
+    """Return the size of a step's error; the place of the last stage is that of y1 all but for the error itself."""
+    _P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    return relative_error(y0, y1, error, 0, own, 0)
 
 
 @kernel

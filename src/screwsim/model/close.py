@@ -8,14 +8,14 @@ all chambers over one pitch, accelerated by Anderson's method; conserves exactly
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_LIFE, P_PITCH, R_TRAPPED
+from screwsim.model.slots import P_LIFE, P_OMEGA, P_PITCH, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
 from screwsim.numerics.rodas import dense_value
 
@@ -28,9 +28,13 @@ LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 FIRST_RTOL = 3e-3  # of the first turn; later ones follow the gap
 HISTORY_DEPTH = 5  # of Anderson's method for histories
 PITCH_DEPTH = 10  # and for coupled chambers
+MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
+DAMPED_DEPTH = 2  # of Anderson's method where closing is damped
+DAMPING = 0.5  # share of the way to the image that damped closing goes
+FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
 MAX_TURNS = 40
 MAX_PITCHES = 400
-MAX_EVALUATIONS = 20_000_000  # of one chamber's rates, after which a cycle that does not close is given up
+MAX_EVALUATIONS = 10_000_000  # of one chamber's rates, after which a cycle that does not close is given up
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,7 @@ class Closed:
     rtol: float
     angle: float = 0.0
     change: float = 0.0
+    needed: str = ""  # the further try that it took; empty where the first did
 
 
 class Balances:
@@ -114,14 +119,34 @@ def _change(new: tuple[float, float], old: tuple[float, float], least_work: floa
 
 def _plenum_change(new: Array, old: Array) -> float:
     """Return the largest relative change of the discharge plenum; small oil ratios count against LEAST_OIL."""
-    return float(np.max(np.abs(new - old) / np.maximum(old, LEAST_OIL)))
+    changes = np.abs(new - old) / np.maximum(old, LEAST_OIL)
+    if len(new) == 3 and max(new[1], old[1]) <= LEAST_OIL:
+        changes[2] = 0.0  # the temperature of next to nothing
+    return float(np.max(changes))
+
+
+def _plenum_logarithms(plenum: Array) -> Array:
+    """Return ln of the discharge plenum; oil as in `_logarithms`."""
+    logs = np.log(np.maximum(plenum, 1e-300))
+    if len(plenum) == 3 and plenum[1] <= LEAST_OIL:
+        logs[1:] = np.log(LEAST_OIL), 0.0
+    return logs
+
+
+def _plenum_of(mixed: Array, raw: Array) -> Array:
+    """Return the plenum from mixed logarithms; oil too little to count keeps its raw values."""
+    plenum = np.exp(mixed)
+    if len(raw) == 3 and raw[1] <= LEAST_OIL:
+        plenum[1:] = raw[1:]
+    return plenum
 
 
 def _logarithms(states: Array, n: int) -> Array:
-    """Return ln of states of n values each, oil not below LEAST_OIL of the gas."""
+    """Return ln of states of n values each; oil not above LEAST_OIL of the gas counts as that, of one temperature."""
     rows = np.maximum(states.reshape(-1, n), 1e-300)
     if n == 4:
-        rows[:, 3] = np.maximum(rows[:, 3], LEAST_OIL)
+        little = rows[:, 3] <= LEAST_OIL
+        rows[little, 2:] = 1.0, LEAST_OIL
     return np.log(rows).ravel()
 
 
@@ -162,7 +187,7 @@ def by_histories(task: Task, y: Array, last: bool, first_rtol: float = FIRST_RTO
         machinery.remember()
         mixed = _mixed(machinery, accelerate, point, image)
         y[:] = _states(mixed[: machinery.n], y, machinery.n)
-        plenum = np.exp(mixed[len(mixed) - len(plenum) :])
+        plenum = _plenum_of(mixed[len(mixed) - len(plenum) :], image_plenum)
         task.set_plenum(plenum)
     return Closed("not_closed", q, y, turn, "histories", finest, change=gap)
 
@@ -172,14 +197,14 @@ def _states(mixed: Array, raw: Array, n: int) -> Array:
     states, raw = np.exp(mixed).reshape(-1, n), raw.reshape(-1, n)
     if n == 4:
         little = raw[:, 3] <= LEAST_OIL
-        states[little, 3] = raw[little, 3]
+        states[little, 2:] = raw[little, 2:]
     return states.ravel()
 
 
 def _vector(machinery: Machinery, y: Array, angles: Array, plenum: Array) -> Array:
     """Return what one turn maps: state at 0°, states of the last history, discharge plenum, in logarithms."""
     states = np.concatenate([y, machinery.states_at(angles).ravel()])
-    return np.concatenate([_logarithms(states, machinery.n), np.log(plenum)])
+    return np.concatenate([_logarithms(states, machinery.n), _plenum_logarithms(plenum)])
 
 
 def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array) -> Array:
@@ -202,26 +227,32 @@ def _too_slow(gaps: list[float], tolerance: float) -> bool:
     return contraction >= 1.0 or np.log(tolerance / gaps[-1]) / np.log(contraction) > DEAR
 
 
-def by_coupling(task: Task, y: Array) -> Closed:
-    """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated."""
+def by_coupling(
+    task: Task, y: Array, depth: int = PITCH_DEPTH, damping: float = 1.0, most: int = MAX_EVALUATIONS
+) -> Closed:
+    """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated.
+
+    `damping` is the share of the way to the image that an iterate goes.
+    """
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
-    accelerate = Anderson(PITCH_DEPTH)
+    accelerate = Anderson(depth)
     plenum = task.plenum()
     seen: list[tuple[float, float]] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
     rtol = wanted.rtol
-    budget = int(machinery.counts[2]) + MAX_EVALUATIONS
+    budget = int(machinery.counts[2]) + most
     for pitch in range(1, MAX_PITCHES + 1):
         if machinery.counts[2] > budget:
             break
-        point = np.concatenate([_logarithms(y, machinery.n), np.log(plenum)])
+        point = np.concatenate([_logarithms(y, machinery.n), _plenum_logarithms(plenum)])
         end = y.copy()
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, pitch / c.chambers, "coupled", rtol, angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
-        image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), np.log(task.outflow(q))])
+        image_plenum = task.outflow(q)
+        image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), _plenum_logarithms(image_plenum)])
         gap = float(np.max(np.abs(image - point)))
         least = LEAST_WORK * seen[-1][0] * task.pv
         if _settled(seen, wanted.tolerance, least) and gap <= 10 * wanted.tolerance:
@@ -233,7 +264,9 @@ def by_coupling(task: Task, y: Array) -> Closed:
         _, mixed = accelerate.mix(point, image)
         if np.max(np.abs(mixed - image)) > 1.0:
             mixed = image
-        y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), np.exp(mixed[n:])
+        if damping < 1.0:
+            mixed = point + damping * (mixed - point)
+        y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), _plenum_of(mixed[n:], image_plenum)
         task.set_plenum(plenum)
     machinery.install_coupled()
     return Closed("not_closed", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
@@ -259,7 +292,9 @@ def chambers_at_pitches(machinery: Machinery) -> Array:
         i = max(0, i - 1) if abs(times[i] - j * c.P[P_PITCH]) < 1e-9 and i > 0 else i
         theta = (j * c.P[P_PITCH] - times[i]) / (times[i + 1] - times[i])
         states.append(dense_value(theta, *dense[i])[: machinery.n])
-    return np.concatenate(states)
+    states = np.array(states)
+    states[:, 2:] = np.maximum(states[:, 2:], 0.0)  # the cubic of an oil ratio may dip below none by its error
+    return states.ravel()
 
 
 def close(task: Task, y: Array, integrator: str = "rodas4") -> Closed:
@@ -292,6 +327,41 @@ def _close(task: Task, y: Array) -> Closed:
         if first is not None:
             return first
     return by_coupling(task, chambers_at_pitches(task.machinery))
+
+
+def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str, Callable[[], Closed]]]:
+    """Yield what else may close a cycle that did not close, the cheapest first: (what it is, how to do it).
+
+    `start` puts the first guess back. All go by coupled chambers, which conserve exactly.
+    """
+    machinery, wanted = task.machinery, task.wanted
+    P = machinery.composition.P
+
+    def tighter() -> Closed:
+        start()
+        task.wanted = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
+        try:
+            return by_coupling(task, chambers_at_pitches(machinery), most=MOST_OF_A_TRY)
+        finally:
+            task.wanted = wanted
+
+    def damped() -> Closed:
+        start()
+        return by_coupling(task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING, most=MOST_OF_A_TRY)
+
+    def faster() -> Closed:
+        start()
+        omega = P[P_OMEGA]
+        P[P_OMEGA] = FASTER * omega
+        try:
+            easier = by_coupling(task, chambers_at_pitches(machinery), most=MOST_OF_A_TRY)
+        finally:
+            P[P_OMEGA] = omega
+        return easier if easier.status == "failed" else by_coupling(task, easier.y, most=MOST_OF_A_TRY)
+
+    yield "a tighter tolerance of the steps", tighter
+    yield "damped closing", damped
+    yield f"continuation from {FASTER:g} times the speed", faster
 
 
 def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:

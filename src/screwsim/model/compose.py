@@ -25,7 +25,7 @@ from screwsim.numerics.spline import pack_curve
 CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
 CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian", "places__places_along", "ledger__account")
 
-DRIVEN = ("surroundings", "rates", "jacobian", "conserve")  # what the integrator calls of both drivers
+DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "conserve")  # what the integrator calls of both drivers
 
 # symbols that a kernel can ask for and that are not numbers of the scene
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")

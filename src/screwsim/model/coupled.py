@@ -9,7 +9,7 @@ spare state, and working memory for sums and derivatives.
 
 from __future__ import annotations
 
-from screwsim.model.places import angle_terms, fill_place, perturbation, place_derivatives
+from screwsim.model.places import angle_terms, fill_place, perturbation, place_derivatives, relative_error
 from screwsim.model.slots import (
     BETWEEN,
     CARRIED,
@@ -308,6 +308,16 @@ def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
 @kernel
 def no_knot(phi, y, context):
     """Leave the states alone: the only jump, oil injection, lies at the border between two pitches."""
+
+
+@kernel
+def all_error_size(y0, y1, error, context):
+    """Return the size of a step's error, the largest of all chambers."""
+    _P, _TAB, _R, places, _changed, _work = context
+    worst = 0.0
+    for j in range(CHAMBERS):
+        worst = max(worst, relative_error(y0, y1, error, j * N, places, j * PLACE))
+    return worst
 
 
 @kernel

@@ -72,7 +72,12 @@ def arriving(m, h_i, s_i, h, s, T):
 
 @kernel
 def oil_arriving(m, T_i, T):
-    """Return the entropy generated over c_oil [kg/s] where oil of temperature T_i mixes with oil of T (M51)."""
+    """Return the entropy generated over c_oil [kg/s] where oil of temperature T_i mixes with oil of T (M51).
+
+    The cubic between two steps of the temperature of next to no oil may pass below zero; m is nothing there.
+    """
+    if not (T_i > 0.0 and T > 0.0):
+        return 0.0
     return m * ((T_i - T) / T - math.log(T_i / T))
 
 
@@ -137,7 +142,7 @@ def add_departure(sums, m, own, s, ratio, T_oil, dt):
     sums[OUT_MASS] += dt * m
     sums[OUT_ENTHALPY] += dt * m * own[ENTHALPY]
     sums[OUT_ENTROPY] += dt * m * s
-    if ratio > 0.0:
+    if ratio > 0.0 and T_oil > 0.0:
         sums[OUT_OIL] += dt * m * ratio
         sums[OUT_OIL_T] += dt * m * ratio * T_oil
         sums[OUT_OIL_LOG] += dt * m * ratio * math.log(T_oil)

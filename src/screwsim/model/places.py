@@ -41,6 +41,9 @@ from screwsim.numerics.rodas import dense_value
 
 STEP = 1e-7  # relative step of the differences of smooth state functions
 
+IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
+NO_OIL = 1e-13  # oil per gas, of either sign, that is rounding; `balance.oil_temperature_slope` has a floor above it
+
 
 @kernel
 def fill_place(y, at, P, TAB, place, row):
@@ -87,7 +90,7 @@ def neighbour(phi, middle, times, dense, steps, hints, side, R, columns, E, at):
     if HEATED == 1:
         E[at + OIL_TEMPERATURE] = columns[2]
     if CARRIED == 1:
-        E[at + OIL_RATIO] = columns[3]
+        E[at + OIL_RATIO] = max(0.0, columns[3])  # a cubic between two steps may dip below none by its error
     E[at + PLACE] = 0.0
 
 
@@ -134,6 +137,32 @@ def places_along(dense, steps, context):
     """Fill the columns beyond the states of a whole history."""
     for step in range(steps):
         keep_places(step, dense, context)
+
+
+@kernel
+def relative_error(y0, y1, error, at, place, row):
+    """Return the largest relative error of one chamber's states (docs/numerics.md); huge for states that cannot be.
+
+    Purely relative. In the dome p follows T by 7:1 and more, and flows follow p: the error of T counts as that of the
+    pressure that it makes, at fixed density, where that is larger (for an ideal gas they are equal). A negative T, ρ or
+    oil ratio would pass where it is small beside the value before the step, and oil less than none is unstable.
+    """
+    worst = 0.0
+    for i in range(N):
+        e = abs(error[at + i]) / max(abs(y0[at + i]), abs(y1[at + i]), 1e-300)
+        if i == 0:
+            e *= max(1.0, place[row + TPT] / place[row + PRESSURE])
+        if not (e <= worst):
+            worst = e
+        if e != e:
+            return IMPOSSIBLE
+    if not (y1[at] > 0.0 and y1[at + 1] > 0.0):
+        return IMPOSSIBLE
+    if HEATED == 1 and not (y1[at + 2] > 0.0):
+        return IMPOSSIBLE
+    if CARRIED == 1 and not (y1[at + 3] > -NO_OIL):
+        return IMPOSSIBLE
+    return worst
 
 
 @kernel

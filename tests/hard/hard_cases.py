@@ -1,0 +1,246 @@
+"""The hard cases: scenes that a user could write, the status that each deserves, and why.
+
+Each case is a set of changes (dotted paths) of the scene of `tests/laws/scenes.py`. Cases share few structures, since
+each new combination of effects is compiled anew. `docs/hard-cases.md` shows this table; a test holds the two together.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from scenes import DROP
+
+CARRIED = {"oil.transport": "carried"}
+WARM = {  # a real gas and oil above its saturation at the discharge pressure
+    **CARRIED,
+    "gas.model": "real",
+    "oil_supply.temperature": "328 K",
+    "operation.suction": {"pressure": "3.1462 bar", "superheat": "10 K"},
+    "operation.discharge": {"pressure": "11.6 bar"},
+}
+WET = {
+    "gas.model": "real",
+    "gas.two_phase": "equilibrium",
+    "effects.oil_heat": {"droplet_radius": "20 um", "heat_transfer_coefficient": "1000 W/(m^2 K)"},
+    "operation.discharge.temperature": "330 K",
+}
+BARE = {"effects": {"suction_port": {}, "discharge_port": {}}, "oil": DROP, "oil_supply": DROP}
+FINE = {"numerics.accuracy": 1e-6}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One row of the table; `most` bounds the evaluations of the right-hand side, Jacobians' included."""
+
+    name: str
+    changes: dict[str, Any]
+    why: str
+    status: str = "ok"  # ok | not_closed | failed | refused
+    most: int = 40_000
+    says: tuple[str, ...] = field(default=())  # words of the message, warnings or fault
+    radau: bool = False  # compared with a tight run of scipy's Radau
+    slow: bool = False
+
+
+def gaps(size: str) -> dict[str, Any]:
+    """Return all clearances set to one size."""
+    return {f"effects.{name}.gap": size for name in ("tip_leakage", "interlobe_leakage", "end_face_leakage")}
+
+
+def ports(factor: float) -> dict[str, Any]:
+    """Return both port areas times a factor."""
+    return {
+        "machine.suction_port.area": f"{40 * factor:g} cm^2",
+        "machine.discharge_port.area": f"{12 * factor:g} cm^2",
+    }
+
+
+def lines(p_s: str, p_d: str, T_s: str = "283 K") -> dict[str, Any]:
+    """Return both lines stated by pressures."""
+    return {"operation.suction": {"pressure": p_s, "temperature": T_s}, "operation.discharge": {"pressure": p_d}}
+
+
+def droplet(radius: str) -> dict[str, Any]:
+    """Return another droplet radius."""
+    return {"effects.oil_heat.droplet_radius": radius}
+
+
+
+def speed(rpm: float) -> dict[str, Any]:
+    """Return another speed."""
+    return {"operation.speed": f"{rpm:g} rpm"}
+
+
+CSV = {name: str(Path(__file__).parent / f"{name}.csv") for name in ("rough_volume", "rough_suction", "rough_discharge")}
+ROUGH = {
+    "machine.volume": {"law": "table", "max": "600 cm^3", "file": CSV["rough_volume"]},
+    "machine.suction_port": {"law": "table", "file": CSV["rough_suction"]},
+    "machine.discharge_port": {"law": "table", "file": CSV["rough_discharge"]},
+}
+
+
+def _speeds() -> list[Case]:
+    slow = "slow: the ports hold p to the line within a tiny share, the equations are as stiff as they get"
+    leaks = "leakage exceeds the displacement: nothing is delivered, λ < 0, efficiencies have no meaning"
+    fast = "fast: the ports throttle, and pressures wave over and under the lines"
+    cases = []
+    for rpm in (10, 50, 250, 10_000, 30_000):
+        why = leaks if rpm <= 50 else (slow if rpm < 3000 else fast)
+        cases.append(Case(f"paper, {rpm} rpm", speed(rpm), why))
+        cases.append(Case(f"carried, {rpm} rpm", {**CARRIED, **speed(rpm)}, why))
+    for rpm in (240, 250, 260):
+        cases.append(Case(f"carried, {rpm} rpm, fine", {**CARRIED, **speed(rpm), **FINE}, slow))
+    cases.append(Case("carried, 250 rpm, d = 0.09", {**CARRIED, **speed(250), "oil_supply.ratio": 0.09}, slow))
+    return cases
+
+
+def _pressures() -> list[Case]:
+    same = "hardly any pressure to work against: what is left is throttling"
+    over = "compressed beyond the line, the gas leaves in a rush when the port opens"
+    back = "the line's gas rushes into the chamber when the port opens"
+    return [
+        Case("pressure ratio 1.0001", lines("1.5 bar", "1.50015 bar"), same),
+        Case("carried, pressure ratio 1.0001", {**CARRIED, **lines("1.5 bar", "1.50015 bar")}, same),
+        Case("pressure ratio 1.05", lines("1.5 bar", "1.575 bar"), same),
+        Case("pressure ratio 20", lines("1 bar", "20 bar"), back),
+        Case("pressure ratio 60", lines("0.5 bar", "30 bar"), back),
+        Case("carried, pressure ratio 60", {**CARRIED, **lines("0.5 bar", "30 bar")}, back),
+        Case("over-compression", lines("3 bar", "4 bar"), over),
+        Case("carried, over-compression", {**CARRIED, **lines("3 bar", "4 bar")}, over),
+        Case("back-flow", {**lines("1 bar", "15 bar"), "machine.discharge_port.opens": "500 deg",
+                           "machine.discharge_port.phi_C": "530 deg"}, back),
+        Case("equal pressures", lines("2 bar", "2 bar"), "nothing is compressed", "refused"),
+        Case("discharge below suction", lines("2 bar", "1 bar"), "that is an expander", "refused"),
+    ]
+
+
+def _oil() -> list[Case]:
+    mist = "mist: the oil follows the gas at once, a time constant far below all others"
+    rain = "large drops hardly exchange heat"
+    cases = []
+    for radius in ("0.3 um", "3 um", "1 mm"):
+        why = rain if radius == "1 mm" else mist
+        cases.append(Case(f"paper, droplets {radius}", droplet(radius), why))
+        cases.append(Case(f"carried, droplets {radius}", {**CARRIED, **droplet(radius)}, why))
+    for d in (0, 0.01, 10, 50, 80):
+        why = "no oil: the states of the oil are those of nothing" if d == 0 else "little oil" if d < 1 else "much oil"
+        if d == 80:
+            why = "the oil would fill the chamber; it takes no room in this model, and a warning says so"
+        says = ("no room",) if d == 80 else ()
+        cases.append(Case(f"paper, d = {d}", {"oil_supply.ratio": d}, why, says=says))
+        cases.append(Case(f"carried, d = {d}", {**CARRIED, "oil_supply.ratio": d}, why, says=says))
+    for T, word in (("363 K", "hotter"), ("203 K", "colder")):
+        cases.append(Case(f"paper, oil 80 K {word}", {"oil_supply.temperature": T}, f"oil 80 K {word} than the gas"))
+        cases.append(Case(f"carried, oil 80 K {word}", {**CARRIED, "oil_supply.temperature": T},
+                          f"oil 80 K {word} than the gas"))
+    return cases
+
+
+def _geometry() -> list[Case]:
+    cases = []
+    for factor in (0.01, 0.1, 10, 100):
+        why = "narrow: the machine hardly breathes, and p runs far above the line" if factor < 1 else (
+            "wide: p follows the line within a tiny share of itself")
+        cases.append(Case(f"ports times {factor:g}", ports(factor), why))
+    cases.append(Case("carried, ports times 0.01", {**CARRIED, **ports(0.01)}, cases[0].why))
+    cases.append(Case("carried, ports times 100", {**CARRIED, **ports(100)}, cases[3].why))
+    cases += [
+        Case("gaps 0", gaps("0 um"), "a gap of nothing is left out by leaving the effect out", "refused"),
+        Case("gaps 1 um", gaps("1 um"), "leaks are tiny beside the flows of the ports"),
+        Case("gaps 1 mm", gaps("1 mm"), "the chambers are one: all leaks back"),
+        Case("carried, gaps 1 mm", {**CARRIED, **gaps("1 mm")}, "the chambers are one: all leaks back"),
+        Case("gaps 1 mm, 250 rpm", {**gaps("1 mm"), **speed(250)}, "the chambers are one, and have time"),
+    ]
+    for share in (1e-9, 1e-6, 1e-2, 1e-1):
+        cases.append(Case(f"dead volume {share:g}", {"machine.volume.min": f"{600 * share:g} cm^3"},
+                          "V all but vanishes at both ends" if share < 1e-4 else "much gas is carried over"))
+    for share in (1e-9, 1e-1):
+        cases.append(Case(f"carried, dead volume {share:g}", {**CARRIED, "machine.volume.min": f"{600 * share:g} cm^3"},
+                          "V all but vanishes at both ends" if share < 1e-4 else "much gas is carried over"))
+    ends = {"phi_A": ("machine.volume", "0.1 deg", "360 deg"), "phi_B": ("machine.suction_port", "0.1 deg", "180 deg"),
+            "phi_C": ("machine.discharge_port", "600.1 deg", "660 deg")}
+    for name, (section, low, high) in ends.items():
+        cases.append(Case(f"{name} = {low}", {f"{section}.{name}": low}, "a kink within one step"))
+        cases.append(Case(f"{name} = {high}", {f"{section}.{name}": high}, "no middle branch: 0/0 in the printed law"))
+    cases += [
+        Case("phi_A = 0", {"machine.volume.phi_A": "0 deg"}, "the law divides by it", "refused"),
+        Case("phi_A = 361", {"machine.volume.phi_A": "361 deg"}, "the branches would overlap", "refused"),
+        Case("opens at 361 deg", {"machine.discharge_port.opens": "361 deg", "machine.discharge_port.phi_C": "400 deg"},
+             "the line is open all the way"),
+        Case("opens at 719 deg", {"machine.discharge_port.opens": "719 deg", "machine.discharge_port.phi_C": "719.4 deg"},
+             "compressed into the dead volume, and let out in one degree"),
+        Case("carried, opens at 719 deg", {**CARRIED, "machine.discharge_port.opens": "719 deg",
+             "machine.discharge_port.phi_C": "719.4 deg"}, "compressed into the dead volume, and let out in one degree"),
+        Case("rough tables", ROUGH, "noisy, not monotone, coarse laws"),
+        Case("carried, rough tables", {**CARRIED, **ROUGH}, "noisy, not monotone, coarse laws"),
+    ]
+    for lobes in (1, 2, 3, 10):
+        cases.append(Case(f"{lobes} male lobes", {"machine.male_lobes": lobes}, "few, or many, chambers", slow=True))
+    return cases
+
+
+def _gases() -> list[Case]:
+    light = {"gas.fluid": "Hydrogen", **lines("1 bar", "5 bar", "300 K")}
+    return [
+        Case("hydrogen", light, "fast sound: leaks and ports carry far more volume"),
+        Case("helium", {**light, "gas.fluid": "Helium"}, "fast sound, k = 5/3"),
+        Case("a heavy gas", {"gas.fluid": "SF6", **lines("1 bar", "5 bar", "300 K")}, "slow sound"),
+        Case("a heavy gas of k near 1", {"gas.fluid": "n-Dodecane", **lines("0.1 bar", "0.5 bar", "480 K")}, "k near 1"),
+        Case("real, superheat 1 K", {**WARM, "operation.suction": {"pressure": "3.1462 bar", "superheat": "1 K"}},
+             "a step from the dome"),
+        Case("real, near-critical", {**WARM, "operation.suction": {"pressure": "8 bar",
+             "superheat": "10 K"}, "operation.discharge": {"pressure": "38 bar"}, "oil_supply.temperature": "380 K"}, "p_d at 94 % of the critical pressure"),
+        Case("real, transcritical", {**WARM, "gas.fluid": "CO2", "operation.suction": {"pressure": "30 bar",
+             "superheat": "40 K"}, "machine.suction_port.phi_B": "20 deg", "operation.discharge": {"pressure": "90 bar"}, "oil_supply.temperature": "360 K"},
+             "p_d above the critical pressure"),
+        Case("real, 250 rpm", {**WARM, **speed(250)}, "slow, and the equation of state"),
+        Case("two phases", WET, "p follows T by 7:1 in the dome"),
+        Case("two phases, 1e-5", {**WET, "numerics.accuracy": 1e-5}, "p follows T by 7:1 in the dome"),
+    ]
+
+
+def _shut() -> list[Case]:
+    shut = "the charge comes back through the dead volume, compressed and expanded as by a spring"
+    return [
+        Case("ports alone", BARE, "nothing but the ports"),
+        Case("a chamber that never opens", {**BARE, "effects": {}}, shut),
+        Case("a chamber that never opens, real", {**BARE, "effects": {}, "gas.model": "real"},
+             "the equation of state ends long before 6000 times the density", "failed", says=("deg",)),
+        Case("start far off", {**CARRIED, "oil_supply.temperature": "450 K", **lines("0.2 bar", "8 bar", "420 K")},
+             "the guess is far from what comes"),
+    ]
+
+
+CASES = [*_speeds(), *_pressures(), *_oil(), *_geometry(), *_gases(), *_shut()]
+
+
+HEAD = """\
+# Hard cases
+
+Scenes that a user could write and that break simpler programs. `tests/hard` solves every one: the status is the one
+below; every number of the result and of its cycle is finite (but for the oil's temperature before it is injected); p, T
+and m are positive; mass and energy close within the wanted accuracy; the right-hand side is evaluated at most as often
+as stated. Where *Radau* is marked, work and trapped mass equal those of coupled chambers under a tight scipy Radau
+within the wanted accuracy. *refused*: a bad scene, exit code 3 with the remedy; *failed*: exit code 4 with the angle.
+
+Where the first try does not close a cycle (`numerics.closing: auto`), a tighter tolerance of the steps, damped closing
+and a continuation from four times the speed are tried, and a warning of the result says which one it took.
+
+This page is `hard_cases.page()`; a test compares the two.
+
+| case | status | at most | Radau | why |
+|---|---|---|---|---|
+"""
+
+
+def page() -> str:
+    """Return the text of docs/hard-cases.md."""
+    rows = [
+        f"| {case.name} | {case.status} | {case.most if case.status != 'refused' else '–'} | "
+        f"{'yes' if case.radau else ''} | {case.why} |"
+        for case in CASES
+    ]
+    return HEAD + "\n".join(rows) + "\n"

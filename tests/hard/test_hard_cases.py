@@ -1,0 +1,125 @@
+"""Each hard case: the status that it deserves, finite and positive numbers, closed balances, a bounded count of work."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hard_cases import CASES, page
+from scenes import make
+
+from screwsim.errors import relative_errors
+from screwsim.faults import SceneError
+from screwsim.simulate import simulate
+
+DOCS = Path(__file__).parents[2] / "docs"
+SOLVED = [case for case in CASES if case.status != "refused"]
+AGAINST_RADAU = [case for case in SOLVED if case.radau]
+LEAST_SHARE = 0.1  # of the cases that are ok, compared with Radau
+
+
+def marked(cases):
+    """Return the cases as parameters, the slow ones marked."""
+    return [pytest.param(case, id=case.name, marks=[pytest.mark.slow] if case.slow else []) for case in cases]
+
+
+def numbers(result):
+    """Yield (name, value) of every number of a result and of its cycle."""
+    for table in (result.performance, result.balance, result.error, result.ledger, result.numerics):
+        for name, value in table.items():
+            if isinstance(value, (int, float)):
+                yield name, value
+    for name, trace in result.cycle.items():
+        if name != "oil_temperature":  # NaN before the oil is injected
+            yield name, trace
+
+
+@pytest.mark.parametrize("case", marked(SOLVED))
+def test_case(case):
+    result = simulate(make(case.changes))
+    assert result.status == case.status, result.message
+    assert [name for name, value in numbers(result) if not np.all(np.isfinite(value))] == []
+    assert result.numerics.rhs_evaluations <= case.most
+    words = " ".join((result.message, *result.warnings))
+    assert [word for word in case.says if word not in words] == []
+    if case.status == "ok":
+        for name in ("pressure", "gas_temperature", "gas_mass"):
+            assert np.all(result.cycle[name] > 0.0), name
+        balance = result.balance
+        assert max(balance.mass, balance.energy) <= balance.bound
+    if case.status == "ok" and result.performance.gas_mass_flow <= 0.0:
+        assert result.performance.volumetric_efficiency <= 0.0
+        assert result.performance.isentropic_efficiency is None
+    if case.status == "failed":
+        assert "deg" in result.message
+
+
+@pytest.mark.parametrize("case", marked([case for case in CASES if case.status == "refused"]))
+def test_ill_posed_case_is_refused_with_a_remedy(case):
+    with pytest.raises(SceneError) as refused:
+        make(case.changes)
+    assert all(word in str(refused.value) for word in case.says)
+    assert "(" in str(refused.value) or ";" in str(refused.value)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", [pytest.param(case, id=case.name) for case in AGAINST_RADAU])
+def test_radau_finds_the_same_work_and_trapped_mass(case):
+    found = simulate(make(case.changes))
+    tight = {"numerics.accuracy": 1e-7, "numerics.integrator": "scipy-radau", "numerics.closing": "coupled"}
+    radau = simulate(make({**case.changes, **tight}), trace=False)
+    assert radau.status == "ok", radau.message
+    errors = relative_errors(found.performance, radau.performance)
+    accuracy = make(case.changes).numerics.accuracy
+    assert max(errors.work_per_cycle, errors.trapped_mass) <= accuracy
+
+
+def test_a_stated_share_is_compared_with_radau():
+    assert len(AGAINST_RADAU) >= LEAST_SHARE * len([case for case in CASES if case.status == "ok"])
+
+
+def test_names_are_unique():
+    assert len({case.name for case in CASES}) == len(CASES)
+
+
+def test_the_page_shows_this_table():
+    assert (DOCS / "hard-cases.md").read_text(encoding="utf-8") == page()
+
+
+ORDER = ("paper, 250 rpm", "carried, 10000 rpm", "pressure ratio 60", "dead volume 1e-09", "carried, d = 0.01")
+
+
+def outcome(name):
+    """Return everything that does not measure time, as text of full precision."""
+    result = simulate(make(next(case for case in CASES if case.name == name).changes))
+    plain = {key: value for key, value in result.as_json().items() if key != "numerics"}
+    counts = {key: value for key, value in result.numerics.items() if "time" not in key}
+    return repr((plain, counts, {key: trace.tobytes() for key, trace in result.cycle.items()}))
+
+
+def test_a_result_does_not_depend_on_what_was_run_before():
+    first = {name: outcome(name) for name in ORDER}
+    assert {name: outcome(name) for name in reversed(ORDER)} == first
+
+
+def test_a_further_try_says_which_one_it_needed(monkeypatch):
+    from screwsim.model import close
+
+    plain = close.by_coupling
+    monkeypatch.setattr(close, "by_histories", lambda *a, **k: None)
+    monkeypatch.setattr(close, "_close", lambda task, y: close.Closed("not_closed", plain(task, close.chambers_at_pitches(task.machinery)).q, y, 1, "coupled", 1e-4))
+    result = simulate(make({}))
+    assert result.status == "ok"
+    assert "the cycle closed only with a tighter tolerance of the steps" in result.warnings
+
+
+@pytest.mark.parametrize("index", range(3))
+def test_every_further_try_closes_a_cycle_that_is_there(index):
+    from screwsim.model.close import further_tries
+    from screwsim.solution import Solution
+
+    wanted = simulate(make({}), trace=False).performance
+    solution = Solution(make({}))
+    closed = list(further_tries(solution, solution.start))[index][1]()
+    assert closed.status == "ok"
+    assert solution.figures(closed.q)[0].work_per_cycle == pytest.approx(wanted.work_per_cycle, rel=3e-4)
+    assert solution.wanted.rtol == pytest.approx(0.3 * 3e-4)
