@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.scene import Scene, load
-from screwsim.study.kept import Kept, account, drawn, kept
+from screwsim.study.accuracy.kept import Kept, account, drawn, kept
 
 ROOT = Path(__file__).resolve().parent.parent
 PAPER, REAL = str(ROOT / "configs" / "paper" / "point.yaml"), str(ROOT / "configs" / "r134a" / "point.yaml")

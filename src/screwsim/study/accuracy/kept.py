@@ -17,7 +17,7 @@ from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
-from screwsim.study.solving import WorkLimit, solve, way
+from screwsim.study.accuracy.solving import WorkLimit, solve, way
 
 RPM = 2.0 * math.pi / 60.0
 FINER = 1e-3  # accuracy of the reference over the wanted one

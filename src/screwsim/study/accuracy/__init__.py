@@ -1,0 +1,97 @@
+"""What accuracy costs in time: the work-precision study of one scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from screwsim.scene import Scene
+from screwsim.study.accuracy.asked import Asked, as_asked
+from screwsim.study.accuracy.cases import QUICK, Case, Extent, all_cases, omitted
+from screwsim.study.accuracy.effects import EffectCost, effect_costs, effect_names
+from screwsim.study.accuracy.measure import Measured, Truth, measure, truth
+from screwsim.study.accuracy.size import Size, lobe_times, sweep_times
+from screwsim.study.progress import Progress, Silent
+
+__all__ = ["QUICK", "Case", "Extent", "Measured", "Study", "Truth", "study"]
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that was measured of one scene."""
+
+    title: str
+    accuracy: float
+    reference: Truth
+    asked: list[Asked]
+    measured: list[Measured]
+    effects: list[EffectCost]
+    points: list[Size]
+    lobes: list[Size]
+    left_out: list[tuple[str, str]] = field(default_factory=list)
+
+
+def study(scene: Scene, extent: Extent | None = None, progress: Progress | None = None) -> Study:
+    """Return the study of a scene. Raises ValueError where no reference closes."""
+    extent, progress = extent or Extent(), progress or Silent()
+    cases, effects = all_cases(scene, extent), effect_names(scene)
+    jobs = 1 + len(cases) + len(extent.asked) + len(effects) + len(extent.points) + len(extent.lobes)
+    progress.start(jobs, 0)
+
+    def counted(work: Callable, *arguments):
+        found = work(*arguments)
+        progress.advance(1, 0)
+        return found
+
+    try:
+        own = counted(truth, scene, extent)
+        references = _References(own, extent)
+        asked = [counted(as_asked, scene, accuracy, own, extent) for accuracy in extent.asked]
+        measured = [counted(references.measured, case) for case in cases]
+        costs = [counted(effect_costs, scene, name, extent) for name in effects]
+        points = [counted(sweep_times, scene, count) for count in extent.points]
+        lobes = [counted(lobe_times, scene, count, extent) for count in extent.lobes]
+    finally:
+        progress.stop()
+    left_out = _left_out(measured) + [(f"{z} male lobes", each.reason) for z, each in _bad(lobes)] + list(omitted(scene))
+    return Study(
+        scene.title, scene.numerics.accuracy, own, asked, measured, [c for c in costs if c], points, lobes, left_out
+    )
+
+
+def _bad(sizes: list[Size]) -> list[tuple[int, Size]]:
+    return [(each.size, each) for each in sizes if each.reason]
+
+
+def _left_out(measured: list[Measured]) -> list[tuple[str, str]]:
+    """Return what did not come out well, cases of one label and reason together."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for each in measured:
+        if each.status != "ok":
+            text = f"{each.status}: {each.reason}" if each.status != "left out" else each.reason
+            found.setdefault((f"{each.part}: {each.label}", text), []).append(f"{each.asked:.0e}")
+    return [(f"{name} ({', '.join(asks)})", reason) for (name, reason), asks in found.items()]
+
+
+class _References:
+    """The references of a study, made when they are first needed."""
+
+    def __init__(self, own: Truth, extent: Extent) -> None:
+        self.own, self.extent = own, extent
+        self.others: dict[tuple[str, float | None], Truth | str] = {}
+
+    def measured(self, case: Case) -> Measured:
+        """Return a case measured against the reference of its own model."""
+        if not case.own_reference:
+            return measure(case, self.own, self.own, self.extent)
+        key = (case.back_end if case.part == "back ends" else case.part, case.factor)
+        if key not in self.others:
+            try:
+                self.others[key] = truth(case.scene, self.extent, checked=False)
+            except Exception as error:  # noqa: BLE001 - another gas may refuse the scene's states in many ways
+                self.others[key] = " ".join(str(error).split())
+        reference = self.others[key]
+        if isinstance(reference, str):
+            head = (case.part, case.label, case.back_end, case.asked, case.factor)
+            return Measured(*head, "left out", f"no reference: {reference}")
+        return measure(case, reference, self.own, self.extent)
