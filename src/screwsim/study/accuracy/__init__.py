@@ -9,11 +9,11 @@ from screwsim.scene import Scene
 from screwsim.study.accuracy.asked import Asked, as_asked
 from screwsim.study.accuracy.cases import QUICK, Case, Extent, all_cases, omitted
 from screwsim.study.accuracy.effects import EffectCost, effect_costs, effect_names
-from screwsim.study.accuracy.measure import Measured, Truth, measure, truth
+from screwsim.study.accuracy.measure import Measured, NoReference, Truth, measure, truth
 from screwsim.study.accuracy.size import Size, lobe_times, sweep_times
 from screwsim.study.progress import Progress, Silent
 
-__all__ = ["QUICK", "Case", "Extent", "Measured", "Study", "Truth", "study"]
+__all__ = ["QUICK", "Case", "Extent", "Measured", "NoReference", "Study", "Truth", "study"]
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Study:
 
 
 def study(scene: Scene, extent: Extent | None = None, progress: Progress | None = None) -> Study:
-    """Return the study of a scene. Raises ValueError where no reference closes."""
+    """Return the study of a scene. Raises NoReference where no reference closes."""
     extent, progress = extent or Extent(), progress or Silent()
     cases, effects = all_cases(scene, extent), effect_names(scene)
     jobs = 1 + len(cases) + len(extent.asked) + len(effects) + len(extent.points) + len(extent.lobes)
@@ -53,7 +53,9 @@ def study(scene: Scene, extent: Extent | None = None, progress: Progress | None 
         lobes = [counted(lobe_times, scene, count, extent) for count in extent.lobes]
     finally:
         progress.stop()
-    left_out = _left_out(measured) + [(f"{z} male lobes", each.reason) for z, each in _bad(lobes)] + list(omitted(scene))
+    left_out = (
+        _left_out(measured) + [(f"{z} male lobes", each.reason) for z, each in _bad(lobes)] + list(omitted(scene))
+    )
     return Study(
         scene.title, scene.numerics.accuracy, own, asked, measured, [c for c in costs if c], points, lobes, left_out
     )

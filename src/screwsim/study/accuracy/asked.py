@@ -39,7 +39,9 @@ def as_asked(scene: Scene, accuracy: float, reference: Truth, extent: Extent) ->
         spent += results[-1].numerics.wall_time + results[-1].numerics.estimating_time
     timed = results[1:] or results
     last = results[-1]
-    name, error = worst(relative_errors(last.performance, reference.figures)) if last.performance else ("", float("nan"))
+    name, error = (
+        worst(relative_errors(last.performance, reference.figures)) if last.performance else ("", float("nan"))
+    )
     return Asked(
         accuracy,
         last.status,

@@ -21,6 +21,10 @@ Traces = Mapping[str, np.ndarray]
 NAMES = ("pressure", "gas_temperature")  # traces that are compared
 
 
+class NoReference(Exception):
+    """A scene has no solution that others could be measured by."""
+
+
 @dataclass(frozen=True)
 class Measured:
     """A case with what it cost and how wrong it was; `reason` says why it is left out, when it is."""
@@ -69,13 +73,16 @@ def trace_errors(found: Traces, better: Traces) -> tuple[float, float]:
 def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
     """Return the reference of a scene: coupled chambers, hardly any regularisation, checked by scipy's Radau.
 
-    Raises ValueError where none closes.
+    Raises NoReference where none closes.
     """
     started = time.perf_counter()
     fine = extent.reference if checked else 1e2 * extent.reference
-    first = solve(scene, way(fine, regularised=1e-2 * fine), extent.check_limit)
+    try:
+        first = solve(scene, way(fine, regularised=1e-2 * fine), extent.check_limit)
+    except WorkLimit as error:
+        raise NoReference(f"the reference (coupled, {fine:g}) {error}") from error
     if first.closed.status != "ok":
-        raise ValueError(f"the reference (coupled, {fine:g}) ended {first.closed.status.replace('_', ' ')}")
+        raise NoReference(f"the reference (coupled, {fine:g}) ended {first.closed.status.replace('_', ' ')}")
     figures, traces = first.figures(), first.traces()
     how = f"rodas4, coupled, accuracy {fine:g}, regularisation {1e-2 * fine:g} of the pressures"
     if not checked:

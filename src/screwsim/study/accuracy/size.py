@@ -32,7 +32,11 @@ class Size:
 def sweep_times(scene: Scene, points: int) -> Size:
     """Return the wall time of a whole sweep over the speed, worker processes and file included."""
     speed = scene.operation.speed
-    speeds = tuple(float(each) for each in speed * np.linspace(1.0 - SPREAD, 1.0 + SPREAD, points)) if points > 1 else (speed,)
+    speeds = (
+        tuple(float(each) for each in speed * np.linspace(1.0 - SPREAD, 1.0 + SPREAD, points))
+        if points > 1
+        else (speed,)
+    )
     swept = replace(scene, sweep={"operation.speed": speeds})
     swept = replace(swept, text=scene_text(swept))
     with tempfile.TemporaryDirectory() as folder:
