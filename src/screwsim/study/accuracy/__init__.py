@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from screwsim.faults import SceneError, UsageError
 from screwsim.scene import Scene
+from screwsim.scene.checks import cross_check
+from screwsim.simulate import simulate
 from screwsim.study.accuracy.asked import Asked, as_asked
 from screwsim.study.accuracy.cases import QUICK, Case, Extent, all_cases, omitted
 from screwsim.study.accuracy.effects import EffectCost, effect_costs, effect_names
-from screwsim.study.accuracy.measure import Measured, NoReference, Truth, measure, truth
+from screwsim.study.accuracy.measure import Measured, NoReference, Truth, measure, one_line, truth
 from screwsim.study.accuracy.size import Size, lobe_times, sweep_times
 from screwsim.study.progress import Progress, Silent
 
@@ -53,16 +56,9 @@ def study(scene: Scene, extent: Extent | None = None, progress: Progress | None 
         lobes = [counted(lobe_times, scene, count, extent) for count in extent.lobes]
     finally:
         progress.stop()
-    left_out = (
-        _left_out(measured) + [(f"{z} male lobes", each.reason) for z, each in _bad(lobes)] + list(omitted(scene))
-    )
-    return Study(
-        scene.title, scene.numerics.accuracy, own, asked, measured, [c for c in costs if c], points, lobes, left_out
-    )
-
-
-def _bad(sizes: list[Size]) -> list[tuple[int, Size]]:
-    return [(each.size, each) for each in sizes if each.reason]
+    bad = [(f"{each.size} male lobes", each.reason) for each in lobes if each.reason]
+    left_out = [*_left_out(measured), *bad, *omitted(scene)]
+    return Study(scene.title, scene.numerics.accuracy, own, asked, measured, costs, points, lobes, left_out)
 
 
 def _left_out(measured: list[Measured]) -> list[tuple[str, str]]:
@@ -88,12 +84,22 @@ class _References:
             return measure(case, self.own, self.own, self.extent)
         key = (case.back_end if case.part == "back ends" else case.part, case.factor)
         if key not in self.others:
-            try:
-                self.others[key] = truth(case.scene, self.extent, checked=False)
-            except Exception as error:  # noqa: BLE001 - another gas may refuse the scene's states in many ways
-                self.others[key] = " ".join(str(error).split())
+            self.others[key] = self._other(case.scene)
         reference = self.others[key]
         if isinstance(reference, str):
             head = (case.part, case.label, case.back_end, case.asked, case.factor)
-            return Measured(*head, "left out", f"no reference: {reference}")
+            return Measured(*head, "left out", reference)
         return measure(case, reference, self.own, self.extent)
+
+    def _other(self, scene: Scene) -> Truth | str:
+        """Return the reference of another model, or why there is none."""
+        try:
+            faults = cross_check(scene)
+            if faults:
+                return one_line(f"{faults[0].path}: {faults[0].what}")
+            first = simulate(scene, trace=False)
+            if first.status != "ok":
+                return one_line(f"{first.status.replace('_', ' ')}: {first.message}")
+            return truth(scene, self.extent, checked=False)
+        except (SceneError, UsageError, ValueError, NoReference) as error:
+            return one_line(str(error))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 from dataclasses import dataclass, replace
 
@@ -39,9 +40,9 @@ def as_asked(scene: Scene, accuracy: float, reference: Truth, extent: Extent) ->
         spent += results[-1].numerics.wall_time + results[-1].numerics.estimating_time
     timed = results[1:] or results
     last = results[-1]
-    name, error = (
-        worst(relative_errors(last.performance, reference.figures)) if last.performance else ("", float("nan"))
-    )
+    name, error = "", math.nan
+    if last.performance:
+        name, error = worst(relative_errors(last.performance, reference.figures))
     return Asked(
         accuracy,
         last.status,

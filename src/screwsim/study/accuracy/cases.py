@@ -31,7 +31,7 @@ class Extent:
     runs: int = 9  # at most
     points: tuple[int, ...] = (1, 10, 100, 1000)
     lobes: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8)
-    pairs: int = 15  # paired runs of the cost of an effect
+    pairs: int = 31  # paired runs of the cost of an effect
 
 
 QUICK = Extent(

@@ -1,4 +1,4 @@
-"""Is the wanted accuracy kept? Scenes drawn at random around a given one, each against a solution a thousand times finer.
+"""Is the wanted accuracy kept? Scenes drawn at random around a given one, each against a much finer solution.
 
 A drawn scene has the structure of the given one (so that nothing is compiled anew) and other numbers: speed, pressures,
 gaps, ports, oil, dead volume, and the wanted accuracy itself.

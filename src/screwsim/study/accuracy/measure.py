@@ -19,6 +19,7 @@ from screwsim.study.accuracy.solving import Solved, WorkLimit, solve, way
 
 Traces = Mapping[str, np.ndarray]
 NAMES = ("pressure", "gas_temperature")  # traces that are compared
+FILLED = 0.01  # of the largest volume: below it the little gas at the ends of a life takes no part in a figure
 
 
 class NoReference(Exception):
@@ -44,6 +45,8 @@ class Measured:
     figure: str = ""
     pressure_error: float = np.nan
     temperature_error: float = np.nan
+    pressure_error_at_ends: float = np.nan  # ends of the life included
+    temperature_error_at_ends: float = np.nan
     change: float = np.nan  # of the answer to the scene as it is, where the case changes the model
     changed_figure: str = ""
     errors: Figures = field(default_factory=Figures)
@@ -64,9 +67,14 @@ class Truth:
     seconds: float = 0.0
 
 
-def trace_errors(found: Traces, better: Traces) -> tuple[float, float]:
-    """Return the largest relative errors of pressure and temperature at common angles."""
-    pressure, temperature = (float(np.nanmax(np.abs(found[name] / better[name] - 1.0))) for name in NAMES)
+def trace_errors(found: Traces, better: Traces, least: float = FILLED) -> tuple[float, float]:
+    """Return the largest relative errors of pressure and temperature at common angles at which the volume is at least
+    this share of its largest.
+    """
+    chosen = better["volume"] >= least * np.max(better["volume"])
+    pressure, temperature = (
+        float(np.nanmax(np.abs(found[name][chosen] / better[name][chosen] - 1.0))) for name in NAMES
+    )
     return pressure, temperature
 
 
@@ -103,7 +111,7 @@ def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
     return Truth(figures, traces, how, second, difference[1], difference[0], apart, time.perf_counter() - started)
 
 
-def _reasonable(text: str) -> str:
+def one_line(text: str) -> str:
     return " ".join(text.split())[:200]
 
 
@@ -115,7 +123,7 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
     except WorkLimit as error:
         return Measured(*head, "left out", str(error))
     except (SceneError, UsageError, ValueError) as error:
-        return Measured(*head, "left out", _reasonable(str(error)))
+        return Measured(*head, "left out", one_line(str(error)))
     closed = solved.closed
     reason = ""
     if closed.status == "failed":
@@ -126,7 +134,6 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
     figures, traces = solved.figures(), solved.traces()
     errors = relative_errors(figures, reference.figures)
     name, error = worst(errors)
-    p, T = trace_errors(traces, reference.traces)
     changed = worst(relative_errors(figures, own.figures)) if case.own_reference else ("", np.nan)
     return Measured(
         *head,
@@ -138,8 +145,8 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
         solved.steps,
         error,
         name,
-        p,
-        T,
+        *trace_errors(traces, reference.traces),
+        *trace_errors(traces, reference.traces, 0.0),
         changed[1],
         changed[0],
         errors,
@@ -148,7 +155,7 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
 
 
 def _repeated(case: Case, extent: Extent) -> tuple[Solved, list[float]]:
-    """Return the last of several solutions and their times; the first, which may compile, is measured when it is slow."""
+    """Return the last of several solutions and their times, without the first where there are more."""
     solution = None
     if case.back_end == "coolprop":
         from screwsim.study.coolprop_back_end import solution_with_coolprop

@@ -31,12 +31,8 @@ class Size:
 
 def sweep_times(scene: Scene, points: int) -> Size:
     """Return the wall time of a whole sweep over the speed, worker processes and file included."""
-    speed = scene.operation.speed
-    speeds = (
-        tuple(float(each) for each in speed * np.linspace(1.0 - SPREAD, 1.0 + SPREAD, points))
-        if points > 1
-        else (speed,)
-    )
+    low, high = (1.0 - SPREAD, 1.0 + SPREAD) if points > 1 else (1.0, 1.0)
+    speeds = tuple(float(each) for each in scene.operation.speed * np.linspace(low, high, points))
     swept = replace(scene, sweep={"operation.speed": speeds})
     swept = replace(swept, text=scene_text(swept))
     with tempfile.TemporaryDirectory() as folder:

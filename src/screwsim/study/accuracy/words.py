@@ -44,22 +44,21 @@ def sentence(study: Study) -> str:
     solved = [each for each in study.asked if each.status == "ok"]
     told = [each for each in solved if any(math.isclose(each.asked, want) for want in TOLD)] or solved
     parts = []
-    for index, each in enumerate(told):
+    for each in told:
+        verb = "" if parts else "costs "
         seconds = milliseconds(each.time + each.estimating_time)
-        parts.append(
-            f"{plain_power(each.asked)} {'costs ' if not index else ''}{seconds} (true error {each.error:.0e})"
-        )
+        parts.append(f"{plain_power(each.asked)} {verb}{seconds} (true error {plain_power(each.error)})")
     text = ", ".join(parts) if parts else "no accuracy that was asked for could be had"
     limit = limit_of_regularisation(study)
     if limit is not None:
         accuracy = plain_power(study.accuracy)
-        text += f"; the model's regularisation at the scene's accuracy of {accuracy} limits you to {limit:.0e}"
+        text += f"; the model's regularisation at the scene's accuracy of {accuracy} limits you to {plain_power(limit)}"
     return text + "."
 
 
 def plain_power(value: float) -> str:
     """Return 1e-3 rather than 1e-03."""
-    mantissa, exponent = f"{value:.3g}".split("e") if "e" in f"{value:.3g}" else f"{value:.0e}".split("e")
+    mantissa, exponent = f"{value:.0e}".split("e")
     return f"{mantissa}e{int(exponent)}"
 
 
@@ -78,9 +77,7 @@ def _lines(heads: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[i
     table = [list(heads), *(list(row) for row in rows)]
     widths = [max(len(row[i]) for row in table) for i in range(len(heads))]
     return [
-        "  ".join(
-            cell.ljust(w) if i in left else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
+        "  ".join(cell.ljust(widths[i]) if i in left else cell.rjust(widths[i]) for i, cell in enumerate(row)).rstrip()
         for row in table
     ]
 
@@ -131,7 +128,7 @@ def _part(study: Study, part: str, best: Sequence[Measured]) -> list[str]:
             _number(each.temperature_error, ".0e"),
         ]
         row += [_number(each.change, ".1e")] if changing else []
-        rows.append([*row, "*" if each in best else ""] if part == "integrators" else row)
+        rows.append([*row, "*" if any(each is one for one in best) else ""] if part == "integrators" else row)
     heads = ["", "asked", "ms", "RHS", "error", "of", "p", "T", *(["change"] if changing else [])]
     heads += [""] if part == "integrators" else []
     return [_TITLES[part], *_lines(heads, rows, (0, 5))] if rows else []
