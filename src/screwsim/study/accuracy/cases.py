@@ -88,7 +88,8 @@ def back_ends(scene: Scene, extent: Extent) -> Iterator[Case]:
     others = {"ideal": "compiled", "compiled": "ideal"}
     other = others[own_back_end(scene)]
     model = "real" if other == "compiled" else "ideal"
-    changed = replace(scene, gas=replace(scene.gas, model=model), text="")
+    k = None if model == "real" else scene.gas.isentropic_exponent
+    changed = replace(scene, gas=replace(scene.gas, model=model, isentropic_exponent=k), text="")
     tries: list[tuple[str, Scene]] = [(other, changed)]
     if scene.gas.model == "real":
         tries.append(("coolprop", scene))

@@ -148,7 +148,11 @@ def _effects(study: Study) -> list[str]:
     if not rows:
         return []
     heads = ("simulated over left out", "time", "RHS", "efficiency", "shaft power", "gas flow")
-    notes = [f"  {each.effect.replace('_', ' ')}: {each.reason}" for each in study.effects if each.reason]
+    notes = []
+    for each in study.effects:
+        if each.reason:
+            text = f"{each.effect.replace('_', ' ')}: {each.reason}"
+            notes += textwrap.wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
     return ["What each effect costs and changes (efficiency in points)", *_lines(heads, rows), *notes]
 
 
