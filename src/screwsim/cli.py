@@ -129,6 +129,37 @@ def explain(scene_file: SceneFile, overrides: Overrides = None, without: Without
 
 
 @app.command()
+def accuracy(
+    scene_file: SceneFile,
+    folder: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Where table, data and figure go (default: nowhere).")
+    ] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Try less: seconds instead of minutes.")] = False,
+) -> int:
+    """Say what accuracy costs in time: integrators, gases, numerical choices, effects, size."""
+    scene = _base_point(_loaded(scene_file, overrides, without))
+    from screwsim.printing import accuracy_drawing
+    from screwsim.report.accuracy import draw
+    from screwsim.results.atomic import make_folder
+    from screwsim.study.accuracy import QUICK, Extent, NoReference, files, study, words
+    from screwsim.study.progress import for_terminal
+
+    if folder is not None:
+        make_folder(folder)
+    try:
+        found = study(scene, QUICK if quick else Extent(), for_terminal("accuracy"))
+    except NoReference as error:
+        return _complain(f"{scene_file}: {error}", NOT_ALL_OK)
+    typer.echo(words.report(found))
+    if folder is not None:
+        for path in (*files.write(found, folder), *draw(accuracy_drawing(found), folder)):
+            typer.echo(path)
+    return OK
+
+
+@app.command()
 def plot(
     results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)],
     folder: Annotated[str | None, typer.Option("-o", metavar="DIR", help="Where the figures go.")] = None,

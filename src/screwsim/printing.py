@@ -6,11 +6,15 @@ import json
 import math
 import textwrap
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from screwsim.outputs import PERFORMANCE, STATUSES, Result, sorted_entries
 from screwsim.scene import Scene
 from screwsim.study.sweep import SweepSummary
+
+if TYPE_CHECKING:
+    from screwsim.report.accuracy import Drawing
+    from screwsim.study.accuracy import Study
 
 WIDTH = 80
 MOST_FAILURES = 20  # listed of one sweep; all are in its file
@@ -265,3 +269,23 @@ def print_sweep(document: Mapping[str, Any]) -> None:
 
 def _value(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def accuracy_drawing(study: Study) -> Drawing:
+    """Return what the work-precision figure of a study shows."""
+    from screwsim.report.accuracy import Drawing, Line
+    from screwsim.study.accuracy.words import competing, front, limit_of_regularisation
+
+    cases = [each for each in competing(study) if each.status == "ok"]
+    lines = []
+    for label in dict.fromkeys(each.label for each in cases):
+        mine = [each for each in cases if each.label == label]
+        columns = ([getattr(each, name) for each in mine] for name in ("time", "evaluations", "error"))
+        lines.append(Line(label.replace("scipy-", "scipy "), *columns))
+    return Drawing(
+        lines,
+        [(each.time, each.error) for each in front(cases)],
+        [(each.evaluations, each.error) for each in front(cases, "evaluations")],
+        study.reference.difference,
+        limit_of_regularisation(study),
+    )

@@ -46,6 +46,7 @@ class Machinery:
         self._warm: set[str] = set()
         self.compile_time = 0.0
         self.integrator = "rodas4"
+        self.watch: Callable[[], None] = lambda: None  # called now and then; what it raises ends the work
 
     @staticmethod
     def _history(steps: int, n: int, nq: int) -> tuple[Array, Array, Array]:
@@ -86,6 +87,7 @@ class Machinery:
 
     def turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
         """Integrate one life from y (changed in place); return (status, angle reached, last step, quadratures)."""
+        self.watch()
         c = self.composition
         new = self.histories[1]
         q = np.zeros(self.nq)
@@ -190,6 +192,7 @@ class Machinery:
         if "all" not in self._warm:
             with self._compiling("all"):
                 self._pitch(y.copy(), 1e-2, h)
+        self.watch()
         if self.integrator in METHODS:
             return self._scipy_pitch(y, rtol, h)
         return self._pitch(y, rtol, h)
@@ -205,6 +208,7 @@ class Machinery:
         module, context = self.module, self.coupled_context
 
         def rates(s: float, middle: float, state: Array) -> Array:
+            self.watch()
             module.coupled__all_surroundings(s, middle, context, E)
             module.coupled__all_rates(np.ascontiguousarray(state), E, context, f, g)
             return np.concatenate([f, g[:-1]])
@@ -219,7 +223,7 @@ class Machinery:
         end, q, path = integrate(rates, jacobian, self._pitch_knots(), y, self._scales(q_scale), rtol, self.integrator)
         y[:] = end
         steps = len(path.dense)
-        self.counts += np.array([steps, 0, path.calls * c.chambers, 0])
+        self.counts += np.array([steps, 0, path.calls * c.chambers, path.jacobians * c.chambers])
         if steps > len(space["history"][1]):
             space["history"] = self._history(steps, len(y), self.nq + 1)
         space["history"][0][: steps + 1], space["history"][1][:steps] = path.times, path.dense

@@ -1,4 +1,4 @@
-"""scipy's integrators over knots, as an independent check of our own: Radau, BDF, LSODA.
+"""scipy's integrators over knots, as an independent check of our own: Radau, BDF, LSODA; RK45 and DOP853 for studies.
 
 Each segment between knots is integrated by itself. Tolerances are relative to the state; quadratures are states here,
 with an absolute tolerance from their scale.
@@ -13,6 +13,8 @@ import numpy as np
 
 Array = np.ndarray
 METHODS = {"scipy-radau": "Radau", "scipy-bdf": "BDF", "scipy-lsoda": "LSODA"}
+EXPLICIT = {"scipy-rk45": "RK45", "scipy-dop853": "DOP853"}  # hopeless for work: only studies ask for them
+METHODS |= EXPLICIT
 
 
 class Path:
@@ -22,6 +24,7 @@ class Path:
         self.times: list[float] = []
         self.dense: list[Array] = []
         self.calls = 0
+        self.jacobians = 0
         self.message = ""
 
     def add(self, t: Array, y: Array, slopes: Array) -> None:
@@ -65,8 +68,10 @@ def integrate(
             full[:, :n] = jacobian(t, middle, state[:n])
             return full
 
-        found = solve_ivp(slopes_at, (start, end), z, METHODS[method], rtol=rtol, atol=atol, jac=derivatives_at)
+        extra = {} if method in EXPLICIT else {"jac": derivatives_at}
+        found = solve_ivp(slopes_at, (start, end), z, METHODS[method], rtol=rtol, atol=atol, **extra)
         path.calls += found.nfev
+        path.jacobians += found.njev
         slopes = np.array([slopes_at(t, state) for t, state in zip(found.t, found.y.T, strict=True)])
         path.add(found.t, found.y.T[:, :n], slopes[:, :n])
         z = found.y[:, -1]

@@ -1,0 +1,98 @@
+"""Work-precision figure: error of the performance figures over time and over evaluations, on logarithmic axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, new_figure, write
+
+HEIGHT = 92.0  # [mm]
+MARKERS = "os^Dv<>P"
+
+
+class Line(NamedTuple):
+    """One method at several tolerances: its name, times [s], evaluations, errors."""
+
+    name: str
+    times: Sequence[float]
+    evaluations: Sequence[float]
+    errors: Sequence[float]
+
+
+class Drawing(NamedTuple):
+    """What the figure shows; `front` holds (time [s], error), `floor` is the difference of the two references."""
+
+    lines: Sequence[Line]
+    front: Sequence[tuple[float, float]]
+    front_by_evaluations: Sequence[tuple[float, float]]
+    floor: float
+    regularisation: float | None
+
+
+def draw(drawing: Drawing, folder: Path) -> list[str]:
+    """Write the figure as PNG and PDF; return the paths."""
+    with journal():
+        return write(_figure(drawing), folder, "accuracy")
+
+
+def _figure(drawing: Drawing) -> Any:
+    figure = new_figure(DOUBLE, HEIGHT)
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, scale, attribute, best in (
+        (left, 1e3, "times", drawing.front),
+        (right, 1.0, "evaluations", drawing.front_by_evaluations),
+    ):
+        if best:
+            x, y = zip(*best, strict=True)
+            axes.plot([scale * each for each in x], y, color="#c9c9c9", linewidth=6.0, zorder=1, solid_capstyle="round")
+        for index, line in enumerate(drawing.lines):
+            _plot(axes, index, [scale * each for each in getattr(line, attribute)], line)
+        _guides(axes, drawing)
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    left.set_xlabel("wall time / ms")
+    right.set_xlabel("evaluations of one chamber's right-hand side")
+    left.set_ylabel("largest relative error of a figure")
+    handles, names = left.get_legend_handles_labels()
+    if drawing.front:
+        from matplotlib.lines import Line2D
+
+        handles.append(Line2D([], [], color="#c9c9c9", linewidth=6.0))
+        names.append("Pareto front")
+    figure.legend(handles, names, loc="outside upper center", ncols=4)
+    return figure
+
+
+def _plot(axes: Any, index: int, x: Sequence[float], line: Line) -> None:
+    colour = COLOURS[index % len(COLOURS)]
+    axes.plot(
+        x,
+        line.errors,
+        color=colour,
+        linestyle=DASHES[index % len(DASHES)],
+        marker=MARKERS[index % len(MARKERS)],
+        markerfacecolor=colour if index % 2 == 0 else "white",
+        markersize=4.5,
+        label=line.name,
+        zorder=3,
+    )
+
+
+def _guides(axes: Any, drawing: Drawing) -> None:
+    """Draw the levels below which nothing can be told, or nothing be had at the scene's accuracy."""
+    for level, text in ((drawing.regularisation, "regularisation"), (drawing.floor, "references differ")):
+        if level is None or not level > 0.0:
+            continue
+        axes.axhline(level, color=GREY, linewidth=0.6, linestyle=(0, (2, 2)), zorder=0)
+        axes.annotate(
+            text,
+            (1.0, level),
+            xycoords=("axes fraction", "data"),
+            xytext=(-3, 2),
+            textcoords="offset points",
+            ha="right",
+            color=GREY,
+            fontsize=6.5,
+        )

@@ -1,0 +1,105 @@
+"""What accuracy costs in time: the work-precision study of one scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from screwsim.faults import SceneError, UsageError
+from screwsim.scene import Scene
+from screwsim.scene.checks import cross_check
+from screwsim.simulate import simulate
+from screwsim.study.accuracy.asked import Asked, as_asked
+from screwsim.study.accuracy.cases import QUICK, Case, Extent, all_cases, omitted
+from screwsim.study.accuracy.effects import EffectCost, effect_costs, effect_names
+from screwsim.study.accuracy.measure import Measured, NoReference, Truth, measure, one_line, truth
+from screwsim.study.accuracy.size import Size, lobe_times, sweep_times
+from screwsim.study.progress import Progress, Silent
+
+__all__ = ["QUICK", "Case", "Extent", "Measured", "NoReference", "Study", "Truth", "study"]
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that was measured of one scene."""
+
+    title: str
+    accuracy: float
+    reference: Truth
+    asked: list[Asked]
+    measured: list[Measured]
+    effects: list[EffectCost]
+    points: list[Size]
+    lobes: list[Size]
+    left_out: list[tuple[str, str]] = field(default_factory=list)
+
+
+def study(scene: Scene, extent: Extent | None = None, progress: Progress | None = None) -> Study:
+    """Return the study of a scene. Raises NoReference where no reference closes."""
+    extent, progress = extent or Extent(), progress or Silent()
+    cases, effects = all_cases(scene, extent), effect_names(scene)
+    jobs = 1 + len(cases) + len(extent.asked) + len(effects) + len(extent.points) + len(extent.lobes)
+    progress.start(jobs, 0)
+
+    def counted(work: Callable, *arguments):
+        found = work(*arguments)
+        progress.advance(1, 0)
+        return found
+
+    try:
+        own = counted(truth, scene, extent)
+        references = _References(own, extent)
+        asked = [counted(as_asked, scene, accuracy, own, extent) for accuracy in extent.asked]
+        measured = [counted(references.measured, case) for case in cases]
+        costs = [counted(effect_costs, scene, name, extent) for name in effects]
+        points = [counted(sweep_times, scene, count) for count in extent.points]
+        lobes = [counted(lobe_times, scene, count, extent) for count in extent.lobes]
+    finally:
+        progress.stop()
+    bad = [(f"{each.size} male lobes", each.reason) for each in lobes if each.reason]
+    left_out = [*_left_out(measured), *bad, *omitted(scene)]
+    return Study(scene.title, scene.numerics.accuracy, own, asked, measured, costs, points, lobes, left_out)
+
+
+def _left_out(measured: list[Measured]) -> list[tuple[str, str]]:
+    """Return what did not come out well, cases of one label and reason together."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for each in measured:
+        if each.status != "ok":
+            text = f"{each.status}: {each.reason}" if each.status != "left out" else each.reason
+            found.setdefault((f"{each.part}: {each.label}", text), []).append(f"{each.asked:.0e}")
+    return [(f"{name} ({', '.join(asks)})", reason) for (name, reason), asks in found.items()]
+
+
+class _References:
+    """The references of a study, made when they are first needed."""
+
+    def __init__(self, own: Truth, extent: Extent) -> None:
+        self.own, self.extent = own, extent
+        self.others: dict[tuple[str, float | None], Truth | str] = {}
+
+    def measured(self, case: Case) -> Measured:
+        """Return a case measured against the reference of its own model."""
+        if not case.own_reference:
+            return measure(case, self.own, self.own, self.extent)
+        key = (case.back_end if case.part == "back ends" else case.part, case.factor)
+        if key not in self.others:
+            self.others[key] = self._other(case.scene)
+        reference = self.others[key]
+        if isinstance(reference, str):
+            head = (case.part, case.label, case.back_end, case.asked, case.factor)
+            return Measured(*head, "left out", reference)
+        return measure(case, reference, self.own, self.extent)
+
+    def _other(self, scene: Scene) -> Truth | str:
+        """Return the reference of another model, or why there is none."""
+        try:
+            faults = cross_check(scene)
+            if faults:
+                return one_line(f"{faults[0].path}: {faults[0].what}")
+            first = simulate(scene, trace=False)
+            if first.status != "ok":
+                return one_line(f"{first.status.replace('_', ' ')}: {first.message}")
+            return truth(scene, self.extent, checked=False)
+        except (SceneError, UsageError, ValueError, NoReference) as error:
+            return one_line(str(error))

@@ -1,0 +1,150 @@
+"""What the study tries: each case is a scene and a way of solving it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from screwsim.scene import Scene, with_values
+from screwsim.study.accuracy.solving import Way, way
+
+SCIPY = ("scipy-radau", "scipy-bdf", "scipy-lsoda", "scipy-rk45", "scipy-dop853")
+TIGHT = 1e-8  # accuracy of all but the one choice that a case looks at
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much is tried."""
+
+    asked: tuple[float, ...] = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)  # of our own method
+    scipy_asked: tuple[float, ...] = (1e-2, 1e-4, 1e-6)
+    back_end_asked: tuple[float, ...] = (1e-2, 1e-3, 1e-4)
+    widths: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)  # over those of the scene's accuracy
+    closures: tuple[float, ...] = (0.01, 0.1, 1.0, 10.0, 100.0)
+    dead_volumes: tuple[float, ...] = (0.1, 10.0)
+    reference: float = 1e-9
+    check: float = 1e-10  # tolerance of a step of the second method
+    check_limit: float = 60.0  # [s]
+    limit: float = 5.0  # [s] for a case
+    seconds: float = 0.5  # [s] in which a case is repeated
+    runs: int = 9  # at most
+    points: tuple[int, ...] = (1, 10, 100, 1000)
+    lobes: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 7, 8)
+    pairs: int = 31  # paired runs of the cost of an effect
+
+
+QUICK = Extent(
+    asked=(1e-2, 1e-3, 1e-4),
+    scipy_asked=(1e-3,),
+    back_end_asked=(1e-3,),
+    widths=(0.0, 1.0, 100.0),
+    closures=(1.0, 100.0),
+    dead_volumes=(10.0,),
+    reference=1e-7,
+    check=1e-8,
+    check_limit=20.0,
+    limit=1.0,
+    seconds=0.05,
+    runs=3,
+    points=(1, 4),
+    lobes=(),
+    pairs=3,
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One solution to be made: what it is for, what was asked, the way, and the gas that answers."""
+
+    part: str
+    label: str
+    asked: float
+    way: Way
+    scene: Scene
+    back_end: str  # 'ideal' | 'compiled' | 'coolprop'
+    factor: float | None = None  # of the choice that is looked at
+    own_reference: bool = False  # is it another model, with a reference of its own?
+
+
+def own_back_end(scene: Scene) -> str:
+    """Return the back end of a scene's gas."""
+    return "compiled" if scene.gas.model == "real" else "ideal"
+
+
+def integrators(scene: Scene, extent: Extent) -> Iterator[Case]:
+    """Yield every integrator on the scene's own gas."""
+    gas = own_back_end(scene)
+    for closing in ("histories", "coupled"):
+        for asked in extent.asked:
+            yield Case("integrators", f"rodas4 {closing}", asked, way(asked, closing=closing), scene, gas)
+    for name in SCIPY:
+        for asked in extent.scipy_asked:
+            yield Case("integrators", name, asked, way(asked, name), scene, gas)
+
+
+def back_ends(scene: Scene, extent: Extent) -> Iterator[Case]:
+    """Yield our method and one of scipy's on the other property back ends."""
+    others = {"ideal": "compiled", "compiled": "ideal"}
+    other = others[own_back_end(scene)]
+    model = "real" if other == "compiled" else "ideal"
+    k = None if model == "real" else scene.gas.isentropic_exponent
+    changed = replace(scene, gas=replace(scene.gas, model=model, isentropic_exponent=k), text="")
+    tries: list[tuple[str, Scene]] = [(other, changed)]
+    if scene.gas.model == "real":
+        tries.append(("coolprop", scene))
+    for gas, base in tries:
+        for name, closing in (("rodas4", "histories"), ("scipy-lsoda", "coupled")):
+            label = f"rodas4 {closing}" if name == "rodas4" else name
+            asks = extent.back_end_asked if name == "rodas4" else extent.back_end_asked[-1:]
+            if gas == "coolprop" and name != "rodas4":
+                continue  # see `omitted`
+            for asked in asks:
+                how = way(asked, name, closing)
+                yield Case("back ends", f"{label}, {gas}", asked, how, base, gas, own_reference=gas == other)
+
+
+def choices(scene: Scene, extent: Extent) -> Iterator[Case]:
+    """Yield the numerical choices of the model itself, one at a time."""
+    gas, asked = own_back_end(scene), scene.numerics.accuracy
+    for closing in ("histories", "coupled"):
+        for landing in (True, False):
+            how = way(asked, closing=closing, landing=landing)
+            text = f"{closing}, {'on knots' if landing else 'not on knots'}"
+            yield Case("knots", text, asked, how, scene, gas, factor=float(landing))
+    for factor in extent.widths:
+        how = way(asked, closing="histories", regularised=factor * asked)
+        yield Case("regularisation", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
+    for factor in extent.widths:
+        how = way(TIGHT, regularised=factor * asked)
+        yield Case("regularisation alone", f"all else 1e-8, {_times(factor)}", asked, how, scene, gas, factor)
+    for factor in extent.closures:
+        how = way(asked, closing="histories", tolerance=0.2 * asked * factor, bound=asked * max(factor, 1.0))
+        yield Case("closure", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
+    dead = scene.machine.volume.dead
+    for factor in extent.dead_volumes if scene.machine.volume.law == "paper" else ():
+        changed = with_values(scene, {"machine.volume.min": factor * dead})
+        how = way(asked, closing="histories")
+        yield Case("dead volume", f"histories, {_times(factor)}", asked, how, changed, gas, factor, own_reference=True)
+
+
+def _times(factor: float) -> str:
+    return f"x {factor:g}"
+
+
+def omitted(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield what is not tried at all, and why."""
+    yield "start and end angle", "the model has none: a chamber's life is integrated over all of its 720 deg"
+    yield "regularisation x 0", "taken as 1e-12 of the pressure: with none the model divides 0 by 0 at equal pressures"
+    if scene.gas.model == "ideal":
+        yield "CoolProp called directly", "the scene's gas is ideal, and CoolProp has none"
+    else:
+        yield "scipy on CoolProp", "thousands of calls back into Python, each for eight chambers: minutes a cycle"
+    if scene.machine.volume.law != "paper":
+        yield "dead volume", f"is part of the table of machine.volume.law: {scene.machine.volume.law}"
+
+
+def all_cases(scene: Scene, extent: Extent) -> list[Case]:
+    """Return all cases of a scene."""
+    makers: tuple[Any, ...] = (integrators, back_ends, choices)
+    return [case for make in makers for case in make(scene, extent)]

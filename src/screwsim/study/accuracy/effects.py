@@ -1,0 +1,78 @@
+"""What each effect costs in time and evaluations, and what it changes in the answer."""
+
+from __future__ import annotations
+
+import statistics
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from screwsim.faults import SceneError, UsageError
+from screwsim.outputs import Result
+from screwsim.scene import Scene
+from screwsim.scene.checks import cross_check
+from screwsim.simulate import simulate
+from screwsim.study.accuracy.cases import Extent
+
+
+@dataclass(frozen=True)
+class EffectCost:
+    """One effect, simulated over left out: relative cost, and the change that it makes; NaN where there is none."""
+
+    effect: str
+    status: str
+    time: float = np.nan  # with over without, less one
+    evaluations: float = np.nan
+    efficiency: float = np.nan  # points of the isothermal, or else of the isentropic efficiency
+    shaft_power: float = np.nan  # relative
+    gas_mass_flow: float = np.nan  # relative
+    reason: str = ""
+
+
+def effect_names(scene: Scene) -> list[str]:
+    """Return the effects of a scene."""
+    return list(scene.effects)
+
+
+def effect_costs(scene: Scene, name: str, extent: Extent) -> EffectCost:
+    """Return what one effect costs and changes: runs with it and without it in turn, medians of both."""
+    rest = {key: active for key, active in scene.effects.items() if key != name}
+    without = replace(scene, effects=rest, text="")
+    faults = cross_check(without)
+    if faults:
+        return EffectCost(name, "needed", reason=f"{faults[0].path}: {faults[0].what}")
+    try:
+        pairs = [(simulate(scene, trace=False), simulate(without, trace=False)) for _ in range(extent.pairs + 1)][1:]
+    except (SceneError, UsageError) as error:
+        return EffectCost(name, "needed", reason=" ".join(str(error).split()))
+    full, less = pairs[-1]
+    if less.status != "ok" or full.status != "ok":
+        bad = less if less.status != "ok" else full
+        return EffectCost(name, bad.status, reason=f"without it: {bad.message}")
+    ratio = statistics.median(_time(full) / _time(less) for full, less in pairs) - 1.0
+    evaluations = full.numerics.rhs_evaluations / less.numerics.rhs_evaluations - 1.0
+    return EffectCost(
+        name,
+        "ok",
+        ratio,
+        evaluations,
+        _points(full, less),
+        _relative(full, less, "shaft_power"),
+        _relative(full, less, "gas_mass_flow"),
+    )
+
+
+def _time(result: Result) -> float:
+    return result.numerics.wall_time + result.numerics.estimating_time
+
+
+def _points(full: Result, less: Result) -> float:
+    for name in ("isothermal_efficiency", "isentropic_efficiency"):
+        one, other = full.performance[name], less.performance[name]
+        if one is not None and other is not None:
+            return 100.0 * (one - other)
+    return np.nan
+
+
+def _relative(full: Result, less: Result, name: str) -> float:
+    return full.performance[name] / less.performance[name] - 1.0 if less.performance[name] else np.nan

@@ -1,0 +1,97 @@
+"""A study on disk: accuracy.csv with a row a case, and accuracy.h5 with everything."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from screwsim.outputs import PERFORMANCE
+from screwsim.results.atomic import replacing
+from screwsim.study.accuracy.measure import NAMES, Measured
+from screwsim.study.accuracy.words import competing, front, sentence
+
+if TYPE_CHECKING:
+    from screwsim.study.accuracy import Study
+
+UNITS = {"time": "s", "estimating_time": "s", "efficiency": "percent"}
+
+
+def write(study: Study, folder: Path) -> list[str]:
+    """Write both files and return their paths."""
+    table, data = folder / "accuracy.csv", folder / "accuracy.h5"
+    with replacing(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        _write_csv(study, csv.writer(file))
+    with replacing(data) as temporary:
+        _write_hdf5(study, temporary)
+    return [str(table), str(data)]
+
+
+def _columns(records: Sequence[Any], without: Sequence[str] = ()) -> dict[str, list[Any]]:
+    """Return {field: values} of dataclasses of one kind; None becomes NaN."""
+    names = [each.name for each in fields(records[0]) if each.name not in without] if records else []
+    return {name: [_known(getattr(each, name)) for each in records] for name in names}
+
+
+def _known(value: Any) -> Any:
+    return np.nan if value is None else value
+
+
+def _of_cases(study: Study) -> dict[str, list[Any]]:
+    best = front(competing(study))
+    columns = _columns(study.measured, ("errors", "traces"))
+    columns["pareto"] = [int(any(each is one for one in best)) for each in study.measured]
+    for name in PERFORMANCE:
+        columns[f"error_{name}"] = [_known(each.errors.get(name)) for each in study.measured]
+    return columns
+
+
+def _write_csv(study: Study, writer: Any) -> None:
+    columns = _of_cases(study)
+    writer.writerow(columns)
+    for row in zip(*columns.values(), strict=True):
+        writer.writerow("" if isinstance(value, float) and np.isnan(value) else value for value in row)
+
+
+def _write_hdf5(study: Study, path: Path) -> None:
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        file.attrs["title"] = study.title
+        file.attrs["accuracy"] = study.accuracy
+        file.attrs["sentence"] = sentence(study)
+        cases = file.create_group("cases")
+        _put(cases, _of_cases(study))
+        _put_traces(cases, study.measured, study.reference.traces["angle"])
+        _put(file.create_group("asked"), _columns(study.asked))
+        _put(file.create_group("effects"), _columns(study.effects))
+        _put(file.create_group("sweep_points"), _columns(study.points))
+        _put(file.create_group("male_lobes"), _columns(study.lobes))
+        left_out = {"what": [what for what, _ in study.left_out], "reason": [why for _, why in study.left_out]}
+        _put(file.create_group("left_out"), left_out)
+        reference = file.create_group("reference")
+        known = {name: value for name, value in study.reference.figures.items() if value is not None}
+        _put(reference.create_group("performance"), {name: [value] for name, value in known.items()})
+        _put(reference.create_group("cycle"), {name: list(v) for name, v in study.reference.traces.items()})
+        for name in ("how", "second", "difference", "different_figure", "seconds"):
+            reference.attrs[name] = getattr(study.reference, name)
+        reference.attrs["traces_difference"] = study.reference.traces_difference
+
+
+def _put(group: Any, columns: Mapping[str, Sequence[Any]]) -> None:
+    for name, values in columns.items():
+        text = any(isinstance(value, str) for value in values)
+        data = group.create_dataset(name, data=[str(value) for value in values] if text else np.array(values))
+        if not text:
+            data.attrs["units"] = UNITS.get(name, PERFORMANCE[name].units if name in PERFORMANCE else "1")
+
+
+def _put_traces(group: Any, measured: Sequence[Measured], angle: np.ndarray) -> None:
+    group.create_dataset("angle", data=angle).attrs["units"] = "degree"
+    for name, units in zip(NAMES, ("Pa", "K"), strict=True):
+        rows = [each.traces.get(name, np.full(len(angle), np.nan)) for each in measured]
+        group.create_dataset(name, data=np.array(rows), compression="gzip", shuffle=True).attrs["units"] = units

@@ -1,0 +1,160 @@
+"""Is the wanted accuracy kept? Scenes drawn at random around a given one, each against a much finer solution.
+
+A drawn scene has the structure of the given one (so that nothing is compiled anew) and other numbers: speed, pressures,
+gaps, ports, oil, dead volume, and the wanted accuracy itself.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.errors import relative_errors
+from screwsim.estimate import worst
+from screwsim.outputs import Figures, Result
+from screwsim.scene import Scene, value_at, with_values
+from screwsim.scene.checks import cross_check
+from screwsim.simulate import simulate
+from screwsim.study.accuracy.solving import WorkLimit, solve, way
+
+RPM = 2.0 * math.pi / 60.0
+FINER = 1e-3  # accuracy of the reference over the wanted one
+FINEST, COARSEST = 1e-9, 1e-8  # but the reference is wanted within these
+RADAU = 1e-10  # tolerance of a step of the independent reference
+WIDTH = 1e-2  # of the reference's regularisation over its accuracy: as good as none
+LIMIT = 120.0  # [s] for a reference
+ACCURACIES = 1e-5, 1e-2  # drawn evenly in logarithms
+TRIES = 200  # draws until one makes sense
+
+
+class Kept(NamedTuple):
+    """One scene: what was wanted, what the solver estimated, what is true, and of which figure."""
+
+    status: str
+    wanted: float
+    estimated: float
+    true: float
+    figure: str
+    reference: str  # 'coupled' | 'scipy-radau'
+    evaluations: int
+    warned: bool
+    changes: dict[str, Any]
+
+    @property
+    def ratio(self) -> float:
+        """True error over the wanted accuracy."""
+        return self.true / self.wanted
+
+
+# path: (lowest, highest) [SI], drawn evenly in logarithms
+_ABSOLUTE = {
+    "operation.speed": (200.0 * RPM, 8000.0 * RPM),
+    "machine.suction_port.area": (20e-4, 200e-4),
+    "machine.discharge_port.area": (10e-4, 120e-4),
+    "effects.tip_leakage.gap": (5e-6, 100e-6),
+    "effects.interlobe_leakage.gap": (5e-6, 100e-6),
+    "effects.end_face_leakage.gap": (5e-6, 100e-6),
+    "effects.blow_hole.area": (1e-6, 40e-6),
+    "effects.oil_heat.droplet_radius": (5e-6, 500e-6),
+    "oil_supply.ratio": (0.1, 8.0),
+}
+_ANGLES = {"machine.discharge_port.opens": (590.0, 690.0), "machine.discharge_port.phi_C": (610.0, 700.0)}
+RATIOS = 1.5, 12.0  # of pressures
+SUPERHEAT = 5.0, 30.0  # [K], where the scene gives one
+
+
+def drawn(scene: Scene, random: np.random.Generator) -> tuple[Scene, dict[str, Any]]:
+    """Return a scene of the same structure with other numbers [SI], and these numbers."""
+    for _ in range(TRIES):
+        changes = _changes(scene, random)
+        found = with_values(scene, changes)
+        if not cross_check(found):
+            return found, changes
+    raise ValueError("no scene that makes sense was drawn: its ranges do not fit this one")
+
+
+def _changes(scene: Scene, random: np.random.Generator) -> dict[str, Any]:
+    changes: dict[str, Any] = {}
+    for path, (low, high) in _ABSOLUTE.items():
+        name = path.split(".")[1]
+        if path.startswith("effects.") and name not in scene.effects:
+            continue
+        if path.startswith("oil_supply.") and scene.oil_supply is None:
+            continue
+        changes[path] = _log_uniform(random, low, high)
+    for path, (low, high) in _ANGLES.items():
+        changes[path] = math.radians(random.uniform(low, high))
+    suction = value_at(scene, "operation.suction.pressure")
+    if suction is not None:
+        changes["operation.discharge.pressure"] = suction * _log_uniform(random, *RATIOS)
+    else:
+        changes["operation.superheat"] = random.uniform(*SUPERHEAT)
+    changes["numerics.accuracy"] = _log_uniform(random, *ACCURACIES)
+    return changes
+
+
+def _log_uniform(random: np.random.Generator, low: float, high: float) -> float:
+    return float(math.exp(random.uniform(math.log(low), math.log(high))))
+
+
+def reference(scene: Scene, radau: bool) -> tuple[str, Figures]:
+    """Return status and figures of the scene solved at least a thousand times finer: coupled chambers, hardly any
+    regularisation, under scipy's Radau (tolerance of a step `RADAU`) or our own method.
+    """
+    fine = min(max(FINER * scene.numerics.accuracy, FINEST), COARSEST)
+    integrator, rtol = ("scipy-radau", RADAU) if radau else ("rodas4", 0.3 * fine)
+    # the balances of scipy's methods are as good as their steps, not kept to rounding
+    how = way(fine, integrator, rtol=rtol, regularised=WIDTH * fine, bound=0.1 * scene.numerics.accuracy)
+    try:
+        found = solve(scene, how, LIMIT)
+    except WorkLimit as error:
+        return str(error), Figures()
+    if found.closed.status == "failed":
+        return "failed", Figures()
+    return found.closed.status, found.figures()
+
+
+def kept(scene: Scene, changes: dict[str, Any], radau: bool = False) -> Kept:
+    """Return how a scene's figures compare with its reference."""
+    result = simulate(scene, trace=False)
+    wanted, name, true = scene.numerics.accuracy, "", math.nan
+    kind = "scipy-radau" if radau else "coupled"
+    if result.status == "ok":
+        status, better = reference(scene, radau)
+        if status != "ok":
+            return _outcome(result, f"reference {status}", wanted, name, true, kind, changes)
+        name, true = worst(relative_errors(result.performance, better))
+    return _outcome(result, result.status, wanted, name, true, kind, changes)
+
+
+def _outcome(
+    result: Result, status: str, wanted: float, name: str, true: float, kind: str, changes: dict[str, Any]
+) -> Kept:
+    estimated = worst(Figures(result.error))[1]
+    warned = any("estimated error" in warning for warning in result.warnings)
+    evaluations = int(result.numerics.rhs_evaluations)
+    return Kept(status, wanted, estimated, true, name, kind, evaluations, warned, changes)
+
+
+def account(found: list[Kept]) -> str:
+    """Return what a sample shows, in lines."""
+    solved = [each for each in found if each.status == "ok"]
+    ratios = np.array([each.ratio for each in solved])
+    lines = [f"{len(found)} scenes, {len(solved)} ok"]
+    if len(ratios):
+        share = float(np.mean(ratios <= 1.0))
+        lines.append(
+            f"true error within the wanted accuracy in {share:.1%}, within three times in {np.mean(ratios <= 3.0):.1%}"
+        )
+        lines.append(f"wanted over true error: median {1.0 / np.median(ratios):.3g}, least {1.0 / ratios.max():.3g}")
+    for each in sorted(solved, key=lambda one: -one.ratio)[:10]:
+        if each.ratio > 1.0:
+            lines.append(
+                f"  not kept: {each.figure} {each.true:.2g}, wanted {each.wanted:.2g}, estimated {each.estimated:.2g}"
+                f"{', warned' if each.warned else ''}"
+            )
+    for status in sorted({each.status for each in found} - {"ok"}):
+        lines.append(f"{sum(each.status == status for each in found)} {status.replace('_', ' ')}")
+    return "\n".join(lines)

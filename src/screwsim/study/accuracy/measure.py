@@ -1,0 +1,169 @@
+"""One case of the study measured: time, evaluations and true error, or why there is none."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from screwsim.errors import relative_errors
+from screwsim.estimate import worst
+from screwsim.faults import SceneError, UsageError
+from screwsim.outputs import Figures
+from screwsim.study.accuracy.cases import Case, Extent
+from screwsim.study.accuracy.solving import Solved, WorkLimit, solve, way
+
+Traces = Mapping[str, np.ndarray]
+NAMES = ("pressure", "gas_temperature")  # traces that are compared
+FILLED = 0.01  # of the largest volume: below it the little gas at the ends of a life takes no part in a figure
+
+
+class NoReference(Exception):
+    """A scene has no solution that others could be measured by."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A case with what it cost and how wrong it was; `reason` says why it is left out, when it is."""
+
+    part: str
+    label: str
+    back_end: str
+    asked: float
+    factor: float | None
+    status: str
+    reason: str = ""
+    time: float = np.nan  # [s], median
+    runs: int = 0
+    evaluations: int = 0
+    steps: int = 0
+    error: float = np.nan
+    figure: str = ""
+    pressure_error: float = np.nan
+    temperature_error: float = np.nan
+    pressure_error_at_ends: float = np.nan  # ends of the life included
+    temperature_error_at_ends: float = np.nan
+    change: float = np.nan  # of the answer to the scene as it is, where the case changes the model
+    changed_figure: str = ""
+    errors: Figures = field(default_factory=Figures)
+    traces: Traces = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A reference: figures, traces, and by how much a second method differs (NaN: there is none)."""
+
+    figures: Figures
+    traces: Traces
+    how: str
+    second: str = ""
+    difference: float = np.nan
+    different_figure: str = ""
+    traces_difference: tuple[float, float] = (np.nan, np.nan)
+    seconds: float = 0.0
+
+
+def trace_errors(found: Traces, better: Traces, least: float = FILLED) -> tuple[float, float]:
+    """Return the largest relative errors of pressure and temperature at common angles at which the volume is at least
+    this share of its largest.
+    """
+    chosen = better["volume"] >= least * np.max(better["volume"])
+    pressure, temperature = (
+        float(np.nanmax(np.abs(found[name][chosen] / better[name][chosen] - 1.0))) for name in NAMES
+    )
+    return pressure, temperature
+
+
+def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
+    """Return the reference of a scene: coupled chambers, hardly any regularisation, checked by scipy's Radau.
+
+    Raises NoReference where none closes.
+    """
+    started = time.perf_counter()
+    fine = extent.reference if checked else 1e2 * extent.reference
+    try:
+        first = solve(scene, way(fine, regularised=1e-2 * fine), extent.check_limit)
+    except WorkLimit as error:
+        raise NoReference(f"the reference (coupled, {fine:g}) {error}") from error
+    if first.closed.status != "ok":
+        raise NoReference(f"the reference (coupled, {fine:g}) ended {first.closed.status.replace('_', ' ')}")
+    figures, traces = first.figures(), first.traces()
+    how = f"rodas4, coupled, accuracy {fine:g}, regularisation {1e-2 * fine:g} of the pressures"
+    if not checked:
+        return Truth(figures, traces, how, seconds=time.perf_counter() - started)
+    # what scipy's methods miss of the balances is of the size of their steps' errors, over all steps
+    tight = way(fine, "scipy-radau", rtol=extent.check, regularised=1e-2 * fine, bound=1e-5)
+    second, difference = f"scipy-radau, coupled, rtol {extent.check:g}", ("", np.nan)
+    apart = (np.nan, np.nan)
+    try:
+        other = solve(scene, tight, extent.check_limit)
+        if other.closed.status == "ok":
+            difference = worst(relative_errors(other.figures(), figures))
+            apart = trace_errors(other.traces(), traces)
+        else:
+            second += f" ({other.closed.status.replace('_', ' ')})"
+    except WorkLimit as error:
+        second += f" ({error})"
+    return Truth(figures, traces, how, second, difference[1], difference[0], apart, time.perf_counter() - started)
+
+
+def one_line(text: str) -> str:
+    return " ".join(text.split())[:200]
+
+
+def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measured:
+    """Return the case measured against `reference`; `own` is that of the scene as it is."""
+    head = (case.part, case.label, case.back_end, case.asked, case.factor)
+    try:
+        solved, times = _repeated(case, extent)
+    except WorkLimit as error:
+        return Measured(*head, "left out", str(error))
+    except (SceneError, UsageError, ValueError) as error:
+        return Measured(*head, "left out", one_line(str(error)))
+    closed = solved.closed
+    reason = ""
+    if closed.status == "failed":
+        reason = f"stopped at {np.degrees(closed.angle):.1f} deg"
+        return Measured(*head, "failed", reason, statistics.median(times), len(times), solved.evaluations)
+    if closed.status != "ok":
+        reason = f"not closed: last change {closed.change:.2g}"
+    figures, traces = solved.figures(), solved.traces()
+    errors = relative_errors(figures, reference.figures)
+    name, error = worst(errors)
+    changed = worst(relative_errors(figures, own.figures)) if case.own_reference else ("", np.nan)
+    return Measured(
+        *head,
+        closed.status,
+        reason,
+        statistics.median(times),
+        len(times),
+        solved.evaluations,
+        solved.steps,
+        error,
+        name,
+        *trace_errors(traces, reference.traces),
+        *trace_errors(traces, reference.traces, 0.0),
+        changed[1],
+        changed[0],
+        errors,
+        {name: traces[name] for name in NAMES},
+    )
+
+
+def _repeated(case: Case, extent: Extent) -> tuple[Solved, list[float]]:
+    """Return the last of several solutions and their times, without the first where there are more."""
+    solution = None
+    if case.back_end == "coolprop":
+        from screwsim.study.coolprop_back_end import solution_with_coolprop
+
+        solution = solution_with_coolprop(case.scene)
+    solved = solve(case.scene, case.way, extent.limit, solution)
+    times = [solved.time]
+    while len(times) < extent.runs and sum(times) + times[-1] < extent.seconds:
+        solved = solve(case.scene, case.way, extent.limit, solution)
+        times.append(solved.time)
+    return solved, times[1:] or times

@@ -1,0 +1,200 @@
+"""What a study says: the Pareto front, one plain sentence, and tables of at most 100 columns."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from screwsim.study.accuracy.measure import Measured
+
+if TYPE_CHECKING:
+    from screwsim.study.accuracy import Study
+
+WIDTH = 96
+TOLD = (1e-3, 1e-4, 1e-6)  # accuracies in the sentence, where they were asked for
+
+
+def front(measured: Iterable[Measured], cost: str = "time") -> list[Measured]:
+    """Return the cases that closed and that no other beats in both cost and error, from the cheapest on."""
+    best, found = math.inf, []
+    for each in sorted((m for m in measured if m.status == "ok"), key=lambda m: (getattr(m, cost), m.error)):
+        if each.error < best:
+            best = each.error
+            found.append(each)
+    return found
+
+
+def competing(study: Study) -> list[Measured]:
+    """Return the cases that answer the same question: every integrator on the scene's own gas."""
+    return [each for each in study.measured if each.part == "integrators"]
+
+
+def limit_of_regularisation(study: Study) -> float | None:
+    """Return the error that the regularisation at the scene's accuracy makes when all else is tight."""
+    for each in study.measured:
+        if each.part == "regularisation alone" and each.factor == 1.0 and each.status == "ok":
+            return each.error
+    return None
+
+
+def sentence(study: Study) -> str:
+    """Return what a digit costs, in one sentence made from the results."""
+    solved = [each for each in study.asked if each.status == "ok"]
+    told = [each for each in solved if any(math.isclose(each.asked, want) for want in TOLD)] or solved
+    parts = []
+    for each in told:
+        verb = "" if parts else "costs "
+        seconds = milliseconds(each.time + each.estimating_time)
+        parts.append(f"{plain_power(each.asked)} {verb}{seconds} (true error {plain_power(each.error)})")
+    text = ", ".join(parts) if parts else "no accuracy that was asked for could be had"
+    limit = limit_of_regularisation(study)
+    if limit is not None:
+        accuracy = plain_power(study.accuracy)
+        text += f"; the model's regularisation at the scene's accuracy of {accuracy} limits you to {plain_power(limit)}"
+    return text + "."
+
+
+def plain_power(value: float) -> str:
+    """Return 1e-3 rather than 1e-03."""
+    mantissa, exponent = f"{value:.0e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def milliseconds(seconds: float) -> str:
+    """Return a time in ms with two digits."""
+    ms = 1e3 * seconds
+    return f"{ms:.2g} ms" if ms < 99.5 else f"{ms:.0f} ms"
+
+
+def _number(value: float, form: str) -> str:
+    return format(value, form) if math.isfinite(value) else "-"
+
+
+def _lines(heads: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[int] = (0,)) -> list[str]:
+    """Return a table whose columns are as wide as they must be; those of `left` are aligned to the left."""
+    table = [list(heads), *(list(row) for row in rows)]
+    widths = [max(len(row[i]) for row in table) for i in range(len(heads))]
+    return [
+        "  ".join(cell.ljust(widths[i]) if i in left else cell.rjust(widths[i]) for i, cell in enumerate(row)).rstrip()
+        for row in table
+    ]
+
+
+def _asked(study: Study) -> list[str]:
+    rows = [
+        (
+            plain_power(each.asked),
+            each.status.replace("_", " "),
+            each.closing,
+            f"{1e3 * each.time:.3g}",
+            f"{1e3 * each.estimating_time:.2g}",
+            str(each.evaluations),
+            _number(each.estimated, ".1e"),
+            _number(each.error, ".1e"),
+            each.figure.replace("_", " "),
+        )
+        for each in study.asked
+    ]
+    heads = ("asked", "status", "closing", "ms", "+ ms", "RHS", "estimate", "true", "of")
+    return ["What asking for an accuracy gives (+ ms: the estimate)", *_lines(heads, rows, (1, 2, 8))]
+
+
+_TITLES = {
+    "integrators": "Integrators, on the scene's own gas (*: none is both faster and better)",
+    "back ends": "Property back ends, each against a reference of the same gas (change: of the answer)",
+    "knots": "Landing on knots of the laws, at the scene's accuracy",
+    "regularisation": "Width of the regularisation, over the default of the scene's accuracy",
+    "regularisation alone": "The same with all else tight: the error that the regularisation itself makes",
+    "closure": "Tolerance of closing, over the default of the scene's accuracy",
+    "dead volume": "Dead volume, over the scene's: a parameter of the machine (change: of the answer)",
+}
+
+
+def _part(study: Study, part: str, best: Sequence[Measured]) -> list[str]:
+    rows, changing = [], any(math.isfinite(m.change) for m in study.measured if m.part == part)
+    for each in study.measured:
+        if each.part != part or each.status == "left out":
+            continue
+        row = [
+            each.label.replace("scipy-", "scipy "),
+            plain_power(each.asked),
+            f"{1e3 * each.time:.3g}",
+            str(each.evaluations),
+            _number(each.error, ".1e"),
+            each.figure.replace("_", " ") if each.status == "ok" else each.status.replace("_", " "),
+            _number(each.pressure_error, ".0e"),
+            _number(each.temperature_error, ".0e"),
+        ]
+        row += [_number(each.change, ".1e")] if changing else []
+        rows.append([*row, "*" if any(each is one for one in best) else ""] if part == "integrators" else row)
+    heads = ["", "asked", "ms", "RHS", "error", "of", "p", "T", *(["change"] if changing else [])]
+    heads += [""] if part == "integrators" else []
+    return [_TITLES[part], *_lines(heads, rows, (0, 5))] if rows else []
+
+
+def _effects(study: Study) -> list[str]:
+    rows = []
+    for each in study.effects:
+        cells = (
+            (each.time, "+.0%"),
+            (each.evaluations, "+.0%"),
+            (each.efficiency, "+.2f"),
+            (each.shaft_power, "+.2%"),
+            (each.gas_mass_flow, "+.2%"),
+        )
+        rows.append([each.effect.replace("_", " "), *(_number(*cell) for cell in cells)])
+    if not rows:
+        return []
+    heads = ("simulated over left out", "time", "RHS", "efficiency", "shaft power", "gas flow")
+    notes = []
+    for each in study.effects:
+        if each.reason:
+            text = f"{each.effect.replace('_', ' ')}: {each.reason}"
+            notes += textwrap.wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
+    return ["What each effect costs and changes (efficiency in points)", *_lines(heads, rows), *notes]
+
+
+def _size(study: Study) -> list[str]:
+    lines = []
+    if study.points:
+        rows = [(str(s.size), f"{s.time:.3g}", f"{1e3 * s.time / s.size:.3g}") for s in study.points]
+        heads = ("points of a sweep", "s", "ms a point")
+        lines += ["Size: a whole sweep over the speed, with its workers and its file", *_lines(heads, rows)]
+    good = [s for s in study.lobes if not s.reason]
+    if good:
+        rows = [(str(s.size), f"{1e3 * s.time:.3g}", str(s.evaluations)) for s in good]
+        lines += ["", "Size: male lobes", *_lines(("male lobes", "ms", "RHS"), rows)]
+    return lines
+
+
+def report(study: Study) -> str:
+    """Return the whole study as text."""
+    blocks = [[study.title] if study.title else [], _reference(study), _asked(study)]
+    best = front(competing(study))
+    blocks += [_part(study, part, best) for part in _TITLES]
+    blocks += [_effects(study), _size(study), _left_out(study), textwrap.wrap(sentence(study), WIDTH)]
+    return "\n\n".join("\n".join(lines) for lines in blocks if lines)
+
+
+def _reference(study: Study) -> list[str]:
+    reference = study.reference
+    text = f"Reference: {reference.how}. "
+    if math.isfinite(reference.difference):
+        p, T = reference.traces_difference
+        text += (
+            f"{reference.second} differs by {reference.difference:.1e} "
+            f"({reference.different_figure.replace('_', ' ')}), traces of p by {p:.0e}, of T by {T:.0e}: "
+            "errors near these are those of the references."
+        )
+    else:
+        text += f"It is not checked: {reference.second} gave no answer."
+    return textwrap.wrap(text, WIDTH)
+
+
+def _left_out(study: Study) -> list[str]:
+    lines = ["What failed or was left out"]
+    for name, reason in study.left_out:
+        lines += textwrap.wrap(f"{name}: {reason}", WIDTH, initial_indent="- ", subsequent_indent="  ")
+    return lines

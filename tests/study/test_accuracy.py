@@ -1,0 +1,161 @@
+"""The study of what accuracy costs: what it tries, what it finds on a small scene, what it says and stores."""
+
+import csv
+import math
+import re
+from dataclasses import replace
+
+import h5py
+import pytest
+
+from screwsim.printing import accuracy_drawing
+from screwsim.report.accuracy import draw
+from screwsim.scene import Scene, loads
+from screwsim.study.accuracy import QUICK, Study, files, study, words
+from screwsim.study.accuracy.cases import SCIPY, all_cases
+from screwsim.study.accuracy.solving import WorkLimit, solve, way
+
+SCENE = """\
+title: small
+machine:
+  rotor_diameter: 160 mm
+  rotor_length: 176 mm
+  volume: {max: 600 cm^3, phi_A: 60 deg}
+  suction_port: {area: 40 cm^2, phi_B: 60 deg}
+  discharge_port: {area: 12 cm^2, opens: 600 deg, phi_C: 640 deg}
+gas: {fluid: R134a, isentropic_exponent: 1.12}
+operation:
+  speed: 3000 rpm
+  suction: {pressure: 1.5 bar, temperature: 283 K}
+  discharge: {pressure: 12 bar}
+effects:
+  suction_port:
+  discharge_port:
+  tip_leakage: {gap: 50 um}
+"""
+EXTENT = replace(QUICK, asked=(1e-2, 1e-4), scipy_asked=(1e-3,), points=(1, 3), limit=0.5)
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return loads(SCENE)
+
+
+@pytest.fixture(scope="module")
+def found(scene: Scene) -> Study:
+    return study(scene, EXTENT)
+
+
+def of_part(found: Study, part: str, **others):
+    return [m for m in found.measured if m.part == part and all(getattr(m, k) == v for k, v in others.items())]
+
+
+def test_the_reference_is_checked_by_a_second_method(found):
+    assert "radau" in found.reference.second
+    assert found.reference.difference < 1e-3 * min(EXTENT.asked) * 10.0
+
+
+def test_every_integrator_is_measured_or_left_out_with_a_reason(found):
+    for name in SCIPY:
+        cases = of_part(found, "integrators", label=name)
+        assert cases
+        assert all(m.status == "ok" or m.reason for m in cases)
+        for m in cases:
+            assert m.status == "ok" or any(name in what for what, _ in found.left_out)
+
+
+def test_errors_are_within_what_was_asked_and_work_rises(found):
+    for label in ("rodas4 histories", "rodas4 coupled"):
+        cases = of_part(found, "integrators", label=label)
+        assert [m.asked for m in cases] == list(EXTENT.asked)
+        assert all(m.error < 3.0 * m.asked for m in cases)
+        counts = [m.evaluations for m in cases]
+        assert counts == sorted(counts)
+    assert all(each.error < each.asked for each in found.asked)
+
+
+def test_the_regularisation_alone_biases_as_its_width(found):
+    none, own, wide = of_part(found, "regularisation alone")
+    assert (none.factor, own.factor, wide.factor) == EXTENT.widths
+    assert none.error < 1e-6 < own.error < wide.error
+
+
+def test_what_changes_the_model_is_told_from_numerical_error(found):
+    (dead,) = of_part(found, "dead volume")
+    assert dead.error < found.accuracy < dead.change
+
+
+def test_effects_are_priced(found):
+    costs = {each.effect: each for each in found.effects}
+    assert set(costs) == {"suction_port", "discharge_port", "tip_leakage"}
+    assert costs["tip_leakage"].efficiency < 0.0
+    assert costs["tip_leakage"].evaluations != 0.0
+
+
+def test_start_and_end_angle_are_said_not_to_be_there(found):
+    assert "start and end angle" in dict(found.left_out)
+
+
+def test_the_front_is_beaten_by_no_case(found):
+    cases = [m for m in words.competing(found) if m.status == "ok"]
+    best = words.front(cases)
+    assert best
+    for one in best:
+        assert not any(m.time < one.time and m.error < one.error for m in cases)
+
+
+def test_the_sentence_is_made_from_the_results(found):
+    text = words.sentence(found)
+    told = next(each for each in found.asked if each.asked == 1e-4)
+    assert f"1e-4 costs {words.milliseconds(told.time + told.estimating_time)}" in text
+    limit = words.limit_of_regularisation(found)
+    assert limit is not None
+    assert f"limits you to {words.plain_power(limit)}." in text
+
+
+def test_the_report_fits_a_terminal(found):
+    text = words.report(found)
+    assert max(len(line) for line in text.splitlines()) <= 100
+    assert "nan" not in text
+    assert re.search(r"^What failed or was left out$", text, flags=re.MULTILINE)
+    assert " ".join(text.split()).endswith(words.sentence(found))
+
+
+def test_files_hold_every_case(found, tmp_path):
+    table, data = files.write(found, tmp_path)
+    with open(table, newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["label"] for row in rows] == [m.label for m in found.measured]
+    assert float(rows[0]["error_shaft_power"]) <= float(rows[0]["error"]) == found.measured[0].error
+    with h5py.File(data) as file:
+        assert file.attrs["sentence"] == words.sentence(found)
+        assert len(file["cases/time"]) == len(found.measured) == len(file["cases/pressure"])
+        assert file["cases/time"].attrs["units"] == "s"
+        assert file["reference/performance/shaft_power"].attrs["units"] == "W"
+        assert file["reference"].attrs["difference"] == found.reference.difference
+        assert len(file["effects/effect"]) == 3
+        assert len(file["left_out/reason"]) == len(found.left_out)
+
+
+def test_the_figure_is_drawn(found, tmp_path):
+    paths = draw(accuracy_drawing(found), tmp_path)
+    assert [path.rsplit("/")[-1] for path in paths] == ["accuracy.png", "accuracy.pdf"]
+
+
+def test_what_is_hopeless_is_given_up_within_its_limit(scene):
+    with pytest.raises(WorkLimit, match=r"limit of 0\.01 s"):
+        solve(scene, way(1e-6, "scipy-radau"), limit=0.01)
+    # the machinery serves the next scene
+    assert solve(scene, way(1e-3)).closed.status == "ok"
+
+
+def test_explicit_methods_count_their_evaluations(scene):
+    rodas = solve(scene, way(1e-2))
+    radau = solve(scene, way(1e-2, "scipy-radau"))
+    assert radau.evaluations > rodas.evaluations > 0
+    assert math.isclose(radau.figures().shaft_power, rodas.figures().shaft_power, rel_tol=2e-2)
+
+
+def test_a_real_gas_is_also_asked_of_coolprop(scene):
+    real = replace(scene, gas=replace(scene.gas, model="real", isentropic_exponent=None))
+    assert {case.back_end for case in all_cases(real, EXTENT)} == {"compiled", "ideal", "coolprop"}

@@ -1,0 +1,55 @@
+"""The true error against the wanted accuracy, over scenes drawn at random (scripts/accuracy_kept.py draws more)."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from screwsim.study.accuracy.kept import Kept, account
+
+pytestmark = pytest.mark.slow
+
+SCRIPT = Path(__file__).parents[2] / "scripts" / "accuracy_kept.py"
+SCENES, SEED, RADAU_EVERY = 60, 1, 20
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location("accuracy_kept", SCRIPT)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def found(script) -> list[Kept]:
+    return script.sample(SCENES, SEED, radau_every=RADAU_EVERY)
+
+
+def test_nearly_all_scenes_are_solved_and_judged(found):
+    assert sum(each.status == "ok" for each in found) >= 0.9 * len(found), account(found)
+
+
+def test_a_share_is_judged_by_another_method(found):
+    assert sum(each.reference == "scipy-radau" and each.status == "ok" for each in found) >= len(found) // RADAU_EVERY
+
+
+def test_the_true_error_is_below_the_wanted_accuracy(found):
+    ratios = np.array([each.ratio for each in found if each.status == "ok"])
+    assert np.mean(ratios <= 1.0) >= 0.95, account(found)
+    assert ratios.max() <= 3.0, account(found)
+
+
+def test_accuracy_is_not_wasted(found):
+    assert np.median([1.0 / each.ratio for each in found if each.status == "ok"]) <= 30.0, account(found)
+
+
+def test_work_rises_with_the_accuracy_asked(script):
+    """Over scenes together, each at several accuracies: in one scene tighter can close in fewer turns."""
+    counts = script.work((1e-2, 1e-3, 1e-4, 1e-5), scenes=8, seed=SEED)
+    totals = counts.sum(axis=0)
+    assert np.all(np.diff(totals) > 0.0)
+    assert np.all(counts[:, -1] > counts[:, 0])
