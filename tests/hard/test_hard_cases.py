@@ -106,7 +106,13 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
 
     plain = close.by_coupling
     monkeypatch.setattr(close, "by_histories", lambda *a, **k: None)
-    monkeypatch.setattr(close, "_close", lambda task, y: close.Closed("not_closed", plain(task, close.chambers_at_pitches(task.machinery)).q, y, 1, "coupled", 1e-4))
+    monkeypatch.setattr(
+        close,
+        "_close",
+        lambda task, y: close.Closed(
+            "not_closed", plain(task, close.chambers_at_pitches(task.machinery)).q, y, 1, "coupled", 1e-4
+        ),
+    )
     result = simulate(make({}))
     assert result.status == "ok"
     assert "the cycle closed only with a tighter tolerance of the steps" in result.warnings

@@ -25,7 +25,7 @@ DEAR = 18.0  # turns ahead that cost as much as coupled chambers
 ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
 LEAST_OIL = 1e-4  # oil per gas below which its change does not count
 LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
-FIRST_RTOL = 3e-3  # of the first turn; later ones follow the gap
+FIRST_RTOL = 1e-3  # of the first turn; later ones follow the gap
 HISTORY_DEPTH = 5  # of Anderson's method for histories
 PITCH_DEPTH = 10  # and for coupled chambers
 MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
@@ -166,7 +166,7 @@ def by_histories(task: Task, y: Array, last: bool, first_rtol: float = FIRST_RTO
     finest = rtol = wanted.rtol
     for turn in range(1, MAX_TURNS + 1):
         point = _vector(machinery, y, angles, plenum)
-        rtol = max(finest, first_rtol if turn == 1 else min(rtol / 3.0, 0.03 * gap))
+        rtol = max(finest, first_rtol if turn == 1 else min(0.5 * rtol, 0.05 * gap))
         status, angle, _, q = machinery.turn(y, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, turn, "histories", rtol, angle) if last else None
@@ -347,7 +347,9 @@ def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str,
 
     def damped() -> Closed:
         start()
-        return by_coupling(task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING, most=MOST_OF_A_TRY)
+        return by_coupling(
+            task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING, most=MOST_OF_A_TRY
+        )
 
     def faster() -> Closed:
         start()
