@@ -347,7 +347,9 @@ def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str,
 
     def damped() -> Closed:
         start()
-        return by_coupling(task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING, most=MOST_OF_A_TRY)
+        return by_coupling(
+            task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING, most=MOST_OF_A_TRY
+        )
 
     def faster() -> Closed:
         start()
