@@ -98,4 +98,6 @@ def _guides(axes: Any, drawing: Drawing) -> None:
             ha=side,
             color=GREY,
             fontsize=6.5,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.85},
+            zorder=2,
         )
