@@ -5,6 +5,7 @@ from scenes import make, run
 
 from screwsim.errors import relative_errors
 from screwsim.estimate import estimated_errors, worst
+from screwsim.simulate import simulate
 from screwsim.solution import Solution
 
 CASES = {
@@ -59,3 +60,10 @@ def test_no_estimate_is_made_where_none_is_wanted():
     result = run({"numerics": {"error": "none"}})
     assert result.error == {}
     assert result.numerics.estimating_time == 0.0
+
+
+def test_an_estimate_that_cannot_be_made_is_said(monkeypatch):
+    monkeypatch.setattr("screwsim.estimate._finer_turn", lambda machinery, closed: (1, closed.q))
+    result = simulate(make({}))
+    assert all(size is None for size in result.error.values())
+    assert any("could not be estimated" in warning for warning in result.warnings)

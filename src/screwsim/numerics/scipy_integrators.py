@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -68,7 +69,7 @@ def integrate(
             full[:, :n] = jacobian(t, middle, state[:n])
             return full
 
-        extra = {} if method in EXPLICIT else {"jac": derivatives_at}
+        extra: dict[str, Any] = {} if method in EXPLICIT else {"jac": derivatives_at}
         found = solve_ivp(slopes_at, (start, end), z, METHODS[method], rtol=rtol, atol=atol, **extra)
         path.calls += found.nfev
         path.jacobians += found.njev

@@ -10,6 +10,8 @@ from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, new_fi
 
 HEIGHT = 92.0  # [mm]
 MARKERS = "os^Dv<>P"
+FIRST = (*COLOURS, "#8a8a8a")  # seven methods: one colour, one line and one marker each
+LINES = (*DASHES, (0, (1, 0.8)))
 
 
 class Line(NamedTuple):
@@ -66,12 +68,12 @@ def _figure(drawing: Drawing) -> Any:
 
 
 def _plot(axes: Any, index: int, x: Sequence[float], line: Line) -> None:
-    colour = COLOURS[index % len(COLOURS)]
+    colour = FIRST[index % len(FIRST)]
     axes.plot(
         x,
         line.errors,
         color=colour,
-        linestyle=DASHES[index % len(DASHES)],
+        linestyle=LINES[index % len(LINES)],
         marker=MARKERS[index % len(MARKERS)],
         markerfacecolor=colour if index % 2 == 0 else "white",
         markersize=4.5,
@@ -82,17 +84,20 @@ def _plot(axes: Any, index: int, x: Sequence[float], line: Line) -> None:
 
 def _guides(axes: Any, drawing: Drawing) -> None:
     """Draw the levels below which nothing can be told, or nothing be had at the scene's accuracy."""
-    for level, text in ((drawing.regularisation, "regularisation"), (drawing.floor, "references differ")):
+    levels = ((drawing.regularisation, "regularisation", "right"), (drawing.floor, "references differ", "left"))
+    for level, text, side in levels:
         if level is None or not level > 0.0:
             continue
         axes.axhline(level, color=GREY, linewidth=0.6, linestyle=(0, (2, 2)), zorder=0)
         axes.annotate(
             text,
-            (1.0, level),
+            (float(side == "right"), level),
             xycoords=("axes fraction", "data"),
-            xytext=(-3, 2),
+            xytext=(-3 if side == "right" else 3, 2),
             textcoords="offset points",
-            ha="right",
+            ha=side,
             color=GREY,
             fontsize=6.5,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.85},
+            zorder=2,
         )

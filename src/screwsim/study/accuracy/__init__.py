@@ -66,7 +66,7 @@ def _left_out(measured: list[Measured]) -> list[tuple[str, str]]:
     found: dict[tuple[str, str], list[str]] = {}
     for each in measured:
         if each.status != "ok":
-            text = f"{each.status}: {each.reason}" if each.status != "left out" else each.reason
+            text = each.reason if each.status != "failed" else f"failed: {each.reason}"
             found.setdefault((f"{each.part}: {each.label}", text), []).append(f"{each.asked:.0e}")
     return [(f"{name} ({', '.join(asks)})", reason) for (name, reason), asks in found.items()]
 

@@ -50,7 +50,7 @@ def as_asked(scene: Scene, accuracy: float, reference: Truth, extent: Extent) ->
         statistics.median(each.numerics.wall_time for each in timed),
         statistics.median(each.numerics.estimating_time for each in timed),
         int(last.numerics.rhs_evaluations),
-        worst(last.error)[1],
+        worst(last.error)[1] if any(size is not None for size in last.error.values()) else math.nan,
         error,
         name,
     )

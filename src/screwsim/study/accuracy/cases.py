@@ -10,7 +10,7 @@ from screwsim.scene import Scene, with_values
 from screwsim.study.accuracy.solving import Way, way
 
 SCIPY = ("scipy-radau", "scipy-bdf", "scipy-lsoda", "scipy-rk45", "scipy-dop853")
-TIGHT = 1e-8  # accuracy of all but the one choice that a case looks at
+TIGHT = 1e-7  # accuracy of all but the one choice that a case looks at
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def choices(scene: Scene, extent: Extent) -> Iterator[Case]:
         yield Case("regularisation", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
     for factor in extent.widths:
         how = way(TIGHT, regularised=factor * asked)
-        yield Case("regularisation alone", f"all else 1e-8, {_times(factor)}", asked, how, scene, gas, factor)
+        yield Case("regularisation alone", f"all else 1e-7, {_times(factor)}", asked, how, scene, gas, factor)
     for factor in extent.closures:
         how = way(asked, closing="histories", tolerance=0.2 * asked * factor, bound=asked * max(factor, 1.0))
         yield Case("closure", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
