@@ -1,4 +1,4 @@
-"""Each hard case: the status that it deserves, finite and positive numbers, closed balances, a bounded count of work."""
+"""Each hard case: the status that it deserves, finite and positive numbers, closed balances, bounded work."""
 
 from pathlib import Path
 
