@@ -11,8 +11,8 @@ the system enlarged by q, at a fraction of the cost; linear invariants (mass) ar
 The model is reached by seven slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
 derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state),
 `error_size` (the size of a step's error; huge for a state that cannot be, which is then tried again with a smaller
-step), `conserve` (closes the balances of an accepted step, in its end and its quadratures), `keep_places` (fills columns of the dense
-output beyond the states). Steps land on knots and keep their size across them.
+step), `conserve` (closes the balances of an accepted step, in its end and its quadratures), `keep_places` (fills
+columns of the dense output beyond the states). Steps land on knots and keep their size across them.
 """
 
 from __future__ import annotations
