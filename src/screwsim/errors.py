@@ -12,10 +12,11 @@ LEAST_OIL = 1e-4  # oil per gas below which its error is that of nothing
 
 
 def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, least_work: float = 0.0) -> Figures:
-    """Return |found − better| of every figure: powers over the larger of shaft and ideal power, efficiencies over
-    max(|η|, 0.1), oil over at least LEAST_OIL of the gas, the net gas flow and what is divided by it over as much as
-    the volumetric efficiency allows, the others over themselves; None where either is None. Powers [W] and work [J]
-    below the least ones are rounding.
+    """Return |found − better| of every figure, over what makes sense for it; None where either is None.
+
+    Powers are over the larger of shaft and ideal power, efficiencies over max(|η|, 0.1), oil over at least LEAST_OIL of
+    the gas, the net gas flow and what is divided by it over as much as the volumetric efficiency allows, the others
+    over themselves. Powers [W] and work [J] below the least ones are rounding.
     """
     ideal = (better.ideal_isothermal_efficiency or 0.0) * (better.shaft_power or 0.0)
     power_scale = max(abs(better.shaft_power or 0.0), abs(ideal), least_power, 1e-300)

@@ -163,7 +163,7 @@ class Solution:
         return max(self.balances.residues(q, float(self.machinery.R[R_TRAPPED]), self.inlet.enthalpy, self.pv)[:2])
 
     def least(self, q: closing.Array) -> tuple[float, float]:
-        """Return power [W] and work of a cycle [J] below which they are rounding (docs/numerics.md, Nothing)."""
+        """Return the power [W] and the work of a cycle [J] below which they are rounding."""
         work = closing.LEAST_WORK * max(float(self.machinery.R[R_TRAPPED]), 0.0) * self.pv
         return work * self.parts.omega / self.parts.geometry.pitch, work
 
