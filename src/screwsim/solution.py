@@ -10,6 +10,7 @@ import numpy as np
 
 from screwsim import performance
 from screwsim.build import build_parts, wanted_of
+from screwsim.faults import UsageError
 from screwsim.ledger import Cycle, ledger
 from screwsim.model import close as closing
 from screwsim.model.compose import Parts, compose
@@ -151,9 +152,15 @@ class Solution:
         return self.inlet.enthalpy + self.parts.gas.isentropic_work(lines.p_s, lines.p_d, lines.T_s)
 
     def set_plenum(self, plenum: closing.Array) -> None:
-        """Give the discharge plenum its enthalpy and oil."""
+        """Give the discharge plenum its enthalpy and oil.
+
+        An enthalpy on the way that no state of the gas has, extrapolated or of an outflow of nothing, leaves the place.
+        """
         R = self.machinery.R
-        place = self.parts.gas.place_of_enthalpy(self.lines.p_d, float(plenum[0]))
+        try:
+            place = self.parts.gas.place_of_enthalpy(self.lines.p_d, float(plenum[0]))
+        except UsageError:
+            place = tuple(R[R_DISCHARGE : R_DISCHARGE + OIL_RATIO])
         R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
         if len(plenum) == 3:
             R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:]

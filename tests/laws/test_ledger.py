@@ -255,7 +255,7 @@ def test_the_entropy_balance_is_judged_without_traces_too():
 
 
 def test_an_entropy_balance_above_its_bound_is_not_closed(monkeypatch):
-    monkeypatch.setattr(importlib.import_module("screwsim.simulate"), "entropy_residue", lambda book: 4e-4)
+    monkeypatch.setattr(importlib.import_module("screwsim.simulate"), "entropy_residue", lambda *_: 4e-4)
     result = simulate(make())
     assert result.status == "not_closed"
     assert "entropy 0.0004 against the bound 0.0003" in result.message
