@@ -44,7 +44,9 @@ def with_accuracy(scene: Scene, accuracy: float) -> Scene:
 def accuracy_table(scene: Scene) -> None:
     """Print time and true error against the wanted accuracy; the reference is wanted at 1e-8 with closing: coupled."""
     print("\nWhat accuracy costs (error: largest of efficiency, mass flow, shaft power, discharge temperature)")
-    print(f"{'speed':>10} {'accuracy':>9} {'ms':>8} {'RHS evaluations':>16} {'turns':>6} {'closing':>10} {'error':>8} {'estimate':>8} {'+ ms':>6}")
+    print(
+        f"{'speed':>10} {'accuracy':>9} {'ms':>8} {'RHS evaluations':>16} {'turns':>6} {'closing':>10} {'error':>8} {'estimate':>8} {'+ ms':>6}"
+    )
     for rpm in (3000, 1000):
         base = with_values(scene, {"operation.speed": rpm * RPM})
         tight = replace(base.numerics, accuracy=1e-8, closing="coupled")
