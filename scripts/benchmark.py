@@ -45,7 +45,8 @@ def accuracy_table(scene: Scene) -> None:
     """Print time and true error against the wanted accuracy; the reference is wanted at 1e-8 with closing: coupled."""
     print("\nWhat accuracy costs (error: largest of efficiency, mass flow, shaft power, discharge temperature)")
     print(
-        f"{'speed':>10} {'accuracy':>9} {'ms':>8} {'RHS evaluations':>16} {'turns':>6} {'closing':>10} {'error':>8} {'estimate':>8} {'+ ms':>6}"
+        f"{'speed':>10} {'accuracy':>9} {'ms':>8} {'RHS evaluations':>16} {'turns':>6} {'closing':>10} "
+        f"{'error':>8} {'estimate':>8} {'+ ms':>6}"
     )
     for rpm in (3000, 1000):
         base = with_values(scene, {"operation.speed": rpm * RPM})
@@ -76,7 +77,7 @@ def speed_table(scene: Scene) -> None:
 
 
 def gases_table() -> None:
-    """Print the real gas beside the ideal one and beside CoolProp in the right-hand side, on configs/r134a/point.yaml."""
+    """Print the real gas beside the ideal one and beside CoolProp in the right-hand side (configs/r134a/point.yaml)."""
     print("\nWhat the gas costs (configs/r134a/point.yaml; no error estimate)")
     scene = load(str(REAL), ["numerics.error=none"])
     print(f"{'gas':>20} {'ms':>8} {'RHS evaluations':>16} {'eta_s':>9} {'ratio':>7}")

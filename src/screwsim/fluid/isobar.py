@@ -86,35 +86,31 @@ def at_pressure(p, wanted, entropy, T_low, T_high, p_c, R, T_c, rho_c):
             liquid = value_at(low, rho_l, entropy)[0]
             share = (wanted - liquid) / (vapour - liquid)
             if share < 0.0:
-                return liquid_at_pressure(p, wanted, entropy, T_low, low)
+                return liquid_at_pressure(p, wanted, entropy, T_low, low, R, T_c, rho_c)
             return low, 1.0 / (share / rho_v + (1.0 - share) / rho_l)
-    high = T_high
-    T = low + 0.1 * (high - low)
-    for _ in range(100):
-        rho = density(p, T, R, T_c, rho_c)
-        value, slope = value_at(T, rho, entropy)
-        if value < wanted:
-            low = T
-        else:
-            high = T
-        new = T + (wanted - value) / slope
-        if not low <= new <= high:
-            new = 0.5 * (low + high)
-        if abs(new - T) <= CLOSE * T or high - low <= CLOSE * high:
-            return new, density(p, new, R, T_c, rho_c)
-        T = new
-    return T, density(p, T, R, T_c, rho_c)
+    T = low + 0.1 * (T_high - low)
+    return search(p, wanted, entropy, low, T_high, T, False, CLOSE, R, T_c, rho_c)
 
 
 @kernel
-def liquid_at_pressure(p, wanted, entropy, low, high):
+def liquid_at_pressure(p, wanted, entropy, low, high, R, T_c, rho_c):
     """Return (T [K], ρ [kg/m³]) of the liquid at p [Pa] and the wanted entropy (else enthalpy), low ≤ T ≤ high."""
     if wanted < value_at(low, liquid_density(p, low), entropy)[0]:
         return low, -1.0
-    T = high
+    return search(p, wanted, entropy, low, high, high, True, LIQUID_CLOSE, R, T_c, rho_c)
+
+
+@kernel
+def density_of(p, T, liquid, R, T_c, rho_c):
+    """Return the density [kg/m³] of the liquid or of the vapour at p [Pa], T [K]."""
+    return liquid_density(p, T) if liquid else density(p, T, R, T_c, rho_c)
+
+
+@kernel
+def search(p, wanted, entropy, low, high, T, liquid, close, R, T_c, rho_c):
+    """Return (T [K], ρ [kg/m³]) of one phase at p [Pa] and the wanted entropy (else enthalpy), begun at T."""
     for _ in range(100):
-        rho = liquid_density(p, T)
-        value, slope = value_at(T, rho, entropy)
+        value, slope = value_at(T, density_of(p, T, liquid, R, T_c, rho_c), entropy)
         if value < wanted:
             low = T
         else:
@@ -122,7 +118,7 @@ def liquid_at_pressure(p, wanted, entropy, low, high):
         new = T + (wanted - value) / slope
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        if abs(new - T) <= LIQUID_CLOSE * T or high - low <= CLOSE * high:
-            return new, liquid_density(p, new)
+        if abs(new - T) <= close * T or high - low <= CLOSE * high:
+            return new, density_of(p, new, liquid, R, T_c, rho_c)
         T = new
-    return T, liquid_density(p, T)
+    return T, density_of(p, T, liquid, R, T_c, rho_c)
