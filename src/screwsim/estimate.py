@@ -62,7 +62,7 @@ def close_accurately(solution: Any) -> Accurate:
         if tighter.status != "ok":
             before.put_back()
             break
-        closed = replace(tighter, needed=closed.needed)
+        closed = replace(tighter, needed=closed.needed, first_gap=closed.first_gap)
     return Accurate(closed, errors, watch.counts["closing"], watch.times["closing"], watch.times["estimating"])
 
 
@@ -77,7 +77,7 @@ def close_tighter(solution: Any, accurate: Accurate) -> Accurate:
     if closed.status != "ok":
         before.put_back()
         solution.wanted, closed = wanted, accurate.closed
-    closed = replace(closed, needed=accurate.closed.needed)
+    closed = replace(closed, needed=accurate.closed.needed, first_gap=accurate.closed.first_gap)
     return accurate._replace(closed=closed, counts=counts, closing_time=spent)
 
 

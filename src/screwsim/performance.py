@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -55,18 +56,20 @@ def efficiencies(
     if shaft_power <= 0.0:
         reason = "the shaft power is not positive"
         return dict.fromkeys(names), dict.fromkeys(names, reason)
+    works, obstacle = _ideal_works(gas, lines, inlet)
+    found = {name: None if work is None else flow * work / shaft_power for name, work in zip(names, works, strict=True)}
+    return found, {} if obstacle is None else {"isothermal_efficiency": obstacle}
+
+
+@lru_cache(maxsize=8)
+def _ideal_works(gas: Any, lines: Lines, inlet: Inlet) -> tuple[tuple[float | None, float, float], str | None]:
+    """Return isothermal, ideal isothermal and isentropic work [J/kg], and why there is no isothermal one."""
     ends = lines.p_s, lines.p_d, lines.T_s
     ideal = gas.ideal_isothermal_work(*ends)
     if lines.quality is not None:
-        works = None, ideal, gas.isentropic_work_of_enthalpy(lines.p_s, lines.p_d, inlet.enthalpy)
-        obstacle: str | None = "what is sucked in is wet"
-    else:
-        works, obstacle = (
-            (gas.isothermal_work(*ends), ideal, gas.isentropic_work(*ends)),
-            gas.isothermal_obstacle(*ends),
-        )
-    found = {name: None if work is None else flow * work / shaft_power for name, work in zip(names, works, strict=True)}
-    return found, {} if obstacle is None else {"isothermal_efficiency": obstacle}
+        isentropic = gas.isentropic_work_of_enthalpy(lines.p_s, lines.p_d, inlet.enthalpy)
+        return (None, ideal, isentropic), "what is sucked in is wet"
+    return (gas.isothermal_work(*ends), ideal, gas.isentropic_work(*ends)), gas.isothermal_obstacle(*ends)
 
 
 def cycle_figures(

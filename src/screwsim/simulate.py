@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from screwsim.build import prepare
 from screwsim.estimate import Accurate, close_accurately, close_tighter, worst
 from screwsim.ledger import entropy_residue
 from screwsim.model import close as closing
+from screwsim.model.continuation import Course
 from screwsim.model.slots import R_OIL_BEFORE
 from screwsim.outputs import Figures, Result
 from screwsim.scene.types import Scene
@@ -119,9 +121,32 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
     `trace` keeps the cycle over the angle; the ledger is left out without it where the scene says `numerics.error:
     none`. Raises UsageError when the scene asks for a fluid that is not there.
     """
-    solution = Solution(scene)
+    return _simulate(scene, trace, Course())
+
+
+def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Result]:
+    """Yield the result of each scene, every cycle begun from the ones before where these are near.
+
+    That costs a fraction of `simulate` along a sweep, and changes results by less than the tolerances: they depend on
+    the scenes before. A scene that is not ok ends the course; the next begins afresh.
+    """
+    course = Course()
+    for scene in scenes:
+        yield _simulate(scene, trace, course)
+
+
+def _simulate(scene: Scene, trace: bool, course: Course) -> Result:
+    solution = Solution(scene, course)
     machinery = solution.machinery
     machinery.warm_up(solution.rehearse)
+    result = _solved(solution, trace)
+    if result.status != "ok":
+        course.forget()
+    return result
+
+
+def _solved(solution: Solution, trace: bool) -> Result:
+    scene, machinery = solution.scene, solution.machinery
     accurate = close_accurately(solution)
     closed = accurate.closed
     numerics = _numerics(solution, accurate)
@@ -137,6 +162,7 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
         accurate = close_tighter(solution, accurate)
         closed, numerics = accurate.closed, _numerics(solution, accurate)
         found, notes, balance, book = _judged(solution, closed, trace)
+    solution.note(closed)
     bad = not all(math.isfinite(value) for value in found.values() if value is not None)
     if bad:
         message = "a figure is not finite; ask for a tighter numerics.accuracy"

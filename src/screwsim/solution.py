@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from screwsim.faults import UsageError
 from screwsim.ledger import Cycle, ledger
 from screwsim.model import close as closing
 from screwsim.model.compose import Parts, compose
+from screwsim.model.continuation import Course, Guess
 from screwsim.model.guess import first_guess
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (
@@ -56,8 +57,9 @@ def machinery_for(parts: Parts) -> Machinery:
 class Solution:
     """One scene being solved: the machinery, the lines, and what is asked of the closing."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, course: Course | None = None) -> None:
         self.scene = scene
+        self.course = course or Course()
         self.parts = build_parts(scene)
         self.wanted = wanted_of(scene)
         self.lines = lines(scene)
@@ -65,6 +67,8 @@ class Solution:
         self.suction = self._suction_place()
         self.inlet = performance.Inlet(self.suction[DENSITY], self.suction[ENTHALPY])
         self.pv = self.lines.p_s / self.inlet.density
+        # what tells one scene from the next on a course; tightening changes the composition's own copy
+        self.parameters = np.array([*self.machinery.composition.P, *self.suction, self.lines.p_d])
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
 
@@ -81,15 +85,32 @@ class Solution:
 
     def start(self) -> closing.Array:
         """Set the plenums and a first guess; return the state at 0°."""
-        machinery, lines, gas = self.machinery, self.lines, self.parts.gas
+        machinery, lines = self.machinery, self.lines
         machinery.reset()
         y = first_guess(self.parts, machinery.composition, machinery, lines.p_s, lines.T_s, lines.p_d)
         T_d = self.scene.operation.discharge.temperature or float(y[0])
-        T_oil = self.parts.oil.temperature if self.parts.oil else lines.T_s
-        d = float(y[3]) if machinery.composition.carried else 0.0
-        machinery.R[R_SUCTION : R_SUCTION + 8] = *self.suction, 0.0, T_oil
-        machinery.R[R_DISCHARGE : R_DISCHARGE + 8] = *gas.place(lines.p_d, T_d), d, T_oil
+        self._set_lines(T_d, float(y[3]) if machinery.composition.carried else 0.0)
         return y
+
+    def _set_lines(self, T_d: float, d: float) -> None:
+        T_oil = self.parts.oil.temperature if self.parts.oil else self.lines.T_s
+        R = self.machinery.R
+        R[R_SUCTION : R_SUCTION + 8] = *self.suction, 0.0, T_oil
+        R[R_DISCHARGE : R_DISCHARGE + 8] = *self.parts.gas.place(self.lines.p_d, T_d), d, T_oil
+
+    def _continued(self) -> Guess | None:
+        """Set the plenums and a guess from the course of the cycles before; return it, None where there is none."""
+        machinery = self.machinery
+        machinery.reset()
+        guess = self.course.guess(machinery, self.parameters)
+        if guess is not None:
+            self._set_lines(self.scene.operation.discharge.temperature or float(guess.y[0]), 0.0)
+            self.set_plenum(guess.plenum)
+        return guess
+
+    def note(self, closed: closing.Closed) -> None:
+        """Leave the closed cycle to the scenes that follow on this course."""
+        self.course.add(self.machinery, self.parameters, closed, self.plenum())
 
     def rehearse(self) -> closing.Array:
         """Do what `start` does, and set the discharge plenum once, so that all it needs is compiled."""
@@ -98,8 +119,13 @@ class Solution:
         return y
 
     def close(self) -> closing.Closed:
-        """Close the cycle from the first guess."""
-        return closing.close(self, self.start(), self.scene.numerics.integrator)
+        """Close the cycle: continued from the course's last ones where that closes it, else from the first guess."""
+        integrator, guess = self.scene.numerics.integrator, self._continued()
+        if guess is not None:
+            closed = closing.close(self, guess.y, integrator, guess.hope)
+            if closed.status == "ok":
+                return closed
+        return closing.close(self, self.start(), integrator)
 
     def outside(self, closed: closing.Closed) -> bool:
         """Tell whether the state where closing stopped, or the cycle that it left, is outside the gas's equation."""
@@ -185,8 +211,12 @@ class Solution:
             self.parts, float(q[0]), float(R[R_INJECTED]), float(R[R_PRESSURE]), viscosity, source
         )
 
+    @cached_property
+    def _effect(self) -> float | None:
+        return refrigerating_effect(self.scene)
+
     def figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
-        """Return performance figures, and why some are None."""
+        """Return performance figures of the last history, whose quadratures are q, and why some are None."""
         R, m = self.machinery.R, self.machinery
         limit = self.parts.geometry.widest_discharge()
         times, dense, _, steps = m.last()
@@ -202,7 +232,7 @@ class Solution:
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
             oil_mean_temperature=self._oil_discharge_temperature(q),
         )
-        cooling, reasons = performance.refrigeration(found, self.inlet.density, refrigerating_effect(self.scene))
+        cooling, reasons = performance.refrigeration(found, self.inlet.density, self._effect)
         return Figures(found | cooling), notes | reasons
 
     def ledger(self, q: closing.Array, shaft_power: float) -> Figures:

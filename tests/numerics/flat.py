@@ -11,7 +11,7 @@ from screwsim.numerics import rodas
 from screwsim.numerics.kernel import flatten
 
 Array = np.ndarray
-SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "error_size", "conserve", "keep_places")
+SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "error_size", "share_in_phase", "conserve", "keep_places")
 
 
 class Path(NamedTuple):
@@ -34,6 +34,7 @@ class Problem(NamedTuple):
     slopes: Callable[[float, Array], tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]]]
     jump: Callable[[float, Array], None] = lambda phi, y: None
     correct: Callable[[Array, Array, Array], None] = lambda y, y1, dq: None
+    share: Callable[[Array, Array, Array, float], float] = lambda y, y1, u, rtol: 1.0
 
 
 def emitted(problem: Problem) -> dict[str, Any]:
@@ -64,9 +65,13 @@ def emitted(problem: Problem) -> dict[str, Any]:
     def error_size(y: Array, y1: Array, error: Array, context: Any) -> float:
         return float(np.max(np.abs(error) / np.maximum(np.maximum(np.abs(y), np.abs(y1)), 1e-300)))  # NaN stays NaN
 
+    def share_in_phase(y: Array, y1: Array, u: Array, rtol: float, context: Any) -> float:
+        return problem.share(y, y1, u, rtol)
+
     names: dict[str, Any] = {"np": np, "math": __import__("math"), "njit": lambda **_: lambda function: function}
     names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian, "p_at_knot": at_knot}
     names |= {"p_error_size": error_size, "p_conserve": conserve, "p_keep_places": lambda step, dense, context: None}
+    names["p_share_in_phase"] = share_in_phase
     text = flatten((rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p")
     exec("\n\n".join(text.values()), names)
     return names

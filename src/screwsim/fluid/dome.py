@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.fluid.description import describe
-from screwsim.fluid.helmholtz import entropy_kernel, state_kernel, state_text
+from screwsim.fluid.helmholtz import entropy_kernel, phased_state_text, state_kernel
 from screwsim.fluid.nozzle import choking, critical_power
 from screwsim.fluid.saturation import BINS, DEGREE, Table, saturation
 from screwsim.numerics.kernel import Kernel, written
@@ -97,7 +97,19 @@ INSIDE = '''def inside(T, rho):
     return log_density(-theta, fine) < y < log_density(theta, fine)
 '''
 
-EQUILIBRIUM = '"""Return what `state` of {name} returns, two phases in equilibrium in the dome ({source})."""'
+PHASED = (
+    '"""Return what `state` of {name} returns, in one phase (0) or in both (1), beyond their border too ({source})."""'
+)
+
+PHASE = '''def phase(T, rho):
+    """Return 1 where two phases of {name} are in equilibrium at T [K], rho [kg/m3], else 0."""
+    return 1 if inside(T, rho) else 0
+'''
+
+EQUILIBRIUM = '''def state(T, rho):
+    """Return the state of {name}, two phases in equilibrium in the dome."""
+    return phased_state(phase(T, rho), T, rho)
+'''
 
 ENTROPY = '''def entropy(T, rho):
     """Return the specific entropy s [J/(kg K)] of {name}, two phases in equilibrium in the dome."""
@@ -204,16 +216,32 @@ def inside_kernel(fluid: str) -> Kernel:
     return written(text, f"{known['name']} dome", {"QUICK_DENSITY": quick, "log_density": kernels.log_density})
 
 
+@dataclass(frozen=True)
+class EquilibriumKernels:
+    """Kernels of a fluid whose two phases are in equilibrium inside the dome; `phased` takes (phase, T, rho).
+
+    `phased` goes on smoothly beyond the border of a phase: an integrator that crosses it can end its step there.
+    """
+
+    state: Kernel
+    entropy: Kernel
+    phase: Kernel
+    phased: Kernel
+
+
 @lru_cache(maxsize=64)
-def equilibrium_kernels(fluid: str) -> tuple[Kernel, Kernel]:
-    """Return `state` and `entropy` of a fluid whose two phases are in equilibrium inside the dome."""
+def equilibrium_kernels(fluid: str) -> EquilibriumKernels:
+    """Return the kernels of a fluid whose two phases are in equilibrium inside the dome."""
     known, kernels, inside = numbers(fluid), saturation_kernels(fluid), inside_kernel(fluid)
     two = {"saturation_pressure": kernels.pressure, "saturation_gibbs": kernels.gibbs}
     of = f"{known['name']} equilibrium"
     mixture = written(MIXTURE.format(**known), of, two | {"choking": choking})
-    text = state_text(fluid, EQUILIBRIUM, ("if inside(T, rho):", "    return mixture(T, rho)"))
-    state = written(text, of, {"inside": inside, "mixture": mixture, "critical_power": critical_power})
-    return state, written(ENTROPY.format(**known), of, two | {"inside": inside, "single": entropy_kernel(fluid)})
+    text = phased_state_text(fluid, PHASED, ("if phase == 1:", "    return mixture(T, rho)"))
+    phased = written(text, of, {"mixture": mixture, "critical_power": critical_power})
+    phase = written(PHASE.format(**known), of, {"inside": inside})
+    state = written(EQUILIBRIUM.format(**known), of, {"phase": phase, "phased_state": phased})
+    entropy = written(ENTROPY.format(**known), of, two | {"inside": inside, "single": entropy_kernel(fluid)})
+    return EquilibriumKernels(state, entropy, phase, phased)
 
 
 @lru_cache(maxsize=64)

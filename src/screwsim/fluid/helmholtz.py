@@ -36,16 +36,24 @@ def _lines(fluid: str, wanted: tuple[str, ...]) -> list[str]:
     return [*head, *text.lines, f"RT = {known.R!r} * T"]
 
 
-def _function(name: str, fluid: str, doc: str, lines: list[str]) -> str:
+def _function(name: str, fluid: str, doc: str, lines: list[str], arguments: str = "T, rho") -> str:
     known = describe(fluid)
     body = "\n".join(f"    {line}" for line in [doc.format(name=known.name, source=known.source), *lines])
-    return f"def {name}(T, rho):\n{body}\n"
+    return f"def {name}({arguments}):\n{body}\n"
 
 
-def state_text(fluid: str, doc: str = STATE, first: tuple[str, ...] = ()) -> str:
-    """Return the text of `state(T, rho)`; `first` are lines that come before the equation."""
-    lines = [
-        *first,
+def state_text(fluid: str) -> str:
+    """Return the text of `state(T, rho)`."""
+    return _function("state", fluid, STATE, _state_lines(fluid))
+
+
+def phased_state_text(fluid: str, doc: str, first: tuple[str, ...]) -> str:
+    """Return the text of `phased_state(phase, T, rho)`; `first` are lines that come before the equation."""
+    return _function("phased_state", fluid, doc, [*first, *_state_lines(fluid)], "phase, T, rho")
+
+
+def _state_lines(fluid: str) -> list[str]:
+    return [
         *_lines(fluid, ("D", "E", "DD", "EE", "DE")),
         "z = 1.0 + D",
         "cv = C0 + E - EE",
@@ -57,7 +65,6 @@ def state_text(fluid: str, doc: str = STATE, first: tuple[str, ...] = ()) -> str
         f"c_v = {describe(fluid).R!r} * cv",
         "return p * z, RT * (z + E0 + E), c_v, p * zt, z / b, 1.0 - (1.0 - y) * e, (1.0 + y) * e * e",
     ]
-    return _function("state", fluid, doc, lines)
 
 
 @lru_cache(maxsize=64)

@@ -44,7 +44,9 @@ def border(fluid: str) -> ModuleType:
         "saturation_pressure": known.pressure.flat_name,
         "margin": margin_kernel(fluid).flat_name,
     }
-    kernels = (*single, *equilibrium_kernels(fluid), known.vapour, known.liquid, known.temperature, known.pressure)
+    equilibrium = equilibrium_kernels(fluid)
+    kernels = (*single, equilibrium.state, equilibrium.entropy)
+    kernels += (known.vapour, known.liquid, known.temperature, known.pressure)
     text = flatten((*kernels, margin_kernel(fluid)))
     text |= flatten((isobar.density, isobar.at_pressure, limits.first_outside), slots)
     return load("\n\n".join([HEADER, *text.values()]) + "\n", "fluid")
@@ -77,12 +79,20 @@ class RealGas:
     @property
     def state(self) -> Kernel:
         """Kernel (T, rho) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
-        return state_kernel(self.fluid) if self.known.pseudo_pure else equilibrium_kernels(self.fluid)[0]
+        return state_kernel(self.fluid) if self.known.pseudo_pure else equilibrium_kernels(self.fluid).state
+
+    @property
+    def phased_state(self) -> tuple[Kernel, Kernel] | None:
+        """Kernels (T, rho) → phase and (phase, T, rho) → state; None where there is one phase."""
+        if self.known.pseudo_pure:
+            return None
+        known = equilibrium_kernels(self.fluid)
+        return known.phase, known.phased
 
     @property
     def specific_entropy(self) -> Kernel:
         """Kernel (T, rho) → s [J/(kg K)]."""
-        return entropy_kernel(self.fluid) if self.known.pseudo_pure else equilibrium_kernels(self.fluid)[1]
+        return entropy_kernel(self.fluid) if self.known.pseudo_pure else equilibrium_kernels(self.fluid).entropy
 
     @property
     def margin(self) -> Kernel:

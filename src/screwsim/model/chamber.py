@@ -4,7 +4,8 @@ Source: docs/model.md M1–M13. What the neighbours do is read from histories: t
 behind from the turn being integrated, which has passed their angle already.
 
 A context is the tuple (P, TAB, R, t_old, d_old, t_new, d_new, kept, hints, state, own, work): parameters, tables,
-run-time cells, two histories, their numbers of steps (kept[0] new, kept[1] old), search hints, and working arrays.
+run-time cells, two histories, their numbers of steps (kept[0] new, kept[1] old), search hints, and working arrays;
+own[PLACE] is the phase that the gas is held in during a step (`slots.FREE`: none).
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from screwsim.model.places import (
     perturbation,
     place_derivatives,
     relative_error,
+    share_before_border,
 )
 from screwsim.model.slots import (
     CARRIED,
@@ -23,6 +25,7 @@ from screwsim.model.slots import (
     DENSITY,
     E_AREAS,
     E_VOLUME,
+    FREE,
     GAP_OFFSET,
     HEATED,
     N_GAPS,
@@ -51,8 +54,10 @@ from screwsim.model.slots import (
     R_RATIO,
     R_TRAPPED,
     SUCTION_IN,
+    TPT,
     N,
     gap_area,
+    gas_phase,
     gas_state,
     injected_oil,
     volume_at,
@@ -110,7 +115,7 @@ def rates(y, E, context, f, g):
     """Fill f = dy/dφ and the quadrature rates g of one chamber."""
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, work = context
     width = 4 if CARRIED == 1 else 2
-    fill_place(y, 0, P, TAB, own, 0)
+    fill_place(own[PLACE], y, 0, P, TAB, own, 0)
     for i in range(CATEGORIES * width):
         work[i] = 0.0
     for i in range(N_PLENUM):
@@ -141,7 +146,7 @@ def rates(y, E, context, f, g):
 def path_flows(y, E, context, out):
     """Fill `out` with the mass flow [kg/s] into the chamber: plenum paths, then each gap ahead and behind."""
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
-    fill_place(y, 0, P, TAB, own, 0)
+    fill_place(FREE, y, 0, P, TAB, own, 0)
     for i in range(N_PLENUM):
         out[i] = 0.0
         if E[E_AREAS + i] > 0.0:
@@ -165,8 +170,9 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     d = n_sums  # work: sums; derivatives of the own place by each state, then by φ; derivatives of the sums likewise
     ds = d + (N + 1) * PLACE
     other = ds + (N + 1) * n_sums + N + 2
-    fill_place(y, 0, P, TAB, own, 0)
-    place_derivatives(y, 0, P, TAB, own, 0, state, work[d:])
+    own[PLACE] = gas_phase(y[0], y[1])
+    fill_place(own[PLACE], y, 0, P, TAB, own, 0)
+    place_derivatives(own[PLACE], y, 0, P, TAB, own, 0, state, work[d:])
     d_phi = d + N * PLACE
     for i in range(PLACE):
         work[d_phi + i] = 0.0
@@ -299,6 +305,13 @@ def error_size(y0, y1, error, context):
 
 
 @kernel
+def share_in_phase(y, y1, u, rtol, context):
+    """Return the share of a step after which the gas leaves its phase (`places.share_before_border`)."""
+    _P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    return share_before_border(own[PLACE], y, y1, u, 0, own[TPT] / own[PRESSURE], rtol)
+
+
+@kernel
 def conserve(y, y1, E, E_next, context, dq):
     """Close the step's mass balance: by the flow through the widest open port, else by the density (docs/numerics.md).
 
@@ -324,5 +337,5 @@ def conserve(y, y1, E, E_next, context, dq):
     if dq[at] + dq[at + width] >= 0.0:
         add_stream(dq, at, defect, R, R_DISCHARGE * port)
     else:
-        fill_place(y1, 0, P, TAB, own, 0)
+        fill_place(own[PLACE], y1, 0, P, TAB, own, 0)
         add_stream(dq, at + width, defect, own, 0)

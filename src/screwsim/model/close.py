@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -23,9 +23,12 @@ Array = np.ndarray
 PATIENCE = 6  # turns before the histories may give way to coupled chambers
 DEAR = 18.0  # turns ahead that cost as much as coupled chambers
 ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
+NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
 LEAST_OIL = 1e-4  # oil per gas below which its change does not count
 LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 FIRST_RTOL = 1e-3  # of the first turn; later ones follow the gap
+AHEAD = 0.05  # tolerance of a turn over the gap of the one before: what it is hoped to contract by
+GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 HISTORY_DEPTH = 5  # of Anderson's method for histories
 PITCH_DEPTH = 10  # and for coupled chambers
 MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
@@ -60,6 +63,17 @@ class Closed:
     angle: float = 0.0
     change: float = 0.0
     needed: str = ""  # the further try that it took; empty where the first did
+    first_gap: float = 1.0  # what the first turn changed: how far the guess was off
+
+
+class Hope(NamedTuple):
+    """What is hoped of a guess: its trapped mass [kg] and work [J], and what the first turn will change."""
+
+    seen: tuple[float, float]
+    gap: float
+
+
+NO_HOPE = Hope((0.0, 0.0), 1.0)
 
 
 class Balances:
@@ -150,23 +164,25 @@ def _logarithms(states: Array, n: int) -> Array:
     return np.log(rows).ravel()
 
 
-def by_histories(task: Task, y: Array, last: bool, first_rtol: float = FIRST_RTOL) -> Closed | None:
+def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Closed | None:
     """Close by histories; return None when they contract too slowly and another way is allowed (`last` is False).
 
     One turn maps (history, state at 0°, discharge plenum) to the next; Anderson's method mixes the last images. The
-    first turns are integrated loosely: their error is that of the guess.
+    first turns are integrated loosely: their error is that of the guess. A guess made from cycles of machines nearby
+    may be so good that the first turn closes: it is as fine as is hoped of the guess.
     """
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
     angles = np.linspace(0.0, c.P[P_LIFE], 8 * c.chambers, endpoint=False) + 1e-3
     accelerate = Anderson(HISTORY_DEPTH)
     plenum = task.plenum()
-    before, gap, turn, q = (0.0, 0.0), 1.0, 0, np.zeros(machinery.nq)
+    before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
     gaps: list[float] = []
     finest = rtol = wanted.rtol
+    first_rtol, first_gap = finest if hope.gap <= GOOD else FIRST_RTOL, 1.0
     for turn in range(1, MAX_TURNS + 1):
         point = _vector(machinery, y, angles, plenum)
-        rtol = max(finest, first_rtol if turn == 1 else min(0.5 * rtol, 0.05 * gap))
+        rtol = max(finest, first_rtol if turn == 1 else min(0.5 * rtol, AHEAD * gap))
         status, angle, _, q = machinery.turn(y, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, turn, "histories", rtol, angle) if last else None
@@ -176,10 +192,12 @@ def by_histories(task: Task, y: Array, last: bool, first_rtol: float = FIRST_RTO
         now = (float(machinery.R[R_TRAPPED]), float(q[0]))
         least = LEAST_WORK * now[0] * task.pv
         gap, before = max(_change(now, before, least), _plenum_change(image_plenum, plenum)), now
+        if turn == 1:  # what was expected of mass and work may agree by chance: the states must, too
+            gap = first_gap = max(gap, NEAR * float(np.max(np.abs(image - point))))
         gaps.append(gap)
         if gap <= wanted.tolerance and rtol <= finest:
             if task.residue(q) <= ENOUGH * wanted.bound:
-                return Closed("ok", q, y, turn, "histories", finest, change=gap)
+                return Closed("ok", q, y, turn, "histories", finest, change=gap, first_gap=first_gap)
             finest = _finer(finest)
             gaps.clear()
         if not last and _too_slow(gaps, wanted.tolerance):
@@ -255,7 +273,7 @@ def by_coupling(
         image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), _plenum_logarithms(image_plenum)])
         gap = float(np.max(np.abs(image - point)))
         least = LEAST_WORK * seen[-1][0] * task.pv
-        if _settled(seen, wanted.tolerance, least) and gap <= 10 * wanted.tolerance:
+        if _settled(seen, wanted.tolerance, least) and NEAR * gap <= wanted.tolerance:
             if task.residue(q) <= ENOUGH * wanted.bound:
                 machinery.install_coupled()
                 return Closed("ok", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
@@ -297,13 +315,13 @@ def chambers_at_pitches(machinery: Machinery) -> Array:
     return states.ravel()
 
 
-def close(task: Task, y: Array, integrator: str = "rodas4") -> Closed:
+def close(task: Task, y: Array, integrator: str = "rodas4", hope: Hope = NO_HOPE) -> Closed:
     """Close the cycle from a first guess that is installed as the last history.
 
     With one of scipy's integrators the coupled chambers are closed under it, from where our own method closes.
     """
     task.machinery.integrator = "rodas4"
-    closed = _close(task, y)
+    closed = _close(task, y, hope)
     if integrator == "rodas4" or closed.status == "failed":
         return closed
     task.machinery.integrator = integrator
@@ -313,17 +331,18 @@ def close(task: Task, y: Array, integrator: str = "rodas4") -> Closed:
 def again(task: Task, closed: Closed) -> Closed:
     """Close a closed cycle once more, with what is wanted of the task now."""
     if closed.how == "histories":
-        last = task.wanted.closing == "histories"
-        better = by_histories(task, closed.y.copy(), last, first_rtol=task.wanted.rtol)
-        if better is not None:
-            return better
-        return by_coupling(task, chambers_at_pitches(task.machinery))
+        return _close(task, closed.y, Hope(seen_of(task.machinery, closed), 0.0))
     return by_coupling(task, closed.y.copy())
 
 
-def _close(task: Task, y: Array) -> Closed:
+def seen_of(machinery: Machinery, closed: Closed) -> tuple[float, float]:
+    """Return the trapped mass [kg] and the work [J] of a closed cycle."""
+    return float(machinery.R[R_TRAPPED]), float(closed.q[0])
+
+
+def _close(task: Task, y: Array, hope: Hope = NO_HOPE) -> Closed:
     if task.wanted.closing in ("auto", "histories"):
-        first = by_histories(task, y.copy(), task.wanted.closing == "histories")
+        first = by_histories(task, y.copy(), task.wanted.closing == "histories", hope)
         if first is not None:
             return first
     return by_coupling(task, chambers_at_pitches(task.machinery))

@@ -25,7 +25,12 @@ from screwsim.numerics.spline import pack_curve
 CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
 CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian", "places__places_along", "ledger__account")
 
-DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "conserve")  # what the integrator calls of both drivers
+# what the integrator calls of both drivers
+DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "conserve")
+
+# what a composition writes itself (slots.py)
+OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
+OWN += ("gap_area", "heat_rates", "heat_part", "injected_oil")
 
 # symbols that a kernel can ask for and that are not numbers of the scene
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
@@ -173,6 +178,19 @@ def _write_heat(writer: _Writer, heats: Sequence[HeatRate]) -> None:
     writer.function(f"heat_part(i, {arguments})", [*one, "return 0.0, 0.0"])
 
 
+def _write_gas(writer: _Writer, gas: Any) -> None:
+    free = ("phase", "T", "rho")
+    if gas.phased_state is None:
+        phase, state = "0", writer.call(gas.state, gas.values, {}, free)
+    else:
+        phase, state = (writer.call(kernel, gas.values, {}, free) for kernel in gas.phased_state)
+    writer.function("gas_phase(T, rho)", [f"return {phase}"])
+    writer.function("phased_state(phase, T, rho, P, TAB)", [f"return {state}"])
+    writer.function("gas_state(T, rho, P, TAB)", ["return phased_state(gas_phase(T, rho), T, rho, P, TAB)"])
+    entropy = writer.call(gas.specific_entropy, gas.values, {}, free)
+    writer.function("gas_entropy(T, rho, P, TAB)", [f"return {entropy}"])
+
+
 def _write_supply(writer: _Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
     if oil is None:
         body = ["return 0.0"]
@@ -219,10 +237,7 @@ def compose(parts: Parts) -> Composition:
     carried = bool(heats) and oil is not None and oil.transport == "carried"
     states = ("T", "rho", *(("T_oil",) if heats else ()), *(("x_oil",) if carried else ()))
     law = geometry.volume_law()
-    call = writer.call(gas.state, gas.values, {}, ("T", "rho"))
-    writer.function("gas_state(T, rho, P, TAB)", [f"return {call}"])
-    call = writer.call(gas.specific_entropy, gas.values, {}, ("T", "rho"))
-    writer.function("gas_entropy(T, rho, P, TAB)", [f"return {call}"])
+    _write_gas(writer, gas)
     for name, kernel in (("volume_at", law.volume), ("volume_slope_at", law.slope)):
         call = writer.call(kernel, law.values, law.tables, ("phi", "TAB"))
         writer.function(f"{name}(phi, P, TAB)", [f"return {call}"])
@@ -234,6 +249,7 @@ def compose(parts: Parts) -> Composition:
     constants = {
         "N": len(states),
         "VARIES": int(gas.varies),
+        "PHASES": int(gas.phased_state is not None),
         "N_HEATS": len(heats),
         "HEATED": int(bool(heats)),
         "CARRIED": int(carried),
@@ -282,8 +298,7 @@ def _module_text(
     """Return the flat module: constants, pasted kernels, the composition's functions, the drivers."""
     constants = dict(named)
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
-    own = {name: name for name in (*constants, "gas_state", "volume_at", "volume_slope_at", "plenum_area")}
-    own |= {name: name for name in ("gas_entropy", "gap_area", "heat_rates", "heat_part", "injected_oil")}
+    own = {name: name for name in (*constants, *OWN)}
     rooms = (
         *(getattr(chamber, name) for name in (*DRIVEN, "at_knot", "inject")),
         *(getattr(coupled, f"all_{name}") for name in DRIVEN),

@@ -3,13 +3,21 @@
 Source: docs/model.md M1–M13, M24. Chamber j stands at s + j pitch; the states are y[j N + i]. The flows between
 chambers cancel exactly in the sum. The same kernels serve the Rosenbrock method and scipy's integrators.
 
-A context is the tuple (P, TAB, R, places, changed, work): parameters, tables, run-time cells, one place a chamber, a
-spare state, and working memory for sums and derivatives.
+A context is the tuple (P, TAB, R, places, changed, work): parameters, tables, run-time cells, one place a chamber and a
+spare one, then the phase in which each chamber's gas is held during a step (`slots.FREE`: in none); a spare state, and
+working memory for sums and derivatives.
 """
 
 from __future__ import annotations
 
-from screwsim.model.places import angle_terms, fill_place, perturbation, place_derivatives, relative_error
+from screwsim.model.places import (
+    angle_terms,
+    fill_place,
+    perturbation,
+    place_derivatives,
+    relative_error,
+    share_before_border,
+)
 from screwsim.model.slots import (
     BETWEEN,
     CARRIED,
@@ -36,8 +44,10 @@ from screwsim.model.slots import (
     Q_WORK,
     R_DISCHARGE,
     SUCTION_IN,
+    TPT,
     N,
     gap_area,
+    gas_phase,
 )
 from screwsim.model.streams import (
     add_stream,
@@ -76,7 +86,7 @@ def all_rates(y, E, context, f, g):
     for i in range(CHAMBERS * n_sums):
         work[i] = 0.0
     for j in range(CHAMBERS):
-        fill_place(y, j * N, P, TAB, places, j * PLACE)
+        fill_place(places[(CHAMBERS + 1) * PLACE + j], y, j * N, P, TAB, places, j * PLACE)
     for j in range(CHAMBERS):
         e = j * size + E_AREAS
         for i in range(N_PLENUM):
@@ -202,13 +212,15 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     d = CHAMBERS * n_sums  # work: sums; place derivatives by each state, then by φ; derivatives of the sums
     ds = d + (n_all + CHAMBERS) * PLACE
     spare = ds + CHAMBERS * (n_all + 1) * n_sums
+    phases = (CHAMBERS + 1) * PLACE
     for i in range(d):
         work[i] = 0.0
     for i in range(ds, spare):
         work[i] = 0.0
     for j in range(CHAMBERS):
-        fill_place(y, j * N, P, TAB, places, j * PLACE)
-        place_derivatives(y, j * N, P, TAB, places, j * PLACE, changed, work[d + j * N * PLACE :])
+        places[phases + j] = gas_phase(y[j * N], y[j * N + 1])
+        fill_place(places[phases + j], y, j * N, P, TAB, places, j * PLACE)
+        place_derivatives(places[phases + j], y, j * N, P, TAB, places, j * PLACE, changed, work[d + j * N * PLACE :])
         row = d + (n_all + j) * PLACE
         for i in range(PLACE):
             work[row + i] = 0.0
@@ -321,6 +333,18 @@ def all_error_size(y0, y1, error, context):
 
 
 @kernel
+def all_share_in_phase(y, y1, u, rtol, context):
+    """Return the share of a step after which the first chamber leaves its phase (`places.share_before_border`)."""
+    _P, _TAB, _R, places, _changed, _work = context
+    share = 1.0
+    for j in range(CHAMBERS):
+        held = places[(CHAMBERS + 1) * PLACE + j]
+        steep = places[j * PLACE + TPT] / places[j * PLACE + PRESSURE]
+        share = min(share, share_before_border(held, y, y1, u, j * N, steep, rtol))
+    return share
+
+
+@kernel
 def all_conserve(y, y1, E, E_next, context, dq):
     """Let the mass balances of a step set the flows through the ports, as `chamber.conserve` does.
 
@@ -348,7 +372,9 @@ def all_conserve(y, y1, E, E_next, context, dq):
             if dq[at] + dq[at + width] >= 0.0:
                 add_stream(dq, at, defect, R, R_DISCHARGE * side)
             else:
-                fill_place(y1, open_one * N, P, TAB, places, open_one * PLACE)
+                fill_place(
+                    places[(CHAMBERS + 1) * PLACE + open_one], y1, open_one * N, P, TAB, places, open_one * PLACE
+                )
                 add_stream(dq, at + width, defect, places, open_one * PLACE)
 
 

@@ -19,38 +19,46 @@ from screwsim.model.slots import (
     E_VOLUME,
     ENTHALPY,
     EXPONENT,
+    FREE,
     HEATED,
     N_PLENUM,
     OIL_RATIO,
     OIL_TEMPERATURE,
     P_INJECTION,
+    PHASES,
     PLACE,
     PRESSURE,
     R_SUCTION,
     TPT,
     VARIES,
     N,
+    gas_phase,
     gas_state,
+    phased_state,
     plenum_area,
     volume_at,
     volume_slope_at,
 )
 from screwsim.numerics.history import cubic, locate, read
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.rodas import dense_value
+from screwsim.numerics.rodas import dense_coefficients, dense_value
 
 STEP = 1e-7  # relative step of the differences of smooth state functions
 
+BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
 IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
 NO_OIL = 1e-13  # oil per gas, of either sign, that is rounding; `balance.oil_temperature_slope` has a floor above it
 
 
 @kernel
-def fill_place(y, at, P, TAB, place, row):
-    """Fill row `row` of `place` for a chamber whose state begins at y[at]."""
+def fill_place(held, y, at, P, TAB, place, row):
+    """Fill row `row` of `place` for a chamber whose state begins at y[at]; in the phase that is held, or its own."""
     T = y[at]
     rho = y[at + 1]
-    p, h, c_v, tpt, exponent, choke, choked = gas_state(T, rho, P, TAB)
+    phase = 0
+    if PHASES == 1:
+        phase = gas_phase(T, rho) if held == FREE else int(held)
+    p, h, c_v, tpt, exponent, choke, choked = phased_state(phase, T, rho, P, TAB)
     place[row + PRESSURE] = p
     place[row + DENSITY] = rho
     place[row + ENTHALPY] = h
@@ -166,6 +174,33 @@ def relative_error(y0, y1, error, at, place, row):
 
 
 @kernel
+def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol):
+    """Return the share of a step after which a chamber leaves the phase held; 1 where it does not, or hardly.
+
+    The state's derivatives jump there, so a step must end there. Beyond it, within the tolerance, the phase's own
+    equation goes on smoothly.
+    """
+    if PHASES == 0 or gas_phase(y1[at], y1[at + 1]) == int(held):
+        return 1.0
+    T3, T4 = dense_coefficients(u, at)
+    rho3, rho4 = dense_coefficients(u, at + 1)
+    low = 0.0
+    high = 1.0
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        T = dense_value(middle, y0[at], y1[at], T3, T4)
+        rho = dense_value(middle, y0[at + 1], y1[at + 1], rho3, rho4)
+        if gas_phase(T, rho) == int(held):
+            low = middle
+        else:
+            high = middle
+    T = dense_value(high, y0[at], y1[at], T3, T4)
+    rho = dense_value(high, y0[at + 1], y1[at + 1], rho3, rho4)
+    beyond = max(abs(y1[at] - T) / T * max(1.0, tpt_over_p), abs(y1[at + 1] - rho) / rho)
+    return 1.0 if beyond <= rtol else high + (1.0 - high) * BEYOND * rtol / beyond
+
+
+@kernel
 def perturbation(y, at, j):
     """Return the step by which state j is changed for differences of smooth functions."""
     if j == 3:
@@ -174,7 +209,7 @@ def perturbation(y, at, j):
 
 
 @kernel
-def place_derivatives(y, at, P, TAB, place, row, changed, d):
+def place_derivatives(held, y, at, P, TAB, place, row, changed, d):
     """Fill d[j·PLACE …] with the derivatives of a chamber's place by its state j; `changed` is a spare state.
 
     Temperature and density set the gas, the oil's states only themselves.
@@ -187,7 +222,7 @@ def place_derivatives(y, at, P, TAB, place, row, changed, d):
             changed[i] = y[at + i]
         delta = perturbation(y, at, j)
         changed[j] += delta
-        fill_place(changed, 0, P, TAB, d, j * PLACE)
+        fill_place(held, changed, 0, P, TAB, d, j * PLACE)
         for i in range(PLACE):
             d[j * PLACE + i] = (d[j * PLACE + i] - place[row + i]) / delta
     if HEATED == 1:

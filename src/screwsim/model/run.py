@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from types import ModuleType
 from typing import Any
@@ -15,7 +15,7 @@ import numpy as np
 
 from screwsim.model import compiled, ledger
 from screwsim.model.compose import Composition
-from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH, PLACE, R_SIZE
+from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PLACE, R_SIZE
 from screwsim.numerics.scipy_integrators import METHODS, integrate
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
@@ -40,7 +40,7 @@ class Machinery:
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
         work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + 2)
-        self._spaces = (np.zeros(self.columns), np.zeros(PLACE), work)
+        self._spaces = (np.zeros(self.columns), np.append(np.zeros(PLACE), FREE), work)
         self.counts = np.zeros(4, np.int64)
         self._together: dict[str, Any] = {}
         self._warm: set[str] = set()
@@ -114,11 +114,17 @@ class Machinery:
             self.images.pop(0)
 
     def mix(self, weights: Array) -> None:
-        """Replace the last history by the weighted sum of the newest images, on the newest one's steps."""
-        times, dense, steps = self.images[-1]
-        target = self.histories[0][1][:steps]
+        """Replace the last history by the weighted sum of the newest images."""
+        self.blend(self.images[-len(weights) :], weights)
+
+    def blend(self, histories: Sequence[tuple[Array, Array, int]], weights: Array) -> None:
+        """Replace the last history by the weighted sum of whole histories, on the steps of the last of them."""
+        times, dense, steps = histories[-1]
+        old = self.histories[0]
+        old[0][: steps + 1], target = times, old[1][:steps]
+        self.kept[:] = 0, steps
         np.multiply(dense, weights[-1], out=target)
-        for weight, (t, d, n) in zip(weights[:-1], self.images[-len(weights) : -1], strict=True):
+        for weight, (t, d, n) in zip(weights[:-1], histories[:-1], strict=True):
             self.module.history__add_history(times, steps, t, d, n, weight, target)
 
     def states_at(self, angles: Array) -> Array:
@@ -168,7 +174,7 @@ class Machinery:
             n_all = c.chambers * n
             work = np.zeros(c.chambers * (c.n_sums * (n_all + 2) + PLACE) + n_all * PLACE + 2 * n + 4)
             self._together = {
-                "spaces": (np.zeros((c.chambers + 1) * PLACE), np.zeros(n), work),
+                "spaces": (np.append(np.zeros((c.chambers + 1) * PLACE), np.full(c.chambers, FREE)), np.zeros(n), work),
                 "history": self._history(self.max_steps, n_all, self.nq + 1),
                 "kept": np.zeros(1, np.int64),
             }
@@ -206,10 +212,12 @@ class Machinery:
         J, Jq, E_next = np.empty((len(y), len(y))), np.empty((self.nq + 1, len(y))), np.empty(c.n_E_all)
         f_phi, g_phi = np.empty(len(y)), np.empty(self.nq + 1)
         module, context = self.module, self.coupled_context
+        held = space["spaces"][0][-c.chambers :]
 
         def rates(s: float, middle: float, state: Array) -> Array:
             self.watch()
             module.coupled__all_surroundings(s, middle, context, E)
+            held[:] = FREE
             module.coupled__all_rates(np.ascontiguousarray(state), E, context, f, g)
             return np.concatenate([f, g[:-1]])
 

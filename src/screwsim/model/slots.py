@@ -1,15 +1,16 @@
 """The names that a composition defines in its generated module; the kernels of this package are written with them.
 
-Functions: `gas_state(T, rho, P, TAB)`, `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
+Functions: `gas_state(T, rho, P, TAB)`, `gas_phase(T, rho)` → 0 or 1, `phased_state(phase, T, rho, P, TAB)` (the state
+in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
 `volume_slope_at(phi, P, TAB)`, `plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
 `heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W],
 `heat_part(i, …)`: the same of one heat rate,
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg].
 
-Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), N_HEATS
-(heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass), OILED (is oil injected), N_PLENUM
-and PLENUM (path → 0 suction, 1 discharge), N_GAPS and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe
-pitches), CHAMBERS (alive at once).
+Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), PHASES (0 or
+1: can it have two phases), N_HEATS (heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass),
+OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge), N_GAPS and GAP_OFFSET (gap → index in
+OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -21,6 +22,8 @@ from typing import Any
 from screwsim.numerics.kernel import Slot
 
 gas_state: Any = Slot("gas_state")
+gas_phase: Any = Slot("gas_phase")
+phased_state: Any = Slot("phased_state")
 gas_entropy: Any = Slot("gas_entropy")
 volume_at: Any = Slot("volume_at")
 volume_slope_at: Any = Slot("volume_slope_at")
@@ -32,6 +35,7 @@ injected_oil: Any = Slot("injected_oil")
 
 N: Any = Slot("N")
 VARIES: Any = Slot("VARIES")
+PHASES: Any = Slot("PHASES")
 N_HEATS: Any = Slot("N_HEATS")
 HEATED: Any = Slot("HEATED")
 CARRIED: Any = Slot("CARRIED")
@@ -51,6 +55,7 @@ P_C_OIL, P_T_OIL, P_TO_RATIO, FIRST_FREE = range(7, 11)
 # a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T
 PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT = range(10)
 PLACE = 10
+FREE = -1.0  # phase of a chamber whose state tells it; else it is held until the integrator's step is accepted
 
 # R: what changes while the cycle is closed: the two plenums (places), then what happens at the injection angle
 R_SUCTION = 0

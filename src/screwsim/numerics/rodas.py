@@ -8,14 +8,18 @@ Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they red
 q += h [Σ β_i g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for
 the system enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
 
-The model is reached by seven slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
+The model is reached by eight slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
 derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state),
 `error_size` (the size of a step's error; huge for a state that cannot be, which is then tried again with a smaller
-step), `conserve` (closes the balances of an accepted step, in its end and its quadratures), `keep_places` (fills
-columns of the dense output beyond the states). Steps land on knots and keep their size across them.
+step), `share_in_phase` (the share of a step after which the equations change their form, 1 where they do not: the step
+is made again that long), `conserve` (closes the balances of an accepted step, in its end and its quadratures),
+`keep_places` (fills columns of the dense output beyond the states). Steps land on knots and keep their size across
+them.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -27,6 +31,7 @@ rates = Slot("rates")
 jacobian = Slot("jacobian")
 at_knot = Slot("at_knot")
 error_size = Slot("error_size")
+share_in_phase = Slot("share_in_phase")
 conserve = Slot("conserve")
 keep_places = Slot("keep_places")
 
@@ -126,19 +131,24 @@ def attempt(phi, h, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pi
 
 
 @kernel
+def dense_coefficients(u, i):
+    """Return the coefficients (c3, c4) of component i in the dense output of a step with stages u."""
+    c3 = 0.0
+    c4 = 0.0
+    for stage in range(5):
+        c3 += DENSE[0, stage] * u[stage, i]
+        c4 += DENSE[1, stage] * u[stage, i]
+    return c3, c4
+
+
+@kernel
 def keep(step, phi, h, y, y1, q, u, times, dense, quads):
     """Store an accepted step: its end, (y0, y1, c3, c4) of the dense output, and the quadratures."""
     times[step + 1] = phi + h
     for i in range(y.shape[0]):
-        c3 = 0.0
-        c4 = 0.0
-        for stage in range(5):
-            c3 += DENSE[0, stage] * u[stage, i]
-            c4 += DENSE[1, stage] * u[stage, i]
         dense[step, 0, i] = y[i]
         dense[step, 1, i] = y1[i]
-        dense[step, 2, i] = c3
-        dense[step, 3, i] = c4
+        dense[step, 2, i], dense[step, 3, i] = dense_coefficients(u, i)
     for i in range(q.shape[0]):
         quads[step, i] = q[i]
 
@@ -167,6 +177,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
     M = np.empty((n, n))
     pivots = np.empty(n, np.int64)
     h = h_start
+    longest = math.inf  # a step to where the equations change; what follows goes on with h
     phi = knots[0]
     step = 0
     kept[0] = 0
@@ -182,6 +193,9 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
             left = end - phi
             landing = h >= left * (1.0 - 1e-10)
             trial = left if landing else (0.5 * left if h > 0.5 * left else h)
+            if longest < trial:
+                landing = False
+                trial = longest
             if not (trial > SMALLEST * (1.0 + phi)):
                 return STEP_TOO_SMALL, phi, h
             if fresh:
@@ -197,6 +211,12 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
                 counts[1] += 1
                 h = trial * (max(0.15, 0.85 * error ** (-0.25)) if error < 1e12 else 0.15)  # NaN, too
                 continue
+            share = share_in_phase(y, y1, u, rtol, context)
+            if share < 1.0:
+                counts[1] += 1
+                longest = share * trial
+                continue
+            longest = math.inf
             if step >= dense.shape[0]:
                 return TOO_MANY_STEPS, phi, h
             conserve(y, y1, E, E_next, context, dq)

@@ -17,7 +17,7 @@ from screwsim.scene.types import Scene
 from screwsim.solution import Solution
 
 STATE = """@njit(error_model='numpy')
-def gas_state(T, rho, P, TAB):
+def phased_state(phase, T, rho, P, TAB):
     found = np.empty(7)
     coolprop_state(T, rho, found.ctypes)
     return found[0], found[1], found[2], found[3], found[4], found[5], found[6]
@@ -52,7 +52,7 @@ def solution_with_coolprop(scene: Scene) -> Solution:
     solution = Solution(scene)
     machinery = Machinery(solution.machinery.composition)  # its own: the other one serves simulations
     text = machinery.composition.text
-    found = re.search(r"@njit\([^\n]*\)\ndef gas_state\(.*?\n\n", text, flags=re.DOTALL)
+    found = re.search(r"@njit\([^\n]*\)\ndef phased_state\(.*?\n\n", text, flags=re.DOTALL)
     assert found is not None
     text = text.replace(found.group(0), STATE + "\n\n").replace("cache=True, ", "").replace(", _nrt=False", "")
     names: dict[str, Any] = {"coolprop_state": state_function(scene.gas.fluid)}

@@ -1,0 +1,122 @@
+"""Starting a cycle from closed ones nearby: neighbouring points of a sweep differ by little, and smoothly.
+
+The guess is the polynomial through the last cycles, at most `DEPTH`, over their parameters, where those lie on a line;
+the last cycle alone where they do not. It changes what a closing costs, and its result by less than the tolerances.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.model.close import Closed, Hope, seen_of
+from screwsim.model.run import Machinery
+from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
+
+Array = np.ndarray
+DEPTH = 3
+ON_LINE = 0.1  # share of a step in the parameters that may be off the line of the steps before
+LARGEST = 8.0  # weight of a polynomial: beyond it errors of the cycles count more than their trend
+
+
+class Guess(NamedTuple):
+    """What a turn begins with beside the history: the state at 0°, the discharge plenum, and what is hoped of them."""
+
+    y: Array
+    plenum: Array
+    hope: Hope
+
+
+class _Cycle(NamedTuple):
+    parameters: Array
+    history: tuple[Array, Array, int]
+    values: Array  # state at 0°, trapped mass, work, plenum
+
+
+class Course:
+    """The last closed cycles of one composition, a guess for the next."""
+
+    def __init__(self) -> None:
+        self._text = ""
+        self._cycles: list[_Cycle] = []
+        self._gap = 1.0  # of the last guess
+
+    def forget(self) -> None:
+        """Begin anew."""
+        self._cycles.clear()
+
+    def add(self, machinery: Machinery, parameters: Array, closed: Closed, plenum: Array) -> None:
+        """Note the machinery's last turn as the closed cycle of these parameters."""
+        if machinery.composition.text != self._text:
+            self.forget()
+            self._text = machinery.composition.text
+        times, dense, _, steps = machinery.last()
+        history = times[: steps + 1].copy(), dense[:steps].copy(), steps
+        values = np.concatenate([closed.y[: machinery.n], seen_of(machinery, closed), plenum])
+        self._gap = closed.first_gap
+        self._cycles = [*self._cycles, _Cycle(parameters, history, values)][-DEPTH:]
+
+    def guess(self, machinery: Machinery, parameters: Array) -> Guess | None:
+        """Install a history for these parameters and return what goes with it; None where no cycle is near."""
+        cycles = self._near(machinery)
+        if not cycles:
+            return None
+        for weights in _weights([cycle.parameters for cycle in cycles], parameters):
+            used = cycles[-len(weights) :]
+            values = weights @ np.array([cycle.values for cycle in used])
+            machinery.blend([cycle.history for cycle in used], weights)
+            if _possible(values[: machinery.n]) and _possible(machinery.last()[1][: machinery.last()[3], 1].T):
+                break
+        else:
+            return None
+        n = machinery.n
+        return Guess(values[:n], values[n + 2 :], Hope((float(values[n]), float(values[n + 1])), self._gap))
+
+    def _near(self, machinery: Machinery) -> list[_Cycle]:
+        """Return the cycles of the same composition that live the same angles."""
+        if machinery.composition.text != self._text:
+            return []
+        angles = [P_PITCH, P_LIFE, P_INJECTION]
+        here = machinery.composition.P[angles]
+        return [cycle for cycle in self._cycles if np.array_equal(cycle.parameters[angles], here)]
+
+
+def _possible(states: Array) -> bool:
+    """Tell whether temperatures and densities are positive and no oil is less than none; one row a state."""
+    return bool(np.all(states[:2] > 0.0) and np.all(states[2:] >= 0.0))
+
+
+def _weights(known: list[Array], wanted: Array) -> list[Array]:
+    """Return weights of the newest parameter vectors that make the wanted one, the best guess first."""
+    scale = np.maximum(np.abs(known[-1]), 1e-300)
+    last = np.ones(1)
+    if len(known) < 2:
+        return [last]
+    line = (known[-1] - known[-2]) / scale
+    length = float(line @ line)
+    if length == 0.0:
+        return [last]
+    places = []
+    for point in (*known, wanted):
+        way = (point - known[-1]) / scale
+        place = float(way @ line) / length
+        off = way - place * line
+        places.append(place if float(off @ off) <= ON_LINE**2 * float(way @ way) else None)
+    if places[-1] is None:
+        return [last]
+    return [*_polynomials(places), last]
+
+
+def _polynomials(places: list[float | None]) -> list[Array]:
+    """Return Lagrange's weights at the last place of the places before it, of the highest degree that is tame."""
+    *known, x = places
+    assert x is not None
+    for first in range(len(known) - 1):
+        nodes = [place for place in known[first:] if place is not None]
+        if len(nodes) < len(known) - first or len(set(nodes)) < len(nodes):
+            continue
+        weights = np.array([np.prod([(x - b) / (a - b) for b in nodes if b != a]) for a in nodes])
+        if np.max(np.abs(weights)) <= LARGEST:
+            return [weights]
+    return []
