@@ -19,7 +19,7 @@ import numpy as np
 
 from screwsim.estimate import close_accurately
 from screwsim.scene import Scene, load, with_values
-from screwsim.simulate import simulate
+from screwsim.simulate import simulate, simulate_many
 from screwsim.study.coolprop_back_end import solution_with_coolprop
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -96,6 +96,43 @@ def gases_table() -> None:
     print(f"{'real, CoolProp':>20} {ms:>8.2f} {evaluations:>16} {eta:>9.6f} {ms / ms_ideal:>7.2f}")
 
 
+COURSES = (
+    ("oil ratio 0.5 to 8, 3000 rpm", POINT, "oil_supply.ratio", np.linspace(0.5, 8.0, 43), 3000),
+    ("oil ratio 0.5 to 8, 1000 rpm", POINT, "oil_supply.ratio", np.linspace(0.5, 8.0, 43), 1000),
+    (
+        "condensing at 40 to 50 degC, real",
+        REAL,
+        "operation.condensing_temperature",
+        273.15 + np.linspace(40, 50, 32),
+        3000,
+    ),
+)
+
+
+def points(scenes: list[Scene], in_a_row: bool) -> tuple[float, float]:
+    """Return the mean number of evaluations and the median time [ms] of a point, all that it takes included."""
+    results, times = [], []
+    for _ in range(3):
+        started = time.perf_counter()
+        alone = (simulate(scene, trace=False) for scene in scenes)
+        results = list(simulate_many(scenes, trace=False) if in_a_row else alone)
+        times.append(1e3 * (time.perf_counter() - started) / len(scenes))
+    return statistics.mean(result.numerics.rhs_evaluations for result in results), statistics.median(times)
+
+
+def course_table() -> None:
+    """Print what points cost in a row, each begun from the ones before, beside the same points alone."""
+    print("\nPoints in a row (block of a sweep) beside points alone; ms with all that is not the solution, one core")
+    print(f"{'sweep':>34} {'errors':>9} {'alone: evaluations':>18} {'ms':>6} {'in a row: evaluations':>21} {'ms':>6}")
+    for name, path, axis, values, rpm in COURSES:
+        for error in ("estimate", "none"):
+            base = with_values(load(str(path), [f"numerics.error={error}"]), {"operation.speed": rpm * RPM})
+            scenes = [with_values(base, {axis: float(value)}) for value in values]
+            simulate(scenes[0], trace=False)
+            alone, in_a_row = points(scenes, in_a_row=False), points(scenes, in_a_row=True)
+            print(f"{name:>34} {error:>9} {alone[0]:>18.0f} {alone[1]:>6.2f} {in_a_row[0]:>21.0f} {in_a_row[1]:>6.2f}")
+
+
 def effects_table(scene: Scene) -> None:
     """Print what each effect costs in time and changes in the efficiency, by leaving it out."""
     print("\nWhat each effect costs and changes (left out, one at a time)")
@@ -138,6 +175,7 @@ def main() -> None:
     accuracy_table(scene)
     speed_table(scene)
     gases_table()
+    course_table()
     effects_table(scene)
     command_times(path)
 
