@@ -54,3 +54,18 @@ def deadly(scene: Scene) -> Result:
     if abs(scene.operation.speed - 2000.0 * math.pi / 30.0) < 1e-6:
         os._exit(9)
     return parabola(scene)
+
+
+def ishigami(scene: Scene) -> Result:
+    """Return Ishigami's function of diameter (0.1 … 0.2 m), density (900 … 1000) and oil ratio (1 … 2); 5 W always.
+
+    Each goes over −π … π. The length of the rotors does nothing.
+    """
+    shares = 10.0 * scene.machine.rotor_diameter - 1.0, 0.01 * scene.oil.density - 9.0, scene.oil_supply.ratio - 1.0
+    x1, x2, x3 = (math.pi * (2.0 * share - 1.0) for share in shares)
+    return result_of(math.sin(x1) + 7.0 * math.sin(x2) ** 2 + 0.1 * x3**4 * math.sin(x1), shaft_power=5.0)
+
+
+def noisy(scene: Scene) -> Result:
+    """Return a figure that varies by its error."""
+    return result_of(0.5 + 1e-3 * math.sin(1e4 * scene.oil_supply.ratio), 1e-2)
