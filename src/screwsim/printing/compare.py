@@ -11,6 +11,8 @@ from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
 from screwsim.study.compare import Comparison, FigureChange
 
+MOST_NAMES = 3  # of figures that differ most at one point
+
 
 def comparison_document(a: Results, b: Results, found: Comparison) -> dict[str, Any]:
     """Return what `compare --json` prints; SI units."""
@@ -31,7 +33,7 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
     """Print points, scenes, statuses and figures."""
     print(wrapped(f"A: {a.path}"))
     print(wrapped(f"B: {b.path}"))
-    points = f"{found.common} points in common"
+    points = f"{found.common} point{'s' if found.common > 1 else ''} in common"
     for name, count in (("A", found.only_a), ("B", found.only_b)):
         points += f", {count} only in {name}" if count else ""
     print(points)
@@ -47,18 +49,22 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
     print()
     _print_figures(a, found)
     print()
-    print("equal" if found.equal else "not equal", "within the numerical error or the tolerance")
+    print("equal within" if found.equal else "different beyond", "the numerical error or the tolerance")
 
 
 def _print_figures(a: Results, found: Comparison) -> None:
     heads = ["", "A", "B", "", "change", "error", "differ"]
     print("\n".join(plain_table(heads, [_cells(each) for each in found.figures], 1)))
     many = any(each.at for each in found.figures) and found.common > 1
-    text = "change and error (both estimates together) are relative to A"
+    text = "change and error (both estimates together; up to twice that is none) are relative to A"
     print(wrapped(f"{text}; of the point with the largest change over what is allowed" if many else text))
-    different = [each for each in found.figures if each.beyond and each.at]
-    for each in different[:3] if many else []:
-        print(wrapped(f"{shown_name(each.figure)} differs most{_where(a, each.at or {})}"))
+    places: dict[str, list[str]] = {}
+    for each in found.figures:
+        if many and each.beyond and each.at:
+            places.setdefault(_where(a, each.at), []).append(shown_name(each.figure))
+    for place, names in places.items():
+        few = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
+        print(wrapped(f"largest change{place}: {few}"))
 
 
 def _cells(each: FigureChange) -> list[str]:
@@ -67,12 +73,17 @@ def _cells(each: FigureChange) -> list[str]:
         differ = f"{each.only_a + each.only_b} only in {'A' if each.only_a else 'B'}"
     if each.a is None or each.b is None:
         return [shown_name(each.figure), "", "", "", "", "", differ]
-    (one, unit), (other, _) = engineering(each.figure, each.a), engineering(each.figure, each.b)
-    if engineering(each.figure, each.b)[1] != unit:  # 900 W against 1.1 kW
-        other = " ".join(engineering(each.figure, each.b)).strip()
+    (one, unit), (other, other_unit) = (_shown(each.figure, value) for value in (each.a, each.b))
+    other = other if other_unit == unit else f"{other} {other_unit}"  # 900 W against 1.1 kW
     relative = "" if each.relative is None else f"{each.relative:+.1e}" if each.relative else "0"
     error = f"{(each.error or 0.0) / abs(each.a):.0e}" if each.a else ""
-    return [shown_name(each.figure), one, other.partition(" (")[0], unit.partition(" ")[0], relative, error, differ]
+    return [shown_name(each.figure), one, other, unit, relative, error, differ]
+
+
+def _shown(figure: str, value: float) -> tuple[str, str]:
+    """Return number and unit, a temperature in K alone."""
+    number, unit = engineering(figure, value)
+    return number, unit.partition(" (")[0]
 
 
 def _where(results: Results, at: Mapping[str, Any]) -> str:

@@ -19,6 +19,8 @@ from screwsim.study.performance_map import varied_paths
 Array = np.ndarray
 
 SAME = 1e-9  # relative: values of an axis nearer than this are one
+# an estimate is what a finer turn with a quarter of the regularisation changes: 3/4 of an error that is linear in it
+CERTAIN = 2.0  # of both estimates together: what counts as numerical error
 ROUNDING = 1e-12  # relative: of the last digits of figures
 MOST_CHANGES = 20  # of statuses, listed
 
@@ -27,8 +29,9 @@ MOST_CHANGES = 20  # of statuses, listed
 class FigureChange:
     """How one figure [SI] changes from A to B over the common points that are ok in both.
 
-    `a`, `b`, `error` (combined estimated error, absolute) and `at` are of the point with the largest change over what
-    is allowed; `beyond` counts the points that differ by more; `only_a`, `only_b` those where one alone has a figure.
+    `a`, `b`, `error` (both estimated errors together, absolute) and `at` are of the point with the largest change over
+    what is allowed; `beyond` counts the points that differ by more; `only_a`, `only_b` those where one file alone has a
+    figure.
     """
 
     figure: str
@@ -75,8 +78,8 @@ class Comparison:
 def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     """Return what differs from A to B.
 
-    A figure agrees where its change is within the sum of both estimated errors, or within `tolerance`, relative to the
-    larger of both. Raise UsageError when no point is common.
+    A figure agrees where its change is within CERTAIN times the sum of both estimated errors, or within `tolerance`,
+    relative to the larger value. Raise UsageError when no point is common.
     """
     if not 0.0 <= tolerance < math.inf:
         raise UsageError(f"--tolerance {tolerance:g}: is no relative tolerance (write e.g. 1e-6)")
@@ -168,7 +171,7 @@ class _Side:
 
     def __init__(self, results: Results, cases: Array) -> None:
         self._results, self._cases = results, cases
-        accuracy = results.inputs["numerics_accuracy"] if "numerics_accuracy" in results.inputs else 0.0
+        accuracy = results.inputs.get("numerics_accuracy", 0.0)
         self._accuracy = float(np.max(accuracy))
 
     def values(self, name: str) -> Array:
@@ -194,7 +197,7 @@ def _change(name: str, sides: tuple[_Side, _Side], ok: Array, point: _Points, to
         return FigureChange(name, 0, 0, only_a, only_b) if only_a or only_b else None
     change, size = (b - a)[both], np.maximum(np.abs(a), np.abs(b))[both]
     error = (sides[0].errors(name) + sides[1].errors(name))[both]
-    allowed = np.maximum(error, max(tolerance, ROUNDING) * size)
+    allowed = np.maximum(CERTAIN * error, max(tolerance, ROUNDING) * size)
     over = np.abs(change) / np.maximum(allowed, 1e-300)
     worst = int(np.argmax(over))
     value_a, value_b = float(a[both[worst]]), float(b[both[worst]])

@@ -85,12 +85,11 @@ def question(
     """Return what is asked, with the range: as given, else of the scene's axis, else for the oil ratio a usual one."""
     check_figure(figure)
     check_continuous(scene, path)
-    axis = scene.sweep.get(path) or (OIL_RANGE if path == OIL_RATIO else (None,))
-    ends = []
-    for text, value in ((first, min(axis)), (last, max(axis))):
-        if text is None and (value is None or len(axis) < 2):
-            raise UsageError(f"{path}: has no range (write --from and --to, or an axis of it under sweep:)")
-        ends.append(value if text is None else read_text(scene, path, text))
+    axis = scene.sweep.get(path, OIL_RANGE if path == OIL_RATIO else ())
+    if len(axis) < 2 and (first is None or last is None):
+        raise UsageError(f"{path}: has no range (write --from and --to, or an axis of it under sweep:)")
+    texts = ((first, min), (last, max))
+    ends = [choose(axis) if text is None else read_text(scene, path, text) for text, choose in texts]
     if not ends[0] < ends[1]:
         shown = " … ".join(shown_value(scene, path, end) for end in ends)
         raise UsageError(f"{path}: the range {shown} is empty (--from must be below --to)")

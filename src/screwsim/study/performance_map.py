@@ -135,8 +135,8 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
     design = _Design(S, D)
     if design.condition > WORST_CONDITION:
         message = (
-            f"the {len(S)} points do not tell the ten coefficients apart (condition {design.condition:.1e}; spread them "
-            "over both temperatures, not along a line)"
+            f"the {len(S)} points do not tell the ten coefficients apart (condition {design.condition:.1e}; spread "
+            "them over both temperatures, not along a line)"
         )
         return PerformanceMap(values, message, len(S), not_ok, design.condition)
     fits = {figure: design.fit(column[good]) for figure, column in columns.items()}

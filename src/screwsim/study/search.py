@@ -41,23 +41,23 @@ class Top:
 Function = Callable[[float], Point]
 
 
-def highest(function: Function, low: float, high: float, count: int = COARSE) -> Top | None:
-    """Return the highest point between low and high; None when fewer than three points of the bracket have values."""
-    step = (high - low) / (count - 1)
-    tried = [function(low + step * number if number < count - 1 else high) for number in range(count)]
+def highest(function: Function, first: float, last: float, count: int = COARSE) -> Top | None:
+    """Return the highest point between two ends; None when fewer than three points of the bracket have values."""
+    step = (last - first) / (count - 1)
+    tried = [function(first + step * number if number < count - 1 else last) for number in range(count)]
     good = [point for point in tried if math.isfinite(point.y)]
     if len(good) < 3:
         return None
     tops = []
     for number in _peaks(good):
         bracket = good[max(number - 1, 0)].x, good[min(number + 1, len(good) - 1)].x
-        seen = _refined(function, bracket, good, RESOLUTION * (high - low))
+        seen = _refined(function, bracket, good, RESOLUTION * (last - first))
         tops.append((max([good[number], *seen], key=lambda point: point.y), bracket, seen))
     tops.sort(key=lambda top: -top[0].y)
     best, bracket, _ = tops[0]
     known = [*good, *(point for _, _, seen in tops for point in seen)]
-    sides = (_reach(best, known, sign) for sign in (-1.0, 1.0))
-    return Top(best, *sides, bracket, tuple(top[0] for top in tops[1:]))
+    low, high = (_reach(best, known, sign) for sign in (-1.0, 1.0))
+    return Top(best, low, high, bracket, tuple(top[0] for top in tops[1:]))
 
 
 def _peaks(points: Sequence[Point]) -> list[int]:

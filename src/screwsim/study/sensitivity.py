@@ -6,7 +6,7 @@ scrambled Sobol sequence, bootstrapped confidence intervals).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
@@ -174,7 +174,7 @@ def _problem(ranges: Sequence[Range]) -> dict[str, Any]:
     }
 
 
-def _sampled(problem: Mapping[str, Any], samples: int, seed: int) -> np.ndarray:
+def _sampled(problem: dict[str, Any], samples: int, seed: int) -> np.ndarray:
     """Return the points [SI], a row each."""
     try:
         from SALib.sample import sobol
@@ -183,7 +183,7 @@ def _sampled(problem: Mapping[str, Any], samples: int, seed: int) -> np.ndarray:
     return sobol.sample(problem, samples, calc_second_order=False, seed=seed)
 
 
-def _shares(figure: str, problem: Mapping[str, Any], values: np.ndarray, errors: np.ndarray, seed: int) -> Shares:
+def _shares(figure: str, problem: dict[str, Any], values: np.ndarray, errors: np.ndarray, seed: int) -> Shares:
     """Return the indices of one figure; none where it does not vary beyond its numerical errors."""
     from SALib.analyze import sobol
 
