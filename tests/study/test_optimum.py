@@ -152,3 +152,9 @@ def test_the_optimum_of_the_paper_is_that_of_a_fine_grid():
     assert row.low / step <= ratio[np.argmax(curve)] <= row.high * step
     # two errors: the optimum's own, and that its accuracy of the figure is another than the grid's
     assert row.figure == pytest.approx(max(curve), abs=2.0 * row.error + 1e-6)
+
+
+def test_a_figure_that_the_scene_has_not_is_said_with_the_remedy():
+    (row,) = best_of(gappy, first="0.1", last="0.25")
+    message = "no isothermal_efficiency: no gas is delivered (choose another --figure)"
+    assert (row.status, row.failed, row.message) == ("failed", 0, message)

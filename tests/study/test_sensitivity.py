@@ -84,12 +84,13 @@ def test_a_failed_point_spoils_the_study_with_the_remedy():
     found = study(gappy, ("oil_supply.ratio=1..6",), BOTH[:1], samples=16)
     assert found.shares == () and 0 < found.failed < found.solutions == 48
     assert found.message.startswith(f"{found.failed} of 48 solutions: failed: pressure left the range")
-    assert found.message.endswith("(every one is needed: narrow the ranges)")
+    assert found.message.endswith("(every point is needed: narrow the ranges)")
 
 
 def test_a_figure_that_is_missing_somewhere_is_a_failed_point():
     found = study(gappy, ("oil_supply.ratio=0.2..2",), BOTH[:1], samples=16)
-    assert "no isothermal_efficiency: no gas is delivered" in found.message
+    assert "no isothermal_efficiency: no gas is delivered (every point is needed: narrow the ranges" in found.message
+    assert found.message.endswith(", or choose another --figure)")
 
 
 @pytest.mark.parametrize(

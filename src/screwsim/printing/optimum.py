@@ -48,7 +48,8 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
         print()
     for note in notes:
         print(wrapped(note))
-    print(wrapped("as good: the figure is within its estimated error of the best there"))
+    if any(row.value is not None for row in rows):
+        print(wrapped("as good: the figure is within its estimated error of the best there"))
 
 
 def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> list[str]:

@@ -204,8 +204,8 @@ def _told(
     counts = {"solutions": trials.count, "failed": len(trials.reasons), "accuracy": trials.scene.numerics.accuracy}
     some = f"{len(trials.reasons)} of {trials.count} solutions: {trials.reasons[0]}" if trials.reasons else ""
     if top is None:
-        missing = trials.absent[0] if trials.absent else ""
-        return Best(values, "failed", some or f"no {asked.figure}: {missing}", **counts)
+        missing = f"no {asked.figure}: {trials.absent[0]} (choose another --figure)" if trials.absent else ""
+        return Best(values, "failed", some or missing, **counts)
     sign = -1.0 if asked.minimum else 1.0
     near = 2e-4 * (ends[1] - ends[0])
     place = "lower border" if top.point.x - ends[0] < near else "inside"

@@ -138,7 +138,8 @@ def sensitivity(
     head = (tuple(ranges), samples, seed, len(points))
     bad = [answer.message for answer in answers if answer.message]
     if bad:
-        remedy = "every one is needed: narrow the ranges"
+        remedy = "every point is needed: narrow the ranges"
+        remedy += ", or choose another --figure" if bad[0].startswith("no ") else ""
         return Sensitivity(*head, len(bad), (), f"{len(bad)} of {len(points)} solutions: {bad[0]} ({remedy})")
     values, errors = (np.array([getattr(answer, name) for answer in answers]) for name in ("values", "errors"))
     shares = (_shares(figure, problem, values[:, i], errors[:, i], seed) for i, figure in enumerate(figures))
@@ -160,7 +161,8 @@ def _answer(
         return _Answer(f"{result.status.replace('_', ' ')}: {result.message}")
     for figure in figures:
         if result.performance.get(figure) is None:
-            return _Answer(f"no {figure}: {result.notes.get(figure, 'it is not simulated')}")
+            reason = result.notes.get(figure, "it is not simulated")
+            return _Answer(f"no {figure}: {reason}")
     values = tuple(float(result.performance[figure]) for figure in figures)
     return _Answer("", values, tuple(absolute_error(result, figure, scene) for figure in figures))
 
