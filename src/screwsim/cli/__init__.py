@@ -10,17 +10,28 @@ import sys
 import traceback
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from screwsim import __version__
+from screwsim.cli import studies
+from screwsim.cli.options import (
+    BAD_SCENE,
+    INTERNAL,
+    INTERRUPTED,
+    NOT_ALL_OK,
+    OK,
+    USAGE,
+    AsJson,
+    Jobs,
+    Overrides,
+    SceneFile,
+    Without,
+)
+from screwsim.cli.options import base_point as _base_point
+from screwsim.cli.options import loaded as _loaded
 from screwsim.faults import SceneError, UsageError
-
-if TYPE_CHECKING:
-    from screwsim.scene import Scene
-
-OK, INTERNAL, USAGE, BAD_SCENE, NOT_ALL_OK, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 app = typer.Typer(
     name="screwsim",
@@ -32,14 +43,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="The scene, a YAML file.", show_default=False)]
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Change one path, e.g. operation.speed='1000 rpm'."),
-]
-Without = Annotated[list[str] | None, typer.Option(metavar="EFFECT", help="Leave an effect out.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout, nothing else.")]
 
 
 def _print_version(wanted: bool) -> None:
@@ -97,7 +100,7 @@ def sweep(
     ] = None,
     overrides: Overrides = None,
     without: Without = None,
-    jobs: Annotated[int | None, typer.Option(min=1, metavar="N", help="Worker processes (default: all cores).")] = None,
+    jobs: Jobs = None,
     restart: Annotated[bool, typer.Option("--restart", help="Compute again what is there.")] = False,
     as_json: AsJson = False,
 ) -> int:
@@ -171,6 +174,9 @@ def plot(
         typer.echo(path)
 
 
+studies.add_to(app)
+
+
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of a scene."""
@@ -178,24 +184,6 @@ def schema() -> None:
     from screwsim.scene import schema as scene_schema
 
     print_json(scene_schema())
-
-
-def _loaded(scene_file: str, overrides: Sequence[str] | None, without: Sequence[str] | None) -> Scene:
-    from screwsim.scene import load
-
-    return load(scene_file, overrides or (), without or ())
-
-
-def _base_point(scene: Scene) -> Scene:
-    """Return the scene without its sweep, as it is stored beside the result."""
-    if not scene.sweep:
-        return scene
-    from dataclasses import replace
-
-    from screwsim.scene import scene_text
-
-    base = replace(scene, sweep={})
-    return replace(base, text=scene_text(base))
 
 
 def exit_code(arguments: Sequence[str]) -> int:

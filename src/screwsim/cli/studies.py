@@ -1,0 +1,146 @@
+"""The commands of studies: many solutions, or stored results, for one question."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
+
+
+def optimum(
+    scene_file: SceneFile,
+    path: Annotated[str, typer.Option(metavar="PATH", help="What is varied.")] = "oil_supply.ratio",
+    figure: Annotated[str, typer.Option(metavar="NAME", help="What is to be highest.")] = "isothermal_efficiency",
+    minimum: Annotated[bool, typer.Option("--minimum", help="Look for the lowest instead.")] = False,
+    first: Annotated[str | None, typer.Option("--from", metavar="VALUE", help="Where the range begins.")] = None,
+    last: Annotated[str | None, typer.Option("--to", metavar="VALUE", help="Where the range ends.")] = None,
+    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.csv|.h5", help="Write the table.")] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Find the best value of one path, for each point of the sweep's other axes."""
+    scene = loaded(scene_file, overrides, without)
+    from screwsim.printing import print_json
+    from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
+    from screwsim.study.columns import check_target
+    from screwsim.study.optimum import optimum as found
+    from screwsim.study.optimum import question
+    from screwsim.study.progress import for_terminal
+
+    asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
+    if output is not None:
+        check_target(output, (".csv", ".h5"))
+    rows = found(scene, asked, jobs=jobs, progress=for_terminal("optimum"))
+    if output is not None:
+        write_optimum(output, scene, asked, rows)
+    if as_json:
+        print_json(optimum_document(scene, asked, rows))
+    else:
+        print_optimum(scene, asked, rows)
+    return OK if all(row.status == "ok" and not row.failed for row in rows) else NOT_ALL_OK
+
+
+def performance_map(
+    results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of a sweep.", show_default=False)],
+    figures: Annotated[
+        list[str] | None,
+        typer.Option("--figure", metavar="NAME", help="What is fitted (default: power, mass flow, cooling capacity)."),
+    ] = None,
+    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.csv|.json", help="Write the map.")] = None,
+    as_json: AsJson = False,
+) -> int:
+    """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over evaporating and condensing temperature."""
+    from screwsim.printing import print_json
+    from screwsim.printing.performance_map import map_document, print_maps, write_maps
+    from screwsim.results import open_results
+    from screwsim.study.columns import check_target
+    from screwsim.study.performance_map import FIGURES, performance_maps
+
+    results = open_results(results_file)
+    if output is not None:
+        check_target(output, (".csv", ".json"))
+    maps = performance_maps(results, tuple(dict.fromkeys(figures)) if figures else FIGURES)
+    if output is not None:
+        write_maps(output, results, maps)
+    if as_json:
+        print_json(map_document(results, maps))
+    else:
+        print_maps(results, maps)
+    return OK if not any(each.message or each.not_ok for each in maps) else NOT_ALL_OK
+
+
+def sensitivity(
+    scene_file: SceneFile,
+    paths: Annotated[
+        list[str] | None,
+        typer.Option("--path", metavar="PATH=LOW..HIGH", help="What varies, e.g. oil_supply.ratio=0.5..2; repeat it."),
+    ] = None,
+    figures: Annotated[
+        list[str] | None,
+        typer.Option("--figure", metavar="NAME", help="Of what (default: isothermal efficiency, mass flow)."),
+    ] = None,
+    samples: Annotated[int, typer.Option(metavar="N", help="Base samples, a power of two.")] = 256,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of samples and confidence intervals.")] = 1,
+    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.csv|.h5", help="Write the indices.")] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Tell which inputs a figure depends on: Sobol indices, first order and total."""
+    scene = base_point(loaded(scene_file, overrides, without))
+    from screwsim.printing import print_json
+    from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
+    from screwsim.study.columns import check_target
+    from screwsim.study.progress import for_terminal
+    from screwsim.study.sensitivity import FIGURES, read_ranges
+    from screwsim.study.sensitivity import sensitivity as studied
+
+    if output is not None:
+        check_target(output, (".csv", ".h5"))
+    names = tuple(dict.fromkeys(figures)) if figures else FIGURES
+    ranges, progress = read_ranges(scene, paths or ()), for_terminal("sensitivity")
+    found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=progress)
+    if output is not None and not found.message:
+        write_sensitivity(output, found)
+    if as_json:
+        print_json(sensitivity_document(scene, found))
+    else:
+        print_sensitivity(scene, found)
+    return OK if not found.message else NOT_ALL_OK
+
+
+def compare(
+    first: Annotated[str, typer.Argument(metavar="A.h5", help="Results of run or sweep.", show_default=False)],
+    second: Annotated[str, typer.Argument(metavar="B.h5", help="What they are compared with.", show_default=False)],
+    tolerance: Annotated[
+        float, typer.Option(metavar="T", help="Relative difference that counts as none, beside numerical error.")
+    ] = 0.0,
+    as_json: AsJson = False,
+) -> int:
+    """Tell what differs between two results files. A difference is a finding: exit code 0."""
+    from screwsim.printing import print_json
+    from screwsim.printing.compare import comparison_document, print_comparison
+    from screwsim.results import open_results
+    from screwsim.study.compare import compare as compared
+
+    a, b = open_results(first), open_results(second)
+    found = compared(a, b, tolerance)
+    if as_json:
+        print_json(comparison_document(a, b, found))
+    else:
+        print_comparison(a, b, found)
+    return OK
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add these commands."""
+    app.command()(optimum)
+    app.command()(sensitivity)
+    app.command("map")(performance_map)
+    app.command()(compare)

@@ -1,0 +1,96 @@
+"""What `screwsim compare` prints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from screwsim.printing import engineering, shown_name
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.results import Results
+from screwsim.study.compare import Comparison, FigureChange
+
+MOST_NAMES = 3  # of figures that differ most at one point
+
+
+def comparison_document(a: Results, b: Results, found: Comparison) -> dict[str, Any]:
+    """Return what `compare --json` prints; SI units."""
+    return {
+        "a": str(a.path),
+        "b": str(b.path),
+        "versions": [each.attributes["screwsim_version"] for each in (a, b)],
+        "equal": found.equal,
+        "points": {"common": found.common, "only_a": found.only_a, "only_b": found.only_b},
+        "scene": {path: {"a": one, "b": other} for path, (one, other) in found.scene.items()},
+        "status_changes": found.status_changes,
+        "first_status_changes": [asdict(each) for each in found.first_status_changes],
+        "figures": {each.figure: asdict(each) for each in found.figures},
+    }
+
+
+def print_comparison(a: Results, b: Results, found: Comparison) -> None:
+    """Print points, scenes, statuses and figures."""
+    print(wrapped(f"A: {a.path}"))
+    print(wrapped(f"B: {b.path}"))
+    points = f"{found.common} point{'s' if found.common > 1 else ''} in common"
+    for name, count in (("A", found.only_a), ("B", found.only_b)):
+        points += f", {count} only in {name}" if count else ""
+    print(points)
+    if found.scene:
+        print()
+        rows = [[path, one or "-", other or "-"] for path, (one, other) in found.scene.items()]
+        print("\n".join(plain_table(["scene", "A", "B"], rows, 1)))
+    if found.status_changes:
+        print()
+        print(f"{found.status_changes} points have another status")
+        for each in found.first_status_changes:
+            print(wrapped(f"{each.a} → {each.b}{_where(a, each.at)}"))
+    print()
+    _print_figures(a, found)
+    print()
+    print("equal within" if found.equal else "different beyond", "the numerical error or the tolerance")
+
+
+def _print_figures(a: Results, found: Comparison) -> None:
+    heads = ["", "A", "B", "", "change", "error", "differ"]
+    print("\n".join(plain_table(heads, [_cells(each) for each in found.figures], 1)))
+    many = any(each.at for each in found.figures) and found.common > 1
+    text = "change and error (both estimates together; up to twice that is none) are relative to A"
+    print(wrapped(f"{text}; of the point with the largest change over what is allowed" if many else text))
+    places: dict[str, list[str]] = {}
+    for each in found.figures:
+        if many and each.beyond and each.at:
+            places.setdefault(_where(a, each.at), []).append(shown_name(each.figure))
+    for place, names in places.items():
+        few = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
+        print(wrapped(f"largest change{place}: {few}"))
+
+
+def _cells(each: FigureChange) -> list[str]:
+    differ = f"{each.beyond} of {each.points}" if each.points > 1 else "yes" if each.beyond else "no"
+    if each.only_a or each.only_b:
+        differ = f"{each.only_a + each.only_b} only in {'A' if each.only_a else 'B'}"
+    if each.a is None or each.b is None:
+        return [shown_name(each.figure), "", "", "", "", "", differ]
+    (one, unit), (other, other_unit) = (_shown(each.figure, value) for value in (each.a, each.b))
+    other = other if other_unit == unit else f"{other} {other_unit}"  # 900 W against 1.1 kW
+    relative = "" if each.relative is None else f"{each.relative:+.1e}" if each.relative else "0"
+    error = f"{(each.error or 0.0) / abs(each.a):.0e}" if each.a else ""
+    return [shown_name(each.figure), one, other, unit, relative, error, differ]
+
+
+def _shown(figure: str, value: float) -> tuple[str, str]:
+    """Return number and unit, a temperature in K alone."""
+    number, unit = engineering(figure, value)
+    return number, unit.partition(" (")[0]
+
+
+def _where(results: Results, at: Mapping[str, Any]) -> str:
+    """Return where a point lies, in the units of the file."""
+    units = {axis.path: axis.units for axis in results.axis_list if axis.units != "1"}
+    words = [
+        f"{path} = {value if isinstance(value, str) else format(value, '.6g')} {units.get(path, '')}".strip()
+        for path, value in at.items()
+    ]
+    return f" at {', '.join(words)}" if words else ""

@@ -1,0 +1,109 @@
+"""What `screwsim optimum` prints and writes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from screwsim.outputs import PERFORMANCE
+from screwsim.printing import engineering, shown_name
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.scene import Scene, axis_label, leaf_of
+from screwsim.study.columns import Column, write_columns
+from screwsim.study.inputs import in_customary, shown_value
+from screwsim.study.optimum import Best, Question
+
+
+def optimum_document(scene: Scene, asked: Question, rows: Sequence[Best]) -> dict[str, Any]:
+    """Return what `optimum --json` prints: the question, a row a point of the other axes, counts; SI units."""
+    return {
+        "title": scene.title,
+        "path": asked.path,
+        "figure": asked.figure,
+        "sense": "minimum" if asked.minimum else "maximum",
+        "from": asked.low,
+        "to": asked.high,
+        "rows": [asdict(row) for row in rows],
+        "solutions": sum(row.solutions for row in rows),
+        "failed_solutions": sum(row.failed for row in rows),
+    }
+
+
+def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
+    """Print a row a point of the other axes, then what is to be said of single ones."""
+    word = "lowest" if asked.minimum else "highest"
+    ends = f"{shown_value(scene, asked.path, asked.low)} … {shown_value(scene, asked.path, asked.high)}"
+    if scene.title:
+        print(wrapped(scene.title))
+    print(wrapped(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}"))
+    print()
+    paths = [path for path in scene.sweep if path != asked.path]
+    heads = [*(path.rpartition(".")[2].replace("_", " ") for path in paths), asked.path.rpartition(".")[2], "as good"]
+    heads += [shown_name(asked.figure), "error", "accuracy", "solutions"]
+    print("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
+    notes = [note for row in rows for note in _notes(scene, asked, paths, row)]
+    if notes:
+        print()
+    for note in notes:
+        print(wrapped(note))
+    if any(row.value is not None for row in rows):
+        print(wrapped("as good: the figure is within its estimated error of the best there"))
+
+
+def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> list[str]:
+    head = [shown_value(scene, path, row.values[path]) for path in paths]
+    if row.value is None or row.figure is None or row.error is None:
+        return [*head, row.status, "", "", "", "", str(row.solutions)]
+    number, unit = engineering(asked.figure, row.figure)
+    low, high = (in_customary(scene, asked.path, end)[0] for end in (row.low, row.high))
+    mark = {"lower border": " <", "upper border": " >"}.get(row.place or "", "")
+    return [
+        *head,
+        shown_value(scene, asked.path, row.value, 4) + mark,
+        f"{low:.4g} … {high:.4g}",
+        f"{number} {unit}".strip(),
+        f"{row.error / abs(row.figure):.0e}" if row.figure else "",
+        f"{row.accuracy:.0e}",
+        str(row.solutions),
+    ]
+
+
+def _notes(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> Iterator[str]:
+    where = ", ".join(shown_value(scene, path, row.values[path]) for path in paths)
+    where = f"{where}: " if where else ""
+    if row.place in ("lower border", "upper border"):
+        option = "--from" if row.place == "lower border" else "--to"
+        yield f"{where}at the {row.place} of the range, a better one may lie beyond: widen it ({option})"
+    for value, figure in row.others:
+        shown = " ".join(engineering(asked.figure, figure)).strip()
+        yield f"{where}another local optimum at {shown_value(scene, asked.path, value, 4)}: {shown}"
+    if row.message:
+        yield f"{where}{row.message}"
+
+
+def write_optimum(path: Path, scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
+    """Write a row a point of the other axes: CSV or HDF5, SI units."""
+    columns = {}
+    for axis in (axis for axis in scene.sweep if axis != asked.path):
+        values = [row.values[axis] for row in rows]
+        columns[axis] = Column(values, axis_label(axis, scene)[1] or "1", leaf_of(scene, axis).doc)
+    units, doc = axis_label(asked.path, scene)[1], leaf_of(scene, asked.path).doc
+    about = PERFORMANCE[asked.figure]
+    meanings = {
+        "value": (asked.path, units, f"best {doc}"),
+        "low": (f"{asked.path}_low", units, "from here on as good within the error"),
+        "high": (f"{asked.path}_high", units, "up to here as good within the error"),
+        "figure": (asked.figure, about.units, about.long_name),
+        "error": (f"{asked.figure}_error", about.units, "its estimated numerical error, absolute"),
+        "accuracy": ("accuracy", "1", "accuracy asked of the last solutions"),
+        "solutions": ("solutions", "1", "number of solutions"),
+        "failed": ("failed_solutions", "1", "number of those that failed or did not close"),
+        "status": ("status", "", "ok or failed"),
+        "place": ("place", "", "inside the range, or at which border"),
+        "message": ("message", "", "why solutions failed"),
+    }
+    for name, (column, unit, meaning) in meanings.items():
+        columns[column] = Column([getattr(row, name) for row in rows], unit, meaning)
+    write_columns(path, f"optimum of {asked.path}", columns)

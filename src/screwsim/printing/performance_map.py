@@ -1,0 +1,97 @@
+"""What `screwsim map` prints and writes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from screwsim.outputs import PERFORMANCE
+from screwsim.printing import plain, shown_name
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.results import Results
+from screwsim.results.atomic import make_folder, replacing
+from screwsim.study.columns import Column, write_columns
+from screwsim.study.performance_map import NAMES, PerformanceMap, conditions
+
+FORMULA = "X = C1 + C2 S + C3 D + C4 S² + C5 S D + C6 D² + C7 S³ + C8 D S² + C9 S D² + C10 D³"
+
+
+def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:
+    """Return what `map --json` prints: the formula, the conditions, a map a point of the other axes."""
+    figures = next(each.fits for each in maps if each.fits)
+    return {
+        "file": str(results.path),
+        "title": results.attributes["title"],
+        "formula": FORMULA,
+        "S": "evaporating temperature, degC",
+        "D": "condensing temperature, degC",
+        "units": {figure: PERFORMANCE[figure].units for figure in figures},
+        "conditions": conditions(results),
+        "maps": [asdict(each) for each in maps],
+    }
+
+
+def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
+    """Print the coefficients of each map with errors and envelope."""
+    print(wrapped(results.attributes["title"]))
+    print(wrapped(FORMULA))
+    print(wrapped("S evaporating, D condensing temperature in °C; X in the unit of its column"))
+    print(wrapped("left-out error: the largest at a point of the fit to the others"))
+    for each in maps:
+        print()
+        if each.values:
+            print(wrapped(", ".join(_at(results, path, value) for path, value in each.values.items())))
+        _print_map(each)
+
+
+def _at(results: Results, path: str, value: Any) -> str:
+    number = value if isinstance(value, str) else f"{value:.6g}"
+    return f"{path} = {number} {_units(results, path)}".strip()
+
+
+def _units(results: Results, path: str) -> str:
+    return next((axis.units for axis in results.axis_list if axis.path == path and axis.units != "1"), "")
+
+
+def _print_map(one: PerformanceMap) -> None:
+    if one.message:
+        print(wrapped(f"no map: {one.message}"))
+        return
+    rows = [[name, *(f"{fit.coefficients[i]:.9e}" for fit in one.fits.values())] for i, name in enumerate(NAMES)]
+    for label, name in (("largest error", "largest"), ("rms error", "rms"), ("left-out error", "left_out")):
+        found = (getattr(fit, name) for fit in one.fits.values())
+        rows.append([label, *("" if value is None else f"{100.0 * value:.2g} %" for value in found)])
+    heads = ["", *(f"{shown_name(figure)} [{PERFORMANCE[figure].units}]" for figure in one.fits)]
+    print("\n".join(plain_table(heads, rows, 1)))
+    corners = ", ".join(f"({S:g}, {D:g})" for S, D in one.envelope)
+    left = f", {one.not_ok} more are not ok" if one.not_ok else ""
+    print(wrapped(f"{one.points} points{left}; condition of the fit {one.condition:.2g}"))
+    print(wrapped(f"envelope (S, D): {corners} °C; the map says nothing outside it"))
+
+
+def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:
+    """Write the maps: JSON as `map --json` prints it, or CSV with a row a figure."""
+    if path.suffix.lower() == ".csv":
+        write_columns(path, "compressor map", _columns(results, maps))
+        return
+    make_folder(path.parent)
+    with replacing(path) as temporary:
+        text = json.dumps(plain(map_document(results, maps)), indent=1, allow_nan=False, ensure_ascii=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def _columns(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Column]:
+    rows = [(one, figure, fit) for one in maps for figure, fit in one.fits.items()]
+    columns = {
+        path: Column([one.values[path] for one, _, _ in rows], _units(results, path), path) for path in maps[0].values
+    }
+    columns["figure"] = Column([figure for _, figure, _ in rows], "", "figure")
+    columns["units"] = Column([PERFORMANCE[figure].units for _, figure, _ in rows], "", "its unit")
+    for number, name in enumerate(NAMES):
+        columns[name] = Column([fit.coefficients[number] for _, _, fit in rows], "1", name)
+    for name in ("largest", "rms", "left_out"):
+        columns[f"{name}_error"] = Column([getattr(fit, name) for _, _, fit in rows], "1", f"{name} relative error")
+    return columns

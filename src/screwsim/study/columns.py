@@ -1,0 +1,68 @@
+"""A study on disk: named columns with units, as CSV or HDF5."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.outputs import Variable
+from screwsim.results.atomic import make_folder, replacing
+from screwsim.results.netcdf import Layout, number_attributes, set_attributes
+from screwsim.results.schema import variable_name, version
+
+
+class Column(NamedTuple):
+    """One column of numbers [units] or texts; None where there is none."""
+
+    values: Sequence[Any]
+    units: str
+    long_name: str
+
+
+def check_target(path: Path, endings: Sequence[str]) -> None:
+    """Raise UsageError unless the name of a file has one of the endings."""
+    if path.suffix.lower() not in endings:
+        raise UsageError(f"-o {path}: has no ending that tells its format (write one of {', '.join(endings)})")
+
+
+def write_columns(path: Path, title: str, columns: Mapping[str, Column]) -> None:
+    """Write columns of one length: CSV with the units in its first line, or HDF5 with the layout of netCDF-4."""
+    make_folder(path.parent)
+    with replacing(path) as temporary:
+        if path.suffix.lower() == ".csv":
+            _write_csv(temporary, columns)
+        else:
+            _write_hdf5(temporary, title, columns)
+
+
+def _write_csv(path: Path, columns: Mapping[str, Column]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(
+            f"{name} [{each.units}]" if each.units not in ("1", "") else name for name, each in columns.items()
+        )
+        for row in zip(*(each.values for each in columns.values()), strict=True):
+            writer.writerow("" if value is None else value for value in row)
+
+
+def _write_hdf5(path: Path, title: str, columns: Mapping[str, Column]) -> None:
+    import h5py
+
+    with h5py.File(path, "w", libver=("v108", "v108"), track_order=True) as file:
+        set_attributes(file, {"Conventions": "CF-1.11", "title": title, "source": f"screwsim {version()}"})
+        layout = Layout(file)
+        layout.dimension(file, "row", len(next(iter(columns.values())).values))
+        for name, each in columns.items():
+            if any(isinstance(value, str) for value in each.values):
+                texts = np.array(["" if value is None else value for value in each.values], np.str_)
+                layout.texts(file, variable_name(name), texts, ("row",), each.long_name)
+                continue
+            numbers = np.array([np.nan if value is None else value for value in each.values], float)
+            layout.variable(
+                file, variable_name(name), numbers, ("row",), number_attributes(Variable(each.units, each.long_name))
+            )

@@ -1,0 +1,241 @@
+"""Two results files against each other: points in common, figures against their numerical errors, scenes, statuses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from screwsim.errors import error_scale
+from screwsim.faults import UsageError
+from screwsim.results import Results
+from screwsim.results.schema import variable_name
+from screwsim.scene.yaml_tree import Node, Place, compose
+from screwsim.study.performance_map import varied_paths
+
+Array = np.ndarray
+
+SAME = 1e-9  # relative: values of an axis nearer than this are one
+# an estimate is what a finer turn with a quarter of the regularisation changes: 3/4 of an error that is linear in it
+CERTAIN = 2.0  # of both estimates together: what counts as numerical error
+ROUNDING = 1e-12  # relative: of the last digits of figures
+MOST_CHANGES = 20  # of statuses, listed
+
+
+@dataclass(frozen=True)
+class FigureChange:
+    """How one figure [SI] changes from A to B over the common points that are ok in both.
+
+    `a`, `b`, `error` (both estimated errors together, absolute) and `at` are of the point with the largest change over
+    what is allowed; `beyond` counts the points that differ by more; `only_a`, `only_b` those where one file alone has a
+    figure.
+    """
+
+    figure: str
+    points: int
+    beyond: int
+    only_a: int = 0
+    only_b: int = 0
+    a: float | None = None
+    b: float | None = None
+    change: float | None = None
+    relative: float | None = None
+    error: float | None = None
+    at: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True)
+class StatusChange:
+    """A common point whose status is another."""
+
+    at: Mapping[str, Any]
+    a: str
+    b: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two files: numbers of points, differences of the scenes {path: (A, B)} as texts, figures, statuses."""
+
+    common: int
+    only_a: int
+    only_b: int
+    scene: Mapping[str, tuple[str | None, str | None]]
+    figures: tuple[FigureChange, ...]
+    status_changes: int
+    first_status_changes: tuple[StatusChange, ...]
+
+    @property
+    def equal(self) -> bool:
+        """Whether at every common point statuses are the same and figures agree."""
+        odd = any(each.beyond or each.only_a or each.only_b for each in self.figures)
+        return not odd and not self.status_changes
+
+
+def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
+    """Return what differs from A to B.
+
+    A figure agrees where its change is within CERTAIN times the sum of both estimated errors, or within `tolerance`,
+    relative to the larger value. Raise UsageError when no point is common.
+    """
+    if not 0.0 <= tolerance < math.inf:
+        raise UsageError(f"--tolerance {tolerance:g}: is no relative tolerance (write e.g. 1e-6)")
+    flat_a, flat_b = (_flat_scene(each) for each in (a, b))
+    paths = list(dict.fromkeys([*varied_paths(a), *varied_paths(b)]))
+    in_a, in_b, at = _common(a, b, paths, flat_a, flat_b)
+    status_a, status_b = a.status.ravel()[in_a], b.status.ravel()[in_b]
+    ok = (status_a == "ok") & (status_b == "ok")
+    point = _Points(paths, at)
+    changed = np.flatnonzero(status_a != status_b)
+    first = (StatusChange(point(i), str(status_a[i]), str(status_b[i])) for i in changed[:MOST_CHANGES])
+    sides = _Side(a, in_a), _Side(b, in_b)
+    names = [name for name in a.error if name in b.error]
+    figures = (_change(name, sides, ok, point, tolerance) for name in names)
+    return Comparison(
+        len(in_a),
+        math.prod(a.shape) - len(in_a),
+        math.prod(b.shape) - len(in_b),
+        dict(_scene_changes(flat_a, flat_b, paths)),
+        tuple(each for each in figures if each is not None),
+        len(changed),
+        tuple(first),
+    )
+
+
+def _common(
+    a: Results, b: Results, paths: list[str], flat_a: Mapping[str, str], flat_b: Mapping[str, str]
+) -> tuple[Array, Array, list[Array]]:
+    """Return the numbers of the common cases in both files, and the values of each path there."""
+    codes_a, codes_b = np.zeros(math.prod(a.shape), np.int64), np.zeros(math.prod(b.shape), np.int64)
+    columns = []
+    for path in paths:
+        column_a, column_b = _column(a, path, flat_a), _column(b, path, flat_b)
+        own_a, own_b = _coded(column_a, column_b)
+        size = 1 + max(own_a.max(), own_b.max())
+        codes_a, codes_b = codes_a * size + own_a, codes_b * size + own_b
+        columns.append(column_a)
+    _, in_a, in_b = np.intersect1d(codes_a, codes_b, return_indices=True)
+    if not len(in_a):
+        raise UsageError(
+            f"{a.path} and {b.path} have no point in common: {', '.join(paths)} differ (sweep common values of them)"
+        )
+    order = np.argsort(in_a)
+    in_a, in_b = in_a[order], in_b[order]
+    return in_a, in_b, [column[in_a] for column in columns]
+
+
+def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:
+    """Return the value of a path in every case, flat; of a path that is not varied, that of the scene."""
+    shape = results.shape
+    varied = varied_paths(results)
+    if path in varied:
+        number, values = varied[path]
+        return np.broadcast_to(values.reshape([-1 if i == number else 1 for i in range(len(shape))]), shape).ravel()
+    name = variable_name(path)
+    value: Any = results.inputs[name] if name in results.inputs else flat.get(path)
+    if value is None or (isinstance(value, np.ndarray) and np.isnan(value)):
+        raise UsageError(f"{results.path}: has no {path}, over which the other file was swept (compare files of it)")
+    return np.full(math.prod(shape), value)
+
+
+def _coded(a: Array, b: Array) -> tuple[Array, Array]:
+    """Return small numbers that are equal where values are: numbers to SAME, texts exactly."""
+    both = np.concatenate([a, b])
+    if both.dtype.kind not in "fiu":
+        codes = np.unique(both.astype(np.str_), return_inverse=True)[1]
+        return codes[: len(a)], codes[len(a) :]
+    order = np.argsort(both, kind="stable")
+    ordered = both[order]
+    steps = np.diff(ordered) > SAME * np.maximum(np.abs(ordered[1:]), np.abs(ordered[:-1]))
+    codes = np.empty(len(both), np.int64)
+    codes[order] = np.concatenate([[0], np.cumsum(steps)])
+    return codes[: len(a)], codes[len(a) :]
+
+
+@dataclass(frozen=True)
+class _Points:
+    """Where common points lie."""
+
+    paths: list[str]
+    columns: list[Array]
+
+    def __call__(self, number: int) -> dict[str, Any]:
+        return {path: column[number].item() for path, column in zip(self.paths, self.columns, strict=True)}
+
+
+class _Side:
+    """The figures of one file at the common points."""
+
+    def __init__(self, results: Results, cases: Array) -> None:
+        self._results, self._cases = results, cases
+        accuracy = results.inputs.get("numerics_accuracy", 0.0)
+        self._accuracy = float(np.max(accuracy))
+
+    def values(self, name: str) -> Array:
+        """Return a figure [SI], NaN where there is none."""
+        return self._results.performance[name].ravel()[self._cases]
+
+    def errors(self, name: str) -> Array:
+        """Return its estimated absolute error; by the wanted accuracy where nothing was estimated."""
+        relative = self._results.error[name].ravel()[self._cases]
+        relative = np.where(np.isfinite(relative), relative, self._accuracy)
+        needed = (name, "shaft_power", "ideal_isothermal_efficiency", "volumetric_efficiency", "gas_mass_flow")
+        known = {each: np.nan_to_num(self.values(each)) for each in needed}
+        return relative * error_scale(name, known, np.maximum)
+
+
+def _change(name: str, sides: tuple[_Side, _Side], ok: Array, point: _Points, tolerance: float) -> FigureChange | None:
+    """Return the change of one figure; None where neither file has it."""
+    a, b = (side.values(name) for side in sides)
+    has_a, has_b = np.isfinite(a) & ok, np.isfinite(b) & ok
+    only_a, only_b = (int(np.count_nonzero(one & ~other)) for one, other in ((has_a, has_b), (has_b, has_a)))
+    both = np.flatnonzero(has_a & has_b)
+    if not len(both):
+        return FigureChange(name, 0, 0, only_a, only_b) if only_a or only_b else None
+    change, size = (b - a)[both], np.maximum(np.abs(a), np.abs(b))[both]
+    error = (sides[0].errors(name) + sides[1].errors(name))[both]
+    allowed = np.maximum(CERTAIN * error, max(tolerance, ROUNDING) * size)
+    over = np.abs(change) / np.maximum(allowed, 1e-300)
+    worst = int(np.argmax(over))
+    value_a, value_b = float(a[both[worst]]), float(b[both[worst]])
+    return FigureChange(
+        name,
+        len(both),
+        int(np.count_nonzero(over > 1.0)),
+        only_a,
+        only_b,
+        value_a,
+        value_b,
+        value_b - value_a,
+        (value_b - value_a) / abs(value_a) if value_a else None,
+        float(error[worst]),
+        point(both[worst]),
+    )
+
+
+def _scene_changes(
+    a: Mapping[str, str], b: Mapping[str, str], varied: list[str]
+) -> Iterator[tuple[str, tuple[str | None, str | None]]]:
+    for path in dict.fromkeys([*a, *b]):
+        if path not in varied and a.get(path) != b.get(path):
+            yield path, (a.get(path), b.get(path))
+
+
+def _flat_scene(results: Results) -> dict[str, str]:
+    """Return {dotted path: text} of the scene in a file, without its sweep and title."""
+    root = compose(results.scene_yaml, Place(0, str(results.path)), [])
+    return {} if root is None else dict(_leaves(root, ""))
+
+
+def _leaves(node: Node, path: str) -> Iterator[tuple[str, str]]:
+    if not isinstance(node.value, dict):
+        yield path, str(node.value)
+        return
+    if not node.value and path:
+        yield path, "simulated" if path.startswith("effects.") else "{}"
+    for name, child in node.value.items():
+        if path or name not in ("sweep", "title"):
+            yield from _leaves(child, f"{path}.{name}" if path else name)

@@ -1,0 +1,53 @@
+"""Inputs that a study varies: read as a person writes them, checked, and shown in customary units."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from screwsim.faults import UsageError
+from screwsim.outputs import PERFORMANCE
+from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values
+from screwsim.scene.fields import unknown
+from screwsim.scene.units import NUMBER, customary_unit, to_customary
+
+
+def check_continuous(scene: Scene, path: str) -> None:
+    """Raise UsageError unless a path can take every value of a range."""
+    kind = leaf_of(scene, path).kind
+    if kind in ("choice", "count"):
+        what = "a choice" if kind == "choice" else "a whole number"
+        raise UsageError(f"{path}: is {what}, not a continuous quantity (vary it by the scene's sweep: block)")
+
+
+def check_figure(figure: str) -> None:
+    """Raise UsageError with the nearest name unless a figure exists."""
+    if figure not in PERFORMANCE:
+        raise UsageError(f"--figure {figure}: {unknown(figure, PERFORMANCE, 'a name of performance in `run --json`')}")
+
+
+def read_text(scene: Scene, path: str, text: str) -> float:
+    """Return a value as written on the command line ('1000 rpm', '0.5') in SI; raise UsageError."""
+    bare = leaf_of(scene, path).dimension is None and re.fullmatch(NUMBER, text.strip())
+    return read_value(scene, path, float(text) if bare else text.strip())
+
+
+def check_fit(scene: Scene, values: dict[str, Any], where: str) -> None:
+    """Raise UsageError with the first fault when values do not fit into a scene."""
+    faults = cross_check(with_values(scene, values))
+    if faults:
+        raise UsageError(f"{where}: {faults[0].path}: {faults[0].what}")
+
+
+def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:
+    """Return a value [SI] of a path with its customary unit."""
+    number, unit = in_customary(scene, path, value)
+    return f"{number:.{digits}g} {unit}".strip() if isinstance(number, float) else str(number)
+
+
+def in_customary(scene: Scene, path: str, value: Any) -> tuple[Any, str]:
+    """Return a value [SI] of a path as a number in its customary unit, and that unit."""
+    kind = leaf_of(scene, path).dimension
+    if kind is None:
+        return (float(value), "") if isinstance(value, int | float) else (value, "")
+    return to_customary(kind, float(value)), customary_unit(kind)

@@ -1,0 +1,225 @@
+"""The best value of one path, for each point of the scene's other axes: searched for, not read off a grid."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+from screwsim.errors import error_scale
+from screwsim.faults import UsageError
+from screwsim.outputs import Result
+from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
+from screwsim.study.each import DIED, each
+from screwsim.study.inputs import check_continuous, check_figure, check_fit, read_text, shown_value
+from screwsim.study.progress import Progress
+from screwsim.study.search import COARSE, Point, Top, highest
+
+OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # searched where nothing states a range
+LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on the search goes over the logarithm
+NARROW = 0.01  # of the range: how well the place is wanted, each way
+TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, where the error leaves the place less certain
+
+Simulate = Callable[[Scene], Result]
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked: the best `figure` over a path between two values [SI]."""
+
+    path: str
+    figure: str
+    low: float
+    high: float
+    minimum: bool = False
+
+    @property
+    def logarithmic(self) -> bool:
+        return self.low > 0.0 and self.high / self.low >= LOGARITHMIC_FROM
+
+    def coordinate(self, value: float) -> float:
+        """Return where a value [SI] lies for the search."""
+        return math.log(value) if self.logarithmic else value
+
+    def value(self, coordinate: float) -> float:
+        """Return the value [SI] at a place of the search, within the range."""
+        found = math.exp(coordinate) if self.logarithmic else coordinate
+        return min(max(found, self.low), self.high)
+
+
+@dataclass(frozen=True)
+class Best:
+    """The best value at one point of the other axes; all in SI units.
+
+    `place` is inside, or the border of the range at which the best lies: then a better one may lie beyond. Between
+    `low` and `high` the figure is within its estimated `error` (absolute) of the best. `accuracy` is what was asked of
+    the last solutions, `failed` the number of those of the `solutions` that failed or did not close.
+    """
+
+    values: Mapping[str, Any]
+    status: str  # ok | failed
+    message: str = ""
+    place: str | None = None  # inside | lower border | upper border
+    value: float | None = None
+    figure: float | None = None
+    error: float | None = None
+    low: float | None = None
+    high: float | None = None
+    others: tuple[tuple[float, float], ...] = ()  # (value, figure) of further local optima
+    accuracy: float | None = None
+    solutions: int = 0
+    failed: int = 0
+
+
+def question(
+    scene: Scene,
+    path: str = OIL_RATIO,
+    figure: str = "isothermal_efficiency",
+    *,
+    minimum: bool = False,
+    first: str | None = None,
+    last: str | None = None,
+) -> Question:
+    """Return what is asked, with the range: as given, else of the scene's axis, else for the oil ratio a usual one."""
+    check_figure(figure)
+    check_continuous(scene, path)
+    axis = scene.sweep.get(path, OIL_RANGE if path == OIL_RATIO else ())
+    if len(axis) < 2 and (first is None or last is None):
+        raise UsageError(f"{path}: has no range (write --from and --to, or an axis of it under sweep:)")
+    texts = ((first, min), (last, max))
+    ends = [choose(axis) if text is None else read_text(scene, path, text) for text, choose in texts]
+    if not ends[0] < ends[1]:
+        shown = " … ".join(shown_value(scene, path, end) for end in ends)
+        raise UsageError(f"{path}: the range {shown} is empty (--from must be below --to)")
+    return Question(path, figure, ends[0], ends[1], minimum)
+
+
+def optimum(
+    scene: Scene,
+    asked: Question,
+    *,
+    jobs: int | None = None,
+    simulate: Simulate | None = None,
+    progress: Progress | None = None,
+) -> list[Best]:
+    """Return the best value for each point of the scene's axes but that of the path (one without them)."""
+    rest = replace(scene, sweep={path: values for path, values in scene.sweep.items() if path != asked.path})
+    middle = {asked.path: asked.value(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
+    check_fit(case(rest, 0), middle, asked.path)
+    count = case_count(rest)
+    if simulate is None:
+        from screwsim.simulate import simulate as default_simulate
+        from screwsim.simulate import warm_up
+
+        simulate = partial(default_simulate, trace=False)
+        if count > 1:
+            warm_up(with_values(case(rest, 0), middle))  # before the fork: workers inherit what is compiled here
+    return each(
+        partial(_best, rest, asked, simulate),
+        count,
+        died=lambda number: Best(case_values(rest, number), "failed", DIED),
+        jobs=jobs,
+        failed=lambda best: best.status != "ok",
+        progress=progress,
+    )
+
+
+def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best:
+    """Return the best value at one point of the other axes; more accurately where the error leaves it uncertain."""
+    trials = _Trials(case(rest, number), asked, simulate)
+    ends = asked.coordinate(asked.low), asked.coordinate(asked.high)
+    top = highest(trials.point, *ends)
+    while top is not None and _uncertain(top, ends) and trials.tighten():
+        margin = 0.25 * (top.bracket[1] - top.bracket[0])
+        bracket = max(top.bracket[0] - margin, ends[0]), min(top.bracket[1] + margin, ends[1])
+        finer = highest(trials.point, *bracket, count=1 + COARSE // 2)
+        if finer is None:
+            break
+        top = replace(finer, others=top.others)
+    return _told(case_values(rest, number), asked, trials, top, ends)
+
+
+def _uncertain(top: Top, ends: tuple[float, float]) -> bool:
+    return max(top.high - top.point.x, top.point.x - top.low) > NARROW * (ends[1] - ends[0])
+
+
+@dataclass
+class _Trials:
+    """The solutions of one search: the figure over the search's coordinate, and what went wrong."""
+
+    scene: Scene
+    asked: Question
+    simulate: Simulate
+    count: int = 0
+    reasons: list[str] = field(default_factory=list)  # of solutions that failed or did not close
+    absent: list[str] = field(default_factory=list)  # of closed ones without this figure
+
+    def point(self, x: float) -> Point:
+        """Return the figure there, turned round where the lowest is wanted; NaN without a closed solution."""
+        self.count += 1
+        scene, name = with_values(self.scene, {self.asked.path: self.asked.value(x)}), self.asked.figure
+        result = closed(scene, self.simulate)
+        if result.status != "ok":
+            self.reasons.append(f"{result.status.replace('_', ' ')}: {result.message}")
+            return Point(x, math.nan)
+        value = result.performance.get(name)
+        if value is None:
+            self.absent.append(result.notes.get(name, "it is not simulated"))
+            return Point(x, math.nan)
+        return Point(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))
+
+    def tighten(self) -> bool:
+        """Ask for more accurate solutions from now on; False when that is not possible."""
+        numerics = self.scene.numerics
+        if numerics.rtol is not None or numerics.accuracy <= TIGHTEST:
+            return False
+        accuracy = max(TIGHTER * numerics.accuracy, TIGHTEST)
+        self.scene = replace(self.scene, numerics=replace(numerics, accuracy=accuracy))
+        return True
+
+
+def closed(scene: Scene, simulate: Simulate) -> Result:
+    """Return the result of a scene; values that do not fit together are a failed one."""
+    faults = cross_check(scene)
+    if faults:
+        return Result("failed", message="; ".join(f"{fault.path}: {fault.what}" for fault in faults))
+    try:
+        return simulate(scene)
+    except (UsageError, ArithmeticError, ValueError) as error:
+        return Result("failed", message=" ".join(f"{type(error).__name__}: {error}".split()))
+
+
+def absolute_error(result: Result, name: str, scene: Scene) -> float:
+    """Return the estimated error of a figure in its own unit; by the wanted accuracy where nothing is estimated."""
+    known = {figure: 0.0 if value is None else value for figure, value in result.performance.items()}
+    relative = result.error.get(name)
+    return float(error_scale(name, known) * (scene.numerics.accuracy if relative is None else relative))
+
+
+def _told(
+    values: Mapping[str, Any], asked: Question, trials: _Trials, top: Top | None, ends: tuple[float, float]
+) -> Best:
+    counts = {"solutions": trials.count, "failed": len(trials.reasons), "accuracy": trials.scene.numerics.accuracy}
+    some = f"{len(trials.reasons)} of {trials.count} solutions: {trials.reasons[0]}" if trials.reasons else ""
+    if top is None:
+        missing = f"no {asked.figure}: {trials.absent[0]} (choose another --figure)" if trials.absent else ""
+        return Best(values, "failed", some or missing, **counts)
+    sign = -1.0 if asked.minimum else 1.0
+    near = 2e-4 * (ends[1] - ends[0])
+    place = "lower border" if top.point.x - ends[0] < near else "inside"
+    place = "upper border" if ends[1] - top.point.x < near else place
+    return Best(
+        values,
+        "ok",
+        some,
+        place,
+        asked.value(top.point.x),
+        sign * top.point.y,
+        top.point.error,
+        asked.value(top.low),
+        asked.value(top.high),
+        tuple((asked.value(point.x), sign * point.y) for point in top.others),
+        **counts,
+    )

@@ -1,0 +1,210 @@
+"""A compressor map: the ten-coefficient polynomial of AHRI 540 and EN 12900, fitted to the points of a sweep.
+
+X = C1 + C2 S + C3 D + C4 S² + C5 S D + C6 D² + C7 S³ + C8 D S² + C9 S D² + C10 D³, with S the evaporating and D the
+condensing temperature in °C, and X in SI units.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.results import Results
+from screwsim.scene.operation import CONDENSING, EVAPORATING, SUBCOOLING, SUPERHEAT
+from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.inputs import check_figure
+
+Array = np.ndarray
+
+TERMS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3))  # powers of S and D
+NAMES = tuple(f"C{number}" for number in range(1, len(TERMS) + 1))
+FIGURES = ("shaft_power", "gas_mass_flow", "cooling_capacity")
+VALUES = 4  # distinct temperatures that a cubic needs
+WORST_CONDITION = 1e6  # of the fit in centred and scaled temperatures; a full grid has about 10
+_CONDITIONS = (SUPERHEAT, SUBCOOLING, "operation.suction.superheat", "oil_supply.temperature", "oil_supply.ratio")
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The coefficients of one figure, and its errors over the points, relative to their values.
+
+    `left_out` is the largest error at a point of the fit to the others; None where too few are left.
+    """
+
+    coefficients: tuple[float, ...]
+    largest: float
+    rms: float
+    left_out: float | None
+
+
+@dataclass(frozen=True)
+class PerformanceMap:
+    """A map at one point of the other axes (`values`, SI); `message` says why there is none.
+
+    `envelope` are the corners (S, D) [°C] of the convex hull of the points, anticlockwise; `not_ok` points of the sweep
+    are not in it. `condition` is that of the fit in scaled temperatures.
+    """
+
+    values: Mapping[str, Any]
+    message: str = ""
+    points: int = 0
+    not_ok: int = 0
+    condition: float | None = None
+    envelope: tuple[tuple[float, float], ...] = ()
+    fits: Mapping[str, Fit] = field(default_factory=dict)
+
+    def inside(self, S: Any, D: Any) -> Array:
+        """Tell where the envelope covers evaporating and condensing temperatures [°C]."""
+        S, D = np.broadcast_arrays(np.asarray(S, float), np.asarray(D, float))
+        inside = np.full(S.shape, bool(self.envelope))
+        for (s, d), (s_next, d_next) in itertools.pairwise([*self.envelope, *self.envelope[:1]]):
+            side = (s_next - s) * (D - d) - (d_next - d) * (S - s)
+            inside &= side >= -1e-9 * math.hypot(s_next - s, d_next - d)
+        return inside
+
+    def evaluate(self, figure: str, S: Any, D: Any) -> np.ma.MaskedArray:
+        """Return a figure [SI] at temperatures [°C], masked outside the envelope."""
+        S, D = np.broadcast_arrays(np.asarray(S, float), np.asarray(D, float))
+        found = polynomial(self.fits[figure].coefficients, S, D)
+        return np.ma.array(found, mask=~self.inside(S, D))
+
+
+def polynomial(coefficients: Sequence[float], S: Array, D: Array) -> Array:
+    """Return the polynomial at temperatures [°C], inside the envelope or not."""
+    return sum((c * S**i * D**j for c, (i, j) in zip(coefficients, TERMS, strict=True)), np.zeros(np.shape(S)))
+
+
+def performance_maps(results: Results, figures: Sequence[str] = FIGURES) -> list[PerformanceMap]:
+    """Return a map for each point of the axes other than both temperatures; raise UsageError when none can be had."""
+    for figure in figures:
+        check_figure(figure)
+    varied = varied_paths(results)
+    missing = [path for path in (EVAPORATING, CONDENSING) if path not in varied]
+    if missing:
+        raise UsageError(
+            f"{results.path}: has no axis {' and '.join(missing)} (a map needs a sweep over both with {VALUES} values "
+            f"each or more, e.g. --set 'sweep.{missing[0]}=[…]' for screwsim sweep)"
+        )
+    maps = [_map(results, figures, values, cases) for values, cases in _groups(results, varied)]
+    if all(each.message for each in maps):
+        raise UsageError(f"{results.path}: {maps[0].message}")
+    return maps
+
+
+def varied_paths(results: Results) -> dict[str, tuple[int, Array]]:
+    """Return dimension and values along it of every path that the sweep varies."""
+    return {path: (number, values) for number, (path, values) in enumerate(results.axes.items())}
+
+
+def conditions(results: Results) -> dict[str, float]:
+    """Return what else the map was made at [SI]: superheat, subcooling, the oil."""
+    names = {path: path.replace(".", "_") for path in _CONDITIONS}
+    found = {path: results.inputs[name] for path, name in names.items() if name in results.inputs}
+    return {path: float(value) for path, value in found.items() if value.shape == () and np.isfinite(value)}
+
+
+def _groups(results: Results, varied: Mapping[str, tuple[int, Array]]) -> Iterator[tuple[dict[str, Any], Array]]:
+    """Yield the values of the other axes with the numbers of the cases there."""
+    shape = results.shape
+    own = {varied[EVAPORATING][0], varied[CONDENSING][0]}
+    others = [number for number in range(len(shape)) if number not in own]
+    numbers = np.arange(math.prod(shape)).reshape(shape)
+    for places in itertools.product(*(range(shape[number]) for number in others)):
+        at = dict(zip(others, places, strict=True))
+        values = {path: column[at[number]] for path, (number, column) in varied.items() if number in at}
+        yield values, numbers[tuple(at.get(number, slice(None)) for number in range(len(shape)))].ravel()
+
+
+def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], cases: Array) -> PerformanceMap:
+    columns = {figure: results.performance[figure].ravel()[cases] for figure in figures}
+    S, D = (_celsius(results, path)[cases] for path in (EVAPORATING, CONDENSING))
+    good = results.status.ravel()[cases] == "ok"
+    not_ok = int(np.count_nonzero(~good))
+    for column in columns.values():
+        good = good & np.isfinite(column) & (column != 0.0)
+    S, D = S[good], D[good]
+    message = _unfit(S, D, len(cases))
+    if message:
+        return PerformanceMap(values, message, len(S), not_ok)
+    design = _Design(S, D)
+    if design.condition > WORST_CONDITION:
+        message = (
+            f"the {len(S)} points do not tell the ten coefficients apart (condition {design.condition:.1e}; spread "
+            "them over both temperatures, not along a line)"
+        )
+        return PerformanceMap(values, message, len(S), not_ok, design.condition)
+    fits = {figure: design.fit(column[good]) for figure, column in columns.items()}
+    return PerformanceMap(values, "", len(S), not_ok, design.condition, _hull(S, D), fits)
+
+
+def _celsius(results: Results, path: str) -> Array:
+    """Return a temperature [°C] of all cases, flat."""
+    number, values = varied_paths(results)[path]
+    shape = [1] * len(results.shape)
+    shape[number] = -1
+    # rounded: 258.15 K less 273.15 K is not quite -15 °C
+    return np.broadcast_to(np.round(values - ZERO_CELSIUS, 9).reshape(shape), results.shape).ravel()
+
+
+def _unfit(S: Array, D: Array, cases: int) -> str:
+    """Return why no map can be fitted to points, with the remedy; empty when one can."""
+    if len(S) < len(TERMS):
+        return (
+            f"{len(S)} of {cases} points are ok and have all figures; ten coefficients need {len(TERMS)} or more (add "
+            "values to the axes)"
+        )
+    for name, values in (("evaporating", S), ("condensing", D)):
+        count = len(np.unique(values))
+        if count < VALUES:
+            return f"has {count} {name} temperatures that are ok; a cubic needs {VALUES} (add values to that axis)"
+    return ""
+
+
+class _Design:
+    """The least-squares problem in temperatures that are centred and scaled to −1 … 1."""
+
+    def __init__(self, S: Array, D: Array) -> None:
+        self._scales = [(0.5 * (T.max() + T.min()), 0.5 * (T.max() - T.min())) for T in (S, D)]
+        u, v = ((T - middle) / half for T, (middle, half) in zip((S, D), self._scales, strict=True))
+        self._matrix = np.column_stack([u**i * v**j for i, j in TERMS])
+        self.condition = float(np.linalg.cond(self._matrix))
+
+    def fit(self, values: Array) -> Fit:
+        """Return the coefficients that fit values best, in °C."""
+        scaled, *_ = np.linalg.lstsq(self._matrix, values, rcond=None)
+        errors = (self._matrix @ scaled - values) / values
+        q, _ = np.linalg.qr(self._matrix)
+        free = 1.0 - np.sum(q**2, axis=1)  # of each point: what it does not determine itself
+        left_out = float(np.max(np.abs(errors / free))) if np.all(free > 1e-6) else None
+        rms = math.sqrt(float(np.mean(errors**2)))
+        return Fit(self._in_celsius(scaled), float(np.max(np.abs(errors))), rms, left_out)
+
+    def _in_celsius(self, scaled: Array) -> tuple[float, ...]:
+        """Return the coefficients in °C of those in scaled temperatures."""
+        table = np.zeros((4, 4))
+        for coefficient, term in zip(scaled, TERMS, strict=True):
+            table[term] = coefficient
+        S, D = (_powers(middle, half) for middle, half in self._scales)
+        table = S.T @ table @ D
+        return tuple(float(table[term]) for term in TERMS)
+
+
+def _powers(middle: float, half: float) -> Array:
+    """Return the coefficients of T⁰ … T³ (columns) in ((T − middle) / half)⁰ … ³ (rows)."""
+    table = np.zeros((4, 4))
+    for n, k in itertools.product(range(4), repeat=2):
+        table[n, k] = math.comb(n, k) * (-middle) ** max(n - k, 0) / half**n
+    return table
+
+
+def _hull(S: Array, D: Array) -> tuple[tuple[float, float], ...]:
+    from scipy.spatial import ConvexHull
+
+    points = np.column_stack([S, D])
+    return tuple((float(s), float(d)) for s, d in points[ConvexHull(points).vertices])

@@ -1,0 +1,115 @@
+"""The highest value of a function of one number: a coarse bracket, then scipy's bounded search, and how sure it is.
+
+The function carries its own numerical error. Where a top is flat, that error and not the search limits how well its
+place is known: `Top` says within which interval the function is within its error of the maximum.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+COARSE = 13  # points of the bracket
+RESOLUTION = 1e-4  # of the range: where the bounded search stops
+CLEAR = 4.0  # errors below the top from which on a point tells its curvature
+
+
+class Point(NamedTuple):
+    """A value of the function with its absolute error; NaN where it has none."""
+
+    x: float
+    y: float
+    error: float = 0.0
+
+
+@dataclass(frozen=True)
+class Top:
+    """The highest point; `low` … `high`: where the function is within its error of it; `others`: further local ones.
+
+    `bracket` are its neighbours in the coarse search.
+    """
+
+    point: Point
+    low: float
+    high: float
+    bracket: tuple[float, float]
+    others: tuple[Point, ...] = ()
+
+
+Function = Callable[[float], Point]
+
+
+def highest(function: Function, first: float, last: float, count: int = COARSE) -> Top | None:
+    """Return the highest point between two ends; None when fewer than three points of the bracket have values."""
+    step = (last - first) / (count - 1)
+    tried = [function(first + step * number if number < count - 1 else last) for number in range(count)]
+    good = [point for point in tried if math.isfinite(point.y)]
+    if len(good) < 3:
+        return None
+    tops = []
+    for number in _peaks(good):
+        bracket = good[max(number - 1, 0)].x, good[min(number + 1, len(good) - 1)].x
+        seen = _refined(function, bracket, good, RESOLUTION * (last - first))
+        tops.append((max([good[number], *seen], key=lambda point: point.y), bracket, seen))
+    tops.sort(key=lambda top: -top[0].y)
+    best, bracket, _ = tops[0]
+    known = [*good, *(point for _, _, seen in tops for point in seen)]
+    low, high = (_reach(best, known, sign) for sign in (-1.0, 1.0))
+    return Top(best, low, high, bracket, tuple(top[0] for top in tops[1:]))
+
+
+def _peaks(points: Sequence[Point]) -> list[int]:
+    """Return the numbers of local maxima, the ends included, that stand out of the valleys by more than the errors."""
+    last = len(points) - 1
+    local = [
+        number
+        for number, point in enumerate(points)
+        if (number == 0 or point.y >= points[number - 1].y) and (number == last or point.y > points[number + 1].y)
+    ]
+    kept: list[int] = []
+    for number in sorted(local, key=lambda number: -points[number].y):
+        if all(_valley(points, number, other) for other in kept):
+            kept.append(number)
+    return kept
+
+
+def _valley(points: Sequence[Point], number: int, higher: int) -> bool:
+    """Tell whether a valley deeper than the errors lies between two maxima."""
+    between = points[min(number, higher) + 1 : max(number, higher)]
+    return any(points[number].y - point.y > 2.0 * (points[number].error + point.error) for point in between)
+
+
+def _refined(
+    function: Function, bracket: tuple[float, float], known: Sequence[Point], resolution: float
+) -> list[Point]:
+    """Return what a bounded search within the bracket saw; where the function has no value it counts as low."""
+    from scipy.optimize import minimize_scalar
+
+    floor = min(point.y for point in known)
+    seen: list[Point] = []
+
+    def lowered(x: float) -> float:
+        point = function(float(x))
+        if not math.isfinite(point.y):
+            return -floor
+        seen.append(point)
+        return -point.y
+
+    minimize_scalar(lowered, bounds=bracket, method="bounded", options={"xatol": resolution})
+    return seen
+
+
+def _reach(top: Point, known: Sequence[Point], sign: float) -> float:
+    """Return how far to one side (±1) the function is within its error of the top, by the nearest clear point.
+
+    Near its top the function falls with the square of the distance. Without a clear point all that side is as good.
+    """
+    side = sorted((point for point in known if sign * (point.x - top.x) > 0.0), key=lambda point: abs(point.x - top.x))
+    error = max(top.error, 0.0)
+    for point in side:
+        drop = top.y - point.y
+        if drop > CLEAR * error and drop > 0.0:
+            return top.x + (point.x - top.x) * math.sqrt(error / drop)
+    return side[-1].x if side else top.x

@@ -1,0 +1,199 @@
+"""Sobol indices: which share of the variance of a figure each input makes, alone and with others.
+
+Inputs vary independently and uniformly between two values. Sampling and estimates are SALib's (Saltelli's scheme on a
+scrambled Sobol sequence, bootstrapped confidence intervals).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.outputs import Result
+from screwsim.scene import Scene, with_values
+from screwsim.study.each import DIED, each
+from screwsim.study.inputs import check_continuous, check_figure, check_fit, read_text, shown_value
+from screwsim.study.optimum import absolute_error, closed
+from screwsim.study.progress import Progress
+
+FIGURES = ("isothermal_efficiency", "gas_mass_flow")
+CONFIDENCE = 0.95
+NOISY = 0.01  # share of the variance that numerical errors may have made
+Simulate = Callable[[Scene], Result]
+
+
+class Range(NamedTuple):
+    """A path with the two values [SI] between which it varies."""
+
+    path: str
+    low: float
+    high: float
+
+
+class Index(NamedTuple):
+    """Indices of one path with the half widths of their confidence intervals."""
+
+    path: str
+    first: float
+    first_confidence: float
+    total: float
+    total_confidence: float
+
+
+@dataclass(frozen=True)
+class Shares:
+    """What the inputs do to one figure [SI]; `message` says why there are no indices.
+
+    `noise`: the share of the variance that the estimated numerical errors may have made.
+    """
+
+    figure: str
+    mean: float | None = None
+    deviation: float | None = None
+    noise: float | None = None
+    indices: tuple[Index, ...] = ()
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """The answer to a study: a `Shares` a figure; `failed` of the `solutions` have no figures."""
+
+    ranges: tuple[Range, ...]
+    samples: int
+    seed: int
+    solutions: int
+    failed: int
+    shares: tuple[Shares, ...]
+    message: str = ""
+
+
+class _Answer(NamedTuple):
+    message: str
+    values: tuple[float, ...] = ()
+    errors: tuple[float, ...] = ()
+
+
+def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[Range, ...]:
+    """Return the ranges of texts PATH=LOW..HIGH; raise UsageError in one line."""
+    found: dict[str, Range] = {}
+    for text in texts:
+        path, equals, ends = text.partition("=")
+        path, (low, dots, high) = path.strip(), ends.partition("..")
+        if not (equals and dots and low.strip() and high.strip()):
+            example = "--path 'machine.rotor_diameter=120 mm..136 mm'"
+            raise UsageError(f"--path {text}: is not PATH=LOW..HIGH (write e.g. {example})")
+        check_continuous(scene, path)
+        span = Range(path, read_text(scene, path, low), read_text(scene, path, high))
+        if not span.low < span.high:
+            shown = " … ".join(shown_value(scene, path, end) for end in span[1:])
+            raise UsageError(f"{path}: the range {shown} is empty (LOW must be below HIGH)")
+        if path in found:
+            raise UsageError(f"{path}: is given twice (remove one)")
+        found[path] = span
+    if not found:
+        raise UsageError("nothing varies (write one or more --path PATH=LOW..HIGH)")
+    return tuple(found.values())
+
+
+def sensitivity(
+    scene: Scene,
+    ranges: Sequence[Range],
+    figures: Sequence[str] = FIGURES,
+    *,
+    samples: int = 256,
+    seed: int = 1,
+    jobs: int | None = None,
+    simulate: Simulate | None = None,
+    progress: Progress | None = None,
+) -> Sensitivity:
+    """Return the indices of figures to inputs, from samples · (inputs + 2) solutions."""
+    for figure in figures:
+        check_figure(figure)
+    if samples < 2 or samples & (samples - 1):
+        raise UsageError(f"--samples {samples}: is not a power of two (write e.g. 256; Sobol's sequence needs it)")
+    problem = _problem(ranges)
+    points = _sampled(problem, samples, seed)
+    middle = {each.path: 0.5 * (each.low + each.high) for each in ranges}
+    check_fit(scene, middle, "in the middle of the ranges")
+    if simulate is None:
+        from screwsim.simulate import simulate as default_simulate
+        from screwsim.simulate import warm_up
+
+        simulate = partial(default_simulate, trace=False)
+        warm_up(with_values(scene, middle))  # before the fork: workers inherit what is compiled here
+    answers = each(
+        partial(_answer, scene, tuple(problem["names"]), points, tuple(figures), simulate),
+        len(points),
+        died=lambda number: _Answer(DIED),
+        jobs=jobs,
+        failed=lambda answer: bool(answer.message),
+        progress=progress,
+    )
+    head = (tuple(ranges), samples, seed, len(points))
+    bad = [answer.message for answer in answers if answer.message]
+    if bad:
+        remedy = "every point is needed: narrow the ranges"
+        remedy += ", or choose another --figure" if bad[0].startswith("no ") else ""
+        return Sensitivity(*head, len(bad), (), f"{len(bad)} of {len(points)} solutions: {bad[0]} ({remedy})")
+    values, errors = (np.array([getattr(answer, name) for answer in answers]) for name in ("values", "errors"))
+    shares = (_shares(figure, problem, values[:, i], errors[:, i], seed) for i, figure in enumerate(figures))
+    return Sensitivity(*head, 0, tuple(shares))
+
+
+def _answer(
+    scene: Scene,
+    paths: tuple[str, ...],
+    points: np.ndarray,
+    figures: tuple[str, ...],
+    simulate: Simulate,
+    number: int,
+) -> _Answer:
+    """Return the figures of one point with their absolute errors."""
+    at = with_values(scene, dict(zip(paths, map(float, points[number]), strict=True)))
+    result = closed(at, simulate)
+    if result.status != "ok":
+        return _Answer(f"{result.status.replace('_', ' ')}: {result.message}")
+    for figure in figures:
+        if result.performance.get(figure) is None:
+            reason = result.notes.get(figure, "it is not simulated")
+            return _Answer(f"no {figure}: {reason}")
+    values = tuple(float(result.performance[figure]) for figure in figures)
+    return _Answer("", values, tuple(absolute_error(result, figure, scene) for figure in figures))
+
+
+def _problem(ranges: Sequence[Range]) -> dict[str, Any]:
+    """Return SALib's description of the inputs."""
+    return {
+        "num_vars": len(ranges),
+        "names": [each.path for each in ranges],
+        "bounds": [[each.low, each.high] for each in ranges],
+    }
+
+
+def _sampled(problem: dict[str, Any], samples: int, seed: int) -> np.ndarray:
+    """Return the points [SI], a row each."""
+    try:
+        from SALib.sample import sobol
+    except ImportError:
+        raise UsageError("SALib is not installed (install it with: pip install 'screwsim[sensitivity]')") from None
+    return sobol.sample(problem, samples, calc_second_order=False, seed=seed)
+
+
+def _shares(figure: str, problem: dict[str, Any], values: np.ndarray, errors: np.ndarray, seed: int) -> Shares:
+    """Return the indices of one figure; none where it does not vary beyond its numerical errors."""
+    from SALib.analyze import sobol
+
+    mean, deviation = float(values.mean()), float(values.std())
+    noise = float(np.mean(errors**2))
+    if deviation <= max(float(np.sqrt(noise)), 1e-12 * abs(mean)):
+        return Shares(figure, mean, deviation, None, (), "does not vary beyond its numerical error")
+    found = sobol.analyze(problem, values, calc_second_order=False, conf_level=CONFIDENCE, seed=seed)
+    columns = (np.asarray(found[name], float).tolist() for name in ("S1", "S1_conf", "ST", "ST_conf"))
+    rows = zip(problem["names"], *columns, strict=True)
+    return Shares(figure, mean, deviation, noise / deviation**2, tuple(Index(*row) for row in rows))

@@ -1,0 +1,153 @@
+"""The commands of studies: pure JSON, tables that fit a terminal, exit codes, files."""
+
+import csv
+import json
+import math
+import sys
+
+import h5py
+import pytest
+
+from screwsim.outputs import Figures, Result
+from screwsim.scene import load
+from screwsim.study.sweep import run_sweep
+
+MAP = """\
+base: oiled.yaml
+gas: {model: real, isentropic_exponent: null}
+operation:
+  suction: null
+  discharge: null
+  evaporating_temperature: 0 degC
+  condensing_temperature: 40 degC
+  superheat: 10 K
+sweep:
+  operation.evaporating_temperature: [-15 degC, -5 degC, 0 degC, 10 degC]
+  operation.condensing_temperature: [30 degC, 38 degC, 45 degC, 50 degC]
+"""
+RANGES = ("--path", "oil_supply.ratio=1..3", "--path", "effects.tip_leakage.gap=40 um..60 um")
+
+
+def fake(scene, trace=True):
+    """Return a parabola in ln d about 1, powers that follow pressures; fail above d = 9."""
+    ratio = scene.oil_supply.ratio if scene.oil_supply else 1.0
+    if ratio > 9.0:
+        return Result("failed", message="pressure left the range")
+    power = 1e4 + 10.0 * (scene.operation.condensing_temperature or 300.0) + scene.operation.speed
+    efficiency = 0.7 - 0.02 * math.log(ratio) ** 2
+    figures = Figures(isothermal_efficiency=efficiency, shaft_power=power, gas_mass_flow=0.3, cooling_capacity=2e4)
+    return Result("ok", performance=figures, error=Figures(dict.fromkeys(figures, 1e-7)))
+
+
+@pytest.fixture
+def studied(folder, monkeypatch):
+    """Have a simulator that takes no time, and results of it: a map, and two sweeps."""
+    from screwsim.simulate import warm_up
+
+    module = sys.modules[warm_up.__module__]
+    monkeypatch.setattr(module, "simulate", fake)
+    monkeypatch.setattr(module, "warm_up", lambda scene: None)
+    (folder / "map.yaml").write_text(MAP)
+    (folder / "both.yaml").write_text(
+        "base: oiled.yaml\nsweep:\n  operation.speed: [2000 rpm, 3000 rpm]\n  oil_supply.ratio: [0.5, 2]\n"
+    )
+    for name in ("map", "both"):
+        run_sweep(load(f"{name}.yaml"), f"{name}.h5", jobs=1, simulate=fake)
+    run_sweep(load("both.yaml", ["operation.discharge.pressure=13 bar"]), "other.h5", jobs=1, simulate=fake)
+    return folder
+
+
+COMMANDS = {
+    "optimum": ("optimum", "both.yaml", "--jobs", "1"),
+    "map": ("map", "map.h5"),
+    "sensitivity": ("sensitivity", "oiled.yaml", "--jobs", "1", "--samples", "16", *RANGES),
+    "compare": ("compare", "both.h5", "other.h5"),
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_table_fits_the_terminal(name, studied, command):
+    answer = command(*COMMANDS[name])
+    assert (answer.code, answer.err) == (0, "")
+    assert len(answer.out.splitlines()) > 5
+    assert max(map(len, answer.out.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_json_is_one_document(name, studied, command):
+    answer = command(*COMMANDS[name], "--json")
+    assert (answer.code, answer.err) == (0, "")
+    assert json.loads(answer.out)
+
+
+def test_the_optimum_is_told_and_written(studied, command):
+    answer = command(*COMMANDS["optimum"], "--from", "0.2", "--to", "5", "-o", "out.h5", "--json")
+    found = json.loads(answer.out)
+    assert [row["value"] for row in found["rows"]] == pytest.approx([1.0, 1.0], rel=1e-3)
+    with h5py.File("out.h5") as file:
+        assert list(file["oil_supply_ratio"]) == [row["value"] for row in found["rows"]]
+        assert list(file["operation_speed"]) == pytest.approx([2000 * math.pi / 30, 100 * math.pi])
+    assert command(*COMMANDS["optimum"], "-o", "out.csv").code == 0
+    with open("out.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["place"] for row in rows] == ["inside", "inside"]
+    assert "operation.speed [rad/s]" in rows[0]
+
+
+def test_failed_solutions_end_with_their_code(studied, command):
+    answer = command(*COMMANDS["optimum"], "--to", "12", "--json")
+    found = json.loads(answer.out)
+    assert (answer.code, found["rows"][0]["status"]) == (4, "ok")
+    assert found["failed_solutions"] > 0
+    answer = command("sensitivity", "oiled.yaml", "--jobs", "1", "--samples", "16", "--path", "oil_supply.ratio=1..12")
+    assert answer.code == 4 and "narrow the ranges" in answer.out
+
+
+def test_a_border_is_said_with_its_remedy(studied, command):
+    answer = command(*COMMANDS["optimum"], "--from", "2", "--to", "5")
+    assert answer.code == 0
+    assert "2000 rpm: at the lower border of the range, a better one may lie beyond: widen" in answer.out
+
+
+def test_maps_are_written_as_csv_and_json(studied, command):
+    printed = json.loads(command("map", "map.h5", "-o", "map.json", "--json").out)
+    assert json.loads((studied / "map.json").read_text()) == printed
+    assert command("map", "map.h5", "-o", "map.csv", "--figure", "shaft_power").code == 0
+    with open("map.csv", encoding="utf-8") as file:
+        (row,) = csv.DictReader(file)
+    fitted = printed["maps"][0]["fits"]["shaft_power"]["coefficients"]
+    assert [float(row[f"C{i}"]) for i in range(1, 11)] == fitted
+    # 1e4 + 10 (273.15 + D) + the speed
+    assert fitted[2] == pytest.approx(10.0, rel=1e-6)
+
+
+def test_indices_are_written(studied, command):
+    assert command(*COMMANDS["sensitivity"], "-o", "indices.csv").code == 0
+    with open("indices.csv", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["path"] for row in rows] == ["oil_supply.ratio", "effects.tip_leakage.gap"]
+    assert float(rows[1]["total"]) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("optimum", "small.yaml"), "oil_supply.ratio: the section oil_supply is not in this scene (write it first)"),
+        (("optimum", "oiled.yaml", "-o", "out.txt"), "-o out.txt: has no ending that tells its format"),
+        (("map", "both.h5"), "both.h5: has no axis operation.evaporating_temperature and operation.condensing"),
+        (("map", "nowhere.h5"), "nowhere.h5: there is no such file"),
+        (("sensitivity", "oiled.yaml"), "nothing varies (write one or more --path PATH=LOW..HIGH)"),
+        (("compare", "both.h5", "map.h5"), "both.h5: has no operation.evaporating_temperature, over which"),
+    ],
+)
+def test_wrong_input_is_one_line(arguments, message, studied, command):
+    answer = command(*arguments)
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith(message) and answer.err.count("\n") == 1
+
+
+def test_a_missing_extra_is_named(studied, command, monkeypatch):
+    monkeypatch.setitem(sys.modules, "SALib.sample", None)
+    answer = command(*COMMANDS["sensitivity"])
+    assert answer.code == 2
+    assert answer.err == "SALib is not installed (install it with: pip install 'screwsim[sensitivity]')\n"

@@ -1,0 +1,142 @@
+"""Two results files: which points are common, what differs beyond numerical error, and what of the scenes."""
+
+from dataclasses import replace
+
+import pytest
+from result_fakes import GRID, SCENE, fake_simulate
+
+from screwsim.faults import UsageError
+from screwsim.outputs import Figures
+from screwsim.results import open_results, save
+from screwsim.scene import loads
+from screwsim.study.compare import compare
+from screwsim.study.sweep import run_sweep
+
+ERROR = 1e-5  # estimated, of the shaft power of the fake
+
+
+def other_power(factor: float):
+    """Return a simulator whose shaft power is another by a factor."""
+
+    def simulate(scene):
+        result = fake_simulate(scene)
+        if not result.performance:
+            return result
+        power = factor * result.performance.shaft_power
+        return replace(result, performance=Figures(result.performance, shaft_power=power))
+
+    return simulate
+
+
+def swept(path, text: str = GRID, simulate=fake_simulate, scene: str = SCENE):
+    run_sweep(loads(scene + text), path, jobs=1, simulate=simulate)
+    return open_results(path)
+
+
+def run(path, overrides=(), simulate=fake_simulate):
+    scene = loads(SCENE, overrides=overrides)
+    save(path, scene, simulate(scene))
+    return open_results(path)
+
+
+@pytest.fixture(scope="module")
+def grid(tmp_path_factory):
+    return swept(tmp_path_factory.mktemp("compare") / "grid.h5")
+
+
+def figure(found, name):
+    return next(each for each in found.figures if each.figure == name)
+
+
+def test_a_file_equals_itself(grid):
+    found = compare(grid, grid)
+    assert found.equal and (found.common, found.only_a, found.only_b) == (30, 0, 0)
+    assert found.scene == {} and found.status_changes == 0
+    power = figure(found, "shaft_power")
+    assert (power.points, power.beyond, power.change) == (24, 0, 0.0)  # 3 of 30 failed, 3 did not close
+
+
+@pytest.mark.parametrize(("share", "beyond"), [(3.9, 0), (4.1, 24)])
+def test_a_change_is_numerical_up_to_twice_both_errors(share, beyond, grid, tmp_path):
+    found = compare(grid, swept(tmp_path / "b.h5", simulate=other_power(1.0 + share * ERROR)))
+    power = figure(found, "shaft_power")
+    assert (power.beyond, found.equal) == (beyond, beyond == 0)
+    assert power.relative == pytest.approx(share * ERROR, rel=1e-6)
+    assert power.error == pytest.approx(2.0 * ERROR * power.a, rel=1e-4)
+
+
+def test_a_tolerance_counts_beside_the_errors(grid, tmp_path):
+    other = swept(tmp_path / "b.h5", simulate=other_power(1.01))
+    assert not compare(grid, other).equal
+    assert compare(grid, other, tolerance=0.011).equal
+
+
+def test_points_are_matched_by_their_values(grid, tmp_path):
+    axes = "sweep:\n  oil_supply.ratio: [9, 2, 2.5]\n  operation.speed: [3000 rpm, 4000 rpm]\n"
+    found = compare(grid, swept(tmp_path / "b.h5", axes))
+    assert (found.common, found.only_a, found.only_b) == (2, 28, 4)
+    assert found.equal  # the figures are those of the inputs
+    ratio = figure(found, "oil_ratio")
+    assert ratio.at["oil_supply.ratio"] == ratio.a == ratio.b
+
+
+def test_a_run_is_a_point_of_a_sweep(grid, tmp_path):
+    found = compare(run(tmp_path / "run.h5", ["operation.speed=2000 rpm"]), grid)
+    assert (found.common, found.only_a, found.only_b) == (1, 0, 29)
+    assert found.equal and found.scene == {}
+
+
+def test_two_runs_are_compared_whatever_their_scenes(tmp_path):
+    changes = ["operation.speed=2000 rpm", "effects.blow_hole={area: 5 mm^2}", "oil.viscosity=null"]
+    found = compare(run(tmp_path / "a.h5"), run(tmp_path / "b.h5", changes))
+    assert found.common == 1 and not found.equal
+    assert found.scene["operation.speed"] == ("3000 rpm", "2000 rpm")
+    assert found.scene["oil.viscosity"] == ("20 mPa s", None)
+    assert found.scene["effects.blow_hole.area"] == (None, "0.05 cm^2")
+    assert figure(found, "shaft_power").relative == pytest.approx(-1.0 / 3.0, rel=1e-12)
+
+
+def test_another_status_is_a_difference(grid, tmp_path):
+    def closing(scene):
+        return fake_simulate(scene) if scene.oil_supply.ratio != 4.0 else replace(fake_simulate(scene), status="ok")
+
+    found = compare(grid, swept(tmp_path / "b.h5", simulate=closing))
+    assert not found.equal and found.status_changes == 3
+    first = found.first_status_changes[0]
+    assert (first.a, first.b, first.at["oil_supply.ratio"]) == ("not_closed", "ok", 4.0)
+    assert figure(found, "shaft_power").beyond == 0
+
+
+def test_a_figure_of_one_file_alone_is_a_difference(grid, tmp_path):
+    def with_flow(scene):
+        result = fake_simulate(scene)
+        return replace(result, performance=Figures(result.performance, gas_mass_flow=0.3)) if result.balance else result
+
+    found = compare(grid, swept(tmp_path / "b.h5", simulate=with_flow))
+    assert not found.equal
+    assert (figure(found, "gas_mass_flow").only_a, figure(found, "gas_mass_flow").only_b) == (0, 24)
+
+
+def test_files_without_a_common_point_are_refused(grid, tmp_path):
+    other = swept(tmp_path / "b.h5", "sweep: {oil_supply.ratio: [0.5, 1.5]}\n")
+    with pytest.raises(UsageError, match=r"have no point in common: operation\.speed, oil_supply\.ratio differ"):
+        compare(grid, other)
+
+
+def test_an_axis_that_the_other_file_has_not_is_refused(grid, tmp_path):
+    other = swept(
+        tmp_path / "b.h5", "sweep: {effects.blow_hole.area: [5 mm^2]}\n", scene=SCENE + "  blow_hole: {area: 5 mm^2}\n"
+    )
+    with pytest.raises(UsageError, match=r"has no effects\.blow_hole\.area, over which the other file was swept"):
+        compare(grid, other)
+
+
+def test_choices_are_matched_by_their_words(tmp_path):
+    axis = "sweep: {oil_supply.source: [separator, suction]}\n"
+    found = compare(swept(tmp_path / "a.h5", axis), run(tmp_path / "b.h5", ["oil_supply.source=suction"]))
+    assert (found.common, found.only_a) == (1, 1)
+
+
+def test_a_negative_tolerance_is_refused(grid):
+    with pytest.raises(UsageError, match="--tolerance -1: is no relative tolerance"):
+        compare(grid, grid, -1.0)

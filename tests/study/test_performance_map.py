@@ -1,0 +1,140 @@
+"""The ten-coefficient map: exact where the points are a cubic, refused where they do not tell its coefficients."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from screwsim.faults import UsageError
+from screwsim.outputs import Figures, Result
+from screwsim.results import open_results
+from screwsim.scene import load, loads
+from screwsim.study.performance_map import PerformanceMap, performance_maps, polynomial
+from screwsim.study.sweep import run_sweep
+
+CONFIGS = Path(__file__).parents[2] / "configs" / "r134a"
+POWER = (8.1e3, -42.0, 151.0, -3.1, 2.2, 0.9, -0.011, 0.021, -0.017, 0.0042)
+FLOW = (0.31, 0.011, -7e-4, 1.3e-4, -1e-5, -4e-6, 5e-7, -3e-7, 1e-7, -2e-8)
+NO_CAPACITY = ("shaft_power", "gas_mass_flow")
+AXES = "[-15 degC, -5 degC, 0 degC, 10 degC]", "[30 degC, 38 degC, 45 degC, 50 degC]"
+
+
+def cubic(scene) -> Result:
+    """Return exact cubics, the flow in proportion to the speed; fail at 10/50 °C."""
+    S, D = scene.operation.evaporating_temperature - 273.15, scene.operation.condensing_temperature - 273.15
+    if S > 9.9 and D > 49.9:
+        return Result("failed", message="pressure left the range")
+    share = scene.operation.speed / 300.0
+    performance = Figures(shaft_power=float(polynomial(POWER, S, D)), gas_mass_flow=share * polynomial(FLOW, S, D))
+    return Result("ok", performance=performance)
+
+
+def nearly(scene) -> Result:
+    """Return a quartic in S."""
+    S, D = scene.operation.evaporating_temperature - 273.15, scene.operation.condensing_temperature - 273.15
+    return Result("ok", performance=Figures(shaft_power=1e4 + D + 1e-3 * S**4, gas_mass_flow=1.0 + S + 100.0))
+
+
+def swept(folder: Path, evaporating: str, condensing: str, more: str = "", simulate=cubic):
+    text = f"base: point.yaml\nsweep:\n  operation.evaporating_temperature: {evaporating}\n"
+    scene = loads(text + f"  operation.condensing_temperature: {condensing}\n" + more, folder=str(CONFIGS))
+    run_sweep(scene, folder / "map.h5", jobs=1, simulate=simulate)
+    return open_results(folder / "map.h5")
+
+
+def test_an_exact_cubic_is_recovered(tmp_path):
+    (found,) = performance_maps(swept(tmp_path, *AXES), NO_CAPACITY)
+    assert (found.points, found.not_ok) == (15, 1)
+    for figure, wanted in (("shaft_power", POWER), ("gas_mass_flow", FLOW)):
+        fit = found.fits[figure]
+        share = load(CONFIGS / "point.yaml").operation.speed / 300.0 if figure == "gas_mass_flow" else 1.0
+        np.testing.assert_allclose(fit.coefficients, np.multiply(share, wanted), rtol=1e-9)
+        assert fit.largest < 1e-12 and fit.rms <= fit.largest
+
+
+def test_each_speed_has_its_map(tmp_path):
+    maps = performance_maps(swept(tmp_path, *AXES, "  operation.speed: [1000 rpm, 2000 rpm]\n"), NO_CAPACITY)
+    assert [each.values["operation.speed"] for each in maps] == pytest.approx(
+        [1000 * math.pi / 30, 2000 * math.pi / 30]
+    )
+    one, two = (each.fits["gas_mass_flow"].coefficients for each in maps)
+    np.testing.assert_allclose(two, 2.0 * np.array(one), rtol=1e-9)
+
+
+def test_the_map_answers_inside_its_envelope_only(tmp_path):
+    (found,) = performance_maps(swept(tmp_path, *AXES), NO_CAPACITY)
+    # 10/50 °C failed: its corner is cut off
+    assert set(found.envelope) == {(-15.0, 30.0), (10.0, 30.0), (10.0, 45.0), (0.0, 50.0), (-15.0, 50.0)}
+    value = found.evaluate("shaft_power", [-15.0, 5.0, 5.0, 10.0, -16.0], [30.0, 47.5, 47.6, 50.0, 40.0])
+    assert value.mask.tolist() == [False, False, True, True, True]
+    assert value[1] == pytest.approx(polynomial(POWER, np.array(5.0), np.array(47.5)), rel=1e-9)
+
+
+def test_errors_are_those_of_the_points(tmp_path):
+    results = swept(tmp_path, "[-15 degC, -10 degC, 0 degC, 5 degC, 10 degC]", AXES[1], simulate=nearly)
+    (found,) = performance_maps(results, NO_CAPACITY)
+    S, D = np.meshgrid([-15.0, -10.0, 0.0, 5.0, 10.0], [30.0, 38.0, 45.0, 50.0], indexing="ij")
+    values = 1e4 + D + 1e-3 * S**4
+    errors = np.abs(found.evaluate("shaft_power", S, D) / values - 1.0)
+    fit = found.fits["shaft_power"]
+    assert fit.largest == pytest.approx(errors.max(), rel=1e-6)
+    assert fit.rms == pytest.approx(math.sqrt((errors**2).mean()), rel=1e-6)
+    assert fit.left_out > fit.largest > 1e-6
+
+
+def test_a_left_out_point_is_predicted_by_the_others(tmp_path):
+    few = "[-15 degC, -10 degC, 0 degC, 5 degC, 10 degC]", "[30 degC, 38 degC, 45 degC, 50 degC]"
+    results = swept(tmp_path, *few, simulate=nearly)
+    (found,) = performance_maps(results, NO_CAPACITY)
+    S, D = (grid.ravel() for grid in np.meshgrid([-15.0, -10.0, 0.0, 5.0, 10.0], [30.0, 38.0, 45.0, 50.0]))
+    values, errors = 1e4 + D + 1e-3 * S**4, []
+    for i in range(len(S)):
+        keep = np.arange(len(S)) != i
+        design = np.column_stack([(S / 10) ** a * ((D - 40) / 10) ** b for a in range(4) for b in range(4 - a)])
+        answer, *_ = np.linalg.lstsq(design[keep], values[keep])
+        errors.append(abs(design[i] @ answer / values[i] - 1.0))
+    assert found.fits["shaft_power"].left_out == pytest.approx(max(errors), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("axes", "message"),
+    [
+        (("[0 degC, 5 degC]", AXES[1]), "8 of 8 points are ok and have all figures; ten coefficients need 10 or more"),
+        (("[-5 degC, 0 degC, 5 degC]", AXES[1]), "has 3 evaporating temperatures that are ok; a cubic needs 4"),
+        ((AXES[0], "[30 degC, 40 degC, 45 degC]"), "has 3 condensing temperatures that are ok; a cubic needs 4"),
+        (("[270 K, 270.0001 K, 270.0002 K, 280 K]", AXES[1]), "points do not tell the ten coefficients apart"),
+    ],
+)
+def test_points_that_do_not_suffice_are_refused(axes, message, tmp_path):
+    results = swept(tmp_path, *axes)
+    with pytest.raises(UsageError) as refusal:
+        performance_maps(results, NO_CAPACITY)
+    assert message in str(refusal.value) and "\n" not in str(refusal.value)
+
+
+def test_a_file_without_the_axes_is_refused_with_the_remedy(tmp_path):
+    scene = loads("base: point.yaml\nsweep: {operation.speed: [1000 rpm, 2000 rpm]}\n", folder=str(CONFIGS))
+    run_sweep(scene, tmp_path / "map.h5", jobs=1, simulate=cubic)
+    with pytest.raises(UsageError, match=r"has no axis operation\.evaporating_temperature and .*screwsim sweep"):
+        performance_maps(open_results(tmp_path / "map.h5"))
+
+
+def test_a_figure_that_is_not_there_leaves_no_points(tmp_path):
+    with pytest.raises(UsageError, match=r"0 of 16 points are ok and have all figures"):
+        performance_maps(swept(tmp_path, *AXES))  # the fake has no cooling capacity
+
+
+def test_an_empty_map_covers_nothing():
+    assert not PerformanceMap({}).inside(0.0, 40.0)
+
+
+@pytest.mark.slow
+def test_the_shipped_map_is_a_good_fit(tmp_path):
+    run_sweep(load(CONFIGS / "map.yaml"), tmp_path / "map.h5")
+    (found,) = performance_maps(open_results(tmp_path / "map.h5"))
+    assert (found.points, found.not_ok) == (30, 0)
+    # the flow is nearly a cubic; the power is not where discharge opens before or after the pressures are equal
+    for figure, largest, left_out in (("shaft_power", 5e-3, 2e-2), ("gas_mass_flow", 5e-4, 1e-3)):
+        fit = found.fits[figure]
+        assert fit.largest < largest and fit.left_out is not None and fit.left_out < left_out
