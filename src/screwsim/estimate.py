@@ -21,7 +21,10 @@ from screwsim.outputs import Figures
 
 FINER = 0.2  # tolerance of a step in the turn that estimates the error
 NARROWER = 0.25  # regularisation in that turn
-TIGHTER = 0.25  # tolerances and regularisation of the next try, where the estimate exceeds the wanted accuracy
+WHOLE = 1.0 / (1.0 - NARROWER)  # the error over what that turn shows of it, where it is linear in the regularisation
+TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
+AIM = 0.6  # of the wanted accuracy, at which the next try aims
+EASY = 0.2  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
 TRIES = 3
 
 
@@ -44,8 +47,9 @@ def close_accurately(solution: Any) -> Accurate:
     Nothing is estimated of a cycle that did not close, that one of scipy's integrators closed, or where the scene says
     `numerics.error: none`.
     """
-    numerics, machinery = solution.scene.numerics, solution.machinery
+    numerics, machinery, course = solution.scene.numerics, solution.machinery, solution.course
     watch = Watch(machinery)
+    solution.tighten(course.tightness)
     closed, errors = _close_somehow(solution), Figures()
     watch.lap("closing")
     for attempt in range(TRIES):
@@ -56,13 +60,17 @@ def close_accurately(solution: Any) -> Accurate:
         if worst(errors)[1] <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
             break
         before = Snapshot(machinery)
-        solution.tighten(TIGHTER)
+        factor = max(TIGHTER, AIM * numerics.accuracy / worst(errors)[1])
+        course.tightness *= factor
+        solution.tighten(factor)
         tighter = closing.again(solution, closed)
         watch.lap("closing")
         if tighter.status != "ok":
             before.put_back()
             break
         closed = replace(tighter, needed=closed.needed, first_gap=closed.first_gap)
+    if worst(errors)[1] < EASY * numerics.accuracy:
+        course.tightness = min(1.0, 2.0 * course.tightness)
     return Accurate(closed, errors, watch.counts["closing"], watch.times["closing"], watch.times["estimating"])
 
 
@@ -137,7 +145,8 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> Figures:
         if status != 0:
             return Figures(dict.fromkeys(found))
         better, _ = solution.figures(q)
-    return relative_errors(found, better, *solution.least(closed.q))
+    shown = relative_errors(found, better, *solution.least(closed.q))
+    return Figures({name: None if size is None else WHOLE * size for name, size in shown.items()})
 
 
 def _finer_turn(machinery: Any, closed: closing.Closed) -> tuple[int, np.ndarray]:

@@ -41,10 +41,12 @@ class Course:
         self._text = ""
         self._cycles: list[_Cycle] = []
         self._gap = 1.0  # of the last guess
+        self.tightness = 1.0  # factor of the tolerances that the last scenes needed for their accuracy
 
     def forget(self) -> None:
         """Begin anew."""
         self._cycles.clear()
+        self.tightness = 1.0
 
     def add(self, machinery: Machinery, parameters: Array, closed: Closed, plenum: Array) -> None:
         """Note the machinery's last turn as the closed cycle of these parameters."""
