@@ -25,7 +25,7 @@ from report_fakes import (
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.report import cycle as cycle_figures
-from screwsim.report import ledger, outcome, plot, sweeps
+from screwsim.report import ledger, maps, outcome, plot, sweeps
 from screwsim.report.annotate import spread
 from screwsim.report.families import optimum
 from screwsim.report.quantities import shown_axis
@@ -50,12 +50,12 @@ def spike(case):
 
 
 FILES = {
-    "pump": (PUMP, ok, ["efficiency", "performance"]),
-    "some cases fail": (PUMP, some_fail, ["efficiency", "performance"]),
+    "pump": (PUMP, ok, ["efficiency", "performance", "map"]),
+    "some cases fail": (PUMP, some_fail, ["efficiency", "performance", "map"]),
     "speed": (SPEED, ok, ["efficiency_ratio"]),
     "speed and orifice": (ORIFICES, ok, ["efficiency_ratio"]),
-    "three axes": (THREE, ok, ["efficiency_1", "performance_1", "efficiency_2", "performance_2"]),
-    "forty curves": (MANY, ok, ["efficiency", "performance"]),
+    "three axes": (THREE, ok, ["efficiency_1", "performance_1", "efficiency_2", "performance_2", "map_1", "map_2"]),
+    "forty curves": (MANY, ok, ["efficiency", "performance", "map"]),
     "gap and pressure": (GAP, ok, ["efficiency", "performance"]),
     "one axis": (LINEAR, ok, ["efficiency", "performance"]),
     "one run": (SCENE, with_cycle, ["pressure_volume", "states", "mass_flows"]),
@@ -76,6 +76,7 @@ def drawn(path: Path) -> dict:
     with journal():
         for name, draw in (
             *sweeps.plans(results),
+            *maps.plans(results),
             *outcome.plans(results),
             *cycle_figures.plans(results),
             *ledger.plans(results),
@@ -281,4 +282,4 @@ def test_lines_stated_by_temperatures_are_drawn_at_their_pressures(tmp_path):
     trace = chosen_trace(results)
     assert trace is not None
     assert trace.pressures == {"$p_s$": 3.1e5, "$p_d$": 11.6e5}
-    assert shown_axis(results.axis_list[0]).label == "condensing temperature $T_c$ (K)"
+    assert shown_axis(results.axis_list[0]).label == "condensing temperature $T_c$ (°C)"

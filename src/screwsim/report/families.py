@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.report.quantities import FIGURES, is_numeric, short, shown_axis, value_of
+from screwsim.report.quantities import EFFICIENCIES, is_numeric, short, shown_axis, shown_figure, value_of
 from screwsim.results import Results
 from screwsim.results.schema import Axis
 
@@ -41,7 +41,7 @@ class Layout(NamedTuple):
 
 def efficiency_name(results: Results) -> str | None:
     """Return the efficiency to show: the isentropic one where the isothermal one lacks values; None without any."""
-    found = {name: int(np.isfinite(results.performance[name]).sum()) for name in list(FIGURES)[:2]}
+    found = {name: int(np.isfinite(results.performance[name]).sum()) for name in EFFICIENCIES}
     isothermal, isentropic = found.values()
     if not isothermal and not isentropic:
         return None
@@ -104,11 +104,11 @@ def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str
     Cases without a value are left out; curves of fewer than two points too.
     """
     axis = results.axis_list[layout.x]
-    at = np.broadcast_to(axis.values * shown_axis(axis).factor, (_count(results, layout), len(axis.values)))
+    at = np.broadcast_to(shown_axis(axis).of(axis.values), (_count(results, layout), len(axis.values)))
     x = at
     if x_name is not None:
-        x = _rows(results, layout, chosen, results.performance[x_name] * FIGURES[x_name].factor)
-    y = _rows(results, layout, chosen, results.performance[y_name] * FIGURES[y_name].factor)
+        x = _rows(results, layout, chosen, shown_figure(results, x_name).of(results.performance[x_name]))
+    y = _rows(results, layout, chosen, shown_figure(results, y_name).of(results.performance[y_name]))
     closed = _rows(results, layout, chosen, np.asarray(results.status) == "ok")
     failed = _rows(results, layout, chosen, np.asarray(results.status) == "failed")
     curves = []
@@ -153,7 +153,7 @@ def _texts(results: Results, layout: Layout) -> list[str]:
     axis = results.axis_list[layout.curves]
     if not is_numeric(axis):
         return [str(value) for value in axis.values]
-    return [short(value * shown_axis(axis).factor) for value in axis.values]
+    return [short(shown_axis(axis).of(value)) for value in axis.values]
 
 
 def curves_heading(results: Results, layout: Layout) -> tuple[str, str]:
