@@ -10,7 +10,7 @@ function fillPicker() {
     const select = document.createElement("select");
     label.append(`${axis.label} `, select);
     for (let place = 0; place < sizeOf(i); place += 1) {
-      option(select, String(place), axis.texts ? axis.texts[place] : general(axis.values[place], 4));
+      option(select, String(place), nameOf(i, place));
     }
     select.addEventListener("change", () => {
       const places = placesOf(picked);
@@ -86,7 +86,7 @@ function drawCycle() {
 
 function tracesWords() {
   const { cycle } = data;
-  const off = (name) => `${general(cycle.off[name], 2)} ${cycle.traces[name].unit}`;
+  const off = (name) => `${general(cycle.off[name], 2)} ${cycle.traces[name].unit.replace("°C", "K")}`;
   return `${cycle.angle.length} of ${cycle.points} angles are kept in this page; straight lines between them lie off by at most `
     + `${off("pressure")} and ${off("gas_temperature")} in any case. The file has all.`;
 }
@@ -117,23 +117,26 @@ function drawLoop() {
   const { angle, traces, top } = data.cycle;
   const [V, p] = [traceOf(traces.volume, picked), traceOf(traces.pressure, picked)];
   const loop = { ...lineTrace(V, p, "p–V", colour("c1"), "solid", "%{x:.4~g}, %{y:.4~g}, %{customdata}°"), customdata: angle.map((each) => general(each, 4)) };
+  const middle = Math.max(...V) / 2;
+  const places = marksOf().map(([name, where]) => [at(angle, V, where), at(angle, p, where), `${name}, ${general(where, 4)}°`]);
   const marks = {
     type: "scatter",
-    mode: "markers+text",
-    x: marksOf().map(([, where]) => at(angle, V, where)),
-    y: marksOf().map(([, where]) => at(angle, p, where)),
-    text: marksOf().map(([name, where]) => `${name}, ${general(where, 4)}°`),
-    textposition: "top right",
-    cliponaxis: false,
+    mode: "markers",
+    x: places.map(([x]) => x),
+    y: places.map(([, y]) => y),
     hoverinfo: "skip",
     marker: { symbol: "circle-open", size: 9, color: colour("c1"), line: { width: 2 } },
   };
+  const names = places.map(([x, y, text]) => ({
+    x, y, text, ax: x > middle ? -44 : 60, ay: x > middle ? -40 : -16, arrowhead: 0, arrowwidth: 1, arrowcolor: colour("soft"), standoff: 5, bgcolor: colour("page"),
+  }));
   const levels = pressureLevels();
   Plotly.react("loop", [loop, marks], layout({
     xaxis: { ...axisLook(traces.volume.label, false), rangemode: "tozero" },
     yaxis: { ...axisLook(traces.pressure.label, false), range: [0, top[picked]] },
+    margin: { l: 54, r: 74, t: 30, b: 46 },
     shapes: levels.map((each) => each.shape),
-    annotations: levels.map((each) => each.annotation),
+    annotations: [...levels.map((each) => each.annotation), ...names],
     showlegend: false,
   }), CONFIG);
 }
@@ -144,7 +147,7 @@ function angleAxis() {
 
 function angleMarks() {
   return marksOf().map(([, where]) => ({
-    type: "line", x0: where, x1: where, yref: "paper", y0: 0, y1: 1, layer: "below", line: { color: colour("soft"), width: 1, dash: "dot" },
+    type: "line", x0: where, x1: where, yref: "paper", y0: 0, y1: 1, line: { color: colour("soft"), width: 1, dash: "dot" },
   }));
 }
 
@@ -169,20 +172,25 @@ function drawTemperatures() {
 }
 
 function drawFlows() {
-  const { angle, traces, flows } = data.cycle;
-  const paths = Object.entries(flows);
-  document.getElementById("flows").hidden = !paths.length;
-  if (!paths.length) return;
-  const drawn = paths.flatMap(([words, sides], i) => Object.entries(sides).map(([side, name], j) => ({
-    ...lineTrace(angle, traceOf(traces[name], picked), side ? `${words}, ${side}` : words, ordered(i, paths.length), DASHES[j], "%{x:.4~g}°, %{y:.4~g} g/s"),
-    visible: words.endsWith("port") && paths.length > 2 ? "legendonly" : true,
-  })));
+  const { flows } = data.cycle;
+  document.getElementById("flows").hidden = !flows;
+  document.getElementById("flows-note").textContent = flows
+    ? "Positive into the chamber. Click a name to show or hide its curve." : "Of so many cases the page keeps no flows; the file has them.";
+  if (!flows) return;
+  const paths = Object.entries(flows.paths);
+  const hidden = (words) => (words.endsWith("port") && paths.length > 2 ? "legendonly" : true);
+  const drawn = paths.flatMap(([words, sides], i) => Object.entries(sides).map(([side, name], j) => {
+    const values = traceOf(flows.traces[name], picked);
+    const label = side ? `${words}, ${side}` : words;
+    return { ...lineTrace(flows.angle, values, label, ordered(i, paths.length), DASHES[j], "%{x:.4~g}°, %{y:.4~g} g/s"), visible: hidden(words) };
+  }));
   Plotly.react("flows", drawn, layout({
     xaxis: angleAxis(),
-    yaxis: axisLook(traces[Object.values(paths[0][1])[0]].label, false),
+    yaxis: axisLook(`mass flow (${Object.values(flows.traces)[0].unit})`, false),
     shapes: angleMarks(),
+    annotations: markNames(),
     showlegend: true,
-    legend: { orientation: "h", y: -0.22, yanchor: "top", x: 0, font: { size: 11 } },
+    legend: below(),
   }), CONFIG);
 }
 
@@ -275,7 +283,7 @@ function drawWaterfall(ledger, factor, unit) {
     hovertemplate: `%{y}: %{x:.4~g} ${unit}, %{text}<extra></extra>`,
   }], layout({
     xaxis: { ...axisLook(`exergy (${unit})`, false), rangemode: "tozero" },
-    yaxis: { ...axisLook("", false), autorange: "reversed", ticks: "", gridcolor: "rgba(0,0,0,0)" },
+    yaxis: { ...axisLook("", false), type: "category", autorange: "reversed", ticks: "", gridcolor: "rgba(0,0,0,0)" },
     showlegend: false,
   }), CONFIG);
 }

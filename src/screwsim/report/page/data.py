@@ -27,6 +27,7 @@ from screwsim.report.trace import Trace, flow_paths, marks_of, pressure_limit
 from screwsim.results import Results
 
 MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # shown; all are in the file
+STATES_OFF, FLOWS_OFF = 2e-4, 2e-3  # of a trace's span: how far the page's straight lines may lie off
 _BALANCES = ("mass", "energy", "entropy", "oil_mass", "bound")
 _STATES = {
     "volume": VOLUME,
@@ -138,21 +139,33 @@ def _cycle(results: Results, shown: Selection) -> dict[str, Any] | None:
     if "angle" not in results.cycle:
         return None
     angle, cases = results.cycle["angle"], max(1, math.prod(shown.shape))
-    names = [name for name in results.cycle if name in _STATES]
+    kinds = [[name for name in results.cycle if name in _STATES], []]
     if cases <= MOST_WITH_FLOWS:
-        names += [name for name in results.cycle if name.startswith("mass_flow_")]
-    traces = {name: results.cycle.part(name, shown.part).reshape(cases, -1) for name in names}
-    traces = {name: trace for name, trace in traces.items() if np.isfinite(trace).any()}
-    thinned = thin(angle, traces)
+        kinds[1] = [name for name in results.cycle if name.startswith("mass_flow_")]
+    states, flows = (_there(results, shown, names, cases) for names in kinds)
     return {
-        "angle": floats(angle[thinned.kept]),
+        **_packed(angle, states, STATES_OFF),
         "points": int(angle.size),
         "angle_label": plain_label(ANGLE),
+        "flows": _packed(angle, flows, FLOWS_OFF) | {"paths": flow_paths(flows)} if flows else None,
+        "marks": _all_marks(results, shown, angle, states | flows),
+        "top": _tops(results, shown, angle, states["pressure"]),
+    }
+
+
+def _there(results: Results, shown: Selection, names: list[str], cases: int) -> dict[str, np.ndarray]:
+    """Return the traces (cases, points) that have any value."""
+    traces = {name: results.cycle.part(name, shown.part).reshape(cases, -1) for name in names}
+    return {name: trace for name, trace in traces.items() if np.isfinite(trace).any()}
+
+
+def _packed(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> dict[str, Any]:
+    """Return traces on the angles that they need, and how far the straight lines between lie off."""
+    thinned = thin(angle, traces, wanted)
+    return {
+        "angle": floats(angle[thinned.kept]),
         "traces": {name: _trace(name, trace[:, thinned.kept]) for name, trace in traces.items()},
-        "flows": flow_paths(traces),
         "off": {name: _how(name).factor * thinned.deviation[name] for name in traces},
-        "marks": _all_marks(results, shown, angle, traces),
-        "top": _tops(results, shown, angle, traces["pressure"]),
     }
 
 

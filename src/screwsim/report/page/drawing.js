@@ -5,7 +5,7 @@ const DASHES = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"];
 const CONFIG = {
   responsive: true,
   displaylogo: false,
-  modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "hoverClosestCartesian", "hoverCompareCartesian"],
+  modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]],
 };
 
 function colour(name) {
@@ -48,7 +48,14 @@ function axisLook(title, log) {
     hoverformat: ".5~g",
     exponentformat: "none",
   };
-  return log ? { ...look, dtick: "D2", minor: { showgrid: false } } : look;
+  return log ? { ...look, ...plainTicks() } : look;
+}
+
+// Ticks of a logarithmic axis at 1, 2 and 5 times powers of ten, in plain numbers.
+function plainTicks() {
+  const powers = Array.from({ length: 25 }, (_, i) => i - 12);
+  const values = powers.flatMap((power) => [1, 2, 5].map((first) => Number(`${first}e${power}`)));
+  return { tickmode: "array", tickvals: values, ticktext: values.map((value) => general(value, 4)) };
 }
 
 function layout(more) {
@@ -61,10 +68,15 @@ function layout(more) {
     hovermode: "closest",
     hoverlabel: { bgcolor: colour("panel"), bordercolor: colour("soft"), font: { color: colour("text") } },
     modebar: { bgcolor: "rgba(0,0,0,0)", color: colour("soft"), activecolor: colour("accent") },
-    legend: narrow ? { orientation: "h", y: -0.24, yanchor: "top", x: 0 } : {},
+    legend: narrow ? below() : {},
     dragmode: narrow ? false : "zoom",
     ...more,
   };
+}
+
+// A legend below the drawing.
+function below() {
+  return { orientation: "h", yref: "container", y: 0, yanchor: "bottom", x: 0, font: { size: 12 }, title: { side: "top" } };
 }
 
 // A dashed line across the drawing at a height, with its name at the right.
@@ -75,7 +87,7 @@ function level(height, name) {
       line: { color: colour("soft"), width: 1, dash: "dash" },
     },
     annotation: {
-      xref: "paper", x: 1, y: height, text: name, showarrow: false, xanchor: "right", yanchor: "bottom",
+      xref: "paper", x: 1.005, y: height, text: name, showarrow: false, xanchor: "left", yanchor: "middle",
       font: { size: 12, color: colour("soft") },
     },
   };

@@ -114,7 +114,7 @@ function curvesDrawing(notes) {
   const optima = [];
   places.forEach((place, i) => {
     const points = curveAt(place);
-    const name = choice.by === null ? "" : valueOf(choice.by, place);
+    const name = choice.by === null ? "" : nameOf(choice.by, place);
     traces.push(curveTrace(points, name, ordered(i, places.length), DASHES[i % DASHES.length]));
     const best = HAS_OPTIMUM.test(choice.figure.name) && points.length > 2 ? optimumOf(points) : null;
     if (best) optima.push(best);
@@ -130,8 +130,13 @@ function curvesDrawing(notes) {
     xaxis: axisLook(xTitle, xLog),
     yaxis: axisLook(choice.figure.label, false),
     showlegend: choice.by !== null,
-    legend: { ...layout({}).legend, title: { text: choice.by === null ? "" : data.axes[choice.by].label } },
+    legend: { ...below(), title: { text: choice.by === null ? "" : data.axes[choice.by].label, side: "top" } },
   }];
+}
+
+// The name of a curve below the heading that has the unit.
+function nameOf(i, place) {
+  return data.axes[i].texts ? data.axes[i].texts[place] : general(data.axes[i].values[place], 4);
 }
 
 function curveTrace(points, name, tint, dash) {
@@ -143,7 +148,7 @@ function curveTrace(points, name, tint, dash) {
     y: points.map((point) => point.y),
     customdata: points.map((point) => point.number),
     text: points.map((point) => caseWords(point.number)),
-    hovertemplate: "%{text}<br>%{y:.5~g}<extra></extra>",
+    hovertemplate: `%{text}<br>%{y:.5~g} ${choice.figure.unit}<extra></extra>`,
     line: { color: tint, dash, width: 2 },
     marker: { color: tint, size: 6, symbol: points.map((p) => (data.statusCodes[p.number] === 0 ? "circle" : "x")) },
   };
@@ -192,7 +197,7 @@ function mapDrawing(across, up, notes) {
     x: dots.map((number) => x.values[placesOf(number)[across]]),
     y: dots.map((number) => y.values[placesOf(number)[up]]),
     customdata: dots,
-    text: dots.map((number) => `${caseWords(number)}<br>${general(drawnValue(choice.figure, number), 5)}`),
+    text: dots.map((number) => `${caseWords(number)}<br>${general(drawnValue(choice.figure, number), 5)} ${choice.figure.unit}`),
     hovertemplate: "%{text}<extra></extra>",
     marker: { size: 6, color: "rgba(255,255,255,0.75)", line: { color: "rgba(0,0,0,0.8)", width: 0.7 } },
     showlegend: false,

@@ -11,8 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 STEPS = 65534  # of a trace's own span; 65535 is where it has no value
-_WANTED = 1e-3  # of a trace's span: how far straight lines between the kept angles may lie off
-_MOST_POINTS = 260
+_MOST_POINTS = 400
 _FIRST = 24  # intervals to begin with
 
 
@@ -50,11 +49,11 @@ def compressed(document: Any) -> str:
     return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
 
 
-def thin(angle: np.ndarray, traces: dict[str, np.ndarray]) -> Thinned:
+def thin(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> Thinned:
     """Return the angles to keep for traces {name: (cases, points)}: where straight lines between them come close.
 
-    Every interval that lies off by more than a thousandth of a trace's span is split at its worst angle, again and
-    again, up to 260 angles; ends of a stretch without values are kept.
+    Every interval that lies off by more than `wanted` of a trace's span is split at its worst angle, again and
+    again, up to 400 angles; ends of a stretch without values are kept.
     """
     last = len(angle) - 1
     kept = {*np.linspace(0, last, min(_FIRST, last) + 1).astype(int).tolist(), *_edges(traces)}
@@ -62,7 +61,7 @@ def thin(angle: np.ndarray, traces: dict[str, np.ndarray]) -> Thinned:
         places = np.array(sorted(kept))
         off = _relative(angle, traces, places)
         worst = [start + int(np.argmax(off[start:stop])) for start, stop in pairwise(places)]
-        split = sorted((place for place in worst if off[place] > _WANTED), key=lambda place: -off[place])
+        split = sorted((place for place in worst if off[place] > wanted), key=lambda place: -off[place])
         if not split:
             break
         kept.update(split[: _MOST_POINTS - len(kept)])

@@ -108,7 +108,9 @@ function unpack(text) {
     figure.error = figure.errors ? floats(figure.errors) : null;
   }
   for (const name of Object.keys(found.balance)) found.balance[name] = floats(found.balance[name]);
-  if (found.cycle) found.cycle.angle = Array.from(floats(found.cycle.angle));
+  for (const part of found.cycle ? [found.cycle, found.cycle.flows] : []) {
+    if (part) part.angle = Array.from(floats(part.angle));
+  }
   if (found.ledger) {
     for (const name of Object.keys(found.ledger.totals)) found.ledger.totals[name] = floats(found.ledger.totals[name]);
     for (const entry of found.ledger.entries) {
