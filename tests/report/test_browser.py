@@ -4,7 +4,7 @@ import shutil
 from dataclasses import replace
 
 import pytest
-from report_fakes import CYCLE, PUMP, SCENE, SPEED, file, some_fail, with_ledger
+from report_fakes import CYCLE, PUMP, RATIOS, SCENE, SPEED, design, file, some_fail, with_ledger
 
 from screwsim.outputs import Figures
 from screwsim.report.families import family, layout_of, optimum
@@ -21,6 +21,7 @@ def apart(case):
     return replace(result, performance=Figures(result.performance, isothermal_efficiency=lower))
 
 
+RATIO = SCENE + "sweep:\n" + RATIOS
 SIZES = {"desktop": (1280, 900), "phone": (390, 844)}
 FILES = {
     "sweep with cycles": (PUMP + CYCLE, apart),
@@ -160,9 +161,27 @@ def test_every_choice_of_figure_and_view_draws(browser, pages):
             seen.page.select_option("#figure", name)
         seen.page.select_option("#over", "shaft_power")
         seen.page.select_option("#curves", "")
+        assert seen.drawn("overview") > 10
         seen.page.select_option("#view", "map")
         assert seen.page.locator("#overview .contourlayer .contour").count() == 1
         assert seen.complaints == []
+
+
+def test_a_design_is_drawn_as_points_and_picked_by_number(browser, tmp_path):
+    from screwsim.report.page import page_of
+
+    results = design(file(tmp_path / "x.h5", RATIO + CYCLE, with_ledger))
+    (tmp_path / "x.html").write_text(page_of(results), encoding="utf-8")
+    with Seen(browser, tmp_path / "x.html") as seen:
+        assert seen.complaints == []
+        assert seen.page.locator("#overview .scatterlayer .point").count() == 20 + 1  # and the picked one
+        seen.page.fill("#picker input", "3")
+        seen.page.keyboard.press("Enter")
+        seen.page.wait_for_function("() => picked === 3")
+        assert "male-rotor speed" in seen.page.locator("#case-words").inner_text()
+        seen.page.select_option("#over", "shaft_power")
+        seen.page.select_option("#curves", "")
+        assert seen.complaints == [] and seen.drawn("overview") == 20
 
 
 def test_a_case_is_picked_from_the_keyboard(browser, pages):

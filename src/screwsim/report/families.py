@@ -48,11 +48,16 @@ def efficiency_name(results: Results) -> str | None:
     return "isothermal_efficiency" if isothermal >= isentropic else "isentropic_efficiency"
 
 
+def is_design(results: Results) -> bool:
+    """Return whether several quantities vary together (a sample, a list of cases): there are no curves then."""
+    return any(axis.joined for axis in results.axis_list)
+
+
 def layout_of(results: Results) -> Layout | None:
     """Return which axis is x (the oil ratio, else the longest one of numbers) and which tells the curves apart."""
     axes = results.axis_list
     lengths = [len(axis.values) if is_numeric(axis) else 0 for axis in axes]
-    if not axes or max(lengths) < FEWEST:
+    if not axes or max(lengths) < FEWEST or is_design(results):
         return None
     return _layout(axes, _preferred(axes, lengths, RATIO))
 
@@ -61,7 +66,7 @@ def outcome_layout(results: Results) -> Layout | None:
     """Return the layout over the speed when the oil ratio is an outcome that varies with it; else None."""
     axes = results.axis_list
     paths = [axis.path for axis in axes]
-    if SPEED not in paths or RATIO in paths:
+    if SPEED not in paths or RATIO in paths or is_design(results):
         return None
     place = paths.index(SPEED)
     ratio = np.moveaxis(results.performance["oil_ratio"], place, -1)

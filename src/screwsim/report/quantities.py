@@ -144,7 +144,9 @@ def short(number: float) -> str:
 
 
 def value_of(axis: Axis, index: int) -> str:
-    """Return one value of an axis with its symbol and unit; a text stands for itself."""
+    """Return one value of an axis with its symbol and unit; a text stands for itself, joined values in a row."""
+    if axis.joined:
+        return ", ".join(value_of(inner, index) for inner in axis.joined)
     value = axis.values[index]
     return shown_axis(axis).value(float(value)) if is_numeric(axis) else f"{axis.path.split('.')[-1]}: {value}"
 

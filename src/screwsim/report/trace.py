@@ -79,8 +79,9 @@ def _line_pressure(results: Results, line: str, index: tuple[int, ...]) -> float
 def _input(results: Results, path: str, index: tuple[int, ...]) -> float:
     """Return a numeric input of one case [SI]; NaN when the file has none."""
     for axis, i in zip(results.axis_list, index, strict=True):
-        if axis.path == path:
-            return float(axis.values[i])
+        for inner in axis.joined or (axis,):
+            if inner.path == path:
+                return float(inner.values[i])
     name = variable_name(path)
     return float(results.inputs[name]) if name in results.inputs else np.nan
 

@@ -204,8 +204,11 @@ def claims_of(path: str, other: str | None = None) -> list[Claim]:
 
     The sweep of Fig. 1 gives A1–A5, that of Fig. 2 A6, both together, in either order, all seven.
     """
-    pumps = [each for each in (path, other) if each is not None and _is_figure(each, "oil_supply.ratio")]
-    bores = [each for each in (path, other) if each is not None and _is_figure(each, "oil_supply.orifice_diameter")]
+    kinds = ("oil_supply.ratio", "oil_supply.orifice_diameter")
+    if not any(_is_figure(path, axis) for axis in kinds):
+        return []
+    files = [path] if other is None else [path, other]
+    pumps, bores = ([each for each in files if _is_figure(each, axis)] for axis in kinds)
     if pumps and bores:
         return claims(pumps[0], bores[0])
     if pumps:

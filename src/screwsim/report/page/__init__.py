@@ -14,7 +14,7 @@ __all__ = ["report"]
 
 _NEEDED = ("jinja2", "plotly")
 _SCRIPTS = ("unpack.js", "drawing.js", "overview.js", "case.js", "start.js")
-_NOTHING = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; default-src 'none'"
+_POLICY = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; default-src 'none'"
 
 
 def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> str:
@@ -29,7 +29,7 @@ def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> 
     from screwsim.results import open_results
     from screwsim.results.atomic import make_folder, replacing
 
-    text = _page(open_results(path), claims)
+    text = page_of(open_results(path), claims)
     target = Path(output)
     make_folder(target.parent)
     with replacing(target) as temporary:
@@ -37,7 +37,7 @@ def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> 
     return str(target)
 
 
-def _page(results: Any, claims: Sequence[Any]) -> str:
+def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
     """Return the page as text."""
     import jinja2
     from plotly.offline import get_plotlyjs
@@ -51,7 +51,7 @@ def _page(results: Any, claims: Sequence[Any]) -> str:
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
     template = environment.from_string(_source("page.html"))
     return template.render(
-        policy=_NOTHING,
+        policy=_POLICY,
         title=results.attributes["title"],
         style=_source("page.css"),
         script="\n".join(_source(each) for each in _SCRIPTS),
@@ -71,7 +71,6 @@ def _page(results: Any, claims: Sequence[Any]) -> str:
         provenance=tables.provenance(results),
         traces=document["cycle"] is not None,
         ledger=document["ledger"] is not None,
-        knock_out=[],
     )
 
 

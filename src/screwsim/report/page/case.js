@@ -7,24 +7,33 @@ function fillPicker() {
   const form = document.getElementById("picker");
   data.axes.forEach((axis, i) => {
     const label = document.createElement("label");
-    const select = document.createElement("select");
+    const select = axis.joined ? numberField(sizeOf(i)) : valueField(i);
     label.append(`${axis.label} `, select);
-    for (let place = 0; place < sizeOf(i); place += 1) {
-      option(select, String(place), nameOf(i, place));
-    }
     select.addEventListener("change", () => {
       const places = placesOf(picked);
-      places[i] = Number(select.value);
+      places[i] = Math.min(Math.max(Math.round(Number(select.value)) || 0, 0), sizeOf(i) - 1);
       pick(caseOf(places));
     });
     form.append(label);
   });
 }
 
+function valueField(i) {
+  const select = document.createElement("select");
+  for (let place = 0; place < sizeOf(i); place += 1) option(select, String(place), nameOf(i, place));
+  return select;
+}
+
+function numberField(size) {
+  const field = document.createElement("input");
+  Object.assign(field, { type: "number", min: "0", max: String(size - 1), step: "1" });
+  return field;
+}
+
 function pick(number) {
   picked = number;
   if (data.axes.length) {
-    const selects = document.querySelectorAll("#picker select");
+    const selects = document.querySelectorAll("#picker select, #picker input");
     placesOf(number).forEach((place, i) => { selects[i].value = String(place); });
     document.getElementById("case-words").textContent = `${caseWords(number)}: ${statusOf(number)}`;
     drawOverview();

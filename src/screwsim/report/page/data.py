@@ -90,6 +90,9 @@ def plain_label(shown: Shown) -> str:
 
 def _axis(axis: Any, stride: int) -> dict[str, Any]:
     values = axis.values[::stride]
+    if axis.joined:
+        joined = [_axis(inner, stride) for inner in axis.joined]
+        return {"label": "case", "words": "case", "texts": [str(value) for value in values], "joined": joined}
     if not is_numeric(axis):
         words = axis.path.split(".")[-1].replace("_", " ")
         return {"label": words, "words": words, "texts": [str(value) for value in values]}
@@ -224,8 +227,8 @@ def _start(results: Results, shown: Selection) -> dict[str, Any]:
         score = shown.of(results.performance[name])
         closed = np.isfinite(score) & (shown.of(results.status) == "ok")
         case = int(np.argmax(np.where(closed, score, -np.inf))) if closed.any() else 0
-    outcome, layout = outcome_layout(results), layout_of(results)
-    layout = outcome or layout
+    outcome = outcome_layout(results)
+    layout = outcome or layout_of(results)
     return {
         "case": case,
         "figure": name,

@@ -1,6 +1,7 @@
 // The chosen figure over the axes of the sweep: curves or a map, through the case that is picked.
 
 const MOST_CURVES = 12;
+const MOST_POINTS = 3000; // of one drawing: a browser stays quick
 const HAS_OPTIMUM = /(_efficiency|^cop)$/;
 const choice = {};
 
@@ -19,14 +20,17 @@ function fillControls() {
   const { start } = data;
   const [figure, over, curves, view] = ["figure", "over", "curves", "view"].map((id) => document.getElementById(id));
   for (const each of data.figures) option(figure, each.name, each.label);
-  for (const i of numericAxes(2)) option(over, String(i), data.axes[i].label);
-  for (const each of data.figures) option(over, each.name, each.label);
-  option(curves, "", "nothing: one curve");
-  data.axes.forEach((axis, i) => sizeOf(i) > 1 && option(curves, String(i), axis.label));
+  const design = data.columns.length > 0;
+  if (!design) for (const i of numericAxes(2)) option(over, String(i), data.axes[i].label);
+  for (const each of [...data.columns, ...data.figures]) option(over, each.name, each.label);
+  option(curves, "", "nothing");
+  if (design) for (const each of [...data.columns, ...data.figures]) option(curves, each.name, each.label);
+  else data.axes.forEach((axis, i) => sizeOf(i) > 1 && option(curves, String(i), axis.label));
   figure.value = start.figure || data.figures[0].name;
-  over.value = start.x === null ? data.figures[0].name : String(start.x);
-  curves.value = start.curves === null ? "" : String(start.curves);
-  view.querySelector("[value=map]").disabled = numericAxes(3).length < 2;
+  over.value = start.x === null ? (data.columns[0] || data.figures[0]).name : String(start.x);
+  curves.value = start.curves === null ? (data.columns[1] || { name: "" }).name : String(start.curves);
+  document.getElementById("curves-word").textContent = design ? "coloured by" : "curves by";
+  view.closest("label").hidden = design || numericAxes(3).length < 2;
   for (const select of [figure, over, curves, view]) select.addEventListener("change", drawOverview);
 }
 
@@ -34,7 +38,8 @@ function readControls() {
   for (const id of ["figure", "over", "curves", "view"]) choice[id] = document.getElementById(id).value;
   choice.figure = figureNamed(choice.figure);
   choice.xFigure = figureNamed(choice.over) || null;
-  choice.by = choice.curves === "" ? null : Number(choice.curves);
+  choice.tint = data.columns.length ? figureNamed(choice.curves) || null : null;
+  choice.by = choice.curves === "" || data.columns.length ? null : Number(choice.curves);
   choice.along = choice.xFigure ? longestAxis(choice.by) : Number(choice.over);
   if (choice.by === choice.along) choice.by = null;
 }
@@ -92,7 +97,7 @@ function drawOverview() {
   readControls();
   const map = choice.view === "map" && mapAxes();
   const notes = [];
-  const [traces, look] = map ? mapDrawing(...map, notes) : curvesDrawing(notes);
+  const [traces, look] = data.columns.length ? pointsDrawing(notes) : map ? mapDrawing(...map, notes) : curvesDrawing(notes);
   const target = document.getElementById("overview");
   for (const id of ["over", "curves"]) document.getElementById(id).disabled = Boolean(map);
   document.getElementById("overview-note").textContent = notes.join(" ");
@@ -166,6 +171,28 @@ function optimaTrace(optima) {
   };
 }
 
+// A point a case of a design, coloured by another quantity.
+function pointsDrawing(notes) {
+  const cases = thinned(Array.from(data.statusCodes.keys()), notes);
+  const points = cases.map((number) => ({ number, x: drawnValue(choice.xFigure, number), y: drawnValue(choice.figure, number) }))
+    .filter((point) => point.x !== null && point.y !== null);
+  const trace = { ...curveTrace(points, "cases", colour("c1"), "solid"), mode: "markers" };
+  if (choice.tint) {
+    trace.marker = {
+      ...trace.marker,
+      size: 8,
+      color: points.map((point) => drawnValue(choice.tint, point.number)),
+      colorscale: VIRIDIS.map((tint, i) => [i / (VIRIDIS.length - 1), tint]),
+      line: { color: colour("soft"), width: 0.5 },
+      colorbar: { title: { text: choice.tint.label, side: "right" }, thickness: 14 },
+    };
+  }
+  leftOut(notes, cases.length, [trace]);
+  return [[trace], {
+    xaxis: axisLook(choice.xFigure.label, isLog(trace.x)), yaxis: axisLook(choice.figure.label, false), showlegend: false,
+  }];
+}
+
 // Which axes span the map: the chosen one and that of the curves, else the first two of numbers.
 function mapAxes() {
   const able = numericAxes(3);
@@ -178,7 +205,7 @@ function mapDrawing(across, up, notes) {
   const [x, y] = [data.axes[across], data.axes[up]];
   const z = y.values.map((_, row) => casesAlong(across, up, row).map((number) => drawnValue(choice.figure, number)));
   const cases = y.values.flatMap((_, row) => casesAlong(across, up, row));
-  const dots = cases.filter((number) => drawnValue(choice.figure, number) !== null);
+  const dots = thinned(cases.filter((number) => drawnValue(choice.figure, number) !== null), notes);
   fixedWords(notes, [across, up]);
   const contours = {
     type: "contour",
@@ -206,6 +233,13 @@ function mapDrawing(across, up, notes) {
   return [[contours, points], {
     xaxis: axisLook(x.label, x.log), yaxis: axisLook(y.label, y.log), showlegend: false,
   }];
+}
+
+function thinned(cases, notes) {
+  const stride = Math.ceil(cases.length / MOST_POINTS);
+  if (stride < 2) return cases;
+  notes.push(`Every ${stride}th of ${cases.length} points is drawn; the picker below has all.`);
+  return cases.filter((_, i) => i % stride === 0);
 }
 
 function fixedWords(notes, shown) {

@@ -30,11 +30,13 @@ async function begin() {
   library.textContent = await inflated("data-library");
   document.head.append(library);
   data = unpack(await inflated("data-document"));
+  data.columns = columnsOf();
   picked = data.start.case;
   if (data.axes.length && data.figures.length) {
     fillControls();
     fillPicker();
   }
+  for (const form of document.forms) form.addEventListener("submit", (event) => event.preventDefault());
   if (data.figures.length) drawAll();
   for (const query of ["(prefers-color-scheme: dark)", "print"]) window.matchMedia(query).addEventListener("change", drawAll);
   whenNarrowOrWide(drawAll);

@@ -40,7 +40,7 @@ def counts(results: Results) -> list[tuple[str, int]]:
 def axes(results: Results) -> list[str]:
     """Return a line about each axis of a sweep: its words, how many values, from where to where."""
     lines = []
-    for axis in results.axis_list:
+    for axis in (inner for outer in results.axis_list for inner in outer.joined or (outer,)):
         count = f"{len(axis.values)} values" if len(axis.values) > 1 else "one value"
         if not is_numeric(axis):
             lines.append(f"{axis.path}: {count}: {', '.join(str(value) for value in axis.values)}")
@@ -48,6 +48,7 @@ def axes(results: Results) -> list[str]:
         how, ends = shown_axis(axis), (int(np.argmin(axis.values)), int(np.argmax(axis.values)))
         low, high = (value_of(axis, end).rpartition(" = ")[2] for end in ends)
         lines.append(f"{how.words}: {count}, {low} to {high}" if low != high else f"{how.words}: {low}")
+    lines += [f"{len(axis.values)} cases in which these vary together" for axis in results.axis_list if axis.joined]
     return lines
 
 

@@ -76,7 +76,11 @@ function sizeOf(i) {
 
 // One value of an axis, in words.
 function valueOf(i, place) {
-  const axis = data.axes[i];
+  return inWords(data.axes[i], place);
+}
+
+function inWords(axis, place) {
+  if (axis.joined) return `${axis.texts[place]}: ${axis.joined.map((each) => `${each.words} ${inWords(each, place)}`).join(", ")}`;
   if (axis.texts) return axis.texts[place];
   return `${general(axis.values[place], 4)}${axis.unit ? ` ${axis.unit}` : ""}`;
 }
@@ -90,7 +94,17 @@ function statusOf(number) {
 }
 
 function figureNamed(name) {
-  return data.figures.find((figure) => figure.name === name);
+  return [...data.figures, ...data.columns].find((figure) => figure.name === name);
+}
+
+// What varies in a design, as figures of each case: joined quantities, and axes of numbers.
+function columnsOf() {
+  if (!data.axes.some((axis) => axis.joined)) return [];
+  const cases = Array.from(data.statusCodes.keys());
+  return data.axes.flatMap((axis, i) => (axis.joined || [axis]).filter((each) => each.values).map((each, k) => ({
+    name: `column_${i}_${k}`, label: each.label, unit: each.unit, factor: 1, offset: 0,
+    read: cases.map((number) => each.values[placesOf(number)[i]]),
+  })));
 }
 
 // A figure of one case in the unit in which it is drawn; null where there is none.
