@@ -106,7 +106,7 @@ function marksOf() {
 }
 
 function lineTrace(x, y, name, tint, dash, hover) {
-  return { type: "scatter", mode: "lines", x, y, name, line: { color: tint, dash, width: 2 }, hovertemplate: `${hover}<extra>${name}</extra>` };
+  return { type: "scatter", mode: "lines", x, y, name, line: { color: tint, dash, width: 2, simplify: false }, hovertemplate: `${hover}<extra>${name}</extra>` };
 }
 
 function at(angles, values, angle) {

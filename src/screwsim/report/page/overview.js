@@ -238,7 +238,7 @@ function mapDrawing(across, up, notes) {
 function thinned(cases, notes) {
   const stride = Math.ceil(cases.length / MOST_POINTS);
   if (stride < 2) return cases;
-  notes.push(`Every ${stride}th of ${cases.length} points is drawn; the picker below has all.`);
+  notes.push(`One in ${stride} of ${cases.length} points is drawn; the picker below has all.`);
   return cases.filter((_, i) => i % stride === 0);
 }
 

@@ -166,10 +166,12 @@ def _digest(path: Path) -> str:
 
 def notes(results: Results, shown: Selection) -> list[str]:
     """Return what the page leaves out of a large file, and what the first cases without a result say."""
-    lines = []
-    for axis, stride in zip(results.axis_list, shown.strides, strict=True):
-        if stride > 1:
-            lines.append(f"Only every {stride}th value of {axis.path} is in this page; all are in the file.")
+    thinned = [
+        f"one in {stride} values of {axis.path}"
+        for axis, stride in zip(results.axis_list, shown.strides, strict=True)
+        if stride > 1
+    ]
+    lines = [f"This page shows {' and '.join(thinned)}; all are in the file."] if thinned else []
     failed = np.flatnonzero(results.status.reshape(-1) == "failed")
     if failed.size:
         first = str(np.asarray(results.messages).reshape(-1)[failed[0]]).splitlines()
