@@ -39,16 +39,16 @@ class Group(Mapping[str, np.ndarray]):
                 self._read[name] = _values(file[self.name], name)
         return self._read[name]
 
-    def part(self, name: str, index: tuple[slice, ...]) -> np.ndarray:
-        """Return a part of a variable of numbers, read from the file now and not kept."""
-        with _opened(self._path) as file:
-            return np.asarray(file[self.name][name][index])
-
     def __iter__(self) -> Iterator[str]:
         return iter(self.about)
 
     def __len__(self) -> int:
         return len(self.about)
+
+    def part(self, name: str, index: tuple[slice, ...]) -> np.ndarray:
+        """Return a part of a variable of numbers, read from the file now and not kept."""
+        with _opened(self._path) as file:
+            return np.asarray(file[self.name][name][index])
 
 
 @dataclass(frozen=True)
