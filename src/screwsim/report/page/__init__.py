@@ -60,6 +60,7 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
         version=__version__,
         sweep=bool(results.axis_list),
         counts=tables.counts(results),
+        quantities=sum(len(axis.joined) or 1 for axis in results.axis_list),
         axes=tables.axes(results),
         headline=tables.headline(results),
         notes=tables.notes(results, shown),
