@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.outputs import Figures, Result
-from screwsim.results import save
+from screwsim.results import Results, open_results, save
+from screwsim.results.schema import Axis, axis_of
 from screwsim.scene import Scene, grid, loads
 
 SCENE = """\
@@ -114,6 +115,16 @@ def file(path: Path, text: str, simulate=ok) -> Path:
     else:
         save(path, scene, simulate(scene))
     return path
+
+
+def design(path: Path) -> Results:
+    """Return the results of a sweep over the oil ratio as if the speed and an oil temperature varied with it."""
+    results = open_results(path)
+    (ratio,) = results.axis_list
+    count = len(ratio.values)
+    speed = axis_of("operation.speed", np.linspace(30.0, 500.0, count), "rad/s", "speed")
+    oil = axis_of("oil_supply.temperature", 280.0 + 20.0 * np.sin(np.arange(count)), "K", "temperature of the oil")
+    return replace(results, axis_list=(Axis("case", np.arange(count, dtype=np.int32), "1", "", (ratio, speed, oil)),))
 
 
 def with_cycle(case: Scene) -> Result:

@@ -15,6 +15,7 @@ from report_fakes import (
     SPEED,
     SPEEDS,
     cycle,
+    design,
     file,
     ok,
     some_fail,
@@ -25,13 +26,13 @@ from report_fakes import (
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.report import cycle as cycle_figures
-from screwsim.report import ledger, outcome, plot, sweeps
+from screwsim.report import ledger, maps, outcome, plot, samples, sweeps
 from screwsim.report.annotate import spread
 from screwsim.report.families import optimum
 from screwsim.report.quantities import shown_axis
 from screwsim.report.style import DOUBLE, MM, SINGLE, journal
 from screwsim.report.trace import chosen_trace
-from screwsim.results import open_results
+from screwsim.results import Results, open_results
 
 THREE = SCENE + "sweep:\n" + SPEEDS + RATIOS + "  operation.discharge.pressure: [10 bar, 14 bar]\n"
 MANY = (
@@ -50,12 +51,12 @@ def spike(case):
 
 
 FILES = {
-    "pump": (PUMP, ok, ["efficiency", "performance"]),
-    "some cases fail": (PUMP, some_fail, ["efficiency", "performance"]),
+    "pump": (PUMP, ok, ["efficiency", "performance", "map"]),
+    "some cases fail": (PUMP, some_fail, ["efficiency", "performance", "map"]),
     "speed": (SPEED, ok, ["efficiency_ratio"]),
     "speed and orifice": (ORIFICES, ok, ["efficiency_ratio"]),
-    "three axes": (THREE, ok, ["efficiency_1", "performance_1", "efficiency_2", "performance_2"]),
-    "forty curves": (MANY, ok, ["efficiency", "performance"]),
+    "three axes": (THREE, ok, ["efficiency_1", "performance_1", "efficiency_2", "performance_2", "map_1", "map_2"]),
+    "forty curves": (MANY, ok, ["efficiency", "performance", "map"]),
     "gap and pressure": (GAP, ok, ["efficiency", "performance"]),
     "one axis": (LINEAR, ok, ["efficiency", "performance"]),
     "one run": (SCENE, with_cycle, ["pressure_volume", "states", "mass_flows"]),
@@ -69,14 +70,16 @@ FILES = {
 }
 
 
-def drawn(path: Path) -> dict:
+def drawn(path: Path, results: Results | None = None) -> dict:
     """Return the figures of a file, drawn."""
-    results = open_results(path)
+    results = results or open_results(path)
     figures = {}
     with journal():
         for name, draw in (
             *sweeps.plans(results),
+            *maps.plans(results),
             *outcome.plans(results),
+            *samples.plans(results),
             *cycle_figures.plans(results),
             *ledger.plans(results),
         ):
@@ -115,6 +118,20 @@ def figures(request, tmp_path_factory):
 def test_a_file_gives_the_figures_it_has_data_for(figures):
     names, found = figures
     assert list(found) == names
+
+
+@pytest.mark.parametrize("simulate", [ok, some_fail, with_cycle])
+def test_a_design_is_drawn_as_points_over_each_quantity(tmp_path, simulate):
+    path = file(tmp_path / "x.h5", LINEAR.replace("0.5", "0.05") + CYCLE, simulate)
+    figures = drawn(path, design(path))
+    kept = ["pressure_volume", "states", "mass_flows"] if simulate is with_cycle else []
+    assert list(figures) == ["samples", *kept]
+    labels = [axes.get_xlabel() for axes in figures["samples"].axes]
+    assert [label.rpartition(" ")[2] for label in labels] == ["(kg/kg)", "(rpm)", "(°C)"]
+    for figure in figures.values():
+        width, height = figure.canvas.get_width_height()
+        boxes = [box for _, box in texts(figure)]
+        assert all(box.x0 >= 0 and box.y0 >= 0 and box.x1 <= width and box.y1 <= height for box in boxes)
 
 
 def test_no_text_leaves_the_canvas(figures):
@@ -281,4 +298,4 @@ def test_lines_stated_by_temperatures_are_drawn_at_their_pressures(tmp_path):
     trace = chosen_trace(results)
     assert trace is not None
     assert trace.pressures == {"$p_s$": 3.1e5, "$p_d$": 11.6e5}
-    assert shown_axis(results.axis_list[0]).label == "condensing temperature $T_c$ (K)"
+    assert shown_axis(results.axis_list[0]).label == "condensing temperature $T_c$ (°C)"

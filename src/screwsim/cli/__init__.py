@@ -178,6 +178,24 @@ studies.add_to(app)
 
 
 @app.command()
+def report(
+    results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)],
+    output: Annotated[
+        str | None, typer.Option("-o", metavar="OUT.html", help="Where the page goes (default: beside the file).")
+    ] = None,
+    other: Annotated[
+        str | None, typer.Option("--with", metavar="OTHER.h5", help="The paper's other sweep: claims need both.")
+    ] = None,
+) -> None:
+    """Make one page of a results file: figures, cycles, checks, scene; it opens in any browser, offline."""
+    from screwsim.report.page import report as made
+    from screwsim.study.claims import claims_of
+
+    target = output or str(Path(results_file).with_suffix(".html"))
+    typer.echo(made(results_file, target, claims_of(results_file, other)))
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of a scene."""
     from screwsim.printing import print_json

@@ -8,7 +8,8 @@ import textwrap
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from screwsim.outputs import PERFORMANCE, STATUSES, Result, sorted_entries
+from screwsim.engineering import engineering, engineering_temperature, quantity, scale, shown_name, small
+from screwsim.outputs import STATUSES, Result, sorted_entries
 from screwsim.scene import Scene
 from screwsim.study.sweep import SweepSummary
 
@@ -18,22 +19,6 @@ if TYPE_CHECKING:
 
 WIDTH = 80
 MOST_FAILURES = 20  # listed of one sweep; all are in its file
-ZERO_CELSIUS = 273.15  # [K]
-# SI unit -> (from this size on, factor, unit), largest first
-_ENGINEERING = {
-    "W": ((1e3, 1e-3, "kW"), (0.0, 1.0, "W")),
-    "J": ((1e3, 1e-3, "kJ"), (0.0, 1.0, "J")),
-    "Pa": ((0.0, 1e-5, "bar"),),
-    "kg": ((0.1, 1.0, "kg"), (0.0, 1e3, "g")),
-    "kg s-1": ((0.0, 1.0, "kg/s"),),
-    "W s m-3": ((0.0, 1e-3 / 60.0, "kW/(m³/min)"),),
-    "J m-3": ((0.0, 1e-3, "kJ/m³"),),
-}
-
-
-def shown_name(name: str) -> str:
-    """Return the name of a figure as a person writes it."""
-    return "COP" if name == "cop" else name.replace("_", " ")
 
 
 def plain(value: Any) -> Any:
@@ -52,27 +37,6 @@ def plain(value: Any) -> Any:
 def print_json(document: Any) -> None:
     """Print one JSON document on stdout."""
     print(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=False))
-
-
-def engineering(name: str, value: float) -> tuple[str, str]:
-    """Return a performance figure [SI] as number and unit for people: kW, bar, %, K with °C."""
-    units = PERFORMANCE[name].units
-    if units == "K":
-        return f"{value:.2f}", f"K ({value - ZERO_CELSIUS:.2f} °C)"
-    if units == "1":
-        return (_digits(100.0 * value), "%") if name.endswith("_efficiency") else (_digits(value), "")
-    for size, factor, unit in _ENGINEERING.get(units, ()):
-        if abs(value) >= size:
-            return _digits(factor * value), unit
-    return _digits(value), units
-
-
-def _digits(value: float) -> str:
-    return f"{value:.5g}"
-
-
-def _small(value: float | None) -> str:
-    return "" if value is None else f"{value:.1e}"
 
 
 def print_result(title: str, result: Result) -> None:
@@ -108,7 +72,7 @@ def _table(result: Result) -> Any:
         table.add_column("error", justify="right", no_wrap=True)
     for name, value in result.performance.items():
         if value is not None:
-            error = [_small(result.error.get(name))] if result.error else []
+            error = [small(result.error.get(name))] if result.error else []
             table.add_row(shown_name(name), *engineering(name, value), *error)
     return table
 
@@ -116,7 +80,7 @@ def _table(result: Result) -> Any:
 def _ledger(ledger: Mapping[str, Any]) -> Any:
     """Return where the shaft power goes: useful exergy, then what each effect destroys, the dearest first."""
     shaft = ledger["shaft_power"]
-    factor, unit = next((f, u) for size, f, u in _ENGINEERING["W"] if abs(shaft) >= size)
+    factor, unit = scale("W", abs(shaft))
     heads = (unit, "%", "W/K", f"moved {unit}", "kg/s")
     table = _right_table("where the shaft power goes", *heads)
 
@@ -141,11 +105,6 @@ def _ledger(ledger: Mapping[str, Any]) -> Any:
     return table
 
 
-def engineering_temperature(T: float) -> str:
-    """Return a temperature [K] with its degrees Celsius."""
-    return f"{T:.2f} K ({T - ZERO_CELSIUS:.2f} °C)"
-
-
 def _right_table(first: str, *others: str) -> Any:
     """Return an empty table: a column of names, then columns of numbers."""
     from rich.table import Table
@@ -167,19 +126,11 @@ def _knock_out(costs: Iterable[Mapping[str, Any]]) -> Any:
         specific = (cost["specific_work"], cost["change_of_specific_work"])
         table.add_row(
             cost["effect"].replace("_", " "),
-            _quantity("W", cost["shaft_power"]),
-            _quantity("W", cost["change_of_shaft_power"]),
+            quantity("W", cost["shaft_power"]),
+            quantity("W", cost["change_of_shaft_power"]),
             *("" if value is None else f"{1e-3 * value:.4g} kJ/kg" for value in specific),
         )
     return table
-
-
-def _quantity(units: str, value: float) -> str:
-    """Return a quantity [SI] with its unit, four digits."""
-    for size, factor, unit in _ENGINEERING[units]:
-        if abs(value) >= size:
-            return f"{factor * value:.4g} {unit}"
-    return f"{value:.4g} {units}"
 
 
 def _account(result: Result) -> Iterable[str]:

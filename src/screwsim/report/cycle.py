@@ -63,11 +63,10 @@ def _states(trace: Trace) -> Any:
     upper.plot(trace.angle, values["pressure"] * PRESSURE.factor, color=COLOURS[0])
     upper.set_ylabel(PRESSURE.label)
     clipped = _pressure_axis(upper, trace)
-    middle.plot(trace.angle, values["gas_temperature"], color=COLOURS[0], label="gas $T$")
+    middle.plot(trace.angle, TEMPERATURE.of(values["gas_temperature"]), color=COLOURS[0], label="gas $T$")
     if np.isfinite(values.get("oil_temperature", np.nan)).any():
-        middle.plot(
-            trace.angle, values["oil_temperature"], color=COLOURS[3], linestyle=DASHES[1], label=r"oil $T_\mathrm{oil}$"
-        )
+        oil = TEMPERATURE.of(values["oil_temperature"])
+        middle.plot(trace.angle, oil, color=COLOURS[3], linestyle=DASHES[1], label=r"oil $T_\mathrm{oil}$")
         middle.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     middle.set_ylabel(TEMPERATURE.label)
     lower.plot(trace.angle, values["gas_mass"] * GAS_MASS.factor, color=COLOURS[0])

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.report.quantities import FIGURES, is_numeric, short, shown_axis, value_of
+from screwsim.report.quantities import EFFICIENCIES, is_numeric, short, shown_axis, shown_figure, value_of
 from screwsim.results import Results
 from screwsim.results.schema import Axis
 
@@ -41,18 +41,23 @@ class Layout(NamedTuple):
 
 def efficiency_name(results: Results) -> str | None:
     """Return the efficiency to show: the isentropic one where the isothermal one lacks values; None without any."""
-    found = {name: int(np.isfinite(results.performance[name]).sum()) for name in list(FIGURES)[:2]}
+    found = {name: int(np.isfinite(results.performance[name]).sum()) for name in EFFICIENCIES}
     isothermal, isentropic = found.values()
     if not isothermal and not isentropic:
         return None
     return "isothermal_efficiency" if isothermal >= isentropic else "isentropic_efficiency"
 
 
+def is_design(results: Results) -> bool:
+    """Return whether several quantities vary together (a sample, a list of cases): there are no curves then."""
+    return any(axis.joined for axis in results.axis_list)
+
+
 def layout_of(results: Results) -> Layout | None:
     """Return which axis is x (the oil ratio, else the longest one of numbers) and which tells the curves apart."""
     axes = results.axis_list
     lengths = [len(axis.values) if is_numeric(axis) else 0 for axis in axes]
-    if not axes or max(lengths) < FEWEST:
+    if not axes or max(lengths) < FEWEST or is_design(results):
         return None
     return _layout(axes, _preferred(axes, lengths, RATIO))
 
@@ -61,7 +66,7 @@ def outcome_layout(results: Results) -> Layout | None:
     """Return the layout over the speed when the oil ratio is an outcome that varies with it; else None."""
     axes = results.axis_list
     paths = [axis.path for axis in axes]
-    if SPEED not in paths or RATIO in paths:
+    if SPEED not in paths or RATIO in paths or is_design(results):
         return None
     place = paths.index(SPEED)
     ratio = np.moveaxis(results.performance["oil_ratio"], place, -1)
@@ -104,11 +109,11 @@ def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str
     Cases without a value are left out; curves of fewer than two points too.
     """
     axis = results.axis_list[layout.x]
-    at = np.broadcast_to(axis.values * shown_axis(axis).factor, (_count(results, layout), len(axis.values)))
+    at = np.broadcast_to(shown_axis(axis).of(axis.values), (_count(results, layout), len(axis.values)))
     x = at
     if x_name is not None:
-        x = _rows(results, layout, chosen, results.performance[x_name] * FIGURES[x_name].factor)
-    y = _rows(results, layout, chosen, results.performance[y_name] * FIGURES[y_name].factor)
+        x = _rows(results, layout, chosen, shown_figure(results, x_name).of(results.performance[x_name]))
+    y = _rows(results, layout, chosen, shown_figure(results, y_name).of(results.performance[y_name]))
     closed = _rows(results, layout, chosen, np.asarray(results.status) == "ok")
     failed = _rows(results, layout, chosen, np.asarray(results.status) == "failed")
     curves = []
@@ -153,7 +158,7 @@ def _texts(results: Results, layout: Layout) -> list[str]:
     axis = results.axis_list[layout.curves]
     if not is_numeric(axis):
         return [str(value) for value in axis.values]
-    return [short(value * shown_axis(axis).factor) for value in axis.values]
+    return [short(shown_axis(axis).of(value)) for value in axis.values]
 
 
 def curves_heading(results: Results, layout: Layout) -> tuple[str, str]:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.outputs import ledger_entries
+from screwsim.report.quantities import TEMPERATURE
 from screwsim.report.style import COLOURS, DOUBLE, GREY, SMALL, new_figure, note, plain_ticks
 from screwsim.report.trace import best_case, case_title
 from screwsim.results import Results
@@ -80,7 +81,7 @@ def _draw(ledger: Mapping[str, float], title: str) -> Any:
     axes.set_xlim(min(0.0, 1.05 * factor * min(bar.power for bar in bars if bar.total)), 1.02 * shaft * factor)
     plain_ticks(axes.xaxis)
     axes.set_xlabel(f"exergy ({unit})")
-    ambient = f"what is left of the shaft power, exergy at {ledger['ambient_temperature']:.2f} K"
+    ambient = f"what is left of the shaft power, exergy at {TEMPERATURE.of(ledger['ambient_temperature']):.2f} °C"
     note(figure, title, ambient, f"residue {100.0 * ledger['residue'] / shaft:.1g} %".replace("-", "−"))
     return figure
 

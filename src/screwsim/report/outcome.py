@@ -16,7 +16,7 @@ from screwsim.report.families import (
     outcome_layout,
     slices,
 )
-from screwsim.report.quantities import FIGURES, RATIO, SPEED
+from screwsim.report.quantities import RATIO, SPEED, shown_figure
 from screwsim.report.style import DOUBLE, new_figure, note
 from screwsim.report.sweeps import Plan, draw_curves, label_axes, label_curves, remarks
 from screwsim.results import Results
@@ -40,13 +40,13 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
     main, upper, lower = (figure.add_subplot(place) for place in (grid[:, 0], grid[0, 1], grid[1, 1]))
     over_ratio = family(results, layout, chosen, "oil_ratio", name)
     found = draw_curves(main, over_ratio, optima=True)
-    label_axes(main, RATIO.label, FIGURES[name].label, [curve.x for curve in over_ratio])
+    label_axes(main, RATIO.label, shown_figure(results, name).label, [curve.x for curve in over_ratio])
     main.margins(x=0.06)
     main.autoscale(axis="x")
     for axes, figure_name in ((upper, name), (lower, "oil_ratio")):
         curves = family(results, layout, chosen, None, figure_name)
         draw_curves(axes, curves, optima=False)
-        label_axes(axes, SPEED.label, FIGURES[figure_name].quantity, [curve.x for curve in curves])
+        label_axes(axes, SPEED.label, shown_figure(results, figure_name).quantity, [curve.x for curve in curves])
     upper.set_xlabel("")
     upper.tick_params(labelbottom=False)
     heading, words = curves_heading(results, layout)

@@ -1,22 +1,34 @@
-"""How a stored quantity is shown in a figure: symbol, customary unit, factor from SI."""
+"""How a stored quantity is shown in a figure: symbol, customary unit, factor and offset from SI.
+
+Temperatures are shown in °C, differences of temperature in K.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.engineering import figure_scales, shown_name
+from screwsim.outputs import PERFORMANCE
+from screwsim.results import Results
 from screwsim.results.schema import Axis
+from screwsim.scene.units import ZERO_CELSIUS
 
 
 class Shown(NamedTuple):
-    """Words, symbol (mathtext), customary unit ('' for none) and factor from SI."""
+    """Words, symbol (mathtext), customary unit ('' for none), factor from SI, and what is added after it."""
 
     words: str
     symbol: str
     unit: str
     factor: float
+    offset: float = 0.0
+
+    def of(self, values: Any) -> Any:
+        """Return values [SI] in the shown unit."""
+        return values * self.factor + self.offset
 
     @property
     def label(self) -> str:
@@ -35,7 +47,12 @@ class Shown(NamedTuple):
     def value(self, number: float) -> str:
         """Return a value [SI] with symbol and unit: 'n = 3000 rpm'."""
         unit = f" {self.unit}" if self.unit not in ("", "kg/kg") else ""
-        return f"{self.symbol or self.words} = {short(number * self.factor)}{unit}"
+        return f"{self.symbol or self.words} = {short(self.of(number))}{unit}"
+
+
+def celsius(words: str, symbol: str) -> Shown:
+    """Return how a temperature is shown."""
+    return Shown(words, symbol, "°C", 1.0, -ZERO_CELSIUS)
 
 
 RPM = 30.0 / math.pi
@@ -44,33 +61,32 @@ DEGREE = 180.0 / math.pi
 ANGLE = Shown("male-rotor angle", r"$\varphi$", "°", 1.0)
 PRESSURE = Shown("pressure", "$p$", "bar", 1e-5)
 VOLUME = Shown("chamber volume", "$V$", "cm³", 1e6)
-TEMPERATURE = Shown("temperature", "$T$", "K", 1.0)
+TEMPERATURE = celsius("temperature", "$T$")
 GAS_MASS = Shown("gas mass", "$m$", "g", 1e3)
 MASS_FLOW = Shown("mass flow into the chamber", r"$\dot m$", "g/s", 1e3)
 SPEED = Shown("male-rotor speed", "$n$", "rpm", RPM)
 RATIO = Shown("oil-to-gas mass ratio", "$d$", "kg/kg", 1.0)
 
-FIGURES = {
-    "isothermal_efficiency": Shown("isothermal efficiency", r"$\eta_\mathrm{iso}$", "%", 100.0),
-    "isentropic_efficiency": Shown("isentropic efficiency", r"$\eta_s$", "%", 100.0),
-    "volumetric_efficiency": Shown("volumetric efficiency", r"$\lambda$", "%", 100.0),
-    "oil_ratio": RATIO,
-    "shaft_power": Shown("shaft power", "$P$", "kW", 1e-3),
-    "cooling_capacity": Shown("cooling capacity", r"$\dot Q_0$", "kW", 1e-3),
-    "cop": Shown("coefficient of performance", r"$\mathrm{COP}$", "", 1.0),
-    "gas_mass_flow": Shown("gas mass flow", r"$\dot m$", "g/s", 1e3),
-    "discharge_temperature": Shown("gas at discharge", "$T_d$", "K", 1.0),
+EFFICIENCIES = ("isothermal_efficiency", "isentropic_efficiency")  # the first with most values is the one to show
+_SYMBOLS = {
+    "isothermal_efficiency": r"$\eta_\mathrm{iso}$",
+    "isentropic_efficiency": r"$\eta_s$",
+    "volumetric_efficiency": r"$\lambda$",
+    "shaft_power": "$P$",
+    "cooling_capacity": r"$\dot Q_0$",
+    "gas_mass_flow": r"$\dot m$",
+    "discharge_temperature": "$T_d$",
 }
 
 _AXES = {
     "operation.speed": SPEED,
     "oil_supply.ratio": RATIO,
-    "oil_supply.temperature": Shown("oil temperature", r"$T_\mathrm{oil}$", "K", 1.0),
+    "oil_supply.temperature": celsius("oil temperature", r"$T_\mathrm{oil}$"),
     "operation.suction.pressure": Shown("suction pressure", "$p_s$", "bar", 1e-5),
-    "operation.suction.temperature": Shown("suction temperature", "$T_s$", "K", 1.0),
+    "operation.suction.temperature": celsius("suction temperature", "$T_s$"),
     "operation.discharge.pressure": Shown("discharge pressure", "$p_d$", "bar", 1e-5),
-    "operation.evaporating_temperature": Shown("evaporating temperature", "$T_e$", "K", 1.0),
-    "operation.condensing_temperature": Shown("condensing temperature", "$T_c$", "K", 1.0),
+    "operation.evaporating_temperature": celsius("evaporating temperature", "$T_e$"),
+    "operation.condensing_temperature": celsius("condensing temperature", "$T_c$"),
     "operation.superheat": Shown("superheat", r"$\Delta T_\mathrm{sh}$", "K", 1.0),
     "operation.subcooling": Shown("subcooling", r"$\Delta T_\mathrm{sc}$", "K", 1.0),
 }
@@ -92,10 +108,25 @@ def shown_axis(axis: Axis) -> Shown:
     if axis.path in _AXES:
         return _AXES[axis.path]
     words = " ".join(axis.path.split(".")[-2:]).replace("_", " ")
+    if axis.units == "K" and words.endswith("temperature"):
+        return celsius(words, "")
     unit, factor = _CUSTOMARY.get(axis.units, (axis.units, 1.0))
     if axis.units in ("m", "m^2"):
         unit, factor = _length(axis)
     return Shown(words, "", unit, factor)
+
+
+def shown_figure(results: Results, name: str) -> Shown:
+    """Return how a performance figure is shown over all cases of a file: one unit, that of the largest."""
+    if name == "oil_ratio":
+        return RATIO
+    words, symbol = shown_name(name), _SYMBOLS.get(name, "")
+    if PERFORMANCE[name].units == "K":
+        return celsius(words, symbol)
+    values = results.performance[name]
+    largest = float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
+    factor, unit = next((factor, unit) for least, factor, unit in figure_scales(name) if largest >= least)
+    return Shown(words, symbol, unit, factor)
 
 
 def _length(axis: Axis) -> tuple[str, float]:
@@ -113,7 +144,9 @@ def short(number: float) -> str:
 
 
 def value_of(axis: Axis, index: int) -> str:
-    """Return one value of an axis with its symbol and unit; a text stands for itself."""
+    """Return one value of an axis with its symbol and unit; a text stands for itself, joined values in a row."""
+    if axis.joined:
+        return ", ".join(value_of(inner, index) for inner in axis.joined)
     value = axis.values[index]
     return shown_axis(axis).value(float(value)) if is_numeric(axis) else f"{axis.path.split('.')[-1]}: {value}"
 

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from screwsim.report.quantities import short
 from screwsim.results.atomic import replacing
 
 MM = 1.0 / 25.4  # [inch]
@@ -118,6 +119,19 @@ def plain_ticks(axis: Any, most: int = 7) -> None:
 
     axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
     axis.set_minor_locator(AutoMinorLocator())
+
+
+def log_scale(axes: Any, ratio: float, which: str = "x") -> None:
+    """Make x or y logarithmic with plain numbers at 1, 2, 5, or at powers of ten when the range is wide."""
+    import numpy as np
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis = getattr(axes, f"{which}axis")
+    getattr(axes, f"set_{which}scale")("log")
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if ratio < 300.0 else (1.0,), numticks=20))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
+    axis.set_minor_locator(LogLocator(subs=tuple(np.arange(1.0, 10.0)), numticks=20))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def line_style(index: int, count: int) -> dict[str, Any]:

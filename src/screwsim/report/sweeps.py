@@ -23,8 +23,8 @@ from screwsim.report.families import (
     outcome_layout,
     slices,
 )
-from screwsim.report.quantities import FIGURES, short, shown_axis
-from screwsim.report.style import DOUBLE, SINGLE, line_style, new_figure, note, plain_ticks
+from screwsim.report.quantities import shown_axis, shown_figure
+from screwsim.report.style import DOUBLE, SINGLE, line_style, log_scale, new_figure, note, plain_ticks
 from screwsim.results import Results
 
 Plan = tuple[str, Callable[[], Any]]  # name of a figure, and what draws it
@@ -53,7 +53,9 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
     figure = new_figure(SINGLE, 70.0)
     axes = figure.subplots()
     found = draw_curves(axes, curves, optima=True)
-    label_axes(axes, shown_axis(results.axis_list[layout.x]).label, FIGURES[name].label, [c.x for c in curves])
+    label_axes(
+        axes, shown_axis(results.axis_list[layout.x]).label, shown_figure(results, name).label, [c.x for c in curves]
+    )
     heading, words = curves_heading(results, layout)
     note(figure, constant, words, *remarks(curves, found), left_out(results, layout, chosen, curves))
     if layout.curves is not None:
@@ -72,7 +74,12 @@ def _performance(results: Results, layout: Layout, chosen: dict[int, int], const
         axes.remove()
     for axes, (name, curves) in zip(panels, families.items(), strict=False):
         draw_curves(axes, curves, optima=False)
-        label_axes(axes, shown_axis(results.axis_list[layout.x]).label, FIGURES[name].label, [c.x for c in curves])
+        label_axes(
+            axes,
+            shown_axis(results.axis_list[layout.x]).label,
+            shown_figure(results, name).label,
+            [c.x for c in curves],
+        )
     widest = max(families.values(), key=len)
     heading, words = curves_heading(results, layout)
     note(figure, constant, words, *remarks(widest, 0), left_out(results, layout, chosen, widest))
@@ -132,17 +139,6 @@ def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> No
     plain_ticks(axes.yaxis)
     if not is_log(values):
         plain_ticks(axes.xaxis)
-
-
-def log_scale(axes: Any, ratio: float) -> None:
-    """Make x logarithmic with plain numbers at 1, 2, 5, or at powers of ten when the range is wide."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    axes.set_xscale("log")
-    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if ratio < 300.0 else (1.0,), numticks=20))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
-    axes.xaxis.set_minor_locator(LogLocator(subs=tuple(np.arange(1.0, 10.0)), numticks=20))
-    axes.xaxis.set_minor_formatter(NullFormatter())
 
 
 def remarks(curves: list[Curve], optima: int) -> tuple[str, str]:

@@ -43,7 +43,7 @@ def chosen_trace(results: Results) -> Trace | None:
         for symbol, line in (("$p_s$", "suction"), ("$p_d$", "discharge"))
         if np.isfinite(value := _line_pressure(results, line, index))
     }
-    return Trace(title, angle, values, pressures, _marks(results, index, angle, values))
+    return Trace(title, angle, values, pressures, marks_of(results, index, angle, values))
 
 
 def case_title(results: Results, index: tuple[int, ...]) -> str:
@@ -79,13 +79,14 @@ def _line_pressure(results: Results, line: str, index: tuple[int, ...]) -> float
 def _input(results: Results, path: str, index: tuple[int, ...]) -> float:
     """Return a numeric input of one case [SI]; NaN when the file has none."""
     for axis, i in zip(results.axis_list, index, strict=True):
-        if axis.path == path:
-            return float(axis.values[i])
+        for inner in axis.joined or (axis,):
+            if inner.path == path:
+                return float(inner.values[i])
     name = variable_name(path)
     return float(results.inputs[name]) if name in results.inputs else np.nan
 
 
-def _marks(
+def marks_of(
     results: Results, index: tuple[int, ...], angle: np.ndarray, values: Mapping[str, np.ndarray]
 ) -> dict[str, float]:
     """Return the angles of injection and of the port's opening, as far as the scene has them."""

@@ -45,6 +45,11 @@ class Group(Mapping[str, np.ndarray]):
     def __len__(self) -> int:
         return len(self.about)
 
+    def part(self, name: str, index: tuple[slice, ...]) -> np.ndarray:
+        """Return a part of a variable of numbers, read from the file now and not kept."""
+        with _opened(self._path) as file:
+            return np.asarray(file[self.name][name][index])
+
 
 @dataclass(frozen=True)
 class Results:

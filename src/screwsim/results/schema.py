@@ -28,12 +28,17 @@ _NUMERIC = {"number": "1", "count": "1", **{name: kind.si for name, kind in KIND
 
 
 class Axis(NamedTuple):
-    """One axis of a sweep: `values` are numbers [SI], or texts (a fluid, a kind)."""
+    """One axis of a sweep: `values` are numbers [SI], or texts (a fluid, a kind).
+
+    Where paths vary together, `path` is the name of the dimension, `values` count its cases from 0, and `joined`
+    holds the values of each path along it.
+    """
 
     path: str
     values: np.ndarray
     units: str
     long_name: str
+    joined: tuple[Axis, ...] = ()
 
     @property
     def name(self) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 from screwsim.results import open_results
 from screwsim.study.curves import Array, Optimum, optimum, value_at
 
+PAPER = "Chernov et al. 2015"  # how the titles of configs/paper begin
 RPM = 2.0 * np.pi / 60.0
 A5_RATIO, A5_SPEED, A5_EFFICIENCY, A5_TOLERANCE = 3.0, 1000.0, 0.68, 0.005
 A6_EFFICIENCY, A6_TOLERANCE = 0.44, 0.02
@@ -196,6 +197,30 @@ def claims(fig1: str, fig2: str) -> list[Claim]:
     point = _best([displaced_point(line) for line in lines])
     shape = _best([displaced_optimum(pump, line) for line in lines])
     return [*shape_claims(pump), pump_point(pump), point, shape]
+
+
+def claims_of(path: str, other: str | None = None) -> list[Claim]:
+    """Return the claims that a stored sweep of the paper's can be held to; none for any other file.
+
+    The sweep of Fig. 1 gives A1–A5, that of Fig. 2 A6, both together, in either order, all seven.
+    """
+    kinds = ("oil_supply.ratio", "oil_supply.orifice_diameter")
+    if not any(_is_figure(path, axis) for axis in kinds):
+        return []
+    files = [path] if other is None else [path, other]
+    pumps, bores = ([each for each in files if _is_figure(each, axis)] for axis in kinds)
+    if pumps and bores:
+        return claims(pumps[0], bores[0])
+    if pumps:
+        pump = read_pump(pumps[0])
+        return [*shape_claims(pump), pump_point(pump)]
+    return [_best([displaced_point(line) for line in read_displacement(bores[0])])] if bores else []
+
+
+def _is_figure(path: str, axis: str) -> bool:
+    """Tell whether a file is the paper's sweep over the speed and that axis, by its title and axes."""
+    data = open_results(path)
+    return str(data.attributes["title"]).startswith(PAPER) and set(data.axes) == {"operation.speed", axis}
 
 
 def table(found: list[Claim]) -> str:

@@ -1,0 +1,71 @@
+"""Numbers for people: the customary unit of a stored quantity [SI], its digits, its name in words.
+
+One table for the screen, the figures and the page.
+"""
+
+from __future__ import annotations
+
+from screwsim.outputs import PERFORMANCE
+from screwsim.scene.units import ZERO_CELSIUS
+
+# SI unit -> (from this size on, factor, unit), largest first
+SCALES = {
+    "W": ((1e3, 1e-3, "kW"), (0.0, 1.0, "W")),
+    "J": ((1e3, 1e-3, "kJ"), (0.0, 1.0, "J")),
+    "Pa": ((0.0, 1e-5, "bar"),),
+    "kg": ((0.1, 1.0, "kg"), (0.0, 1e3, "g")),
+    "kg s-1": ((0.0, 1.0, "kg/s"),),
+    "W s m-3": ((0.0, 1e-3 / 60.0, "kW/(m³/min)"),),
+    "J m-3": ((0.0, 1e-3, "kJ/m³"),),
+}
+
+
+def shown_name(name: str) -> str:
+    """Return the name of a figure as a person writes it."""
+    return "COP" if name == "cop" else name.replace("_", " ")
+
+
+def scale(units: str, size: float) -> tuple[float, str]:
+    """Return factor and customary unit of a quantity [SI unit] of that size; an unknown unit stays."""
+    for least, factor, unit in SCALES.get(units, ()):
+        if size >= least:
+            return factor, unit
+    return 1.0, units
+
+
+def figure_scales(name: str) -> tuple[tuple[float, float, str], ...]:
+    """Return (from this size on, factor, unit) of a performance figure, largest first; K stays K."""
+    units = PERFORMANCE[name].units
+    if units == "1":
+        return ((0.0, 100.0, "%"),) if name.endswith("_efficiency") else ((0.0, 1.0, ""),)
+    return SCALES.get(units, ((0.0, 1.0, units),))
+
+
+def engineering(name: str, value: float) -> tuple[str, str]:
+    """Return a performance figure [SI] as number and unit for people: kW, bar, %, K with °C."""
+    if PERFORMANCE[name].units == "K":
+        return f"{value:.2f}", f"K ({value - ZERO_CELSIUS:.2f} °C)"
+    scales = figure_scales(name)
+    factor, unit = next(((f, u) for least, f, u in scales if abs(value) >= least), (1.0, PERFORMANCE[name].units))
+    return digits(factor * value), unit
+
+
+def engineering_temperature(T: float) -> str:
+    """Return a temperature [K] with its degrees Celsius."""
+    return f"{T:.2f} K ({T - ZERO_CELSIUS:.2f} °C)"
+
+
+def quantity(units: str, value: float) -> str:
+    """Return a quantity [SI] with its unit, four digits."""
+    factor, unit = scale(units, abs(value))
+    return f"{factor * value:.4g} {unit}"
+
+
+def digits(value: float) -> str:
+    """Return a number with five digits."""
+    return f"{value:.5g}"
+
+
+def small(value: float | None) -> str:
+    """Return an error or a residue; nothing where there is none."""
+    return "" if value is None else f"{value:.1e}"

@@ -1,0 +1,112 @@
+"""Contour map of the efficiency over two axes of a sweep, with the optimum of each curve (η over d and n)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from screwsim.report.families import (
+    Layout,
+    efficiency_name,
+    family,
+    is_log,
+    layout_of,
+    left_out,
+    optimum,
+    outcome_layout,
+    slices,
+)
+from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
+from screwsim.report.style import SINGLE, log_scale, new_figure, note, plain_ticks
+from screwsim.report.sweeps import Plan, remarks
+from screwsim.results import Results
+
+_FEWEST = 3  # values on each axis that make a map
+_LEVELS = 18
+
+
+def plans(results: Results) -> Iterator[Plan]:
+    """Yield a map for each slice of a sweep over two axes of numbers, three values or more on each."""
+    layout, name = layout_of(results), efficiency_name(results)
+    if layout is None or layout.curves is None or name is None or outcome_layout(results) is not None:
+        return
+    across = [results.axis_list[i] for i in (layout.x, layout.curves)]
+    if not all(is_numeric(axis) and len(axis.values) >= _FEWEST for axis in across):
+        return
+    for number, (constant, chosen) in enumerate(slices(results, layout), start=1):
+        suffix = f"_{number}" if layout.rest and constant else ""
+        if len(family(results, layout, chosen, None, name)) >= _FEWEST:
+            yield f"map{suffix}", partial(_draw, results, layout, chosen, constant, name)
+
+
+def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
+    """Draw filled contours with a scale; where a case has no result the map is white."""
+    x, y, z = _surface(results, layout, chosen, name)
+    figure = new_figure(SINGLE, 76.0)
+    axes = figure.subplots()
+    levels = _levels(z)
+    filled = axes.contourf(x, y, z, levels=levels, cmap="viridis", extend="neither")
+    axes.contour(x, y, z, levels=levels, colors="black", linewidths=0.3)
+    axes.tick_params(which="both", pad=5.0)  # labels of both axes keep apart in the corner
+    bar = figure.colorbar(filled, ax=axes, ticks=levels[:: 1 + len(levels) // 10], pad=0.03, aspect=28)
+    bar.ax.tick_params(which="both", length=2.0)
+    bar.ax.minorticks_off()
+    bar.set_label(shown_figure(results, name).label)
+    curves = family(results, layout, chosen, None, name)
+    found = _optima(axes, results, layout, chosen, name)
+    for axis, set_label, place in ((axes.xaxis, axes.set_xlabel, layout.x), (axes.yaxis, axes.set_ylabel, _y(layout))):
+        set_label(shown_axis(results.axis_list[place]).label)
+        _scale(axes, axis, shown_axis(results.axis_list[place]).of(results.axis_list[place].values))
+    note(figure, constant, *remarks([], found), left_out(results, layout, chosen, curves))
+    return figure
+
+
+def _surface(results: Results, layout: Layout, chosen: dict[int, int], name: str) -> tuple[Any, Any, Any]:
+    """Return the sorted values of both axes and the figure (y, x), masked where a case failed."""
+    across = [results.axis_list[i] for i in (layout.x, _y(layout))]
+    x, y = (shown_axis(axis).of(axis.values) for axis in across)
+    values = shown_figure(results, name).of(results.performance[name])
+    values = np.where(np.asarray(results.status) == "failed", np.nan, values)
+    part = values[tuple(chosen.get(i, slice(None)) for i in range(values.ndim))]
+    part = part.T if layout.x < _y(layout) else part
+    columns, rows = np.argsort(x), np.argsort(y)
+    return x[columns], y[rows], np.ma.masked_invalid(part[rows][:, columns])
+
+
+def _y(layout: Layout) -> int:
+    assert layout.curves is not None
+    return layout.curves
+
+
+def _levels(z: Any) -> np.ndarray:
+    """Return levels at round numbers that span the values."""
+    from matplotlib.ticker import MaxNLocator
+
+    low, high = float(z.min()), float(z.max())
+    if not high > low:
+        low, high = low - 0.5, high + 0.5
+    return np.asarray(MaxNLocator(_LEVELS, steps=[1, 2, 5, 10]).tick_values(low, high))
+
+
+def _optima(axes: Any, results: Results, layout: Layout, chosen: dict[int, int], name: str) -> int:
+    """Draw a circle at the optimum of each row and a line through them; return how many there are."""
+    x, y, z = _surface(results, layout, chosen, name)
+    points = []
+    for height, row in zip(y, z, strict=True):
+        there = ~np.ma.getmaskarray(row)
+        best = optimum(x[there], row[there].data) if np.count_nonzero(there) >= _FEWEST else None
+        if best is not None:
+            points.append((best[0], height))
+    if points:
+        axes.plot(*np.transpose(points), "o-", color="white", linewidth=0.8, markeredgecolor="black", clip_on=False)
+    return len(points)
+
+
+def _scale(axes: Any, axis: Any, values: np.ndarray) -> None:
+    if is_log(values):
+        log_scale(axes, float(np.max(values) / np.min(values)), axis.axis_name)
+    else:
+        plain_ticks(axis)

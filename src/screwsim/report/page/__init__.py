@@ -1,0 +1,79 @@
+"""The page: one HTML file that shows a results file to a person, without a network and without this program."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import resources
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from screwsim.faults import UsageError
+
+__all__ = ["report"]
+
+_NEEDED = ("jinja2", "plotly")
+_SCRIPTS = ("unpack.js", "drawing.js", "overview.js", "case.js", "start.js")
+_POLICY = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; default-src 'none'"
+
+
+def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> str:
+    """Write the page of a results file and return its path.
+
+    `claims` (with says, measure, found, verdict) are shown as a table. Raise UsageError in one line when the extra
+    is not installed, the file is none of ours, or the page cannot be written.
+    """
+    missing = [name for name in _NEEDED if find_spec(name) is None]
+    if missing:
+        raise UsageError(f"the page needs {' and '.join(missing)}: pip install 'screwsim[report]'")
+    from screwsim.results import open_results
+    from screwsim.results.atomic import make_folder, replacing
+
+    text = page_of(open_results(path), claims)
+    target = Path(output)
+    make_folder(target.parent)
+    with replacing(target) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return str(target)
+
+
+def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
+    """Return the page as text."""
+    import jinja2
+    from plotly.offline import get_plotlyjs
+
+    from screwsim import __version__
+    from screwsim.report.page import data, tables
+    from screwsim.report.page.pack import compressed
+
+    shown = data.selection(results)
+    document = data.document(results, shown)
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    template = environment.from_string(_source("page.html"))
+    return template.render(
+        policy=_POLICY,
+        title=results.attributes["title"],
+        style=_source("page.css"),
+        script="\n".join(_source(each) for each in _SCRIPTS),
+        library=compressed(get_plotlyjs()),
+        document=compressed(document),
+        version=__version__,
+        sweep=bool(results.axis_list),
+        counts=tables.counts(results),
+        quantities=sum(len(axis.joined) or 1 for axis in results.axis_list),
+        axes=tables.axes(results),
+        headline=tables.headline(results),
+        notes=tables.notes(results, shown),
+        figures=tables.figures(results, shown, document["start"]["case"]),
+        ranges=tables.ranges(results) if results.axis_list else [],
+        checks=tables.checks(results),
+        claims=claims,
+        scene=results.scene_yaml,
+        provenance=tables.provenance(results),
+        traces=document["cycle"] is not None,
+        ledger=document["ledger"] is not None,
+    )
+
+
+def _source(name: str) -> str:
+    return resources.files(__name__).joinpath(name).read_text(encoding="utf-8")

@@ -1,0 +1,298 @@
+// One case: its figures with their errors, its cycle, its ledger.
+
+const LEAST = 1e-3; // of the shaft power: smaller entries of the ledger are drawn as one
+let picked = 0;
+
+function fillPicker() {
+  const form = document.getElementById("picker");
+  data.axes.forEach((axis, i) => {
+    const label = document.createElement("label");
+    const select = axis.joined ? numberField(sizeOf(i)) : valueField(i);
+    label.append(`${axis.label} `, select);
+    select.addEventListener("change", () => {
+      const places = placesOf(picked);
+      places[i] = Math.min(Math.max(Math.round(Number(select.value)) || 0, 0), sizeOf(i) - 1);
+      pick(caseOf(places));
+    });
+    form.append(label);
+  });
+}
+
+function valueField(i) {
+  const select = document.createElement("select");
+  for (let place = 0; place < sizeOf(i); place += 1) option(select, String(place), nameOf(i, place));
+  return select;
+}
+
+function numberField(size) {
+  const field = document.createElement("input");
+  Object.assign(field, { type: "number", min: "0", max: String(size - 1), step: "1" });
+  return field;
+}
+
+function pick(number) {
+  picked = number;
+  if (data.axes.length) {
+    const selects = document.querySelectorAll("#picker select, #picker input");
+    placesOf(number).forEach((place, i) => { selects[i].value = String(place); });
+    document.getElementById("case-words").textContent = `${caseWords(number)}: ${statusOf(number)}`;
+    drawOverview();
+  }
+  drawCase();
+}
+
+function drawCase() {
+  const message = document.getElementById("case-message");
+  message.textContent = data.messages[picked] || "";
+  message.hidden = message.textContent === "";
+  fillFigures();
+  document.getElementById("balance").textContent = balanceWords();
+  if (data.cycle) drawCycle();
+  if (data.ledger) drawLedger();
+}
+
+function row(head, cells, total) {
+  const line = document.createElement("tr");
+  if (total) line.className = "total";
+  const first = document.createElement("th");
+  first.scope = "row";
+  first.textContent = head;
+  line.append(first);
+  for (const [text, kind] of cells) {
+    const cell = document.createElement("td");
+    cell.textContent = text;
+    if (kind) cell.className = kind;
+    line.append(cell);
+  }
+  return line;
+}
+
+function fillFigures() {
+  const rows = data.figures.filter((figure) => Number.isFinite(figure.read[picked])).map((figure) => {
+    const [number, unit] = written(figure, figure.read[picked]);
+    return row(figure.words, [[number, "n"], [unit, ""], [figure.error ? small(figure.error[picked]) : "", "n"]]);
+  });
+  document.querySelector("#figures tbody").replaceChildren(...rows);
+}
+
+function balanceWords() {
+  const found = ["mass", "energy", "entropy", "oil_mass"].filter((name) => data.balance[name] && Number.isFinite(data.balance[name][picked]));
+  if (!found.length) return "";
+  const bound = data.balance.bound ? ` (bound ${small(data.balance.bound[picked])})` : "";
+  return `Residues of this case: ${found.map((name) => `${name.replace("_", " ")} ${small(data.balance[name][picked])}`).join(", ")}${bound}.`;
+}
+
+function drawCycle() {
+  const { cycle } = data;
+  const there = traceOf(cycle.traces.pressure, picked).some((value) => value !== null);
+  for (const id of ["loop", "temperatures", "flows"]) document.getElementById(id).hidden = !there;
+  document.getElementById("traces-note").textContent = there ? tracesWords() : "This case keeps no cycle.";
+  if (!there) return;
+  drawLoop();
+  drawTemperatures();
+  drawFlows();
+}
+
+function tracesWords() {
+  const { cycle } = data;
+  const off = (name) => `${general(cycle.off[name], 2)} ${cycle.traces[name].unit.replace("°C", "K")}`;
+  return `${cycle.angle.length} of ${cycle.points} angles are kept in this page; straight lines between them lie off by at most `
+    + `${off("pressure")} and ${off("gas_temperature")} in any case. The file has all.`;
+}
+
+function marksOf() {
+  const { marks } = data.cycle;
+  return Object.entries(marks.length > 1 ? marks[picked] : marks[0]);
+}
+
+function lineTrace(x, y, name, tint, dash, hover) {
+  return { type: "scatter", mode: "lines", x, y, name, line: { color: tint, dash, width: 2, simplify: false }, hovertemplate: `${hover}<extra>${name}</extra>` };
+}
+
+function at(angles, values, angle) {
+  const k = Math.max(1, angles.findIndex((each) => each >= angle));
+  const share = (angle - angles[k - 1]) / (angles[k] - angles[k - 1]);
+  return values[k - 1] + share * (values[k] - values[k - 1]);
+}
+
+function pressureLevels() {
+  return [["suction_pressure", "suction"], ["discharge_pressure", "discharge"]].map(([name, words]) => {
+    const figure = figureNamed(name);
+    return figure && Number.isFinite(figure.read[picked]) ? level(figure.read[picked] * figure.factor, words) : null;
+  }).filter((each) => each);
+}
+
+function drawLoop() {
+  const { angle, traces, top } = data.cycle;
+  const [V, p] = [traceOf(traces.volume, picked), traceOf(traces.pressure, picked)];
+  const loop = { ...lineTrace(V, p, "p–V", colour("c1"), "solid", "%{x:.4~g}, %{y:.4~g}, %{customdata}°"), customdata: angle.map((each) => general(each, 4)) };
+  const middle = Math.max(...V) / 2;
+  const places = marksOf().map(([name, where]) => [at(angle, V, where), at(angle, p, where), `${name}, ${general(where, 4)}°`]);
+  const marks = {
+    type: "scatter",
+    mode: "markers",
+    x: places.map(([x]) => x),
+    y: places.map(([, y]) => y),
+    hoverinfo: "skip",
+    marker: { symbol: "circle-open", size: 9, color: colour("c1"), line: { width: 2 } },
+  };
+  const names = places.map(([x, y, text]) => ({
+    x, y, text, ax: x > middle ? -44 : 60, ay: x > middle ? -40 : -16, arrowhead: 0, arrowwidth: 1, arrowcolor: colour("soft"), standoff: 5, bgcolor: colour("page"),
+  }));
+  const levels = pressureLevels();
+  Plotly.react("loop", [loop, marks], layout({
+    xaxis: { ...axisLook(traces.volume.label, false), rangemode: "tozero" },
+    yaxis: { ...axisLook(traces.pressure.label, false), range: [0, top[picked]] },
+    margin: { l: 54, r: 74, t: 30, b: 46 },
+    shapes: levels.map((each) => each.shape),
+    annotations: [...levels.map((each) => each.annotation), ...names],
+    showlegend: false,
+  }), CONFIG);
+}
+
+function angleAxis() {
+  return { ...axisLook(data.cycle.angle_label, false), dtick: window.innerWidth < 640 ? 180 : 120, range: [data.cycle.angle[0], data.cycle.angle.at(-1)] };
+}
+
+function angleMarks() {
+  return marksOf().map(([, where]) => ({
+    type: "line", x0: where, x1: where, yref: "paper", y0: 0, y1: 1, line: { color: colour("soft"), width: 1, dash: "dot" },
+  }));
+}
+
+function markNames() {
+  return marksOf().map(([name, where]) => ({
+    x: where, yref: "paper", y: 1, yanchor: "bottom", text: name, showarrow: false, font: { size: 12, color: colour("soft") },
+  }));
+}
+
+function drawTemperatures() {
+  const { angle, traces } = data.cycle;
+  const names = [["gas_temperature", "gas", "c1", "solid"], ["oil_temperature", "oil", "c3", "dash"]].filter(([name]) => traces[name]);
+  const drawn = names.map(([name, words, tint, dash]) => lineTrace(angle, traceOf(traces[name], picked), words, colour(tint), dash, "%{x:.4~g}°, %{y:.5~g} °C"));
+  Plotly.react("temperatures", drawn, layout({
+    xaxis: angleAxis(),
+    yaxis: axisLook(traces.gas_temperature.label, false),
+    shapes: angleMarks(),
+    annotations: markNames(),
+    showlegend: true,
+    legend: { x: 0.5, xanchor: "center", y: 0.98, yanchor: "top", orientation: "h", bgcolor: "rgba(0,0,0,0)" },
+  }), CONFIG);
+}
+
+function drawFlows() {
+  const { flows } = data.cycle;
+  document.getElementById("flows").hidden = !flows;
+  document.getElementById("flows-note").textContent = flows
+    ? "Positive into the chamber. Click a name to show or hide its curve." : "Of so many cases the page keeps no flows; the file has them.";
+  if (!flows) return;
+  const paths = Object.entries(flows.paths);
+  const hidden = (words) => (words.endsWith("port") && paths.length > 2 ? "legendonly" : true);
+  const drawn = paths.flatMap(([words, sides], i) => Object.entries(sides).map(([side, name], j) => {
+    const values = traceOf(flows.traces[name], picked);
+    const label = side ? `${words}, ${side}` : words;
+    return { ...lineTrace(flows.angle, values, label, ordered(i, paths.length), DASHES[j], "%{x:.4~g}°, %{y:.4~g} g/s"), visible: hidden(words) };
+  }));
+  Plotly.react("flows", drawn, layout({
+    xaxis: angleAxis(),
+    yaxis: axisLook(`mass flow (${Object.values(flows.traces)[0].unit})`, false),
+    shapes: angleMarks(),
+    annotations: markNames(),
+    showlegend: true,
+    legend: below(),
+  }), CONFIG);
+}
+
+function ledgerOf() {
+  const { totals, entries } = data.ledger;
+  const mine = entries.map((entry) => Object.fromEntries(Object.entries(entry).map(([name, value]) => [name, name === "words" ? value : value[picked]])));
+  const found = Object.fromEntries(Object.entries(totals).map(([name, values]) => [name, values[picked]]));
+  return { ...found, entries: mine.sort((a, b) => b.exergy_destroyed - a.exergy_destroyed) };
+}
+
+function drawLedger() {
+  const ledger = ledgerOf();
+  const there = Number.isFinite(ledger.shaft_power) && ledger.shaft_power > 0;
+  for (const id of ["ledger", "waterfall"]) document.getElementById(id).hidden = !there;
+  document.getElementById("ledger-note").textContent = there ? "" : "This case has no ledger.";
+  if (!there) return;
+  const [, factor, unit] = data.watts.find(([least]) => Math.abs(ledger.shaft_power) >= least);
+  fillLedger(ledger, factor, unit);
+  drawWaterfall(ledger, factor, unit);
+  const ambient = ledger.ambient_temperature;
+  document.getElementById("ledger-note").textContent = `W/K: entropy generated; exergy at ${ambient.toFixed(2)} K (${(ambient - 273.15).toFixed(2)} °C).`;
+}
+
+function fillLedger(ledger, factor, unit) {
+  const heads = ["", unit, "%", "W/K", `moved ${unit}`, "kg/s"];
+  const cells = (power, entry) => [
+    [general(factor * power, 4), "n"],
+    [((100 * power) / ledger.shaft_power).toFixed(2), "n"],
+    [general(entry.entropy_generated, 3), "n"],
+    [general(factor * entry.energy_moved, 3), "n"],
+    [general(entry.gas_moved, 3), "n"],
+  ];
+  const line = (words, power, entry, total) => (Number.isFinite(power) ? [row(words, cells(power, entry), total)] : []);
+  const head = document.createElement("tr");
+  for (const text of heads) {
+    const cell = document.createElement("th");
+    cell.scope = "col";
+    cell.textContent = text;
+    cell.className = "n";
+    head.append(cell);
+  }
+  const top = document.createElement("thead");
+  top.append(head);
+  const body = document.createElement("tbody");
+  body.append(
+    ...line("all, at the shaft", ledger.shaft_power, {}, true),
+    ...line("exergy rise of the gas", ledger.gas_exergy_rise, {}),
+    ...line("exergy rise of the oil", ledger.oil_exergy_rise, {}),
+    ...ledger.entries.flatMap((entry) => line(entry.words, entry.exergy_destroyed, entry)),
+    ...line("residue", ledger.residue, {}),
+  );
+  document.getElementById("ledger").replaceChildren(top, body);
+}
+
+function waterfallSteps(ledger) {
+  const least = LEAST * ledger.shaft_power;
+  const losses = ledger.entries.filter((entry) => Number.isFinite(entry.exergy_destroyed));
+  const large = losses.filter((entry) => Math.abs(entry.exergy_destroyed) >= least);
+  const rest = losses.filter((entry) => !large.includes(entry));
+  const others = rest.reduce((sum, entry) => sum + entry.exergy_destroyed, 0);
+  const loss = (words, power) => ({ words, power, tint: power >= 0 ? "c2" : "c4" });
+  return [
+    { words: "shaft power", power: ledger.shaft_power, tint: "c0", total: true },
+    ...large.map((entry) => loss(entry.words, entry.exergy_destroyed)),
+    ...(Math.abs(others) >= least ? [loss(`others (${rest.length})`, others)] : []),
+    ...(Math.abs(ledger.oil_exergy_rise) >= least ? [{ words: "exergy rise of the oil", power: ledger.oil_exergy_rise, tint: "c3" }] : []),
+    { words: "exergy rise of the gas", power: ledger.gas_exergy_rise, tint: "c1", total: true },
+  ];
+}
+
+function drawWaterfall(ledger, factor, unit) {
+  const steps = waterfallSteps(ledger);
+  let left = 0;
+  const base = steps.map((step) => {
+    const start = step.total ? 0 : left - step.power;
+    left = step.total ? step.power : start;
+    return start * factor;
+  });
+  const target = document.getElementById("waterfall");
+  target.style.height = `${5 + 1.5 * steps.length}rem`;
+  Plotly.react(target, [{
+    type: "bar",
+    orientation: "h",
+    y: steps.map((step) => step.words),
+    x: steps.map((step) => step.power * factor),
+    base,
+    marker: { color: steps.map((step) => colour(step.tint)) },
+    text: steps.map((step) => `${((100 * step.power) / ledger.shaft_power).toFixed(1)} %`),
+    textposition: "none",
+    hovertemplate: `%{y}: %{x:.4~g} ${unit}, %{text}<extra></extra>`,
+  }], layout({
+    xaxis: { ...axisLook(`exergy (${unit})`, false), rangemode: "tozero" },
+    yaxis: { ...axisLook("", false), type: "category", autorange: "reversed", ticks: "", gridcolor: "rgba(0,0,0,0)" },
+    showlegend: false,
+  }), CONFIG);
+}

@@ -1,0 +1,237 @@
+"""What the page draws: axes, figures with their errors, balances, traces and ledgers of every case, as one document."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.engineering import SCALES, figure_scales, shown_name
+from screwsim.outputs import LEDGER_ENTRY, PERFORMANCE, STATUSES, ledger_entries
+from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
+from screwsim.report.page.pack import bytes_of, floats, steps, thin
+from screwsim.report.quantities import (
+    ANGLE,
+    GAS_MASS,
+    MASS_FLOW,
+    PRESSURE,
+    TEMPERATURE,
+    VOLUME,
+    Shown,
+    is_numeric,
+    shown_axis,
+    shown_figure,
+)
+from screwsim.report.trace import Trace, flow_paths, marks_of, pressure_limit
+from screwsim.results import Results
+
+MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # shown; all are in the file
+STATES_OFF, FLOWS_OFF = 2e-4, 2e-3  # of a trace's span: how far the page's straight lines may lie off
+_BALANCES = ("mass", "energy", "entropy", "oil_mass", "bound")
+_STATES = {
+    "volume": VOLUME,
+    "pressure": PRESSURE,
+    "gas_temperature": TEMPERATURE,
+    "oil_temperature": TEMPERATURE,
+    "gas_mass": GAS_MASS,
+}
+
+
+class Selection(NamedTuple):
+    """The cases that the page shows: every so-many-th value of each axis."""
+
+    strides: tuple[int, ...]
+    shape: tuple[int, ...]
+
+    @property
+    def part(self) -> tuple[slice, ...]:
+        """What takes the shown cases out of an array on the axes."""
+        return tuple(slice(None, None, stride) for stride in self.strides)
+
+    def of(self, values: np.ndarray) -> np.ndarray:
+        """Return the shown cases (cases,), the last axis fastest."""
+        return np.asarray(values)[self.part].reshape(-1)
+
+
+def selection(results: Results) -> Selection:
+    """Return which cases the page shows: all, or so many that it stays small."""
+    most = MOST_WITH_TRACES if "angle" in results.cycle else MOST_CASES
+    strides = [1] * len(results.shape)
+
+    def shape() -> list[int]:
+        return [-(-size // stride) for size, stride in zip(results.shape, strides, strict=True)]
+
+    while math.prod(shape()) > most:
+        strides[int(np.argmax(shape()))] += 1
+    return Selection(tuple(strides), tuple(shape()))
+
+
+def document(results: Results, shown: Selection) -> dict[str, Any]:
+    """Return the document that the script of the page reads; JSON types only."""
+    return {
+        "axes": [_axis(axis, stride) for axis, stride in zip(results.axis_list, shown.strides, strict=True)],
+        "figures": _figures(results, shown),
+        "status": bytes_of(shown.of(results.performance["status"])),
+        "statuses": list(STATUSES),
+        "messages": _messages(results, shown),
+        "balance": {name: floats(shown.of(results.balance[name])) for name in _BALANCES if name in results.balance},
+        "cycle": _cycle(results, shown),
+        "ledger": _ledger(results, shown),
+        "watts": [list(entry) for entry in SCALES["W"]],
+        "start": _start(results, shown),
+    }
+
+
+def plain_label(shown: Shown) -> str:
+    """Return words and unit, without mathematical symbols."""
+    return f"{shown.words} ({shown.unit})" if shown.unit else shown.words
+
+
+def _axis(axis: Any, stride: int) -> dict[str, Any]:
+    values = axis.values[::stride]
+    if axis.joined:
+        joined = [_axis(inner, stride) for inner in axis.joined]
+        return {"label": "case", "words": "case", "texts": [str(value) for value in values], "joined": joined}
+    if not is_numeric(axis):
+        words = axis.path.split(".")[-1].replace("_", " ")
+        return {"label": words, "words": words, "texts": [str(value) for value in values]}
+    how = shown_axis(axis)
+    numbers = how.of(values)
+    return {
+        "label": plain_label(how),
+        "words": how.words,
+        "unit": how.unit,
+        "values": [float(f"{number:.9g}") for number in numbers],
+        "log": is_log(numbers),
+    }
+
+
+def _figures(results: Results, shown: Selection) -> list[dict[str, Any]]:
+    """Return every figure that any case has: how it is written, how it is drawn, values and errors [SI]."""
+    found = []
+    for name, variable in PERFORMANCE.items():
+        if name not in results.performance or not np.isfinite(values := shown.of(results.performance[name])).any():
+            continue
+        how, errors = shown_figure(results, name), shown.of(results.error[name])
+        found.append(
+            {
+                "name": name,
+                "words": shown_name(name),
+                "label": plain_label(how),
+                "factor": how.factor,
+                "offset": how.offset,
+                "unit": how.unit,
+                "kelvin": variable.units == "K",
+                "scales": [list(entry) for entry in figure_scales(name)],
+                "values": floats(values),
+                "errors": floats(errors) if np.isfinite(errors).any() else None,
+            }
+        )
+    return found
+
+
+def _messages(results: Results, shown: Selection) -> dict[str, str]:
+    """Return {number of the case: why it failed or did not close}."""
+    texts = shown.of(results.messages)
+    return {str(case): str(texts[case]) for case in np.flatnonzero(texts != "").tolist()}
+
+
+def _cycle(results: Results, shown: Selection) -> dict[str, Any] | None:
+    """Return the traces on the angles that they need, and how far the straight lines between lie off."""
+    if "angle" not in results.cycle:
+        return None
+    angle, cases = results.cycle["angle"], max(1, math.prod(shown.shape))
+    kinds = [[name for name in results.cycle if name in _STATES], []]
+    if cases <= MOST_WITH_FLOWS:
+        kinds[1] = [name for name in results.cycle if name.startswith("mass_flow_")]
+    states, flows = (_there(results, shown, names, cases) for names in kinds)
+    return {
+        **_packed(angle, states, STATES_OFF),
+        "points": int(angle.size),
+        "angle_label": plain_label(ANGLE),
+        "flows": _packed(angle, flows, FLOWS_OFF) | {"paths": flow_paths(flows)} if flows else None,
+        "marks": _all_marks(results, shown, angle, states | flows),
+        "top": _tops(results, shown, angle, states["pressure"]),
+    }
+
+
+def _there(results: Results, shown: Selection, names: list[str], cases: int) -> dict[str, np.ndarray]:
+    """Return the traces (cases, points) that have any value."""
+    traces = {name: results.cycle.part(name, shown.part).reshape(cases, -1) for name in names}
+    return {name: trace for name, trace in traces.items() if np.isfinite(trace).any()}
+
+
+def _packed(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> dict[str, Any]:
+    """Return traces on the angles that they need, and how far the straight lines between lie off."""
+    thinned = thin(angle, traces, wanted)
+    return {
+        "angle": floats(angle[thinned.kept]),
+        "traces": {name: _trace(name, trace[:, thinned.kept]) for name, trace in traces.items()},
+        "off": {name: _how(name).factor * thinned.deviation[name] for name in traces},
+    }
+
+
+def _how(name: str) -> Shown:
+    return _STATES.get(name, MASS_FLOW)
+
+
+def _trace(name: str, values: np.ndarray) -> dict[str, Any]:
+    how = _how(name)
+    return {"label": plain_label(how), "unit": how.unit} | steps(how.of(values))
+
+
+def _all_marks(results: Results, shown: Selection, angle: np.ndarray, traces: Any) -> list[dict[str, float]]:
+    """Return the marked angles [degree] by name, one mapping a case, or one for all where they agree."""
+    found = []
+    for case, index in enumerate(np.ndindex(shown.shape)):
+        there = tuple(place * stride for place, stride in zip(index, shown.strides, strict=True))
+        values = {name: trace[case] for name, trace in traces.items()}
+        found.append(marks_of(results, there, angle, values))
+    return found if any(marks != found[0] for marks in found) else found[:1]
+
+
+def _tops(results: Results, shown: Selection, angle: np.ndarray, pressure: np.ndarray) -> list[float | None]:
+    """Return the top of the pressure axis of each case in the shown unit, as the printed figure has it."""
+    lines = [shown.of(results.performance[f"{line}_pressure"]) for line in ("suction", "discharge")]
+    found: list[float | None] = []
+    for case, p in enumerate(pressure):
+        levels = {str(i): float(line[case]) for i, line in enumerate(lines) if np.isfinite(line[case])}
+        trace = Trace("", angle, {"pressure": p}, levels, {})
+        found.append(round(PRESSURE.of(pressure_limit(trace)[0]), 4) if np.isfinite(p).any() else None)
+    return found
+
+
+def _ledger(results: Results, shown: Selection) -> dict[str, Any] | None:
+    """Return the ledger of every case: totals, and what each effect destroys, generates and moves [SI]."""
+    if "shaft_power" not in results.ledger:
+        return None
+    entries = ledger_entries(dict.fromkeys(results.ledger))
+    values = {name: floats(shown.of(results.ledger[name])) for name in results.ledger}
+    totals = ("shaft_power", "gas_exergy_rise", "oil_exergy_rise", "residue", "ambient_temperature")
+    return {
+        "totals": {name: values[name] for name in totals if name in values},
+        "entries": [
+            {"words": name.replace("_", " ")}
+            | {quantity: values[f"{quantity}_{name}"] for quantity in LEDGER_ENTRY if f"{quantity}_{name}" in values}
+            for name in entries
+        ],
+    }
+
+
+def _start(results: Results, shown: Selection) -> dict[str, Any]:
+    """Return what is shown first: the best case, its efficiency over the axes that the printed figures use."""
+    name = efficiency_name(results)
+    case = 0
+    if name is not None:
+        score = shown.of(results.performance[name])
+        closed = np.isfinite(score) & (shown.of(results.status) == "ok")
+        case = int(np.argmax(np.where(closed, score, -np.inf))) if closed.any() else 0
+    outcome = outcome_layout(results)
+    layout = outcome or layout_of(results)
+    return {
+        "case": case,
+        "figure": name,
+        "x": "oil_ratio" if outcome else layout.x if layout else None,
+        "curves": layout.curves if layout else None,
+    }

@@ -1,0 +1,94 @@
+// Look of the drawings: colours of the page's theme, axes, curves told apart without colour.
+
+const VIRIDIS = ["#440154", "#482878", "#3e4989", "#31688e", "#26828e", "#1f9e89", "#35b779", "#6ece58", "#b5de2b", "#fde725"];
+const DASHES = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"];
+const CONFIG = {
+  responsive: true,
+  displaylogo: false,
+  modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]],
+};
+
+function colour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+}
+
+function isDark() {
+  return window.matchMedia("screen and (prefers-color-scheme: dark)").matches;
+}
+
+// Colour of one of several ordered curves; the ends that the page's own colour would swallow are left out.
+function ordered(index, count) {
+  if (count < 2) return colour("c1");
+  const share = (isDark() ? 0.3 : 0.0) + (0.7 * index) / (count - 1) + (isDark() ? 0.0 : 0.05);
+  const at = Math.min(share, 0.999) * (VIRIDIS.length - 1);
+  const [from, to] = [VIRIDIS[Math.floor(at)], VIRIDIS[Math.floor(at) + 1]];
+  const mixed = [1, 3, 5].map((i) => {
+    const [a, b] = [parseInt(from.slice(i, i + 2), 16), parseInt(to.slice(i, i + 2), 16)];
+    return Math.round(a + (b - a) * (at % 1));
+  });
+  return `rgb(${mixed.join(",")})`;
+}
+
+function isLog(values) {
+  const there = values.filter((value) => value !== null);
+  return there.length > 1 && Math.min(...there) > 0 && Math.max(...there) > 8 * Math.min(...there);
+}
+
+function axisLook(title, log) {
+  const look = {
+    title: { text: title, standoff: 8 },
+    type: log ? "log" : "linear",
+    color: colour("text"),
+    gridcolor: colour("line"),
+    zerolinecolor: colour("line"),
+    linecolor: colour("soft"),
+    ticks: "outside",
+    tickcolor: colour("soft"),
+    automargin: true,
+    hoverformat: ".5~g",
+    exponentformat: "none",
+  };
+  return log ? { ...look, ...plainTicks() } : look;
+}
+
+// Ticks of a logarithmic axis at 1, 2 and 5 times powers of ten, in plain numbers.
+function plainTicks() {
+  const powers = Array.from({ length: 25 }, (_, i) => i - 12);
+  const values = powers.flatMap((power) => [1, 2, 5].map((first) => Number(`${first}e${power}`)));
+  return { tickmode: "array", tickvals: values, ticktext: values.map((value) => general(value, 4)) };
+}
+
+function layout(more) {
+  const narrow = window.innerWidth < 640;
+  return {
+    paper_bgcolor: "rgba(0,0,0,0)",
+    plot_bgcolor: "rgba(0,0,0,0)",
+    font: { family: "inherit", size: narrow ? 12 : 13, color: colour("text") },
+    margin: { l: 54, r: 14, t: 30, b: 46 },
+    hovermode: "closest",
+    hoverlabel: { bgcolor: colour("panel"), bordercolor: colour("soft"), font: { color: colour("text") } },
+    modebar: { bgcolor: "rgba(0,0,0,0)", color: colour("soft"), activecolor: colour("accent") },
+    legend: narrow ? below() : {},
+    dragmode: narrow ? false : "zoom",
+    ...more,
+  };
+}
+
+// A legend below the drawing.
+function below() {
+  return { orientation: "h", yref: "container", y: 0, yanchor: "bottom", x: 0, font: { size: 12 }, title: { side: "top" } };
+}
+
+// A dashed line across the drawing at a height, with its name at the right.
+function level(height, name) {
+  return {
+    shape: {
+      type: "line", xref: "paper", x0: 0, x1: 1, y0: height, y1: height, layer: "below",
+      line: { color: colour("soft"), width: 1, dash: "dash" },
+    },
+    annotation: {
+      xref: "paper", x: 1.005, y: height, text: name, showarrow: false, xanchor: "left", yanchor: "middle",
+      font: { size: 12, color: colour("soft") },
+    },
+  };
+}

@@ -1,0 +1,272 @@
+// The chosen figure over the axes of the sweep: curves or a map, through the case that is picked.
+
+const MOST_CURVES = 12;
+const MOST_POINTS = 3000; // of one drawing: a browser stays quick
+const HAS_OPTIMUM = /(_efficiency|^cop)$/;
+const choice = {};
+
+function numericAxes(least) {
+  return data.axes.map((axis, i) => i).filter((i) => data.axes[i].values && sizeOf(i) >= least);
+}
+
+function option(select, value, text) {
+  const item = document.createElement("option");
+  item.value = value;
+  item.textContent = text;
+  select.append(item);
+}
+
+function fillControls() {
+  const { start } = data;
+  const [figure, over, curves, view] = ["figure", "over", "curves", "view"].map((id) => document.getElementById(id));
+  for (const each of data.figures) option(figure, each.name, each.label);
+  const design = data.columns.length > 0;
+  if (!design) for (const i of numericAxes(2)) option(over, String(i), data.axes[i].label);
+  for (const each of [...data.columns, ...data.figures]) option(over, each.name, each.label);
+  option(curves, "", "nothing");
+  if (design) for (const each of [...data.columns, ...data.figures]) option(curves, each.name, each.label);
+  else data.axes.forEach((axis, i) => sizeOf(i) > 1 && option(curves, String(i), axis.label));
+  figure.value = start.figure || data.figures[0].name;
+  over.value = start.x === null ? (data.columns[0] || data.figures[0]).name : String(start.x);
+  curves.value = start.curves === null ? (data.columns[1] || { name: "" }).name : String(start.curves);
+  document.getElementById("curves-word").textContent = design ? "coloured by" : "curves by";
+  view.closest("label").hidden = design || numericAxes(3).length < 2;
+  for (const select of [figure, over, curves, view]) select.addEventListener("change", drawOverview);
+}
+
+function readControls() {
+  for (const id of ["figure", "over", "curves", "view"]) choice[id] = document.getElementById(id).value;
+  choice.figure = figureNamed(choice.figure);
+  choice.xFigure = figureNamed(choice.over) || null;
+  choice.tint = data.columns.length ? figureNamed(choice.curves) || null : null;
+  choice.by = choice.curves === "" || data.columns.length ? null : Number(choice.curves);
+  choice.along = choice.xFigure ? longestAxis(choice.by) : Number(choice.over);
+  if (choice.by === choice.along) choice.by = null;
+}
+
+function longestAxis(but) {
+  const axes = data.axes.map((axis, i) => i).filter((i) => i !== but);
+  return axes.reduce((best, i) => (sizeOf(i) > sizeOf(best) ? i : best), axes.length ? axes[0] : 0);
+}
+
+// Cases along an axis, through the picked case, at one place of the axis that tells the curves apart.
+function casesAlong(along, by, place) {
+  const places = placesOf(picked);
+  if (by !== null) places[by] = place;
+  return Array.from({ length: sizeOf(along) }, (_, k) => caseOf(places.map((p, i) => (i === along ? k : p))));
+}
+
+function curveAt(place) {
+  const cases = casesAlong(choice.along, choice.by, place);
+  const points = cases.map((number, k) => ({
+    number,
+    x: choice.xFigure ? drawnValue(choice.xFigure, number) : data.axes[choice.along].values[k],
+    y: drawnValue(choice.figure, number),
+  }));
+  const there = points.filter((point) => point.x !== null && point.y !== null);
+  return choice.xFigure ? there : there.sort((a, b) => a.x - b.x);
+}
+
+function curvePlaces() {
+  if (choice.by === null) return [0];
+  const count = sizeOf(choice.by);
+  const stride = Math.ceil(count / MOST_CURVES);
+  const mine = placesOf(picked)[choice.by];
+  return Array.from({ length: count }, (_, i) => i).filter((i) => i % stride === mine % stride);
+}
+
+// The top of a curve: a parabola in ln x through the highest point and its neighbours; null unless it is inside.
+function optimumOf(points) {
+  const sorted = [...points].sort((a, b) => a.x - b.x);
+  const best = sorted.reduce((top, point, i) => (point.y > sorted[top].y ? i : top), 0);
+  if (best === 0 || best === sorted.length - 1) return null;
+  const near = sorted.slice(best - 1, best + 2);
+  const log = near.every((point) => point.x > 0);
+  const u = near.map((point) => (log ? Math.log(point.x) : point.x));
+  const v = near.map((point) => point.y);
+  if (u[1] <= u[0] || u[2] <= u[1]) return null;
+  const [left, right] = [(v[1] - v[0]) / (u[1] - u[0]), (v[2] - v[1]) / (u[2] - u[1])];
+  const curvature = (right - left) / (u[2] - u[0]);
+  if (curvature >= 0) return near[1];
+  const slope = (left * (u[2] - u[1]) + right * (u[1] - u[0])) / (u[2] - u[0]);
+  const step = -slope / (2 * curvature);
+  return { x: log ? Math.exp(u[1] + step) : u[1] + step, y: v[1] + slope * step + curvature * step * step };
+}
+
+function drawOverview() {
+  readControls();
+  const map = choice.view === "map" && mapAxes();
+  const notes = [];
+  const [traces, look] = data.columns.length ? pointsDrawing(notes) : map ? mapDrawing(...map, notes) : curvesDrawing(notes);
+  const target = document.getElementById("overview");
+  for (const id of ["over", "curves"]) document.getElementById(id).disabled = Boolean(map);
+  document.getElementById("overview-note").textContent = notes.join(" ");
+  Plotly.react(target, [...traces, pickedMark(map)], layout(look), CONFIG);
+  if (!target.listening) {
+    target.on("plotly_click", (event) => pickPoint(event.points));
+    target.listening = true;
+  }
+}
+
+function pickPoint(points) {
+  const point = points.find((each) => Number.isInteger(each.customdata));
+  if (point) pick(point.customdata);
+}
+
+function curvesDrawing(notes) {
+  const places = curvePlaces();
+  const traces = [];
+  const optima = [];
+  places.forEach((place, i) => {
+    const points = curveAt(place);
+    const name = choice.by === null ? "" : nameOf(choice.by, place);
+    traces.push(curveTrace(points, name, ordered(i, places.length), DASHES[i % DASHES.length]));
+    const best = HAS_OPTIMUM.test(choice.figure.name) && points.length > 2 ? optimumOf(points) : null;
+    if (best) optima.push(best);
+  });
+  if (optima.length) traces.push(optimaTrace(optima));
+  const all = traces.flatMap((trace) => trace.x);
+  const xLog = choice.xFigure ? isLog(all) : data.axes[choice.along].log;
+  const xTitle = choice.xFigure ? choice.xFigure.label : data.axes[choice.along].label;
+  if (choice.by !== null && places.length < sizeOf(choice.by)) notes.push(`${places.length} of ${sizeOf(choice.by)} curves are drawn.`);
+  fixedWords(notes, [choice.along, choice.by]);
+  leftOut(notes, places.length * sizeOf(choice.along), traces.slice(0, places.length));
+  return [traces, {
+    xaxis: axisLook(xTitle, xLog),
+    yaxis: axisLook(choice.figure.label, false),
+    showlegend: choice.by !== null,
+    legend: { ...below(), title: { text: choice.by === null ? "" : data.axes[choice.by].label, side: "top" } },
+  }];
+}
+
+// The name of a curve below the heading that has the unit.
+function nameOf(i, place) {
+  return data.axes[i].texts ? data.axes[i].texts[place] : general(data.axes[i].values[place], 4);
+}
+
+function curveTrace(points, name, tint, dash) {
+  return {
+    type: "scatter",
+    mode: "lines+markers",
+    name,
+    x: points.map((point) => point.x),
+    y: points.map((point) => point.y),
+    customdata: points.map((point) => point.number),
+    text: points.map((point) => caseWords(point.number)),
+    hovertemplate: `%{text}<br>%{y:.5~g} ${choice.figure.unit}<extra></extra>`,
+    line: { color: tint, dash, width: 2 },
+    marker: { color: tint, size: 6, symbol: points.map((p) => (data.statusCodes[p.number] === 0 ? "circle" : "x")) },
+  };
+}
+
+function optimaTrace(optima) {
+  return {
+    type: "scatter",
+    mode: "markers",
+    name: "optimum",
+    x: optima.map((point) => point.x),
+    y: optima.map((point) => point.y),
+    hovertemplate: "optimum: %{x:.3~g}, %{y:.4~g}<extra></extra>",
+    marker: { symbol: "circle-open", size: 12, color: colour("text"), line: { width: 2 } },
+  };
+}
+
+// A point a case of a design, coloured by another quantity.
+function pointsDrawing(notes) {
+  const cases = thinned(Array.from(data.statusCodes.keys()), notes);
+  const points = cases.map((number) => ({ number, x: drawnValue(choice.xFigure, number), y: drawnValue(choice.figure, number) }))
+    .filter((point) => point.x !== null && point.y !== null);
+  const trace = { ...curveTrace(points, "cases", colour("c1"), "solid"), mode: "markers" };
+  if (choice.tint) {
+    trace.marker = {
+      ...trace.marker,
+      size: 8,
+      color: points.map((point) => drawnValue(choice.tint, point.number)),
+      colorscale: VIRIDIS.map((tint, i) => [i / (VIRIDIS.length - 1), tint]),
+      line: { color: colour("soft"), width: 0.5 },
+      colorbar: { title: { text: choice.tint.label, side: "right" }, thickness: 14 },
+    };
+  }
+  leftOut(notes, cases.length, [trace]);
+  return [[trace], {
+    xaxis: axisLook(choice.xFigure.label, isLog(trace.x)), yaxis: axisLook(choice.figure.label, false), showlegend: false,
+  }];
+}
+
+// Which axes span the map: the chosen one and that of the curves, else the first two of numbers.
+function mapAxes() {
+  const able = numericAxes(3);
+  const wanted = [choice.xFigure ? null : choice.along, choice.by].filter((i) => able.includes(i));
+  const pair = [...new Set([...wanted, ...able])].slice(0, 2);
+  return pair.length === 2 ? pair : null;
+}
+
+function mapDrawing(across, up, notes) {
+  const [x, y] = [data.axes[across], data.axes[up]];
+  const z = y.values.map((_, row) => casesAlong(across, up, row).map((number) => drawnValue(choice.figure, number)));
+  const cases = y.values.flatMap((_, row) => casesAlong(across, up, row));
+  const dots = thinned(cases.filter((number) => drawnValue(choice.figure, number) !== null), notes);
+  fixedWords(notes, [across, up]);
+  const contours = {
+    type: "contour",
+    x: x.values,
+    y: y.values,
+    z,
+    colorscale: VIRIDIS.map((tint, i) => [i / (VIRIDIS.length - 1), tint]),
+    ncontours: 18,
+    line: { color: "rgba(0,0,0,0.55)", width: 0.7 },
+    colorbar: { title: { text: choice.figure.label, side: "right" }, thickness: 14 },
+    hoverinfo: "skip",
+  };
+  const points = {
+    type: "scatter",
+    mode: "markers",
+    x: dots.map((number) => x.values[placesOf(number)[across]]),
+    y: dots.map((number) => y.values[placesOf(number)[up]]),
+    customdata: dots,
+    text: dots.map((number) => `${caseWords(number)}<br>${general(drawnValue(choice.figure, number), 5)} ${choice.figure.unit}`),
+    hovertemplate: "%{text}<extra></extra>",
+    marker: { size: 6, color: "rgba(255,255,255,0.75)", line: { color: "rgba(0,0,0,0.8)", width: 0.7 } },
+    showlegend: false,
+  };
+  choice.map = [across, up];
+  return [[contours, points], {
+    xaxis: axisLook(x.label, x.log), yaxis: axisLook(y.label, y.log), showlegend: false,
+  }];
+}
+
+function thinned(cases, notes) {
+  const stride = Math.ceil(cases.length / MOST_POINTS);
+  if (stride < 2) return cases;
+  notes.push(`One in ${stride} of ${cases.length} points is drawn; the picker below has all.`);
+  return cases.filter((_, i) => i % stride === 0);
+}
+
+function fixedWords(notes, shown) {
+  const places = placesOf(picked);
+  const fixed = data.axes.map((axis, i) => i).filter((i) => !shown.includes(i) && sizeOf(i) > 1);
+  if (fixed.length) notes.push(`At ${fixed.map((i) => `${data.axes[i].words} ${valueOf(i, places[i])}`).join(", ")}, as picked below.`);
+}
+
+function leftOut(notes, wanted, traces) {
+  const missing = wanted - traces.reduce((sum, trace) => sum + trace.x.length, 0);
+  if (missing) notes.push(`${missing} of ${wanted} cases have no value here.`);
+  const open = traces.reduce((sum, trace) => sum + trace.marker.symbol.filter((symbol) => symbol === "x").length, 0);
+  if (open) notes.push(`× not closed (${open}).`);
+}
+
+function pickedMark(map) {
+  const places = placesOf(picked);
+  const x = map ? data.axes[map[0]].values[places[map[0]]]
+    : choice.xFigure ? drawnValue(choice.xFigure, picked) : data.axes[choice.along].values[places[choice.along]];
+  const y = map ? data.axes[map[1]].values[places[map[1]]] : drawnValue(choice.figure, picked);
+  return {
+    type: "scatter",
+    mode: "markers",
+    name: "picked",
+    x: [x],
+    y: [y],
+    hoverinfo: "skip",
+    marker: { symbol: "diamond", size: 12, color: colour("c3"), line: { color: colour("page"), width: 1.5 } },
+  };
+}

@@ -1,0 +1,179 @@
+"""What the page says in words and tables: cases, figures, balances against their bound, where the results come from."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.engineering import engineering, shown_name, small
+from screwsim.outputs import BALANCE, PERFORMANCE, STATUSES
+from screwsim.report.families import efficiency_name
+from screwsim.report.page.data import Selection
+from screwsim.report.quantities import is_numeric, shown_axis, value_of
+from screwsim.results import Results
+
+_CHUNK = 1 << 20  # [byte]
+_BALANCES = ("mass", "energy", "entropy", "oil_mass")
+_VERSIONS = ("python_version", "numpy_version", "scipy_version", "numba_version", "coolprop_version")
+
+
+class Check(NamedTuple):
+    """One residue: what, the largest over all cases, the bound, and whether it was kept."""
+
+    what: str
+    largest: str
+    bound: str
+    verdict: str
+
+
+def counts(results: Results) -> list[tuple[str, int]]:
+    """Return the number of cases by status, those that there are."""
+    words = (*STATUSES, "not_computed")
+    found = [(word.replace("_", " "), int(np.count_nonzero(results.status == word))) for word in words]
+    return [(word, count) for word, count in found if count]
+
+
+def axes(results: Results) -> list[str]:
+    """Return a line about each axis of a sweep: its words, how many values, from where to where."""
+    lines = []
+    for axis in (inner for outer in results.axis_list for inner in outer.joined or (outer,)):
+        count = f"{len(axis.values)} values" if len(axis.values) > 1 else "one value"
+        if not is_numeric(axis):
+            lines.append(f"{axis.path}: {count}: {', '.join(str(value) for value in axis.values)}")
+            continue
+        how, ends = shown_axis(axis), (int(np.argmin(axis.values)), int(np.argmax(axis.values)))
+        low, high = (value_of(axis, end).rpartition(" = ")[2] for end in ends)
+        lines.append(f"{how.words}: {count}, {low} to {high}" if low != high else f"{how.words}: {low}")
+    lines += [f"{len(axis.values)} cases in which these vary together" for axis in results.axis_list if axis.joined]
+    return lines
+
+
+def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str]]:
+    """Return name, number, unit and estimated error of every figure of one case, as the table of `run`."""
+    rows = []
+    for name in PERFORMANCE:
+        value = float(shown.of(results.performance[name])[case]) if name in results.performance else np.nan
+        if np.isfinite(value):
+            error = float(shown.of(results.error[name])[case])
+            rows.append((shown_name(name), *engineering(name, value), small(error) if np.isfinite(error) else ""))
+    return rows
+
+
+def ranges(results: Results) -> list[tuple[str, str, str, str]]:
+    """Return name, lowest, highest and largest estimated error of every figure over all cases with a result."""
+    rows = []
+    there = results.status != "failed"
+    for name in PERFORMANCE:
+        values = np.where(there, results.performance[name], np.nan) if name in results.performance else np.array(np.nan)
+        finite = values[np.isfinite(values)]
+        if finite.size:
+            low, high = (" ".join(engineering(name, float(end))).strip() for end in (finite.min(), finite.max()))
+            errors = results.error[name][np.isfinite(results.error[name]) & there]
+            rows.append((shown_name(name), low, high, small(float(errors.max())) if errors.size else ""))
+    return rows
+
+
+def checks(results: Results) -> list[Check]:
+    """Return the largest residue of each balance over all cases that claim to have closed, against their bound."""
+    rows = []
+    closed = results.status == "ok"
+    for name in _BALANCES:
+        values = np.where(closed, results.balance[name], np.nan)
+        there = np.isfinite(values)
+        if there.any():
+            bound = results.balance["bound"]
+            kept = bool(np.all(values[there] <= bound[there]))
+            words = BALANCE[name].long_name
+            rows.append(
+                Check(words, small(float(values[there].max())), small(float(bound[there].max())), _verdict(kept))
+            )
+    worst = [(float(np.nanmax(errors)), name) for name, errors in _errors(results)]
+    if worst:
+        error, name = max(worst)
+        wanted = float(results.inputs["numerics_accuracy"]) if "numerics_accuracy" in results.inputs else np.nan
+        words = f"largest estimated error of a figure ({shown_name(name)})"
+        known = np.isfinite(wanted)
+        rows.append(
+            Check(words, small(error), small(wanted) if known else "", _verdict(error <= wanted) if known else "")
+        )
+    return rows
+
+
+def _verdict(kept: bool) -> str:
+    return "kept" if kept else "exceeded"
+
+
+def _errors(results: Results) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the estimated errors of each figure over the closed cases, where there are any."""
+    closed = results.status == "ok"
+    for name in results.error:
+        errors = np.where(closed, results.error[name], np.nan)
+        if np.isfinite(errors).any():
+            yield name, errors
+
+
+def headline(results: Results) -> str:
+    """Return the best efficiency of a sweep, or that of a run, in one sentence; empty without one."""
+    name = efficiency_name(results)
+    if name is None:
+        return ""
+    score = np.where(results.status == "ok", results.performance[name], np.nan)
+    if not np.isfinite(score).any():
+        return ""
+    best = np.unravel_index(int(np.nanargmax(score)), results.shape)
+    text = f"{shown_name(name)} {' '.join(engineering(name, float(score[best])))}"
+    where = ", ".join(_plain(value_of(axis, int(i))) for axis, i in zip(results.axis_list, best, strict=True))
+    return f"Best {text} at {where}" if where else text[0].upper() + text[1:]
+
+
+def _plain(text: str) -> str:
+    """Return a text without the marks of mathematical symbols."""
+    for mark in ("$", "\\mathrm", "\\Delta ", "{", "}", "_"):
+        text = text.replace(mark, "")
+    return text
+
+
+def provenance(results: Results) -> list[tuple[str, str]]:
+    """Return what made the file, of what, when, with which versions, and the file's own digest."""
+    about = results.attributes
+    versions = ", ".join(f"{name.removesuffix('_version')} {about[name]}" for name in _VERSIONS if name in about)
+    rows = [
+        ("file", results.path.name),
+        ("SHA-256 of the file", _digest(results.path)),
+        ("SHA-256 of the scene", str(about.get("scene_sha256", ""))),
+        ("fingerprint of the results", str(about.get("screwsim_fingerprint", ""))),
+        ("written by", str(about.get("source", ""))),
+        ("versions", versions),
+        ("history", str(about.get("history", ""))),
+        ("effects", str(about.get("effects", "")).replace("_", " ")),
+        ("states", str(about.get("states", "")).replace("_", " ")),
+        ("layout", f"netCDF-4 in HDF5, {about.get('Conventions', '')}, schema {about.get('screwsim_schema', '')}"),
+    ]
+    return [(what, text) for what, text in rows if text]
+
+
+def _digest(path: Path) -> str:
+    found = hashlib.sha256()
+    with path.open("rb") as file:
+        while part := file.read(_CHUNK):
+            found.update(part)
+    return found.hexdigest()
+
+
+def notes(results: Results, shown: Selection) -> list[str]:
+    """Return what the page leaves out of a large file, and what the first cases without a result say."""
+    thinned = [
+        f"one in {stride} values of {axis.path}"
+        for axis, stride in zip(results.axis_list, shown.strides, strict=True)
+        if stride > 1
+    ]
+    lines = [f"This page shows {' and '.join(thinned)}; all are in the file."] if thinned else []
+    failed = np.flatnonzero(results.status.reshape(-1) == "failed")
+    if failed.size:
+        first = str(np.asarray(results.messages).reshape(-1)[failed[0]]).splitlines()
+        lines.append(f"{failed.size} cases failed; the first says: {first[0] if first else 'nothing'}")
+    return lines

@@ -1,0 +1,135 @@
+"use strict";
+// Data of the page: unpacking, numbers as people write them, cases and their places on the axes.
+
+async function inflated(id) {
+  const packed = Uint8Array.from(atob(document.getElementById(id).textContent), (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).text();
+}
+
+function bytes(text) {
+  return Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+}
+
+function floats(text) {
+  return new Float32Array(bytes(text));
+}
+
+// A trace of one case in shown units; null where it has no value.
+function traceOf(trace, number) {
+  if (!trace.read) trace.read = [floats(trace.low), floats(trace.span), new Uint16Array(bytes(trace.steps))];
+  const [low, span, steps] = trace.read;
+  const points = steps.length / low.length;
+  const part = steps.subarray(number * points, (number + 1) * points);
+  return Array.from(part, (step) => (step === 65535 ? null : low[number] + (span[number] * step) / 65534));
+}
+
+// A number as %.Ng of C writes it: 0.00123, 1.2346e+05.
+function general(value, digits) {
+  if (!Number.isFinite(value)) return "";
+  if (value === 0) return "0";
+  const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
+  const power = Number(exponent);
+  if (power < -4 || power >= digits) {
+    const sign = power < 0 ? "-" : "+";
+    return `${trimmed(mantissa)}e${sign}${String(Math.abs(power)).padStart(2, "0")}`;
+  }
+  return trimmed(value.toFixed(digits - 1 - power));
+}
+
+function trimmed(text) {
+  return text.includes(".") ? text.replace(/0+$/, "").replace(/\.$/, "") : text;
+}
+
+// A residue or an error as %.1e of C writes it.
+function small(value) {
+  if (!Number.isFinite(value)) return "";
+  const [mantissa, exponent] = value.toExponential(1).split("e");
+  const power = Number(exponent);
+  return `${mantissa}e${power < 0 ? "-" : "+"}${String(Math.abs(power)).padStart(2, "0")}`;
+}
+
+// A figure [SI] as number and unit, like the table of `screwsim run`.
+function written(figure, value) {
+  if (figure.kelvin) return [value.toFixed(2), `K (${(value - 273.15).toFixed(2)} °C)`];
+  const [, factor, unit] = figure.scales.find(([least]) => Math.abs(value) >= least);
+  return [general(value * factor, 5), unit];
+}
+
+// Places of a case on the axes, the last axis fastest; and the case of places.
+function placesOf(number) {
+  const places = [];
+  for (let i = data.axes.length - 1; i >= 0; i -= 1) {
+    places[i] = number % sizeOf(i);
+    number = Math.floor(number / sizeOf(i));
+  }
+  return places;
+}
+
+function caseOf(places) {
+  return places.reduce((number, place, i) => number * sizeOf(i) + place, 0);
+}
+
+function sizeOf(i) {
+  return (data.axes[i].values || data.axes[i].texts).length;
+}
+
+// One value of an axis, in words.
+function valueOf(i, place) {
+  return inWords(data.axes[i], place);
+}
+
+function inWords(axis, place) {
+  if (axis.joined) return `${axis.texts[place]}: ${axis.joined.map((each) => `${each.words} ${inWords(each, place)}`).join(", ")}`;
+  if (axis.texts) return axis.texts[place];
+  return `${general(axis.values[place], 4)}${axis.unit ? ` ${axis.unit}` : ""}`;
+}
+
+function caseWords(number) {
+  return placesOf(number).map((place, i) => `${data.axes[i].words} ${valueOf(i, place)}`).join(", ");
+}
+
+function statusOf(number) {
+  return (data.statuses[data.statusCodes[number]] || "not computed").replace("_", " ");
+}
+
+function figureNamed(name) {
+  return [...data.figures, ...data.columns].find((figure) => figure.name === name);
+}
+
+// What varies in a design, as figures of each case: joined quantities, and axes of numbers.
+function columnsOf() {
+  if (!data.axes.some((axis) => axis.joined)) return [];
+  const cases = Array.from(data.statusCodes.keys());
+  return data.axes.flatMap((axis, i) => (axis.joined || [axis]).filter((each) => each.values).map((each, k) => ({
+    name: `column_${i}_${k}`, label: each.label, unit: each.unit, factor: 1, offset: 0,
+    read: cases.map((number) => each.values[placesOf(number)[i]]),
+  })));
+}
+
+// A figure of one case in the unit in which it is drawn; null where there is none.
+function drawnValue(figure, number) {
+  const value = figure.read[number];
+  if (!Number.isFinite(value) || data.statusCodes[number] === 2) return null;
+  return value * figure.factor + figure.offset;
+}
+
+function unpack(text) {
+  const found = JSON.parse(text);
+  found.statusCodes = new Int8Array(bytes(found.status));
+  for (const figure of found.figures) {
+    figure.read = floats(figure.values);
+    figure.error = figure.errors ? floats(figure.errors) : null;
+  }
+  for (const name of Object.keys(found.balance)) found.balance[name] = floats(found.balance[name]);
+  for (const part of found.cycle ? [found.cycle, found.cycle.flows] : []) {
+    if (part) part.angle = Array.from(floats(part.angle));
+  }
+  if (found.ledger) {
+    for (const name of Object.keys(found.ledger.totals)) found.ledger.totals[name] = floats(found.ledger.totals[name]);
+    for (const entry of found.ledger.entries) {
+      for (const name of Object.keys(entry)) if (name !== "words") entry[name] = floats(entry[name]);
+    }
+  }
+  return found;
+}

@@ -1,0 +1,63 @@
+"""Figure of a design in which several quantities vary together: the efficiency over each of them, a point a case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from screwsim.report.families import efficiency_name, is_design
+from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
+from screwsim.report.style import COLOURS, DOUBLE, new_figure, note
+from screwsim.report.sweeps import Plan, label_axes
+from screwsim.results import Results
+from screwsim.results.schema import Axis
+
+_MOST = 5000  # points drawn of each panel
+
+
+def plans(results: Results) -> Iterator[Plan]:
+    """Yield the scatter figure of a design; none of a product of axes."""
+    name = efficiency_name(results)
+    if is_design(results) and name is not None and (shown := columns(results)):
+        yield "samples", partial(_draw, results, shown, name)
+
+
+def columns(results: Results) -> list[tuple[Axis, np.ndarray]]:
+    """Return every quantity that varies with its values [SI] on the axes of the results; those of numbers."""
+    found = []
+    for place, axis in enumerate(results.axis_list):
+        shape = [-1 if i == place else 1 for i in range(len(results.shape))]
+        for inner in axis.joined or (axis,):
+            if is_numeric(inner) and np.ptp(inner.values) > 0.0:
+                found.append((inner, np.broadcast_to(inner.values.reshape(shape), results.shape)))
+    return found
+
+
+def _draw(results: Results, shown: list[tuple[Axis, np.ndarray]], name: str) -> Any:
+    how = shown_figure(results, name)
+    y = how.of(results.performance[name]).reshape(-1)
+    status = results.status.reshape(-1)
+    kept = np.flatnonzero(np.isfinite(y) & (status != "failed"))
+    drawn = kept[:: 1 + len(kept) // _MOST]
+    open_ = drawn[status[drawn] != "ok"]
+    closed = drawn[status[drawn] == "ok"]
+    rows = (len(shown) + 1) // 2
+    figure = new_figure(DOUBLE, 18.0 + 52.0 * rows)
+    panels = figure.subplots(rows, 2, squeeze=False, sharey=True).ravel()
+    for axes in panels[len(shown) :]:
+        axes.remove()
+    for axes, (axis, values) in zip(panels, shown, strict=False):
+        x = shown_axis(axis).of(values.reshape(-1))
+        marks = {"linestyle": "", "markersize": 4.0}
+        axes.plot(x[closed], y[closed], marker=".", color=COLOURS[1], **marks)
+        axes.plot(x[open_], y[open_], marker="x", color=COLOURS[2], markeredgewidth=0.6, **marks)
+        label_axes(axes, shown_axis(axis).label, how.label, [x[drawn]])
+        axes.margins(x=0.04)
+        axes.autoscale(axis="x")
+    missing = f"{len(y) - len(kept)} of {len(y)} cases without a result left out" if len(kept) < len(y) else ""
+    thinned = f"{len(drawn)} of {len(kept)} points drawn" if len(drawn) < len(kept) else ""
+    note(figure, f"× not closed ({len(open_)})" if len(open_) else "", missing, thinned)
+    return figure
