@@ -6,9 +6,11 @@ import json
 import math
 import textwrap
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from screwsim.outputs import PERFORMANCE, STATUSES, Result, sorted_entries
+from screwsim.results.atomic import replacing
 from screwsim.scene import Scene
 from screwsim.study.sweep import SweepSummary
 
@@ -52,6 +54,14 @@ def plain(value: Any) -> Any:
 def print_json(document: Any) -> None:
     """Print one JSON document on stdout."""
     print(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=False))
+
+
+def write_json(document: Any, path: Path) -> str:
+    """Write one JSON document and return its path; raise UsageError in one line when the system refuses."""
+    with replacing(path) as temporary:
+        text = json.dumps(plain(document), indent=1, allow_nan=False, ensure_ascii=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+    return str(path)
 
 
 def engineering(name: str, value: float) -> tuple[str, str]:

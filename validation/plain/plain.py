@@ -2,9 +2,9 @@
 
 An independent second writing of the model: numbers in brackets, as (10), are the paper's equations, with its misprints
 mended as docs/model.md lists them; M20 and the like are equations of docs/model.md where the paper has none. States,
-first law, integrator, closing and quadratures are other ones than the package's: gas mass and temperature by the paper's
-own (5), (8), (10), (14), the 2 z chambers that are alive at once integrated together over one lobe pitch by scipy's LSODA,
-and the pitch repeated until it ends as it began.
+first law, integrator, closing and quadratures are other ones than the package's: gas mass and temperature by the
+paper's own (5), (8), (10), (14), the 2 z chambers that are alive at once integrated together over one lobe pitch by
+scipy's LSODA, and the pitch repeated until it ends as it began.
 
 SI units; angles in rad, in the laws in degrees of the male rotor; a flow is positive into the chamber.
 """
