@@ -8,36 +8,32 @@ from typing import Any
 
 from screwsim.study.validation.record import JUDGED, shown
 
-WIDTH = 118
-_COLUMNS = (("quantity", 46), ("ours", 12), ("theirs", 12), ("±", 9), ("unit", 7), ("kind", 11), ("verdict", 10))
+WIDTH = 120
+_COLUMNS = (("quantity", 56), ("ours", 11), ("theirs", 11), ("±", 9), ("unit", 7), ("kind", 10), ("verdict", 10))
+_INDENT = "    "
 
 
 def _line(cells: Mapping[str, str]) -> str:
-    quantity, *rest = (f"{cells[name]:<{width}}" for name, width in _COLUMNS)
-    return (quantity + " " + " ".join(rest)).rstrip()
+    return " ".join(f"{cells[name]:<{width}}" for name, width in _COLUMNS).rstrip()
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, initial_indent=_INDENT, subsequent_indent=_INDENT)
 
 
 def row_text(row: Mapping[str, Any]) -> list[str]:
     """Return the lines of one row: what is too long for its column stands below."""
-    ours, theirs = shown(row["ours"]), shown(row["theirs"])
-    cells = {
-        "quantity": row["quantity"],
-        "ours": ours,
-        "theirs": theirs,
-        "±": "–" if row["uncertainty"] is None else shown(row["uncertainty"], 2),
-        "unit": row["unit"],
-        "kind": row["kind"],
-        "verdict": row["verdict"],
-    }
-    below = []
-    for name, width in _COLUMNS[:3]:
-        if len(cells[name]) > width:
-            below.append(f"{name}: {cells[name]}" if name != "quantity" else cells[name])
-            cells[name] = "…" if name != "quantity" else textwrap.shorten(cells[name], width, placeholder=" …")
-    text = [_line(cells)]
+    uncertainty = shown(row["uncertainty"], 2)
+    cells = {**row, "ours": shown(row["ours"]), "theirs": shown(row["theirs"]), "±": uncertainty}
+    widths, below = dict(_COLUMNS), []
+    for name in ("ours", "theirs"):
+        if len(cells[name]) > widths[name]:
+            below.append(f"{name}: {cells[name]}")
+            cells[name] = "below"
+    first, *more = textwrap.wrap(row["quantity"], widths["quantity"], subsequent_indent="  ")
+    text = [_line({**cells, "quantity": first}), *more]
     for part in (*below, row["basis"], row["note"]):
-        if part:
-            text += textwrap.wrap(part, WIDTH - 4, initial_indent="    ", subsequent_indent="    ")
+        text += _wrapped(part)
     return text
 
 
