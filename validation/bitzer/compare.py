@@ -113,7 +113,7 @@ def peak_rows(scene_file: Path, ratios: np.ndarray, T_e: list[float], own: np.nd
     found = peak(ratios, own)
     rows = [
         equal(
-            "pressure ratio of the best isentropic efficiency",
+            "π of the best isentropic efficiency",
             found,
             PEAK,
             PEAK_WIDTH,
@@ -148,8 +148,8 @@ def compare(here: Path) -> Comparison:
         _panel("isentropic efficiency / %", ratios, efficient, theirs[1], ETA_POINTS),
         Panel(
             "built-in volume ratio",
-            "pressure ratio of the best η_s",
-            (by_volume, Series("Bitzer, mean", [by_volume.x[0], by_volume.x[-1]], [PEAK, PEAK], theirs=True)),
+            "π of the best isentropic efficiency",
+            (by_volume, Series("Bitzer, mean", by_volume.x, [PEAK] * len(by_volume.x), theirs=True)),
         ),
     )
     return Comparison(TITLE, CITATION, ABOUT, [*condition_rows(here, scene_file), *more], panels)

@@ -21,7 +21,7 @@ ABOUT = (
     "saturation at the discharge pressure and is warmer than the gas for most of the compression."
 )
 RHO_OIL, T, P = 1000.0, 310.0, 6e5
-RADII = (10e-6, 50e-6, 200e-6)
+RADII = (10e-6, 30e-6, 50e-6, 100e-6)
 
 
 RATIOS = {"air": (2.0, 4.0, 7.0, 12.0, 20.0), "R134a, 2/45 °C": (0.25, 0.5, 1.0, 2.0, 4.0)}

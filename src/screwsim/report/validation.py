@@ -49,9 +49,9 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
     if panel["log_x"]:
         _logarithmic(axes, "x")
     if panel["log_y"]:
-        axes.set_yscale("log")
-    axes.margins(y=0.12)
-    axes.legend(loc="best")
+        _logarithmic(axes, "y")
+    # above the axes, where no curve can run under it
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=3, columnspacing=1.2)
 
 
 def _logarithmic(axes: Any, which: str) -> None:

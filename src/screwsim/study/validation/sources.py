@@ -89,7 +89,8 @@ def _run(folder: Path) -> Outcome:
 
 def document(outcomes: Sequence[Outcome]) -> dict[str, Any]:
     """Return everything as one document: the same for the same results, so without times."""
-    sources, counts = {}, dict.fromkeys(VERDICTS, 0)
+    sources: dict[str, Any] = {}
+    counts: dict[str, int] = dict.fromkeys(VERDICTS, 0)
     for outcome in outcomes:
         if outcome.comparison is None:
             sources[outcome.name] = {"status": "not run", "reason": outcome.reason, "rows": [], "panels": []}
