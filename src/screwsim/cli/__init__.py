@@ -196,6 +196,41 @@ def report(
 
 
 @app.command()
+def validate(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Sources (default: all).", show_default=False)
+    ] = None,
+    folder: Annotated[
+        Path | None,
+        typer.Option("--folder", metavar="DIR", help="Where the sources lie (default: validation/ here or above)."),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Write validation.json and a figure a source.")
+    ] = None,
+    as_json: AsJson = False,
+) -> int:
+    """Hold what is computed against each published reference. A verdict that fails is a finding: exit code 0."""
+    from screwsim.printing import print_json, write_json
+    from screwsim.report.validation import draw
+    from screwsim.results.atomic import make_folder
+    from screwsim.study.progress import for_terminal
+    from screwsim.study.validation import document, folder_of, run_sources
+    from screwsim.study.validation.words import report
+
+    outcomes = run_sources(folder_of(folder), names or (), for_terminal("validate"))
+    found = document(outcomes)
+    if as_json:
+        print_json({**found, "seconds": {each.name: each.seconds for each in outcomes}})
+    else:
+        typer.echo(report(found))
+    if output is not None:
+        make_folder(output)
+        for path in (write_json(found, output / "validation.json"), *draw(found, output)):
+            typer.echo(path, err=as_json)
+    return OK if all(each.comparison is not None for each in outcomes) else NOT_ALL_OK
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON Schema of a scene."""
     from screwsim.printing import print_json

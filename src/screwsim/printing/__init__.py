@@ -6,10 +6,12 @@ import json
 import math
 import textwrap
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from screwsim.engineering import engineering, engineering_temperature, quantity, scale, shown_name, small
 from screwsim.outputs import STATUSES, Result, sorted_entries
+from screwsim.results.atomic import replacing
 from screwsim.scene import Scene
 from screwsim.study.sweep import SweepSummary
 
@@ -37,6 +39,14 @@ def plain(value: Any) -> Any:
 def print_json(document: Any) -> None:
     """Print one JSON document on stdout."""
     print(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=False))
+
+
+def write_json(document: Any, path: Path) -> str:
+    """Write one JSON document and return its path; raise UsageError in one line when the system refuses."""
+    with replacing(path) as temporary:
+        text = json.dumps(plain(document), indent=1, allow_nan=False, ensure_ascii=False)
+        temporary.write_text(text + "\n", encoding="utf-8")
+    return str(path)
 
 
 def print_result(title: str, result: Result) -> None:

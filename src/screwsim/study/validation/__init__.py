@@ -1,0 +1,28 @@
+"""Validation: each published reference beside what we compute, with a verdict that can be `fails`.
+
+A source is a folder `validation/<name>/` of the checkout: data with their source and uncertainty, scenes, and
+`compare.py` with one function, `compare(here: Path) -> Comparison`. Whatever such a module needs stands here.
+"""
+
+from screwsim.study.validation.asking import read_table, sibling, solved
+from screwsim.study.validation.record import Comparison, NotRun, Panel, Row, Series, equal, shown, trend
+from screwsim.study.validation.sources import Outcome, document, folder_of, names_of, run_sources
+
+__all__ = [
+    "Comparison",
+    "NotRun",
+    "Outcome",
+    "Panel",
+    "Row",
+    "Series",
+    "document",
+    "equal",
+    "folder_of",
+    "names_of",
+    "read_table",
+    "run_sources",
+    "shown",
+    "sibling",
+    "solved",
+    "trend",
+]

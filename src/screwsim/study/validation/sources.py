@@ -1,0 +1,101 @@
+"""The sources of a checkout: which there are, running them, and the document that keeps what they found."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from screwsim import __version__
+from screwsim.faults import UsageError
+from screwsim.study.progress import Progress, Silent
+from screwsim.study.validation.asking import sibling
+from screwsim.study.validation.record import VERDICTS, Comparison, NotRun
+
+FOLDER, MODULE = "validation", "compare.py"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one source: the comparison, or why there is none; time [s]."""
+
+    name: str
+    comparison: Comparison | None
+    reason: str
+    seconds: float
+
+
+def folder_of(wanted: str | Path | None = None) -> Path:
+    """Return the folder of the sources: the wanted one, or `validation/` here or in a folder above.
+
+    Raises UsageError where there is none.
+    """
+    if wanted is not None:
+        folder = Path(wanted)
+        if _has_sources(folder):
+            return folder.resolve()
+        raise UsageError(f"{folder}: holds no source (--folder names the folder validation/ of a checkout)")
+    here = Path.cwd()
+    for place in (here, *here.parents):
+        if _has_sources(place / FOLDER):
+            return place / FOLDER
+    raise UsageError(
+        "no folder validation/ here or above: it is part of the source checkout, not of the installed package "
+        "(work in a checkout or an unpacked source distribution, or name the folder with --folder)"
+    )
+
+
+def _has_sources(folder: Path) -> bool:
+    return bool(names_of(folder))
+
+
+def names_of(folder: Path) -> list[str]:
+    """Return the names of the sources in a folder, in alphabetical order."""
+    return sorted(path.parent.name for path in folder.glob(f"*/{MODULE}"))
+
+
+def run_sources(folder: Path, names: Sequence[str] = (), progress: Progress | None = None) -> list[Outcome]:
+    """Return what became of the named sources (default: all). Raises UsageError for a name that is none."""
+    known = names_of(folder)
+    for name in names:
+        if name not in known:
+            near = get_close_matches(name, known, 1)
+            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
+            raise UsageError(f"{name}: no source of that name in {folder} ({hint})")
+    wanted, progress = list(dict.fromkeys(names)) or known, progress or Silent()
+    progress.start(len(wanted), 0)
+    try:
+        found = []
+        for name in wanted:
+            outcome = _run(folder / name)
+            progress.advance(1, int(outcome.comparison is None))
+            found.append(outcome)
+    finally:
+        progress.stop()
+    return found
+
+
+def _run(folder: Path) -> Outcome:
+    began, comparison, reason = time.perf_counter(), None, ""
+    try:
+        comparison = sibling(folder / MODULE).compare(folder)
+    except NotRun as error:
+        reason = " ".join(str(error).split())
+    return Outcome(folder.name, comparison, reason, time.perf_counter() - began)
+
+
+def document(outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """Return everything as one document: the same for the same results, so without times."""
+    sources: dict[str, Any] = {}
+    counts: dict[str, int] = dict.fromkeys(VERDICTS, 0)
+    for outcome in outcomes:
+        if outcome.comparison is None:
+            sources[outcome.name] = {"status": "not run", "reason": outcome.reason, "rows": [], "panels": []}
+            continue
+        sources[outcome.name] = {"status": "ok", **asdict(outcome.comparison)}
+        for row in outcome.comparison.rows:
+            counts[row.verdict] += 1
+    return {"version": __version__, "verdicts": counts, "sources": sources}

@@ -1,0 +1,28 @@
+"""Modules of validation/ and scripts/, which are no part of the package."""
+
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+from screwsim.study.validation import sibling
+
+ROOT = Path(__file__).parents[2]
+VALIDATION = ROOT / "validation"
+
+
+@pytest.fixture(scope="session")
+def compare_of():
+    """Return a function that gives the comparison module of a source."""
+    return lambda name: sibling(VALIDATION / name / "compare.py")
+
+
+@pytest.fixture(scope="session")
+def page_script():
+    """Return scripts/validation_page.py as a module."""
+    spec = importlib.util.spec_from_file_location("validation_page", ROOT / "scripts" / "validation_page.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

@@ -1,0 +1,142 @@
+"""`screwsim validate`: a small source of its own in a folder, what it shows, and how it ends."""
+
+import json
+
+import pytest
+
+from screwsim import cli
+from screwsim.faults import UsageError
+from screwsim.study.validation import document, equal, folder_of, names_of, run_sources, trend
+from screwsim.study.validation.record import Row
+from screwsim.study.validation.words import report, row_text, summary
+
+SOURCE = """\
+from screwsim.study.validation import Comparison, NotRun, Panel, Series, equal, trend
+
+def compare(here):
+    rows = [
+        equal("near", 1.01, 1.0, 0.02, "published", unit="bar", basis="stated"),
+        equal("far", 1.5, 1.0, 0.02, "published"),
+        equal("another machine", 1.5, 1.0, 0.02, "published", comparable=False),
+        trend("over speed", "falls", "rises", False),
+    ]
+    series = (Series("ours", [1.0, 2.0], [1.0, 1.5]), Series("theirs", [1.0], [1.0], theirs=True, error=0.02))
+    return Comparison("A small source", "nobody", "about", rows, (Panel("x", "y", series),))
+"""
+REFUSING = (
+    "from screwsim.study.validation import NotRun\ndef compare(here):\n    raise NotRun('its scene does not close')\n"
+)
+
+
+@pytest.fixture
+def checkout(tmp_path, monkeypatch):
+    """Work below a folder that has validation/small."""
+    (tmp_path / "validation" / "small").mkdir(parents=True)
+    (tmp_path / "validation" / "small" / "compare.py").write_text(SOURCE, encoding="utf-8")
+    (tmp_path / "below").mkdir()
+    monkeypatch.chdir(tmp_path / "below")
+    return tmp_path
+
+
+def run(capsys, *arguments):
+    code = cli.exit_code(("validate", *arguments))
+    return code, *capsys.readouterr()
+
+
+def test_the_folder_is_found_upwards(checkout):
+    assert folder_of() == checkout / "validation"
+    assert names_of(folder_of()) == ["small"]
+
+
+def test_failing_verdicts_are_shown_and_are_no_error(checkout, capsys):
+    code, out, _ = run(capsys)
+    assert code == 0
+    lines = {line.split()[0]: line for line in out.splitlines() if line.strip()}
+    assert lines["near"].split()[-1] == "holds"
+    assert lines["far"].split()[-1] == "fails"
+    assert lines["another"].endswith("no verdict")
+    assert lines["over"].split()[-1] == "fails"
+    assert "1 of 3 judged comparisons hold, 2 fail; 1 have no verdict" in out
+
+
+def test_json_is_one_document_on_stdout(checkout, capsys):
+    code, out, _ = run(capsys, "--json", "-o", str(checkout / "out"))
+    found = json.loads(out)
+    assert code == 0
+    assert found["verdicts"] == {"holds": 1, "fails": 2, "no verdict": 1}
+    assert found["sources"]["small"]["rows"][1]["verdict"] == "fails"
+    assert set(found["seconds"]) == {"small"}
+
+
+def test_files_are_written_and_keep_no_times(checkout, capsys):
+    code, out, _ = run(capsys, "-o", "out/here")
+    assert code == 0
+    folder = checkout / "below" / "out" / "here"
+    assert {path.name for path in folder.iterdir()} == {"validation.json", "small.png", "small.pdf"}
+    assert "seconds" not in json.loads((folder / "validation.json").read_text(encoding="utf-8"))
+    assert out.rstrip().endswith("small.pdf")
+
+
+def test_a_source_that_cannot_run_says_why_and_ends_with_4(checkout, capsys):
+    (checkout / "validation" / "open").mkdir()
+    (checkout / "validation" / "open" / "compare.py").write_text(REFUSING, encoding="utf-8")
+    code, out, _ = run(capsys)
+    assert code == 4
+    assert "open: not run: its scene does not close" in out
+    assert "A small source" in out
+
+
+def test_an_unknown_name_is_one_line_with_the_nearest(checkout, capsys):
+    code, out, err = run(capsys, "smal")
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert "did you mean small?" in err
+
+
+def test_without_a_checkout_one_line_says_where_it_is(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(capsys)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert "checkout" in err
+    assert "--folder" in err
+
+
+def test_a_folder_without_sources_is_refused(tmp_path):
+    with pytest.raises(UsageError, match="holds no source"):
+        folder_of(tmp_path)
+
+
+def test_only_the_named_sources_run(checkout):
+    (checkout / "validation" / "open").mkdir()
+    (checkout / "validation" / "open" / "compare.py").write_text(REFUSING, encoding="utf-8")
+    assert [each.name for each in run_sources(folder_of(), ["small"])] == ["small"]
+
+
+def test_the_verdict_turns_at_the_uncertainty():
+    assert equal("x", 1.2, 1.0, 0.25, "published").verdict == "holds"
+    assert equal("x", 1.3, 1.0, 0.25, "published").verdict == "fails"
+    assert equal("x", 1.0, 1.0, None, "published").verdict == "no verdict"
+    assert trend("x", "rises", "rises", True).verdict == "holds"
+
+
+def test_kinds_and_verdicts_are_those_listed():
+    with pytest.raises(ValueError, match="guess"):
+        Row("x", 1.0, 1.0, "guess", "holds")
+    with pytest.raises(ValueError, match="maybe"):
+        Row("x", 1.0, 1.0, "exact", "maybe")
+
+
+def test_long_words_stand_below_the_row():
+    text = row_text(vars(trend("x", "1.0, 1.1, 1.2, 1.3, 1.4", "rises", True)))
+    assert "below" in text[0]
+    assert any("ours: 1.0, 1.1, 1.2, 1.3, 1.4" in line for line in text[1:])
+
+
+def test_fitted_numbers_are_no_evidence(checkout):
+    found = document(run_sources(folder_of()))
+    rows = found["sources"]["small"]["rows"]
+    for row in rows:
+        row["kind"] = "calibrated"
+    assert summary(found).startswith("0 of 0 judged comparisons hold")
+    assert "4 are fitted or estimates" in report(found)

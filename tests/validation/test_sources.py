@@ -1,0 +1,101 @@
+"""The sources of this checkout: their interface, exact cases, the plain equations, and the page of stored results."""
+
+import ast
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.study.validation import names_of
+from screwsim.study.validation.record import KINDS, VERDICTS
+
+ROOT = Path(__file__).parents[2]
+VALIDATION = ROOT / "validation"
+STORED = json.loads((VALIDATION / "results.json").read_text(encoding="utf-8"))
+SOURCES = names_of(VALIDATION)
+
+
+def rows(name):
+    return STORED["sources"][name]["rows"]
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_source_has_its_interface(compare_of, name):
+    module = compare_of(name)
+    assert callable(module.compare)
+    assert module.TITLE
+    assert module.CITATION
+    assert module.ABOUT
+
+
+@pytest.mark.parametrize(
+    "path", sorted(VALIDATION.glob("*/*.yaml")), ids=lambda path: f"{path.parent.name}/{path.name}"
+)
+def test_scene_loads(path):
+    assert screwsim.load(path).title
+
+
+@pytest.mark.parametrize("path", sorted(VALIDATION.glob("*/*.csv")), ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_data_say_where_they_come_from(path):
+    assert path.read_text(encoding="utf-8").startswith("# ")
+
+
+def test_results_of_every_source_are_stored():
+    assert sorted(STORED["sources"]) == SOURCES
+    assert all(source["status"] == "ok" for source in STORED["sources"].values())
+
+
+def test_stored_rows_have_known_kinds_and_verdicts():
+    every = [row for source in STORED["sources"].values() for row in source["rows"]]
+    assert {row["kind"] for row in every} <= set(KINDS)
+    assert {row["verdict"] for row in every} <= set(VERDICTS)
+    for verdict, count in STORED["verdicts"].items():
+        assert sum(row["verdict"] == verdict for row in every) == count
+
+
+def test_the_page_is_that_of_the_stored_results(page_script):
+    assert page_script.PAGE.read_text(encoding="utf-8") == page_script.page(STORED)
+
+
+def test_every_failing_row_stands_on_the_page(page_script):
+    text = page_script.PAGE.read_text(encoding="utf-8")
+    failing = [row for source in STORED["sources"].values() for row in source["rows"] if row["verdict"] == "fails"]
+    assert failing
+    assert len(re.findall(r"\| \*\*fails\*\* \|", text)) == len(failing)
+
+
+@pytest.mark.parametrize("name", [name for name in SOURCES if STORED["sources"][name]["panels"]])
+def test_the_page_has_the_figure(name):
+    assert (ROOT / "docs" / "figures" / f"validation_{name}.png").exists()
+
+
+def test_exact_cases_hold_to_their_tolerance(compare_of):
+    found = compare_of("exact").compare(VALIDATION / "exact").rows
+    assert {row.kind for row in found} == {"exact"}
+    assert [row.quantity for row in found if row.verdict != "holds"] == []
+
+
+def test_plain_equations_import_nothing_of_the_package():
+    tree = ast.parse((VALIDATION / "plain" / "plain.py").read_text(encoding="utf-8"))
+    modules = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    modules |= {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert {module.partition(".")[0] for module in modules} <= {
+        "__future__",
+        "collections",
+        "dataclasses",
+        "math",
+        "numpy",
+        "scipy",
+    }
+
+
+@pytest.mark.slow
+def test_plain_equations_agree_with_the_package_to_1e_6(compare_of):
+    module = compare_of("plain")
+    found = [row for row in module.compare(VALIDATION / "plain").rows if "difference" in row.quantity]
+    assert len(found) == 3
+    assert module.TOLERANCE == 1e-6
+    # both are integrated to 1e-8 or better a step, at the same width of the root
+    assert [row.quantity for row in found if not row.ours <= 1e-6] == []

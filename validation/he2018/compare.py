@@ -1,0 +1,91 @@
+"""Measured trends of a variable-speed oil-injected screw over speed and oil flow: signs, and saturation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+from screwsim.outputs import Figures
+from screwsim.scene import load
+from screwsim.study.validation import Comparison, NotRun, Panel, Row, Series, solved, trend
+
+TITLE = "He et al. 2018: trends over speed and oil flow"
+CITATION = "He et al., Energies 11 (2018) 1342, abstract: 1000 to 3000 rpm, oil 27 to 50 L/min"
+ABOUT = (
+    "The source's machine is not known to us: an air compressor of common size stands in for it, and only signs are "
+    "compared. Saturation: from 50 to 75 L/min by no more than half a point of efficiency, or per litre a minute by "
+    "less than half of what 27 to 50 L/min change."
+)
+RPM, LITRES = 2.0 * pi / 60.0, 1e-3 / 60.0
+SPEEDS, FLOWS = (1000.0, 1500.0, 2000.0, 2500.0, 3000.0), (27.0, 35.0, 42.0, 50.0, 62.0, 75.0)
+NAMES = ("volumetric_efficiency", "isentropic_efficiency", "specific_power", "discharge_temperature")
+SHOWN = {
+    "volumetric_efficiency": ("volumetric efficiency", "%", 100.0),
+    "isentropic_efficiency": ("adiabatic efficiency", "%", 100.0),
+    "specific_power": ("specific power", "kW/(m³/min)", 1.0 / 6e4),
+    "discharge_temperature": ("discharge temperature", "K", 1.0),
+}
+HARDLY = 0.5  # points
+RISES = {"volumetric_efficiency": 1.0, "isentropic_efficiency": 1.0, "specific_power": -1.0}
+
+
+def at(scene_file: Path, speed: float, flow: float) -> Figures:
+    """Return the figures at a speed [rpm] and an oil flow [L/min]; the oil ratio is what gives that flow."""
+    density, ratio = load(scene_file).oil.density, 5.0
+    for _ in range(12):
+        found = solved(scene_file, values={"operation.speed": speed * RPM, "oil_supply.ratio": ratio}).performance
+        miss = flow * LITRES * density / found.oil_mass_flow
+        if abs(miss - 1.0) < 1e-4:
+            return found
+        ratio *= miss
+    raise NotRun(f"no oil ratio gives {flow:g} L/min at {speed:g} rpm")
+
+
+def sign_row(name: str, over: str, values: Sequence[float], sign: float, source: str) -> Row:
+    """Return the row of a monotonic trend."""
+    text, unit, factor = SHOWN[name]
+    steps = np.sign(np.diff(values))
+    holds = bool(np.all(steps == sign))
+    word = "rises" if np.all(steps > 0) else "falls" if np.all(steps < 0) else "rises and falls"
+    listed = ", ".join(f"{factor * value:.4g}" for value in values)
+    return trend(f"{text} over {over}", f"{word}: {listed} {unit}", source, holds)
+
+
+def saturation_row(name: str, values: Sequence[float]) -> Row:
+    """Return whether the change per litre above 50 L/min is less than half of that below."""
+    below = (values[FLOWS.index(50.0)] - values[0]) / (50.0 - FLOWS[0])
+    above = (values[-1] - values[FLOWS.index(50.0)]) / (FLOWS[-1] - 50.0)
+    share, change = abs(above / below), SHOWN[name][2] * (values[-1] - values[FLOWS.index(50.0)])
+    flat = name.endswith("efficiency") and abs(change) <= HARDLY
+    unit = SHOWN[name][1].replace("%", "points")
+    found = f"{change:+.2f} {unit}, {share:.0%} of the change per litre below"
+    return trend(f"{SHOWN[name][0]} from 50 to 75 L/min", found, "hardly changes", flat or share < 0.5)
+
+
+def compare(here: Path) -> Comparison:
+    """Return signs over speed (at 50 L/min) and over oil flow (at 2000 rpm)."""
+    file = here / "machine.yaml"
+    by_speed = [at(file, speed, 50.0) for speed in SPEEDS]
+    by_flow = [at(file, 2000.0, flow) for flow in FLOWS]
+    of_speed = {name: [each[name] for each in by_speed] for name in NAMES}
+    of_flow = {name: [each[name] for each in by_flow] for name in NAMES}
+    rows = [
+        sign_row(name, "speed, 1000 to 3000 rpm", of_speed[name], sign, "rises" if sign > 0 else "falls")
+        for name, sign in RISES.items()
+    ]
+    last = FLOWS.index(50.0) + 1
+    for name, sign in (("volumetric_efficiency", 1.0), ("isentropic_efficiency", 1.0), ("discharge_temperature", -1.0)):
+        over = "oil flow, 27 to 50 L/min"
+        rows.append(sign_row(name, over, of_flow[name][:last], sign, "rises" if sign > 0 else "falls"))
+    rows += [saturation_row(name, of_flow[name]) for name in NAMES if name != "specific_power"]
+    panels = [
+        Panel(label, "efficiency / %", [Series(SHOWN[n][0], x, [100.0 * v for v in data[n]]) for n in NAMES[:2]])
+        for label, x, data in (
+            ("speed / rpm, at 50 L/min", SPEEDS, of_speed),
+            ("oil flow / (L/min), at 2000 rpm", FLOWS, of_flow),
+        )
+    ]
+    return Comparison(TITLE, CITATION, ABOUT, rows, panels)

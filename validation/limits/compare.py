@@ -1,0 +1,202 @@
+"""What the model leaves out, and how large each is on configs/r134a at 2/45 °C, 2950 rpm: estimates, no evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import exp, log, pi
+from pathlib import Path
+from typing import Any
+
+import CoolProp.CoolProp as coolprop
+from scipy.optimize import brentq
+
+from screwsim.outputs import Figures
+from screwsim.scene import Scene, load
+from screwsim.study.validation import Comparison, Row, equal, read_table, sibling, solved
+
+TITLE = "What the model leaves out"
+CITATION = "Estimates by the formulas in the notes; solubility: Grebner 1992 with the Heil model"
+ABOUT = (
+    "Each row is the size of one thing that the model leaves out or takes as given, at R134a 2/45 °C and 2950 rpm. "
+    "None is held against a measurement, but for the solubility that one of them needs."
+)
+GAS_CONSTANT, M_R134A, M_OIL = 8.314462618, 0.102032, 0.590
+WALL, CASING = 100.0, 10.0  # [W/(m² K)] gas to wall inside; outside of the casing, free convection and radiation
+AMBIENT = 298.15  # [K]
+
+
+def activity_pressure(x: float, T: float) -> float:
+    """Return the pressure [Pa] over a solution with the mole fraction x of R134a (Heil)."""
+    v_1 = M_R134A / coolprop.PropsSI("D", "T", T, "Q", 0, "R134a")
+    v_2 = M_OIL / (16.0185 * (61.387 - 0.024138 * (1.8 * T - 459.67)))
+    t_12, t_21 = 948.0 / (GAS_CONSTANT * T), 3993.0 / (GAS_CONSTANT * T)
+    l_12, l_21 = v_2 / v_1 * exp(-t_12), v_1 / v_2 * exp(-t_21)
+    y = 1.0 - x
+    first, second = x + l_21 * y, l_12 * x + y
+    gamma = -log(first) + y * (l_21 / first - l_12 / second)
+    gamma += y**2 * (t_21 * (l_21 / first) ** 2 + t_12 * l_12 / second**2)
+    return exp(gamma) * x * coolprop.PropsSI("P", "T", T, "Q", 1, "R134a")
+
+
+def dissolved(T: float, p: float) -> float:
+    """Return kg of R134a per kg of solution in equilibrium."""
+    x = float(brentq(lambda x: activity_pressure(x, T) - p, 1e-6, 1.0 - 1e-9))
+    return x * M_R134A / (x * M_R134A + (1.0 - x) * M_OIL)
+
+
+def estimate(quantity: str, size: float, unit: str, note: str) -> Row:
+    """Return the row of a size."""
+    return Row(quantity, size, None, "estimate", "no verdict", unit, note=note)
+
+
+def solubility_rows(here: Path) -> list[Row]:
+    """Return the coded solubility against the stated one."""
+    return [
+        equal(
+            f"R134a dissolved in POE at 70 °C, {row['pressure_bar']} bar",
+            dissolved(343.15, 1e5 * float(row["pressure_bar"])),
+            float(row["mass_fraction"]),
+            0.0015,
+            "cross-code",
+            unit="kg/kg",
+            basis="three digits, rounded; the correlation itself is within 6.3 % of its data",
+        )
+        for row in read_table(here / "solubility.csv")
+    ]
+
+
+def flash_row(scene: Scene, found: Figures) -> Row:
+    """Return the gas that leaves the injected oil, over the gas in the chamber."""
+    assert scene.oil_supply is not None
+    T, d = scene.oil_supply.temperature, found.oil_ratio
+    rich, lean = dissolved(T, found.discharge_pressure), dissolved(T, found.injection_pressure)
+    share = d * (rich / (1.0 - rich) - lean / (1.0 - lean))
+    return estimate(
+        "refrigerant that flashes from the injected oil, over the gas in the chamber",
+        100.0 * share,
+        "%",
+        f"equilibrium at {T - 273.15:.0f} °C: {rich:.3f} kg/kg of solution in the separator, {lean:.3f} at injection; "
+        f"d = {d:g}; an upper bound, as flashing takes time",
+    )
+
+
+def oil_volume_rows(scene: Scene, found: Figures) -> list[Row]:
+    """Return the room that oil would take at 360° and when the discharge port opens."""
+    exact = sibling(Path(__file__).parents[1] / "exact" / "compare.py")
+    assert scene.oil is not None
+    volume = found.oil_ratio * found.trapped_mass / scene.oil.density
+    swept, v = scene.machine.volume.max, exact.built_in_ratio(scene)
+    note = f"d m/ρ_o over V, d = {found.oil_ratio:g}; three times that at d = 3"
+    return [
+        estimate("room the oil takes at 360°", 100.0 * volume / swept, "%", note),
+        estimate("room the oil takes when the discharge port opens", 100.0 * volume * v / swept, "%", note),
+    ]
+
+
+def wall_rows(scene: Scene, found: Figures) -> list[Row]:
+    """Return heat through the casing over shaft power, and the warming of suction gas by the rotors."""
+    machine = scene.machine
+    D, L, V = machine.rotor_diameter, machine.rotor_length, machine.volume.max
+    casing = pi * 2.0 * D * 2.0 * L + 0.5 * pi * (2.0 * D) ** 2
+    outside = CASING * casing * (found.discharge_temperature - AMBIENT)
+    time = 2.0 * pi / scene.operation.speed
+    inside = WALL * 6.0 * V ** (2.0 / 3.0) * (scene.oil_supply.temperature - found.suction_temperature) * time
+    c_p = coolprop.PropsSI("CPMASS", "T", found.suction_temperature, "P", found.suction_pressure, "R134a")
+    warming = inside / (found.trapped_mass * c_p)
+    return [
+        estimate(
+            "heat through the casing, over shaft power",
+            100.0 * outside / found.shaft_power,
+            "%",
+            f"{CASING:g} W/(m² K) on a cylinder 2D by 2L, {casing:.2f} m², all at the discharge temperature",
+        ),
+        estimate(
+            "volumetric efficiency lost to walls that warm the suction gas",
+            -100.0 * warming / found.suction_temperature,
+            "points",
+            f"{WALL:g} W/(m² K) on 6 V^(2/3) for one turn, walls at the oil's temperature: {warming:.2f} K",
+        ),
+    ]
+
+
+def change_row(name: str, file: Path, base: Figures, values: Mapping[str, Any], figure: str, note: str) -> Row:
+    """Return by how many points an efficiency changes with another parameter."""
+    other = solved(file, values=values).performance
+    return estimate(name, 100.0 * (other[figure] - base[figure]), "points", note)
+
+
+def given_rows(file: Path, scene: Scene, base: Figures) -> list[Row]:
+    """Return what the parameters that nobody knows are worth."""
+    heat = scene.effects["oil_heat"].parameters
+    finer = {
+        "effects.oil_heat.droplet_radius": 0.5 * heat.droplet_radius,
+        "effects.oil_heat.heat_transfer_coefficient": 2.0 * heat.heat_transfer_coefficient,
+    }
+    gaps = ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage")
+    tight = {f"effects.{name}.flow_coefficient": 0.6 for name in gaps}
+    sealed = {f"effects.{name}.flow_coefficient": 1e-4 for name in gaps}
+    power = {"effects.hydromechanical.acceleration_factor": 1.0}
+    return [
+        change_row(
+            "isentropic efficiency, droplets half as large",
+            file,
+            base,
+            finer,
+            "isentropic_efficiency",
+            "r is fitted, not measured; α = Nu λ/(2r)",
+        ),
+        change_row(
+            "volumetric efficiency, gaps of 0.6 instead of 0.7",
+            file,
+            base,
+            tight,
+            "volumetric_efficiency",
+            "flow coefficient of all gaps: taken, not measured",
+        ),
+        change_row(
+            "volumetric efficiency, gaps sealed by oil altogether",
+            file,
+            base,
+            sealed,
+            "volumetric_efficiency",
+            "gaps pass gas as if dry: the most that oil in them could gain",
+        ),
+        change_row(
+            "isentropic efficiency, oil at tip speed paid in full",
+            file,
+            base,
+            power,
+            "isentropic_efficiency",
+            "acceleration_factor 1 instead of 0.5: a fitted factor",
+        ),
+    ]
+
+
+def nozzle_row(sealed: float) -> Row:
+    """Return what the local exponent of a choked nozzle is worth in volumetric efficiency."""
+    loss = 0.01 * sealed
+    return estimate(
+        "volumetric efficiency, real gas in choked gaps",
+        0.015 * 100.0 * loss,
+        "points",
+        "1.5 % of the leak (docs/model.md, M48)",
+    )
+
+
+def compare(here: Path) -> Comparison:
+    """Return all sizes."""
+    file = here.parents[1] / "configs" / "r134a" / "point.yaml"
+    scene = load(file)
+    base = solved(file).performance
+    given = given_rows(file, scene, base)
+    sealed = next(row.ours for row in given if "sealed" in row.quantity)
+    assert isinstance(sealed, float)
+    rows = [
+        flash_row(scene, base),
+        *oil_volume_rows(scene, base),
+        *wall_rows(scene, base),
+        *given,
+        nozzle_row(sealed),
+        *solubility_rows(here),
+    ]
+    return Comparison(TITLE, CITATION, ABOUT, rows)
