@@ -20,6 +20,13 @@ WARM = {  # a real gas and oil above its saturation at the discharge pressure
     "operation.suction": {"pressure": "3.1462 bar", "superheat": "10 K"},
     "operation.discharge": {"pressure": "11.6 bar"},
 }
+CO2 = {
+    **WARM,
+    "gas.fluid": "CO2",
+    "operation.suction": {"pressure": "30 bar", "temperature": "288 K"},
+    "operation.discharge": {"pressure": "90 bar"},
+    "oil_supply.temperature": "330 K",
+}
 WET = {
     "gas.model": "real",
     "gas.two_phase": "equilibrium",
@@ -42,6 +49,7 @@ class Case:
     says: tuple[str, ...] = field(default=())  # words of the message, warnings or fault
     radau: bool = False  # compared with a tight run of scipy's Radau
     slow: bool = False
+    guess: tuple[float, float] | None = None  # factors on pressure and temperature of the first guess
 
 
 def gaps(size: str) -> dict[str, Any]:
@@ -139,6 +147,16 @@ def _oil() -> list[Case]:
         says = ("no room",) if d == 80 else ()
         cases.append(Case(f"paper, d = {d}", {"oil_supply.ratio": d}, why, says=says))
         cases.append(Case(f"carried, d = {d}", {**CARRIED, "oil_supply.ratio": d}, why, says=says))
+    full = {**CARRIED, **lines("3.1462 bar", "12 bar")}
+    cases += [
+        Case("carried, d = 34, dense suction", {**full, "oil_supply.ratio": 34}, "the oil all but fills the chamber"),
+        Case(
+            "carried, d = 40, dense suction",
+            {**full, "oil_supply.ratio": 40},
+            "from d = 35 up the oil would fill the chamber; it takes no room in this model, and a warning says so",
+            says=("the oil would fill 116% of the chamber", "no room", "lower oil_supply.ratio"),
+        ),
+    ]
     for T, word in (("363 K", "hotter"), ("203 K", "colder")):
         cases.append(Case(f"paper, oil 80 K {word}", {"oil_supply.temperature": T}, f"oil 80 K {word} than the gas"))
         cases.append(
@@ -259,6 +277,37 @@ def _gases() -> list[Case]:
             },
             "p_d above the critical pressure",
         ),
+        Case(
+            "real, near-critical, as first written",
+            {**WARM, "operation.discharge": {"pressure": "38 bar"}},
+            "the equation ends at 455 K: what the closing port keeps in the dead volume is squeezed beyond; as the "
+            "message says, a wider port or more dead volume would do (the two rows below)",
+            "failed",
+            says=("deg", "above the equation's highest temperature", "a wider discharge port", "machine.volume.min"),
+        ),
+        Case(
+            "real, near-critical, wider port",
+            {**WARM, "operation.discharge": {"pressure": "38 bar"}, "machine.discharge_port.area": "40 cm^2"},
+            "p_d at 94 % of the critical pressure",
+        ),
+        Case(
+            "real, near-critical, more dead volume",
+            {**WARM, "operation.discharge": {"pressure": "38 bar"}, "machine.volume.min": "6 cm^3"},
+            "p_d at 94 % of the critical pressure",
+        ),
+        Case(
+            "real, transcritical, as first written",
+            {**CO2, "machine.suction_port.phi_B": "60 deg"},
+            "in the first degrees the volume grows faster than the suction port opens: the gas expands into the dome; "
+            "as the message says, warmer gas would do (the row below)",
+            "failed",
+            says=("deg", "condenses", "use warmer oil or gas, or gas.two_phase: equilibrium"),
+        ),
+        Case(
+            "real, transcritical, warmer suction",
+            {**CO2, **lines("30 bar", "90 bar", "308 K")},
+            "p_d above the critical pressure",
+        ),
         Case("real, 250 rpm", {**WARM, **speed(250)}, "slow, and the equation of state"),
         Case("two phases", WET, "p follows T by 7:1 in the dome"),
         Case("two phases, 1e-5", {**WET, "numerics.accuracy": 1e-5}, "p follows T by 7:1 in the dome"),
@@ -278,11 +327,185 @@ def _shut() -> list[Case]:
             says=("deg",),
         ),
         Case(
-            "start far off",
+            "hot oil, thin hot suction",
             {**CARRIED, "oil_supply.temperature": "450 K", **lines("0.2 bar", "8 bar", "420 K")},
-            "the guess is far from what comes",
+            "the guess of the start is far from what comes",
         ),
     ]
+
+
+def _starts() -> list[Case]:
+    why = "the figures are those of the usual start, within the wanted accuracy"
+    bases = {"paper": {}, "carried": CARRIED, "carried, 250 rpm": {**CARRIED, **speed(250)}, "ports alone": BARE}
+    cases = [
+        Case(
+            f"start far off, {name}, p times {p:g}, T times {T:g}",
+            changes,
+            why,
+            most=1_000_000 if "250" in name else 130_000,
+            guess=(p, T),
+        )
+        for name, changes in bases.items()
+        for p, T in ((0.1, 0.6), (10.0, 2.0), (0.1, 2.0), (10.0, 0.6))
+    ]
+    return cases + [
+        Case(f"start far off, real, p times {p:g}, T times {T:g}", WARM, why, guess=(p, T))
+        for p, T in ((0.3, 1.45), (3.0, 1.5))
+    ]
+
+
+def _found() -> list[Case]:
+    """Return failures that random scenes found (`scripts/fuzz.py`), one of each kind."""
+    heats = (
+        "all but nothing gets out: what leaks back is compressed again and again, beyond 10 000 K, and never settles"
+    )
+    at_once = (
+        "at 14 rpm the discharge line's oil comes and goes between turns, and a chamber of no oil (1e-9) takes it up "
+        "within less than the smallest step; no refusal that physics asks for"
+    )
+    return [
+        Case(
+            "found: heats without end",
+            BLOWN,
+            heats,
+            "not_closed",
+            says=("no further try", "a wider discharge port"),
+            slow=True,
+        ),
+        Case(
+            "found: heats without end, carried",
+            HELIUM,
+            heats,
+            "not_closed",
+            says=("no further try", "a wider discharge port"),
+            slow=True,
+        ),
+        Case(
+            "found: closes only damped",
+            {**BLOWN, "gas.fluid": "Hydrogen"},
+            "acceleration throws the cycle about; half the way at a time reaches it",
+            says=("the cycle closed only with damped closing",),
+            slow=True,
+        ),
+        Case(
+            "found: closes only with tighter steps",
+            STILL,
+            "p follows the lines within 1e-6 of itself at 46 rpm: the error of a step is more than what is balanced",
+            says=("the cycle closed only with a tighter tolerance of the steps",),
+        ),
+        Case(
+            "found: closes only from a faster scene",
+            THROTTLED,
+            "the suction port throttles, p_s is far below the line's, and the discharge line's liquid flows back",
+            says=("the cycle closed only with continuation from 4 times the speed",),
+            slow=True,
+        ),
+        Case(
+            "found: entropy closes last",
+            STARVED,
+            "mass and energy close at once where next to no gas goes through; entropy asks for two tighter closings",
+        ),
+        Case("found: oil all at once", FLOODED, at_once, "failed", says=("deg", "x_oil"), slow=True),
+    ]
+
+
+BLOWN = {  # a hundredth of the discharge port that the speed calls for, and wide blow-holes
+    "gas.fluid": "Nitrogen",
+    "operation.speed": "23750 rpm",
+    **lines("0.8363 bar", "23 bar", "262.4 K"),
+    "machine.volume.min": "5.86 cm^3",
+    "machine.volume.phi_A": "282.5 deg",
+    "machine.suction_port.area": "41.75 cm^2",
+    "machine.suction_port.phi_B": "64.7 deg",
+    "machine.discharge_port.area": "0.3043 cm^2",
+    "machine.discharge_port.opens": "579.4 deg",
+    "machine.discharge_port.phi_C": "646.4 deg",
+    "oil_supply.ratio": 1.45e-4,
+    "oil_supply.temperature": "221.2 K",
+    "effects.oil_heat.droplet_radius": "93.8 um",
+    "effects.oil_heat.heat_transfer_coefficient": "200.5 W/(m^2 K)",
+    "effects.tip_leakage.gap": "2.51 um",
+    "effects.interlobe_leakage.gap": "13.05 um",
+    "effects.end_face_leakage.gap": "2.37 um",
+    "effects.blow_hole.area": "71.5 mm^2",
+}
+HELIUM = {
+    **CARRIED,
+    "gas.fluid": "Helium",
+    "operation.speed": "11650 rpm",
+    **lines("0.38981 bar", "0.38991 bar", "340 K"),
+    "machine.volume.min": "0.0117 cm^3",
+    "machine.volume.phi_A": "352 deg",
+    "machine.suction_port.area": "12.7 cm^2",
+    "machine.suction_port.phi_B": "59 deg",
+    "machine.discharge_port.area": "0.2587 cm^2",
+    "machine.discharge_port.opens": "698.5 deg",
+    "machine.discharge_port.phi_C": "708.2 deg",
+    "oil_supply.ratio": 0.0403,
+    "oil_supply.temperature": "355 K",
+    "effects.oil_heat.droplet_radius": "49 um",
+    "effects.oil_heat.heat_transfer_coefficient": "97.2 W/(m^2 K)",
+    "effects.tip_leakage.gap": "3.2 um",
+    "effects.interlobe_leakage.gap": "32.6 um",
+    "effects.end_face_leakage.gap": "18.3 um",
+    "effects.blow_hole.area": "17.5 mm^2",
+}
+OILED = ("oil_heat", "oil_pump", "hydromechanical")
+STILL = {
+    "oil": DROP,
+    "oil_supply": DROP,
+    **{f"effects.{name}": DROP for name in (*OILED, "interlobe_leakage", "end_face_leakage")},
+    "gas.fluid": "SF6",
+    "operation.speed": "46.39 rpm",
+    **lines("1.919 bar", "1.98 bar", "329.7 K"),
+    "machine.volume.min": "0.01119 cm^3",
+    "machine.volume.phi_A": "213.7 deg",
+    "machine.suction_port.area": "567.3 cm^2",
+    "machine.suction_port.phi_B": "5.906 deg",
+    "machine.discharge_port.area": "280.5 cm^2",
+    "machine.discharge_port.opens": "407.8 deg",
+    "machine.discharge_port.phi_C": "415 deg",
+    "effects.tip_leakage.gap": "3.871 um",
+    "effects.blow_hole.area": "10.33 mm^2",
+}
+THROTTLED = {
+    "gas.model": "real",
+    "gas.two_phase": "equilibrium",
+    "operation.suction": DROP,
+    "operation.discharge": DROP,
+    "operation.evaporating_temperature": "264 K",
+    "operation.condensing_temperature": "312 K",
+    "operation.superheat": "27 K",
+    "operation.speed": "7200 rpm",
+    "oil_supply.ratio": 1,
+    "oil_supply.temperature": "307 K",
+    "effects.oil_heat.droplet_radius": "0.3 um",
+    "machine.suction_port.area": "4.8 cm^2",
+    "machine.suction_port.phi_B": "172 deg",
+    "machine.volume.min": "21 cm^3",
+}
+STARVED = {
+    **BARE,
+    "gas.fluid": "SF6",
+    "operation.speed": "890.55 rpm",
+    **lines("7.7347 bar", "162.19 bar", "317.875 K"),
+    "machine.volume.min": "0.0161974 cm^3",
+    "machine.volume.phi_A": "103.68 deg",
+    "machine.suction_port.area": "0.765429 cm^2",
+    "machine.suction_port.phi_B": "175.093 deg",
+    "machine.discharge_port.area": "55.2703 cm^2",
+    "machine.discharge_port.opens": "491.667 deg",
+    "machine.discharge_port.phi_C": "601.5215 deg",
+}
+FLOODED = {
+    **CARRIED,
+    "gas.fluid": "Ammonia",
+    "operation.speed": "14 rpm",
+    **lines("1.24 bar", "17.5 bar", "302 K"),
+    "oil_supply.ratio": 9,
+    "effects.tip_leakage.gap": "670 um",
+    "effects.interlobe_leakage.gap": "164 um",
+}
 
 
 MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice what is needed
@@ -328,6 +551,13 @@ MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice
     "dead volume 0.1": 20_000,
     "dead volume 1e-06": 20_000,
     "dead volume 1e-09": 30_000,
+    "found: closes only damped": 30_000_000,
+    "found: closes only from a faster scene": 20_000_000,
+    "found: closes only with tighter steps": 90_000,
+    "found: entropy closes last": 500_000,
+    "found: heats without end": 40_000_000,
+    "found: heats without end, carried": 40_000_000,
+    "found: oil all at once": 600_000,
     "gaps 1 mm": 200_000,
     "gaps 1 mm, 250 rpm": 200_000,
     "gaps 1 um": 20_000,
@@ -371,7 +601,7 @@ MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice
     "real, superheat 1 K": 20_000,
     "real, transcritical": 30_000,
     "rough tables": 40_000,
-    "start far off": 80_000,
+    "hot oil, thin hot suction": 80_000,
     "two phases": 30_000,
     "two phases, 1e-5": 6_000_000,
 }
@@ -410,7 +640,7 @@ AGAINST_RADAU = (  # compared with coupled chambers under a tight Radau
 )
 CASES = [
     replace(case, most=MOST.get(case.name, case.most), radau=case.name in AGAINST_RADAU)
-    for case in (*_speeds(), *_pressures(), *_oil(), *_geometry(), *_gases(), *_shut())
+    for case in (*_speeds(), *_pressures(), *_oil(), *_geometry(), *_gases(), *_shut(), *_starts(), *_found())
 ]
 
 
