@@ -242,6 +242,7 @@ def outcome(rows: list[dict[str, Any]], seed: int) -> dict[str, Any]:
             "no_answer": sum(row["radau"] == NO_ANSWER for row in rows),
             "within_accuracy": sum(row["share"] <= 1.0 for row in shares),
             "within_three_times": sum(row["share"] <= 3.0 for row in shares),
+            "beyond_accuracy_unwarned": sum(row["share"] > 1.0 >= row["error"] / row["accuracy"] for row in shares),
             "worst_over_accuracy": largest(shares, "share"),
         },
         "not_ok": {

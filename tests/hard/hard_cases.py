@@ -6,79 +6,11 @@ each new combination of effects is compiled anew. `docs/hard-cases.md` shows thi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
-from scenes import DROP
-
-CARRIED = {"oil.transport": "carried"}
-WARM = {  # a real gas and oil above its saturation at the discharge pressure
-    **CARRIED,
-    "gas.model": "real",
-    "oil_supply.temperature": "328 K",
-    "operation.suction": {"pressure": "3.1462 bar", "superheat": "10 K"},
-    "operation.discharge": {"pressure": "11.6 bar"},
-}
-CO2 = {
-    **WARM,
-    "gas.fluid": "CO2",
-    "operation.suction": {"pressure": "30 bar", "temperature": "288 K"},
-    "operation.discharge": {"pressure": "90 bar"},
-    "oil_supply.temperature": "330 K",
-}
-WET = {
-    "gas.model": "real",
-    "gas.two_phase": "equilibrium",
-    "effects.oil_heat": {"droplet_radius": "20 um", "heat_transfer_coefficient": "1000 W/(m^2 K)"},
-    "operation.discharge.temperature": "330 K",
-}
-BARE = {"effects": {"suction_port": {}, "discharge_port": {}}, "oil": DROP, "oil_supply": DROP}
-FINE = {"numerics.accuracy": 1e-6}
-
-
-@dataclass(frozen=True)
-class Case:
-    """One row of the table; `most` bounds the evaluations of the right-hand side, Jacobians' included."""
-
-    name: str
-    changes: dict[str, Any]
-    why: str
-    status: str = "ok"  # ok | not_closed | failed | refused
-    most: int = 40_000
-    says: tuple[str, ...] = field(default=())  # words of the message, warnings or fault
-    radau: bool = False  # compared with a tight run of scipy's Radau
-    slow: bool = False
-    guess: tuple[float, float] | None = None  # factors on pressure and temperature of the first guess
-
-
-def gaps(size: str) -> dict[str, Any]:
-    """Return all clearances set to one size."""
-    return {f"effects.{name}.gap": size for name in ("tip_leakage", "interlobe_leakage", "end_face_leakage")}
-
-
-def ports(factor: float) -> dict[str, Any]:
-    """Return both port areas times a factor."""
-    return {
-        "machine.suction_port.area": f"{40 * factor:g} cm^2",
-        "machine.discharge_port.area": f"{12 * factor:g} cm^2",
-    }
-
-
-def lines(p_s: str, p_d: str, T_s: str = "283 K") -> dict[str, Any]:
-    """Return both lines stated by pressures."""
-    return {"operation.suction": {"pressure": p_s, "temperature": T_s}, "operation.discharge": {"pressure": p_d}}
-
-
-def droplet(radius: str) -> dict[str, Any]:
-    """Return another droplet radius."""
-    return {"effects.oil_heat.droplet_radius": radius}
-
-
-def speed(rpm: float) -> dict[str, Any]:
-    """Return another speed."""
-    return {"operation.speed": f"{rpm:g} rpm"}
-
+from case import BARE, CARRIED, CO2, FINE, WARM, WET, Case, droplet, gaps, lines, ports, speed
+from found_cases import found_cases
 
 CSV = {
     name: str(Path(__file__).parent / f"{name}.csv") for name in ("rough_volume", "rough_suction", "rough_discharge")
@@ -354,160 +286,6 @@ def _starts() -> list[Case]:
     ]
 
 
-def _found() -> list[Case]:
-    """Return failures that random scenes found (`scripts/fuzz.py`), one of each kind."""
-    heats = (
-        "all but nothing gets out: what leaks back is compressed again and again, beyond 10 000 K, and never settles"
-    )
-    at_once = (
-        "at 14 rpm the discharge line's oil comes and goes between turns, and a chamber of no oil (1e-9) takes it up "
-        "within less than the smallest step; no refusal that physics asks for"
-    )
-    return [
-        Case(
-            "found: heats without end",
-            BLOWN,
-            heats,
-            "not_closed",
-            says=("no further try", "a wider discharge port"),
-            slow=True,
-        ),
-        Case(
-            "found: heats without end, carried",
-            HELIUM,
-            heats,
-            "not_closed",
-            says=("no further try", "a wider discharge port"),
-            slow=True,
-        ),
-        Case(
-            "found: closes only damped",
-            {**BLOWN, "gas.fluid": "Hydrogen"},
-            "acceleration throws the cycle about; half the way at a time reaches it",
-            says=("the cycle closed only with damped closing",),
-            slow=True,
-        ),
-        Case(
-            "found: closes only with tighter steps",
-            STILL,
-            "p follows the lines within 1e-6 of itself at 46 rpm: the error of a step is more than what is balanced",
-            says=("the cycle closed only with a tighter tolerance of the steps",),
-        ),
-        Case(
-            "found: closes only from a faster scene",
-            THROTTLED,
-            "the suction port throttles, p_s is far below the line's, and the discharge line's liquid flows back",
-            says=("the cycle closed only with continuation from 4 times the speed",),
-            slow=True,
-        ),
-        Case(
-            "found: entropy closes last",
-            STARVED,
-            "mass and energy close at once where next to no gas goes through; entropy asks for two tighter closings",
-        ),
-        Case("found: oil all at once", FLOODED, at_once, "failed", says=("deg", "x_oil"), slow=True),
-    ]
-
-
-BLOWN = {  # a hundredth of the discharge port that the speed calls for, and wide blow-holes
-    "gas.fluid": "Nitrogen",
-    "operation.speed": "23750 rpm",
-    **lines("0.8363 bar", "23 bar", "262.4 K"),
-    "machine.volume.min": "5.86 cm^3",
-    "machine.volume.phi_A": "282.5 deg",
-    "machine.suction_port.area": "41.75 cm^2",
-    "machine.suction_port.phi_B": "64.7 deg",
-    "machine.discharge_port.area": "0.3043 cm^2",
-    "machine.discharge_port.opens": "579.4 deg",
-    "machine.discharge_port.phi_C": "646.4 deg",
-    "oil_supply.ratio": 1.45e-4,
-    "oil_supply.temperature": "221.2 K",
-    "effects.oil_heat.droplet_radius": "93.8 um",
-    "effects.oil_heat.heat_transfer_coefficient": "200.5 W/(m^2 K)",
-    "effects.tip_leakage.gap": "2.51 um",
-    "effects.interlobe_leakage.gap": "13.05 um",
-    "effects.end_face_leakage.gap": "2.37 um",
-    "effects.blow_hole.area": "71.5 mm^2",
-}
-HELIUM = {
-    **CARRIED,
-    "gas.fluid": "Helium",
-    "operation.speed": "11650 rpm",
-    **lines("0.38981 bar", "0.38991 bar", "340 K"),
-    "machine.volume.min": "0.0117 cm^3",
-    "machine.volume.phi_A": "352 deg",
-    "machine.suction_port.area": "12.7 cm^2",
-    "machine.suction_port.phi_B": "59 deg",
-    "machine.discharge_port.area": "0.2587 cm^2",
-    "machine.discharge_port.opens": "698.5 deg",
-    "machine.discharge_port.phi_C": "708.2 deg",
-    "oil_supply.ratio": 0.0403,
-    "oil_supply.temperature": "355 K",
-    "effects.oil_heat.droplet_radius": "49 um",
-    "effects.oil_heat.heat_transfer_coefficient": "97.2 W/(m^2 K)",
-    "effects.tip_leakage.gap": "3.2 um",
-    "effects.interlobe_leakage.gap": "32.6 um",
-    "effects.end_face_leakage.gap": "18.3 um",
-    "effects.blow_hole.area": "17.5 mm^2",
-}
-OILED = ("oil_heat", "oil_pump", "hydromechanical")
-STILL = {
-    "oil": DROP,
-    "oil_supply": DROP,
-    **{f"effects.{name}": DROP for name in (*OILED, "interlobe_leakage", "end_face_leakage")},
-    "gas.fluid": "SF6",
-    "operation.speed": "46.39 rpm",
-    **lines("1.919 bar", "1.98 bar", "329.7 K"),
-    "machine.volume.min": "0.01119 cm^3",
-    "machine.volume.phi_A": "213.7 deg",
-    "machine.suction_port.area": "567.3 cm^2",
-    "machine.suction_port.phi_B": "5.906 deg",
-    "machine.discharge_port.area": "280.5 cm^2",
-    "machine.discharge_port.opens": "407.8 deg",
-    "machine.discharge_port.phi_C": "415 deg",
-    "effects.tip_leakage.gap": "3.871 um",
-    "effects.blow_hole.area": "10.33 mm^2",
-}
-THROTTLED = {
-    "gas.model": "real",
-    "gas.two_phase": "equilibrium",
-    "operation.suction": DROP,
-    "operation.discharge": DROP,
-    "operation.evaporating_temperature": "264 K",
-    "operation.condensing_temperature": "312 K",
-    "operation.superheat": "27 K",
-    "operation.speed": "7200 rpm",
-    "oil_supply.ratio": 1,
-    "oil_supply.temperature": "307 K",
-    "effects.oil_heat.droplet_radius": "0.3 um",
-    "machine.suction_port.area": "4.8 cm^2",
-    "machine.suction_port.phi_B": "172 deg",
-    "machine.volume.min": "21 cm^3",
-}
-STARVED = {
-    **BARE,
-    "gas.fluid": "SF6",
-    "operation.speed": "890.55 rpm",
-    **lines("7.7347 bar", "162.19 bar", "317.875 K"),
-    "machine.volume.min": "0.0161974 cm^3",
-    "machine.volume.phi_A": "103.68 deg",
-    "machine.suction_port.area": "0.765429 cm^2",
-    "machine.suction_port.phi_B": "175.093 deg",
-    "machine.discharge_port.area": "55.2703 cm^2",
-    "machine.discharge_port.opens": "491.667 deg",
-    "machine.discharge_port.phi_C": "601.5215 deg",
-}
-FLOODED = {
-    **CARRIED,
-    "gas.fluid": "Ammonia",
-    "operation.speed": "14 rpm",
-    **lines("1.24 bar", "17.5 bar", "302 K"),
-    "oil_supply.ratio": 9,
-    "effects.tip_leakage.gap": "670 um",
-    "effects.interlobe_leakage.gap": "164 um",
-}
-
-
 MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice what is needed
     "1 male lobes": 20_000,
     "10 male lobes": 20_000,
@@ -558,6 +336,8 @@ MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice
     "found: heats without end": 40_000_000,
     "found: heats without end, carried": 40_000_000,
     "found: oil all at once": 600_000,
+    "found: tiny work, many turns": 30_000_000,
+    "found: tiny work, steps too small": 30_000_000,
     "gaps 1 mm": 200_000,
     "gaps 1 mm, 250 rpm": 200_000,
     "gaps 1 um": 20_000,
@@ -640,34 +420,5 @@ AGAINST_RADAU = (  # compared with coupled chambers under a tight Radau
 )
 CASES = [
     replace(case, most=MOST.get(case.name, case.most), radau=case.name in AGAINST_RADAU)
-    for case in (*_speeds(), *_pressures(), *_oil(), *_geometry(), *_gases(), *_shut(), *_starts(), *_found())
+    for case in (*_speeds(), *_pressures(), *_oil(), *_geometry(), *_gases(), *_shut(), *_starts(), *found_cases())
 ]
-
-
-HEAD = """\
-# Hard cases
-
-Scenes that a user could write and that break simpler programs. `tests/hard` solves every one: the status is the one
-below; every number of the result and of its cycle is finite (but for the oil's temperature before it is injected); p, T
-and m are positive; mass and energy close within the wanted accuracy; the right-hand side is evaluated at most as often
-as stated. Where *Radau* is marked, work and trapped mass equal those of coupled chambers under a tight scipy Radau
-within the wanted accuracy. *refused*: a bad scene, exit code 3 with the remedy; *failed*: exit code 4 with the angle.
-
-Where the first try does not close a cycle (`numerics.closing: auto`), a tighter tolerance of the steps, damped closing
-and a continuation from four times the speed are tried, and a warning of the result says which one it took.
-
-This page is `hard_cases.page()`; a test compares the two.
-
-| case | status | at most | Radau | why |
-|---|---|---|---|---|
-"""
-
-
-def page() -> str:
-    """Return the text of docs/hard-cases.md."""
-    rows = [
-        f"| {case.name} | {case.status} | {case.most if case.status != 'refused' else '–'} | "
-        f"{'yes' if case.radau else ''} | {case.why} |"
-        for case in CASES
-    ]
-    return HEAD + "\n".join(rows) + "\n"

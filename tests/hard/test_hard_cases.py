@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hard_cases import CASES, page
+from hard_cases import CASES
+from hard_page import page
 from scenes import make, run
 
 from screwsim import solution
