@@ -383,7 +383,7 @@ MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice
     "rough tables": 40_000,
     "hot oil, thin hot suction": 80_000,
     "two phases": 30_000,
-    "two phases, 1e-5": 6_000_000,
+    "two phases, 1e-5": 15_000_000,
 }
 AGAINST_RADAU = (  # compared with coupled chambers under a tight Radau
     "paper, 10000 rpm",
