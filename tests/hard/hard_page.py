@@ -51,7 +51,8 @@ RANDOM = """
 - {warned} scenes that are ok warn that the estimated error of a figure is above the wanted accuracy.
 - {compared} scenes that are ok were solved again by coupled chambers under scipy's Radau at a thousandth of the wanted
   accuracy: {within} agree in all figures within it, {three} within three times it; the worst differs by {worst:.2g}
-  times. {unwarned} differ by more than the accuracy without a warning of it. {no_answer} had no answer from Radau.
+  times. {unwarned} differ by more than the accuracy without a warning of it, the worst of these by {worst_unwarned:.2g}
+  times. {no_answer} had no answer from Radau.
 """
 
 
@@ -88,6 +89,7 @@ def _random() -> str:
         three=radau["within_three_times"],
         worst=radau["worst_over_accuracy"]["value"],
         unwarned=radau["beyond_accuracy_unwarned"],
+        worst_unwarned=radau["worst_unwarned_over_accuracy"]["value"],
         no_answer=radau["no_answer"],
     )
 
