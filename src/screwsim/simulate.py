@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from screwsim.build import prepare
-from screwsim.estimate import Accurate, close_accurately, close_tighter, worst
+from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
 from screwsim.ledger import entropy_residue
 from screwsim.model import close as closing
 from screwsim.model.continuation import Course
@@ -16,6 +16,11 @@ from screwsim.model.slots import R_OIL_BEFORE
 from screwsim.outputs import Figures, Result
 from screwsim.scene.types import Scene
 from screwsim.solution import Solution
+
+REMEDIES = {  # of the limits of an equation of state, by a word of what the gas says of them
+    "highest": "use more or cooler oil, a wider discharge port, a larger machine.volume.min or smaller leaks",
+    "lowest": "use warmer suction gas or oil, or a wider suction port",
+}
 
 
 def _numerics(solution: Solution, accurate: Accurate) -> Figures:
@@ -39,7 +44,26 @@ def _refused(solution: Solution) -> str:
     times, dense, _, steps = solution.machinery.last()
     T, rho = (np.ascontiguousarray(dense[:steps, 1, column]) for column in (0, 1))
     i = gas.first_outside(T, rho)
-    return "" if i is None else f"at {math.degrees(times[i + 1]):.2f} deg {gas.why_outside(float(T[i]), float(rho[i]))}"
+    if i is None:
+        return ""
+    return f"at {math.degrees(times[i + 1]):.2f} deg {_remedied(gas.why_outside(float(T[i]), float(rho[i])))}"
+
+
+def _remedied(reason: str) -> str:
+    """Return what a gas says of its limits, with a remedy where it names none."""
+    remedy = next((remedy for word, remedy in REMEDIES.items() if word in reason), "")
+    return f"{reason}; {remedy}" if remedy else reason
+
+
+def _unclosed(scene: Scene, closed: closing.Closed) -> str:
+    """Return what may help a cycle that did not close."""
+    tried = scene.numerics.closing == "auto" and scene.numerics.integrator == "rodas4"
+    if tried and closed.status == "not_closed":
+        return (
+            "no further try closed it either: the gas that leaks back may heat without end "
+            "(a wider discharge port or smaller leaks), or the accuracy be too fine (a larger numerics.accuracy)"
+        )
+    return "try numerics.closing: coupled, or a tighter numerics.accuracy"
 
 
 def _failure(solution: Solution, closed: closing.Closed) -> str:
@@ -48,7 +72,7 @@ def _failure(solution: Solution, closed: closing.Closed) -> str:
     )
     reason = solution.parts.gas.why_outside(float(closed.y[0]), float(closed.y[1]))
     if reason is not None:
-        return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {reason}"
+        return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {_remedied(reason)}"
     return (
         f"the integration stopped at {math.degrees(closed.angle):.2f} deg ({y}); "
         "check port areas, clearances and pressures, or ask for a tighter numerics.accuracy"
@@ -157,7 +181,9 @@ def _solved(solution: Solution, trace: bool) -> Result:
     if refused:
         return Result("failed", refused, effects=effects, states=states, numerics=numerics)
     found, notes, balance, book = _judged(solution, closed, trace)
-    if closed.status == "ok" and (balance.entropy or 0.0) > balance.bound and scene.numerics.rtol is None:
+    for _ in range(TRIES):
+        if closed.status != "ok" or (balance.entropy or 0.0) <= balance.bound or scene.numerics.rtol is not None:
+            break
         # mass and energy are judged while closing, entropy only here: it needs the ledger
         accurate = close_tighter(solution, accurate)
         closed, numerics = accurate.closed, _numerics(solution, accurate)
@@ -174,7 +200,7 @@ def _solved(solution: Solution, trace: bool) -> Result:
         shown = ", ".join(f"{name} {size:.2g}" for name, size in residues.items())
         message = (
             f"{shown} against the bound {balance.bound:.2g}, last change {closed.change:.2g}; "
-            "try numerics.closing: coupled, or a tighter numerics.accuracy"
+            f"{_unclosed(scene, closed)}"
         )
     cycle, kept = (solution.cycle(), book) if trace else ({}, Figures())
     tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()

@@ -4,15 +4,26 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from fuzz_space import RANGES, STRUCTURES, changes
+from fuzz_space import RANGES, STRUCTURES, changes, is_real
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from scenes import make
 
+from screwsim.faults import SceneError
 from screwsim.simulate import simulate
 
-SCENES = {"paper": 160, "carried": 60, "ports alone": 300}
-LEAST_OK = 0.6  # share of the scenes
+SCENES = {
+    "paper": 80,
+    "carried": 40,
+    "ports alone": 210,
+    "displacement": 15,
+    "dry, some leaks": 80,
+    "oil, other leaks": 50,
+    "real": 30,
+    "two phases": 20,
+}
+LEAST_OK = 0.6  # share of the scenes of an ideal gas
+LEAST_OK_REAL = 0.15  # of a real one: hypothesis seeks the corners, most of which lie outside its equation
 MOST = 80_000_000  # a closing takes 10 and further tries 8, what the last pitch overruns apart; three closings at most
 SHARES = st.lists(st.floats(0.0, 1.0, allow_nan=False, width=32), min_size=len(RANGES), max_size=len(RANGES))
 
@@ -36,7 +47,12 @@ def test_random_scenes(structure):
     )
     @given(SHARES)
     def check(shares):
-        result = simulate(make(changes(structure, shares)))
+        try:
+            scene = make(changes(structure, shares))
+        except SceneError:
+            seen["refused"] += 1
+            return
+        result = simulate(scene)
         seen[result.status] += 1
         tables = (result.performance, result.balance, result.error, result.ledger, result.numerics)
         values = [value for table in tables for value in table.values() if isinstance(value, float)]
@@ -48,4 +64,4 @@ def test_random_scenes(structure):
         assert result.numerics.rhs_evaluations <= MOST
 
     check()
-    assert seen["ok"] >= LEAST_OK * seen.total()
+    assert seen["ok"] >= (LEAST_OK_REAL if is_real(structure) else LEAST_OK) * seen.total(), seen

@@ -1,0 +1,104 @@
+"""The page of the hard cases, from their table and from what random scenes made."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from hard_cases import CASES
+
+OUTCOME = Path(__file__).parent / "fuzz_outcome.json"
+HEAD = """\
+# Hard cases
+
+Scenes that a user could write and that break simpler programs. `tests/hard` solves every one: the status is the one
+below; every number of the result and of its cycle is finite (but for the oil's temperature before it is injected); p, T
+and m are positive; mass and energy close within the wanted accuracy; the right-hand side is evaluated at most as often
+as stated. Where *Radau* is marked, work and trapped mass equal those of coupled chambers under a tight scipy Radau
+within the wanted accuracy. *refused*: a bad scene, exit code 3 with the remedy; *failed*: exit code 4 with the angle;
+*(ok)* after another status: physics would not refuse the scene, the solver does not reach its cycle yet. *start far
+off*: the first guess of the cycle is multiplied, and all figures come out the same. *found*: by random scenes, one case
+of each kind of failure.
+
+Where the first try does not close a cycle (`numerics.closing: auto`), a tighter tolerance of the steps, damped closing
+and a continuation from four times the speed are tried, and a warning of the result says which one it took.
+
+Floors: `tests/hard/test_floors.py` states what each one changes. Oil below 1e-4 of the gas is not waited for and counts
+its errors as that much; work below 1e-6 p V is rounding; the oil's mass carries 1e-12 of the gas's. None moves a figure
+by the wanted accuracy, at ten times the size or a tenth.
+
+This page is `hard_page.page()`; a test compares the two.
+
+| case | status | at most | Radau | why |
+|---|---|---|---|---|
+"""
+STATUSES = ("ok", "not_closed", "failed", "refused", "not finite", "crashed", "hung")
+RANDOM = """
+## Random scenes
+
+`{command}` draws {scenes} scenes from the space of `tests/hard/fuzz_space.py` (numpy {numpy}, numba {numba}, scipy
+{scipy}): {ok:.1%} are ok. What it made is in `tests/hard/fuzz_outcome.json`, this section from it; the tests draw some
+500 others by hypothesis. Of a real gas many scenes fail since it condenses, or gets hotter than its equation goes.
+
+| structure | {names} |
+|---|{lines}|
+{rows}
+
+- Worst balance of a scene that is ok: mass {mass:.1e}, energy {energy:.1e}; at most {over:.2g} of the wanted accuracy.
+- Most evaluations of the right-hand side: {most:.1e} in all, {most_ok:.1e} of a scene that is ok.
+- Further tries that it took: {tries}.
+- {warned} scenes that are ok warn that the estimated error of a figure is above the wanted accuracy.
+- {compared} scenes that are ok were solved again by coupled chambers under scipy's Radau at a thousandth of the wanted
+  accuracy: {within} agree in all figures within it, {three} within three times it; the worst differs by {worst:.2g}
+  times. {unwarned} differ by more than the accuracy without a warning of it, the worst of these by {worst_unwarned:.2g}
+  times. {no_answer} had no answer from Radau.
+"""
+
+
+def _row(*cells: Any) -> str:
+    return f"| {' | '.join(str(cell) for cell in cells)} |"
+
+
+def _random() -> str:
+    """Return what random scenes made, in words."""
+    made = json.loads(OUTCOME.read_text(encoding="utf-8"))
+    radau, versions = made["radau"], made["versions"]
+    shown = [name for name in STATUSES if name in made["status"]]
+    counts = {**made["structure"], "all": made["status"]}
+    return RANDOM.format(
+        command=made["command"],
+        scenes=made["scenes"],
+        **{name: versions[name] for name in ("numpy", "numba", "scipy")},
+        ok=made["status"]["ok"] / made["scenes"],
+        names=" | ".join(shown),
+        lines="|".join(["---"] * len(shown)),
+        rows="\n".join(
+            f"| {name} | {' | '.join(str(count.get(status, 0)) for status in shown)} |"
+            for name, count in counts.items()
+        ),
+        mass=made["worst_mass"]["value"],
+        energy=made["worst_energy"]["value"],
+        over=made["worst_balance_over_accuracy"]["value"],
+        most=made["worst_rhs_evaluations"]["value"],
+        most_ok=made["worst_rhs_evaluations_of_ok"]["value"],
+        tries=", ".join(f"{name} {count}" for name, count in sorted(made["further_tries"].items())) or "none",
+        warned=made["ok_above_accuracy"],
+        compared=radau["compared"],
+        within=radau["within_accuracy"],
+        three=radau["within_three_times"],
+        worst=radau["worst_over_accuracy"]["value"],
+        unwarned=radau["beyond_accuracy_unwarned"],
+        worst_unwarned=radau["worst_unwarned_over_accuracy"]["value"],
+        no_answer=radau["no_answer"],
+    )
+
+
+def page() -> str:
+    """Return the text of docs/hard-cases.md."""
+    rows = [
+        f"| {case.name} | {case.status}{f' ({case.deserves})' if case.deserves else ''} | "
+        f"{case.most if case.status != 'refused' else '–'} | {'yes' if case.radau else ''} | {case.why} |"
+        for case in CASES
+    ]
+    return HEAD + "\n".join(rows) + "\n" + _random()

@@ -1,0 +1,63 @@
+"""Bit for bit: the same scene gives the same numbers, whatever the number of jobs and whatever ran before."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scenes import scene_dict
+
+from screwsim.results import open_results
+from screwsim.scene import loads
+from screwsim.study.sweep import run_sweep
+
+SWEEP = {  # histories that take few turns, coupled chambers, no oil; no case takes seconds
+    "oil.transport": "carried",
+    "output.keep": "cycle",
+    "sweep": {"operation.speed": ["400 rpm", "1000 rpm", "3000 rpm", "9000 rpm"], "oil_supply.ratio": [0, 0.5, 3]},
+}
+GROUPS = ("inputs", "performance", "balance", "error", "numerics", "cycle")
+TIMES = ("wall_time", "estimating_time")
+SCENE = json.dumps(scene_dict(SWEEP))  # JSON is YAML
+
+
+def arrays(path):
+    """Return every array of a file that does not measure time, as bytes."""
+    results = open_results(path)
+    found = {f"{group}.{name}": value for group in GROUPS for name, value in getattr(results, group).items()}
+    return {name: np.asarray(value).tobytes() for name, value in found.items() if name.split(".")[1] not in TIMES}
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """Return the arrays of the sweep, computed in this process."""
+    path = tmp_path_factory.mktemp("alone") / "one.h5"
+    summary = run_sweep(loads(SCENE), path, jobs=1)
+    assert (summary.cases, summary.ok) == (12, 12)
+    return arrays(path)
+
+
+def test_every_group_is_compared(alone):
+    assert {name.split(".")[0] for name in alone} == set(GROUPS)
+
+
+@pytest.mark.parametrize("jobs", [1, 2, 3])
+def test_the_number_of_jobs_changes_no_bit(jobs, alone, tmp_path):
+    run_sweep(loads(SCENE), tmp_path / "out.h5", jobs=jobs)
+    assert arrays(tmp_path / "out.h5") == alone
+
+
+def test_a_fresh_process_changes_no_bit(alone, tmp_path):
+    (tmp_path / "scene.yaml").write_text(SCENE, encoding="utf-8")
+    asked = ["sweep", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out.h5"), "--jobs", "2"]
+    subprocess.run([sys.executable, "-m", "screwsim", *asked], check=True, capture_output=True)
+    assert arrays(tmp_path / "out.h5") == alone
+
+
+def test_one_run_after_another_changes_no_bit(tmp_path):
+    (tmp_path / "scene.yaml").write_text(json.dumps(scene_dict({"operation.speed": "700 rpm"})), encoding="utf-8")
+    for name in ("first.h5", "second.h5"):
+        asked = ["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / name)]
+        subprocess.run([sys.executable, "-m", "screwsim", *asked], check=True, capture_output=True)
+    assert arrays(tmp_path / "first.h5") == arrays(tmp_path / "second.h5")

@@ -1,0 +1,93 @@
+"""Floors of the model: what each one changes is stated and bounded."""
+
+import pytest
+from scenes import DROP, make, run
+
+from screwsim import errors
+from screwsim.errors import relative_errors
+from screwsim.estimate import worst
+from screwsim.model import close
+from screwsim.model.balance import oil_temperature_slope
+from screwsim.simulate import simulate
+
+ACCURACY = 3e-4  # the default one
+CARRIED = {"oil.transport": "carried"}
+GAS = (
+    "gas_mass_flow",
+    "work_per_cycle",
+    "trapped_mass",
+    "peak_pressure",
+    "discharge_temperature",
+    "volumetric_efficiency",
+)
+SHUT = {"effects": {}, "oil": DROP, "oil_supply": DROP}
+
+
+@pytest.mark.parametrize("factor", [0.1, 10.0])
+@pytest.mark.parametrize("d", [1e-5, 1e-4, 1e-3])
+def test_the_least_oil_that_counts_moves_no_figure(factor, d, monkeypatch):
+    """`close.LEAST_OIL`: oil below 1e-4 of the gas is not waited for; the gas does not notice, within the accuracy."""
+    changes = {**CARRIED, "oil_supply.ratio": d}
+    usual = run(changes)
+    monkeypatch.setattr(close, "LEAST_OIL", factor * close.LEAST_OIL)
+    found = simulate(make(changes))
+    assert found.status == usual.status == "ok"
+    for name in GAS:
+        assert found.performance[name] == pytest.approx(usual.performance[name], rel=ACCURACY), name
+
+
+@pytest.mark.parametrize("transport", ["paper", "carried"])
+def test_figures_are_continuous_over_the_least_oil(transport):
+    """Just below and above LEAST_OIL: d differs by 2 %, which is 2e-6 of the gas and its heat less than 1e-5."""
+    below, above = (run({"oil.transport": transport, "oil_supply.ratio": d}) for d in (0.99e-4, 1.01e-4))
+    for name in GAS:
+        assert below.performance[name] == pytest.approx(above.performance[name], rel=ACCURACY), name
+    assert below.performance.oil_ratio == pytest.approx(0.99e-4, rel=1e-9)  # an input
+    assert above.performance.oil_ratio == pytest.approx(1.01e-4, rel=1e-9)
+
+
+def test_errors_of_oil_have_the_same_least_scale():
+    assert errors.LEAST_OIL == close.LEAST_OIL
+
+
+@pytest.mark.parametrize("d", [0, 1e-9, 1e-6])
+def test_next_to_no_oil_is_as_no_oil(d):
+    """The line's least ratio (1e-9) and the guess's (1e-3) leave nothing behind: gas as without oil, no oil made."""
+    none, found = run({"oil_supply.ratio": 0}), run({**CARRIED, "oil_supply.ratio": d})
+    for name in GAS:  # with the paper's transport, none is as without oil heat: tests/laws
+        assert found.performance[name] == pytest.approx(none.performance[name], rel=ACCURACY), name
+    assert found.performance.oil_ratio == pytest.approx(d, abs=close.LEAST_OIL * ACCURACY)
+    assert abs(found.performance.oil_flow_ratio) <= d + close.LEAST_OIL
+
+
+@pytest.mark.parametrize("factor", [0.1, 10.0])
+@pytest.mark.parametrize("p_d", ["12 bar", "1.50015 bar"])
+def test_the_least_work_moves_no_figure(p_d, factor, monkeypatch):
+    """`close.LEAST_WORK`: work below 1e-6 p V is rounding; a pressure ratio of 1.0001 still asks for more."""
+    changes = {"operation.discharge": {"pressure": p_d}}
+    usual = simulate(make(changes))
+    monkeypatch.setattr(close, "LEAST_WORK", factor * close.LEAST_WORK)
+    found = simulate(make(changes))
+    assert found.status == usual.status == "ok"
+    assert worst(relative_errors(found.performance, usual.performance))[1] <= ACCURACY
+
+
+def test_a_chamber_that_does_no_work_is_within_the_least_work():
+    """A chamber that never opens gives back what it takes: without the floor, nothing would close its balance."""
+    found = simulate(make(SHUT))
+    assert found.status == "ok"
+    assert abs(found.performance.work_per_cycle) <= close.LEAST_WORK * 1.5e5 * 600e-6  # p V of the full chamber [J]
+
+
+@pytest.mark.parametrize("x", [1e-9, 1e-6, 1e-3, 1.0])
+def test_the_floor_of_the_oils_mass_is_a_share_of_it(x):
+    """`oil_temperature_slope` divides by m_oil + 1e-12 m: it is low by 1e-12/x of itself, at most by 1e-3."""
+    m, heat, c, omega = 2e-4, 5.0, 2000.0, 300.0
+    slope = oil_temperature_slope(300.0, x * m, m, c, 1e-6, 1e-6 * 310.0, heat, omega)
+    exact = (1e-6 * (310.0 - 300.0) - heat / c) / (x * m * omega)
+    assert (exact - slope) / exact == pytest.approx(1e-12 / x, rel=1e-3, abs=1e-15)  # next order of the floor; rounding
+    assert abs(exact - slope) <= 1e-3 * abs(exact)
+
+
+def test_without_oil_the_slope_of_its_temperature_is_finite():
+    assert oil_temperature_slope(300.0, 0.0, 2e-4, 2000.0, 0.0, 0.0, 0.0, 300.0) == 0.0

@@ -1,0 +1,45 @@
+"""The long search over random scenes: what dies or hangs costs its own scene only, and a table is gone on with."""
+
+import os
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts"))
+import fuzz
+
+DIES, HANGS = 1, 3
+
+
+def fake(index, seed):
+    """Return a row; one scene kills its process, one does not end."""
+    if index == DIES:
+        os._exit(3)
+    if index == HANGS:
+        time.sleep(3600.0)
+    return dict.fromkeys(fuzz.COLUMNS) | {"index": index, "structure": "paper", "status": "failed"}, None, None
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_scene_that_dies_or_hangs_is_one_row(jobs, monkeypatch):
+    monkeypatch.setattr(fuzz, "one", fake)
+    rows = {row["index"]: row["status"] for row in fuzz.rows_of(list(range(6)), jobs, 1, 0, 3.0)}
+    assert rows == {0: "failed", DIES: "crashed", 2: "failed", HANGS: "hung", 4: "failed", 5: "failed"}
+
+
+def test_rows_come_back_as_they_were(tmp_path):
+    (tmp_path / "rows.csv").write_text("index,status,mass,message\n7,ok,1.5e-06,\n", encoding="utf-8")
+    assert fuzz.read(tmp_path / "rows.csv") == [{"index": 7, "status": "ok", "mass": 1.5e-6, "message": None}]
+    assert fuzz.read(tmp_path / "none.csv") == []
+
+
+def test_a_crash_is_a_status(monkeypatch):
+    def broken(scene):
+        raise ZeroDivisionError("what is looked for")
+
+    monkeypatch.setattr(fuzz, "simulate", broken)
+    row, _, _ = fuzz.one(0, 1)
+    assert row["status"] == "crashed"
+    assert "what is looked for" in row["message"]
