@@ -25,7 +25,8 @@ WHOLE = 1.0 / (1.0 - NARROWER)  # the error over what that turn shows of it, whe
 TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
 AIM = 0.6  # of the wanted accuracy, at which the next try aims
 EASY = 0.2  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
-TRIES = 3
+TRIES = 7
+MUCH = 1e-4  # wanted accuracy from which on two turns estimate
 
 
 class Accurate(NamedTuple):
@@ -141,7 +142,7 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> Figures:
     with _borrowed(solution.machinery):
         machinery = solution.machinery
         machinery.composition.P[P_PORT_WIDTH : P_GAP_WIDTH + 1] *= NARROWER
-        status, q = _finer_turn(machinery, closed)
+        status, q = _finer_turn(solution, closed)
         if status != 0:
             return Figures(dict.fromkeys(found))
         better, _ = solution.figures(q)
@@ -149,12 +150,20 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> Figures:
     return Figures({name: None if size is None else WHOLE * size for name, size in shown.items()})
 
 
-def _finer_turn(machinery: Any, closed: closing.Closed) -> tuple[int, np.ndarray]:
-    """Install one more life, finer than the closed one's; return how it ended, and its quadratures."""
-    rtol, y = FINER * closed.rtol, closed.y.copy()
+def _finer_turn(solution: Any, closed: closing.Closed) -> tuple[int, np.ndarray]:
+    """Install one more life, finer than the closed one's; return how it ended, and its quadratures.
+
+    Two more where much is asked: the first still meets the coarser life of its neighbours.
+    """
+    machinery, rtol, y = solution.machinery, FINER * closed.rtol, closed.y.copy()
     if closed.how == "histories":
-        status, _, _, q = machinery.turn(y, rtol, 1e-3)
-        machinery.swap()
+        status, q = 0, closed.q
+        for _ in range(2 if solution.scene.numerics.accuracy <= MUCH else 1):
+            status, _, _, q = machinery.turn(y, rtol, 1e-3)
+            machinery.swap()
+            if status != 0:
+                break
+            solution.set_plenum(solution.outflow(q))
         return status, q
     status, q = 0, closed.q
     for _ in range(machinery.composition.chambers):

@@ -23,6 +23,7 @@ Array = np.ndarray
 PATIENCE = 6  # turns before the histories may give way to coupled chambers
 DEAR = 18.0  # turns ahead that cost as much as coupled chambers
 ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
+FINEST_RTOL = 1e-11  # of a step, below which it is rounding that keeps a balance from closing
 NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
 LEAST_OIL = 1e-4  # oil per gas below which its change does not count
 LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
@@ -31,6 +32,7 @@ AHEAD = 0.05  # tolerance of a turn over the gap of the one before: what it is h
 GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 HISTORY_DEPTH = 5  # of Anderson's method for histories
 PITCH_DEPTH = 10  # and for coupled chambers
+LEAST_GAP = 1e-4  # of the tolerance: below it a balance that is not closed shows the steps' error, not the change's
 MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
 DAMPED_DEPTH = 2  # of Anderson's method where closing is damped
 DAMPING = 0.5  # share of the way to the image that damped closing goes
@@ -274,10 +276,11 @@ def by_coupling(
         gap = float(np.max(np.abs(image - point)))
         least = LEAST_WORK * seen[-1][0] * task.pv
         if _settled(seen, wanted.tolerance, least) and NEAR * gap <= wanted.tolerance:
-            if task.residue(q) <= ENOUGH * wanted.bound:
+            residue = task.residue(q)
+            if residue <= ENOUGH * wanted.bound:
                 machinery.install_coupled()
                 return Closed("ok", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
-            if gap <= wanted.tolerance:
+            if gap <= wanted.tolerance * max(LEAST_GAP, min(1.0, wanted.bound / residue)):
                 rtol = _finer(rtol)
         _, mixed = accelerate.mix(point, image)
         if np.max(np.abs(mixed - image)) > 1.0:
@@ -292,7 +295,7 @@ def by_coupling(
 
 def _finer(rtol: float) -> float:
     """Return the next tolerance where the cycle stands but its balances show the error of the integration."""
-    return max(0.25 * rtol, 1e-13)
+    return max(0.25 * rtol, min(rtol, FINEST_RTOL))
 
 
 def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
@@ -370,6 +373,10 @@ def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str,
             task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING, most=MOST_OF_A_TRY
         )
 
+    def plain() -> Closed:
+        start()
+        return by_coupling(task, chambers_at_pitches(machinery), depth=0, most=MOST_OF_A_TRY)
+
     def faster() -> Closed:
         start()
         omega = P[P_OMEGA]
@@ -382,6 +389,7 @@ def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str,
 
     yield "a tighter tolerance of the steps", tighter
     yield "damped closing", damped
+    yield "closing without acceleration", plain
     yield f"continuation from {FASTER:g} times the speed", faster
 
 

@@ -45,6 +45,7 @@ from screwsim.numerics.rodas import dense_coefficients, dense_value
 
 STEP = 1e-7  # relative step of the differences of smooth state functions
 
+SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: dry gas that meets oil takes it at once
 BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
 IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
 NO_OIL = 1e-13  # oil per gas, of either sign, that is rounding; `balance.oil_temperature_slope` has a floor above it
@@ -151,13 +152,15 @@ def places_along(dense, steps, context):
 def relative_error(y0, y1, error, at, place, row):
     """Return the largest relative error of one chamber's states (docs/numerics.md); huge for states that cannot be.
 
-    Purely relative. In the dome p follows T by 7:1 and more, and flows follow p: the error of T counts as that of the
-    pressure that it makes, at fixed density, where that is larger (for an ideal gas they are equal). A negative T, ρ or
-    oil ratio would pass where it is small beside the value before the step, and oil less than none is unstable.
+    Relative, but for next to no oil. In the dome p follows T by 7:1 and more, and flows follow p: the error of T counts
+    as that of the pressure that it makes, at fixed density, where that is larger (for an ideal gas they are equal). A
+    negative T, ρ or oil ratio would pass where it is small beside the value before the step, and oil less than none is
+    unstable.
     """
     worst = 0.0
     for i in range(N):
-        e = abs(error[at + i]) / max(abs(y0[at + i]), abs(y1[at + i]), 1e-300)
+        least = SOME_OIL if i == 3 else 1e-300
+        e = abs(error[at + i]) / max(abs(y0[at + i]), abs(y1[at + i]), least)
         if i == 0:
             e *= max(1.0, place[row + TPT] / place[row + PRESSURE])
         if not (e <= worst):
