@@ -84,6 +84,18 @@ def case_values(scene: Scene, index: int) -> dict[str, Any]:
     return {path: values[places[path]] for path, values in scene.sweep.items()}
 
 
+def values_of(scene: Scene, cases: range) -> list[tuple[Any, ...]]:
+    """Return the values in SI of consecutive cases, each in the order of the sweep's paths."""
+    columns: dict[str, list[Any]] = {}
+    below = case_count(scene)
+    for dimension in dimensions(scene):
+        below //= dimension.size
+        for path in dimension.paths:
+            values = scene.sweep[path]
+            columns[path] = [values[index // below % dimension.size] for index in cases]
+    return list(zip(*(columns[path] for path in scene.sweep), strict=True)) if columns else [() for _ in cases]
+
+
 def case(scene: Scene, index: int) -> Scene:
     """Return one case of the grid, as a scene without a sweep and without text (`scene_text` makes it)."""
     return replace(with_values(scene, case_values(scene, index)), sweep={}, joints=(), text="")
