@@ -122,6 +122,19 @@ def open_results(path: str | Path) -> Results:
             raise UsageError(f"{path}: is not a complete results file: {error.args[0]} ({_REMEDY})") from error
 
 
+def read_attributes(path: Path) -> dict[str, Any]:
+    """Return the attributes of a results file alone; raise UsageError as `open_results`."""
+    with _opened(path) as file:
+        return _root(path, file)
+
+
+def count_statuses(path: Path) -> tuple[int, ...]:
+    """Return how many cases of a results file ended in each of `outputs.STATUSES`."""
+    with _opened(path) as file:
+        status = file["performance/status"][()]
+    return tuple(int(np.count_nonzero(status == index)) for index in range(len(STATUSES)))
+
+
 def _results(path: Path, file: Any, attributes: Mapping[str, Any]) -> Results:
     axes = _axes(file["performance"])
     names = tuple(inner.name for axis in axes for inner in (axis, *axis.joined))

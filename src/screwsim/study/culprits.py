@@ -41,8 +41,10 @@ class _Alone:
         return self
 
     def __exit__(self, kind: Any, *error: object) -> None:
-        if self._executor is not None:
-            (self._executor.shutdown if kind is None else lambda: stop(self._executor))()
+        if self._executor is not None and kind is None:
+            self._executor.shutdown()
+        elif self._executor is not None:
+            stop(self._executor)
 
     def _start(self) -> Executor:
         if self._executor is None:

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.outputs import STATUSES, Result
+from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder
-from screwsim.results.read import open_results
+from screwsim.results.read import count_statuses, open_results, read_attributes
 from screwsim.results.schema import axes_of, digest, fingerprint, version
 from screwsim.results.write import write_tables
 from screwsim.scene import grid
@@ -186,12 +186,16 @@ def _simulator(
         return many, warm_up or nothing
     if simulate is not None:
         return OneByOne(simulate), warm_up or nothing
-    # by the module's own name: the package has a function of that name
-    from screwsim.simulate import simulate as default_simulate
     from screwsim.simulate import warm_up as default_warm_up
 
-    keep = scene.output.keep == "cycle"
-    return OneByOne(partial(default_simulate, trace=keep)), warm_up or default_warm_up
+    return default_simulate_many(scene), warm_up or default_warm_up
+
+
+def default_simulate_many(scene: Scene) -> SimulateMany:
+    """Return what simulates consecutive cases of a scene's sweep."""
+    from screwsim.simulate import simulate  # by the module's own name: the package has a function of that name
+
+    return OneByOne(partial(simulate, trace=scene.output.keep == "cycle"))
 
 
 def nothing(scene: Scene) -> None:
@@ -202,7 +206,7 @@ def _claim(output: Path, parts: Parts, restart: bool) -> bool:
     """Return whether the file of this sweep is there; raise UsageError when file or parts are of something else."""
     found = output.exists()
     if found:
-        attributes = open_results(output).attributes
+        attributes = read_attributes(output)
         stored = {"scene_sha256": attributes["scene_sha256"], "fingerprint": attributes["screwsim_fingerprint"]}
         _compare(output, parts, stored | {"version": attributes["screwsim_version"]}, restart)
     identity = parts.stored_identity()
@@ -224,9 +228,8 @@ def _compare(where: Path, parts: Parts, stored: dict[str, Any], restart: bool) -
 def _finished(output: Path, began: float, parts: Parts, reused: int | None = None) -> SweepSummary:
     """Return how the sweep in a file ended; by default an earlier run computed all of it."""
     parts.discard()  # what a crash left after the file was written
-    status = open_results(output).performance["status"]
-    ok, not_closed, failed = (int(np.count_nonzero(status == index)) for index in range(len(STATUSES)))
-    count = int(status.size)
+    ok, not_closed, failed = count_statuses(output)
+    count = ok + not_closed + failed
     seconds = time.perf_counter() - began
     return SweepSummary(count, ok, not_closed, failed, count if reused is None else reused, seconds, output)
 
