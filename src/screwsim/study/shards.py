@@ -21,7 +21,7 @@ from screwsim.results.table import Table, join, same_angles
 from screwsim.study.part_files import is_whole, read_head, read_part, write_part
 
 MOST_SMALL = 128  # parts written until small neighbours are joined
-LARGE = 32_000_000  # [byte] of a part that stays as it is
+LARGE = 16_000_000  # [byte] of a part that stays as it is
 _NAME = re.compile(r"cases_(\d{9})_(\d{9})\.npz")
 
 
