@@ -233,5 +233,6 @@ def _sweep(scene: Scene) -> Iterator[str]:
             yield f"  {dimension.name}: {kinds}"
             continue
         sample = dimension.joint.sample
-        how = f"sample, {sample.kind}, seed {sample.seed}" if sample else "side by side"
-        yield f"  {' with '.join(dimension.paths)}: {kinds} ({how})"
+        how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "side by side"
+        yield f"  {dimension.name}: {kinds} ({how}) of"
+        yield from (f"    {path}" for path in dimension.paths)

@@ -12,6 +12,7 @@ from result_fakes import CYCLE, SCENE, fake_simulate, scene
 from sweep_fakes import StopAfter, assert_same, chained, grid_scene, held, parts_of
 
 from screwsim.faults import UsageError
+from screwsim.report import plot
 from screwsim.results import open_results
 from screwsim.results.schema import axes_of
 from screwsim.results.table import InMemory, join, regrouped, table_of
@@ -215,3 +216,18 @@ def test_a_sample_of_words_and_numbers_reads_back(tmp_path):
     assert results.varied["oil_supply.source"][1].tolist() == list(swept.sweep["oil_supply.source"])
     np.testing.assert_array_equal(results.performance["oil_ratio"], swept.sweep["oil_supply.ratio"])
     assert results.to_xarray().oil_supply_source.values.tolist() == list(swept.sweep["oil_supply.source"])
+
+
+def test_a_sample_alone_has_no_axis_to_draw_over_and_says_so(tmp_path):
+    swept = scene(SCENE + "sweep: {zip: [{oil_supply.ratio: [1, 2], operation.speed: [1000 rpm, 2000 rpm]}]}\n")
+    run_sweep(swept, tmp_path / "out.h5", jobs=1, simulate=fake_simulate)
+    with pytest.raises(UsageError, match=r"out\.h5: has nothing to draw: its paths vary together"):
+        plot(tmp_path / "out.h5")
+
+
+def test_a_zipped_axis_beside_one_of_numbers_tells_the_curves_apart(tmp_path):
+    zipped = "zip: [{operation.speed: [1000 rpm, 2000 rpm], machine.male_lobes: [4, 5]}]"
+    swept = scene(SCENE + f"sweep: {{{zipped}, oil_supply.ratio: [1, 2, 3]}}\n")
+    run_sweep(swept, tmp_path / "out.h5", jobs=1, simulate=fake_simulate)
+    names = {Path(name).name for name in plot(tmp_path / "out.h5", tmp_path / "figures")}
+    assert {"efficiency.png", "performance.png"} <= names
