@@ -16,9 +16,8 @@ from functools import partial
 from pathlib import Path
 
 from screwsim.scene import Scene, case, load
-from screwsim.scene.grid import shape
 from screwsim.simulate import warm_up
-from screwsim.study.blocks import Blocks
+from screwsim.study.blocks import blocks_of
 from screwsim.study.progress import Silent
 from screwsim.study.sweep import default_simulate_many, nothing, run_sweep
 
@@ -41,7 +40,7 @@ def seconds(work: Callable[[], object], clock: Callable[[], float]) -> float:
 
 def simulate_alone(scene: Scene) -> None:
     """Simulate the blocks of a sweep without a sweep."""
-    blocks, many = Blocks(shape(scene)), default_simulate_many(scene)
+    blocks, many = blocks_of(scene), default_simulate_many(scene)
     for number in range(blocks.count):
         first = blocks.cases_of(range(number, number + 1)).start
         for _ in many(case(scene, first + place) for place in blocks.order(number)):
@@ -71,7 +70,7 @@ def main() -> None:
     repeats = int(sys.argv[2]) if len(sys.argv) > 2 else 5
     warm_up(scene)
     swept(scene, 1)
-    cases = Blocks(shape(scene)).cases
+    cases = blocks_of(scene).cases
     rounds = [(seconds(partial(simulate_alone, scene), time.process_time), *swept(scene, 1)) for _ in range(repeats)]
     alone, computed, file = (statistics.median(column) for column in zip(*rounds, strict=True))
     extra = statistics.median(each[1] / each[0] for each in rounds) - 1.0

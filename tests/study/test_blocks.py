@@ -4,8 +4,9 @@ import itertools
 import math
 
 import pytest
+from result_fakes import SCENE, scene
 
-from screwsim.study.blocks import BLOCK, Blocks
+from screwsim.study.blocks import BLOCK, Blocks, blocks_of
 
 SHAPES = [(), (1,), (7,), (BLOCK,), (BLOCK + 1,), (43,), (5, 43), (3, 16), (100, 3), (7, 5, 3), (4, 1), (3, 100, 1)]
 
@@ -44,3 +45,10 @@ def test_the_order_has_each_case_once_and_steps_to_neighbours(shape):
 
 def test_blocks_of_a_long_row_are_even():
     assert [len(Blocks((2, 43)).cases_of(range(number, number + 1))) for number in range(6)] == [14, 14, 15] * 2
+
+
+def test_a_sample_has_short_blocks_for_its_points_are_no_neighbours():
+    sample = "sample: {kind: sobol, count: 64, over: {oil_supply.ratio: {from: 1, to: 2}}}"
+    pressures = "operation.discharge.pressure: [9 bar, 10 bar, 11 bar, 12 bar, 13 bar]"
+    assert blocks_of(scene(SCENE + f"sweep: {{{sample}}}\n")).count == 16
+    assert blocks_of(scene(SCENE + f"sweep: {{{sample}, {pressures}}}\n")).count == -(-64 // 3)  # of three rows each

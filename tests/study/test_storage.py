@@ -18,7 +18,9 @@ from screwsim.results.schema import axes_of
 from screwsim.results.table import InMemory, join, regrouped, table_of
 from screwsim.results.write import write_tables
 from screwsim.scene import case, case_count
+from screwsim.scene.grid import shape
 from screwsim.study import shards
+from screwsim.study.blocks import Blocks
 from screwsim.study.shards import Parts
 from screwsim.study.sweep import run_sweep
 
@@ -70,7 +72,7 @@ def test_parts_left_beside_the_one_that_joins_them_are_not_taken_twice(tmp_path)
 
 def test_parts_that_are_no_whole_blocks_are_computed_again(reference, tmp_path, monkeypatch):
     output = tmp_path / "out.h5"
-    monkeypatch.setattr("screwsim.study.sweep.Blocks", lambda shape: monkeypatched(shape))
+    monkeypatch.setattr("screwsim.study.sweep.blocks_of", shorter_blocks)
     with pytest.raises(KeyboardInterrupt):
         run_sweep(grid_scene(), output, jobs=1, simulate_many=chained, progress=StopAfter(3))
     monkeypatch.undo()
@@ -78,10 +80,8 @@ def test_parts_that_are_no_whole_blocks_are_computed_again(reference, tmp_path, 
     assert_same(reference, output)
 
 
-def monkeypatched(shape):
-    from screwsim.study.blocks import Blocks
-
-    return Blocks(shape, longest=6)
+def shorter_blocks(swept):
+    return Blocks(shape(swept), longest=6)
 
 
 @pytest.mark.parametrize("sizes", [[900], [1, 899], [450, 450], [7] * 128 + [4]])

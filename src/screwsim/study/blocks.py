@@ -8,7 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from screwsim.scene import Scene, dimensions
+
 BLOCK = 16  # cases at most: long chains of neighbours against even work for all cores in small sweeps
+SAMPLE_BLOCK = 4  # the points of a sample are no neighbours
 
 
 class Blocks:
@@ -51,3 +54,10 @@ class Blocks:
             return list(range(size))
         rows = [range(start, start + self._row) for start in range(0, size, self._row)]
         return [place for number, row in enumerate(rows) for place in (reversed(row) if number % 2 else row)]
+
+
+def blocks_of(scene: Scene) -> Blocks:
+    """Return the blocks of a scene's sweep."""
+    found = dimensions(scene)
+    sampled = bool(found) and found[-1].joint is not None and found[-1].joint.sample is not None
+    return Blocks([dimension.size for dimension in found], SAMPLE_BLOCK if sampled else BLOCK)

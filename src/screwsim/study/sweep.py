@@ -21,7 +21,7 @@ from screwsim.results.schema import axes_of, digest, fingerprint, version
 from screwsim.results.write import write_tables
 from screwsim.scene import grid
 from screwsim.scene.types import Scene
-from screwsim.study.blocks import Blocks
+from screwsim.study.blocks import blocks_of
 from screwsim.study.cases import Block, Job, OneByOne, Outcome, SimulateMany, packed, run_blocks, run_packed
 from screwsim.study.culprits import settle
 from screwsim.study.limit import CASE_LIMIT
@@ -116,7 +116,7 @@ class _Sweep:
 
     def __init__(self, scene: Scene, parts: Parts, progress: Progress, many: SimulateMany, warm_up: WarmUp) -> None:
         self.scene = scene
-        self.blocks = Blocks(grid.shape(scene))
+        self.blocks = blocks_of(scene)
         self._parts = parts
         self._progress = progress
         self._many = many
