@@ -51,6 +51,13 @@ def slow(scenes: Iterable[Scene]) -> Iterator[Result]:
         yield result
 
 
+def dawdling(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Take 50 ms a case."""
+    for result in chained(scenes):
+        time.sleep(0.05)
+        yield result
+
+
 def deadly(scenes: Iterable[Scene]) -> Iterator[Result]:
     """Kill the process at ratio 7."""
 
@@ -134,7 +141,7 @@ def held(output: Path) -> int:
 
 def wait_for_parts(output: Path, count: int) -> int:
     """Wait until a sweep has stored `count` parts; return how many cases they hold."""
-    deadline = time.monotonic() + 20.0
+    deadline = time.monotonic() + 60.0
     while len(list(parts_of(output).glob("cases_*.npz"))) < count:
         assert time.monotonic() < deadline, "the sweep stores no parts"
         time.sleep(0.005)

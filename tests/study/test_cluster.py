@@ -14,6 +14,7 @@ from sweep_fakes import (
     GRID,
     assert_same,
     chained,
+    dawdling,
     deadly,
     environment,
     grid_scene,
@@ -91,6 +92,35 @@ def test_a_case_that_kills_its_worker_is_failed_as_on_the_local_pool(scheduler, 
     run_sweep(swept, tmp_path / "one.h5", jobs=2, simulate_many=deadly)
     run_sweep(swept, tmp_path / "other.h5", scheduler=str(scheduler), simulate_many=deadly)
     assert_same(tmp_path / "one.h5", tmp_path / "other.h5")
+
+
+def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(reference, tmp_path, monkeypatch, capfd):
+    monkeypatch.setenv("SWEEP_FAKES_PIDS", str(tmp_path / "pids"))
+    file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
+    local = ("--scheduler-file", str(file), "--host", "127.0.0.1", "--no-dashboard")
+    program = started("scheduler", "--port", "0", *local, folder=tmp_path)
+    worker = started("worker", *local, "--nthreads", "1", folder=tmp_path)
+
+    def kill() -> None:
+        wait_for_parts(output, 1)
+        program.kill()
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    try:
+        while not file.exists():
+            time.sleep(0.05)
+        with pytest.raises(UsageError, match=r"the scheduler, or its connection, was lost \(start it again; the sweep"):
+            run_sweep(grid_scene(), output, scheduler=str(file), simulate_many=dawdling)
+    finally:
+        thread.join()
+        program.kill()
+        program.wait(20)
+        worker.terminate()
+        worker.wait(20)
+    assert capfd.readouterr().err == ""
+    assert run_sweep(grid_scene(), output, jobs=1, simulate_many=chained).reused >= 13
+    assert_same(reference, output)
 
 
 def test_a_scheduler_without_workers_is_told(tmp_path):

@@ -50,6 +50,7 @@ from screwsim.scene.types import Scene
 
 # the format of HDF5 1.8 allows attributes (the scene) beyond 64 KiB; netCDF-4 keeps the order of creation
 _FORMAT: dict[str, Any] = {"libver": ("v108", "v108"), "track_order": True}
+_NO_CACHE = {"rdcc_nbytes": 0}  # every chunk is written once and whole; HDF5 would keep 8 MiB of each variable
 _CASE_TEXTS = {
     "message": "why the case failed or did not close, and the remedy",
     "warnings": "warnings, one a line",
@@ -104,7 +105,7 @@ def write_tables(
         raise ValueError(f"{source.cases} results for {cases} cases")
     make_folder(path.parent)
     with replacing(path, folder) as temporary, closing(GuardedFile(temporary)) as target:
-        with h5py.File(target, "w", **_FORMAT) as file:
+        with h5py.File(target, "w", **_FORMAT, **_NO_CACHE) as file:
             for _ in _write(file, scene, axes, source, command):
                 target.check()
         target.check()

@@ -10,6 +10,7 @@ from typing import Any
 
 from screwsim.faults import UsageError
 from screwsim.results.schema import version
+from screwsim.study.workers import LOST
 
 _PATIENCE = 60.0  # [s] for the scheduler's answer, and again for the first worker
 _REMEDY = "give tcp://HOST:PORT, or the file that `dask scheduler --scheduler-file FILE` writes"
@@ -54,7 +55,10 @@ class Cluster:
 
     def workers(self) -> int:
         """Return the number of threads of all workers, at the moment."""
-        return max(1, sum(self._client.nthreads().values()))
+        try:
+            return max(1, sum(self._client.nthreads().values()))
+        except OSError:
+            raise UsageError(LOST) from None
 
 
 def _connect(where: str, patience: float) -> Any:
@@ -63,12 +67,19 @@ def _connect(where: str, patience: float) -> Any:
     except ImportError:
         raise UsageError("--scheduler needs dask (pip install 'screwsim[dask]')") from None
     address = _address(where)
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it says of lost workers, a sweep says in a line
+    _silence()
     try:
         return Client(address, timeout=patience, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         reason = str(error).splitlines()[0] if str(error) else "no answer"
         raise UsageError(f"{where}: no scheduler can be reached: {reason} ({_REMEDY})") from None
+
+
+def _silence() -> None:
+    """Keep dask's own messages off the terminal: what they tell of lost workers, a sweep tells in one line."""
+    for name in [*logging.root.manager.loggerDict]:
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def _address(where: str) -> str:

@@ -22,6 +22,7 @@ from screwsim.faults import UsageError
 
 CHUNK_SECONDS = 1.0  # [s] what a crash may lose per worker; a part costs some ms
 _FIRST = 1  # [blocks] of the chunks that tell how long cases take
+LOST = "the scheduler, or its connection, was lost (start it again; the sweep resumes)"
 TICK = 0.25  # [s]
 
 
@@ -194,7 +195,7 @@ def submit(executor: Executor, task: Callable[[Any], Any], payload: Any) -> Futu
 def worker_died(future: Future[Any]) -> bool:
     """Tell whether a worker died over a task; raise UsageError when the whole cluster is gone."""
     if future.cancelled():
-        raise UsageError("the scheduler, or its connection, was lost (start it again; the sweep resumes)")
+        raise UsageError(LOST)
     error = future.exception()
     # dask's own error is known by its name: dask need not be installed
     return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"
