@@ -50,7 +50,9 @@ from screwsim.scene.types import Scene
 
 # the format of HDF5 1.8 allows attributes (the scene) beyond 64 KiB; netCDF-4 keeps the order of creation
 _FORMAT: dict[str, Any] = {"libver": ("v108", "v108"), "track_order": True}
-_NO_CACHE = {"rdcc_nbytes": 0}  # every chunk is written once and whole; HDF5 would keep 8 MiB of each variable
+_NO_CACHE: dict[str, Any] = {
+    "rdcc_nbytes": 0
+}  # every chunk is written once and whole; HDF5 would keep 8 MiB of each variable
 _CASE_TEXTS = {
     "message": "why the case failed or did not close, and the remedy",
     "warnings": "warnings, one a line",
