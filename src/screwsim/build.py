@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -11,7 +9,7 @@ from screwsim.machine.geometry import Geometry
 from screwsim.model import close as closing
 from screwsim.model.compose import OilPart, Parts
 from screwsim.scene.checks import cross_check
-from screwsim.scene.grid import case, case_count
+from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
 
@@ -81,9 +79,8 @@ def wanted_of(scene: Scene) -> closing.Wanted:
 
 def prepare(scene: Scene) -> None:
     """Ask CoolProp once for what the cases of a sweep need, so that no worker imports it."""
-    conditions = {path: values for path, values in scene.sweep.items() if path.startswith(("operation.", "gas."))}
-    conditions.pop("operation.speed", None)
-    conditions = replace(scene, sweep=conditions)
+    asked = (path for path in scene.sweep if path.startswith(("operation.", "gas.")) and path != "operation.speed")
+    conditions = only(scene, asked)
     for index in range(min(case_count(conditions), MOST_PREPARED) if conditions.sweep else 0):
         one = case(conditions, index)
         if not cross_check(one):

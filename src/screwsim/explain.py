@@ -17,7 +17,7 @@ from screwsim.effects import catalogue
 from screwsim.effects.base import FlowPath, HeatRate, PowerLoss
 from screwsim.model.compose import Composition, Parts, compose
 from screwsim.scene.fields import Leaf, section_of
-from screwsim.scene.grid import case_count
+from screwsim.scene.grid import case_count, dimensions
 from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import format_quantity
@@ -227,6 +227,12 @@ def _size(model: Composition) -> Iterator[str]:
 
 
 def _sweep(scene: Scene) -> Iterator[str]:
-    for path, values in scene.sweep.items():
-        kinds = f"{len(values)} values" if len(values) != 1 else "1 value"
-        yield f"  {path}: {kinds}"
+    for dimension in dimensions(scene):
+        kinds = f"{dimension.size} values" if dimension.size != 1 else "1 value"
+        if dimension.joint is None:
+            yield f"  {dimension.name}: {kinds}"
+            continue
+        sample = dimension.joint.sample
+        how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "side by side"
+        yield f"  {dimension.name}: {kinds} ({how}) of"
+        yield from (f"    {path}" for path in dimension.paths)

@@ -60,6 +60,15 @@ def test_override_is_checked_like_the_file(folder, command):
             "small.yaml: has no sweep (write a block sweep:, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
             "one point is simulated by screwsim run)\n",
         ),
+        (
+            ("sweep", "swept.yaml", "--scheduler", "nowhere.json"),
+            "nowhere.json: is neither an address nor a file (give tcp://HOST:PORT, or the file that "
+            "`dask scheduler --scheduler-file FILE` writes)\n",
+        ),
+        (
+            ("sweep", "swept.yaml", "--scheduler", "s.json", "--jobs", "2"),
+            "--jobs belongs to this machine; a --scheduler has workers of its own (remove one of the two)\n",
+        ),
     ],
 )
 def test_usage_error_is_one_line(folder, command, arguments, message):
@@ -67,7 +76,15 @@ def test_usage_error_is_one_line(folder, command, arguments, message):
 
 
 @pytest.mark.parametrize(
-    "arguments", [("rum",), ("run",), ("run", "small.yaml", "--jason"), ("sweep", "swept.yaml", "--jobs", "0"), ()]
+    "arguments",
+    [
+        ("rum",),
+        ("run",),
+        ("run", "small.yaml", "--jason"),
+        ("sweep", "swept.yaml", "--jobs", "0"),
+        ("sweep", "swept.yaml", "--case-limit", "0"),
+        (),
+    ],
 )
 def test_arguments_without_sense_are_usage_errors(folder, command, arguments):
     answer = command(*arguments)

@@ -42,3 +42,11 @@ def test_text_fits_a_terminal(folder):
 
 def test_sweep_is_counted(folder):
     assert "Sweep (2 cases)" in str(explain(screwsim.load("swept.yaml")))
+
+
+def test_a_design_is_told_with_its_paths(folder):
+    over = "{operation.speed: {from: 1000 rpm, to: 2000 rpm}, operation.suction.temperature: [280 K, 290 K]}"
+    sample = f"sweep.sample={{kind: sobol, count: 8, seed: 3, over: {over}}}"
+    text = str(explain(screwsim.load("small.yaml", overrides=[sample])))
+    told = [line.strip() for line in text.partition("Sweep (8 cases)")[2].splitlines() if line.strip()]
+    assert told == ["sample: 8 values (sobol, seed 3) of", "operation.speed", "operation.suction.temperature"]

@@ -366,13 +366,3 @@ def test_a_full_disk_keeps_the_old_file_and_leaves_no_other(room, single, tmp_pa
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert path.read_bytes() == single.read_bytes()
     assert [file.name for file in tmp_path.iterdir()] == ["x.h5"]
-
-
-def test_a_result_too_large_for_memory_goes_to_disk_with_the_same_data(swept, tmp_path, monkeypatch):
-    monkeypatch.setattr("screwsim.results.write._IN_MEMORY", 0)
-    grid = scene(SCENE + GRID + CYCLE)
-    save(tmp_path / "x.h5", grid, results_of(grid))
-    one, other = open_results(swept), open_results(tmp_path / "x.h5")
-    for group in GROUPS:
-        for name in getattr(one, group):
-            np.testing.assert_array_equal(getattr(one, group)[name], getattr(other, group)[name])

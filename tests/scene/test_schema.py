@@ -76,7 +76,9 @@ def test_every_path_that_can_vary_is_an_axis():
     leaves = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
     expected = [path for path, leaf in leaves.items() if leaf.kind in SWEEPABLE]
     found = schema()["properties"]["sweep"]["properties"]
-    assert list(found) == expected
+    assert list(found) == [*expected, "zip", "sample"]
+    assert list(found["zip"]["items"]["properties"]) == expected
+    assert list(found["sample"]["properties"]["over"]["properties"]) == expected
     references = {part["$ref"].rpartition("/")[2] for part in found.values() if "$ref" in part}
     assert references <= set(schema()["$defs"])
 

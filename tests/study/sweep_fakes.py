@@ -4,35 +4,98 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
-from result_fakes import CYCLE, GRID, SCENE, fake_simulate, scene
+import numpy as np
+from result_fakes import CYCLE, SCENE, fake_simulate, scene
 
 import screwsim
-from screwsim.outputs import Result
+from screwsim.outputs import Figures, Result
+from screwsim.results import open_results
 from screwsim.scene import Scene
 from screwsim.study.sweep import run_sweep
 
 HERE = Path(__file__).parent
 PACKAGE = Path(screwsim.__file__).parents[1]
+RATIOS = 40  # on the last axis: three blocks a row
+GRID = f"""\
+sweep:
+  operation.speed: [1000 rpm, 2000 rpm, 3000 rpm]
+  oil_supply.ratio: {{from: 0, to: {RATIOS - 1}, count: {RATIOS}}}
+"""
 
 
 def grid_scene(extra: str = CYCLE) -> Scene:
-    """Return a scene of 3 speeds × 10 ratios."""
+    """Return a scene of 3 speeds × 40 ratios."""
     return scene(SCENE + GRID + extra)
 
 
-def slow(case: Scene) -> Result:
-    """Take 50 ms."""
-    time.sleep(0.05)
-    return fake_simulate(case)
+def chained(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Give results in which all predecessors leave their trace; a case that fails leaves the next a cold start."""
+    memory = 0.0
+    for case in scenes:
+        result = fake_simulate(case)
+        memory = 0.5 * memory + case.operation.speed + case.oil_supply.ratio if result.status != "failed" else 0.0
+        if result.performance:
+            figures = Figures(result.performance | {"volumetric_efficiency": memory})
+            result = replace(result, performance=figures)
+        yield result
 
 
-def deadly(case: Scene) -> Result:
+def slow(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Take 5 ms a case."""
+    for result in chained(scenes):
+        time.sleep(0.005)
+        yield result
+
+
+def dawdling(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Take 50 ms a case."""
+    for result in chained(scenes):
+        time.sleep(0.05)
+        yield result
+
+
+def deadly(scenes: Iterable[Scene]) -> Iterator[Result]:
     """Kill the process at ratio 7."""
-    if case.oil_supply.ratio == 7.0:
-        os._exit(9)
-    return fake_simulate(case)
+
+    def watched() -> Iterator[Scene]:
+        for case in scenes:
+            if case.oil_supply.ratio == 7.0:
+                os._exit(9)
+            yield case
+
+    return chained(watched())
+
+
+def deadly_in_a_row(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Kill the process at ratio 7 and 2000 rpm, but only after another case."""
+    for number, result in enumerate(chained(scenes)):
+        figures = result.performance
+        if number and figures and figures["oil_ratio"] == 7.0 and 2000.0 < figures["shaft_power"] < 2200.0:
+            os._exit(9)
+        yield result
+
+
+def endless(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Never end at ratio 7 and 1000 rpm."""
+
+    def watched() -> Iterator[Scene]:
+        for case in scenes:
+            while case.oil_supply.ratio == 7.0 and case.operation.speed < 110.0:
+                pass
+            yield case
+
+    return chained(watched())
+
+
+def mortal(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Leave the process's number in the file that SWEEP_FAKES_PIDS names, for others to kill it; 5 ms a case."""
+    with open(os.environ["SWEEP_FAKES_PIDS"], "a") as stream:
+        stream.write(f"{os.getpid()}\n")
+    return slow(scenes)
 
 
 def faulty(case: Scene) -> Result:
@@ -47,22 +110,72 @@ def forbidden(case: Scene) -> Result:
     raise AssertionError(f"computed again: {case.operation.speed}, {case.oil_supply.ratio}")
 
 
-def start(output: Path, jobs: int) -> subprocess.Popen:
+def note_warm_up(case: Scene) -> None:
+    """Add a line to the file that SWEEP_FAKES_WARM names."""
+    with open(os.environ["SWEEP_FAKES_WARM"], "a") as stream:
+        stream.write(f"{os.getpid()}\n")
+
+
+def environment() -> dict[str, str]:
+    """Return an environment in which this module and the package can be imported."""
+    return os.environ | {"PYTHONPATH": os.pathsep.join((str(HERE), str(HERE.parent / "results"), str(PACKAGE)))}
+
+
+def start(output: Path, jobs: int, simulator: str = "slow") -> subprocess.Popen:
     """Start a slow sweep in a process of its own."""
-    code = f"import sweep_fakes as f; f.run_sweep(f.grid_scene(), {str(output)!r}, jobs={jobs}, simulate=f.slow)"
-    paths = (str(HERE), str(HERE.parent / "results"), str(PACKAGE))
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
-    return subprocess.Popen([sys.executable, "-c", code], env=environment, stderr=subprocess.PIPE)
+    call = f"f.run_sweep(f.grid_scene(), {str(output)!r}, jobs={jobs}, simulate_many=f.{simulator})"
+    command = [sys.executable, "-c", f"import sweep_fakes as f; {call}"]
+    return subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE)
+
+
+def parts_of(output: Path) -> Path:
+    """Return the folder of a sweep's parts."""
+    return output.with_name(output.name + ".parts")
+
+
+def held(output: Path) -> int:
+    """Return how many cases the parts of a sweep hold."""
+    names = [file.stem.split("_") for file in parts_of(output).glob("cases_*.npz")]
+    return sum(int(stop) - int(start) for _, start, stop in names)
 
 
 def wait_for_parts(output: Path, count: int) -> int:
     """Wait until a sweep has stored `count` parts; return how many cases they hold."""
-    folder = output.with_name(output.name + ".parts")
-    deadline = time.monotonic() + 20.0
-    while len(found := list(folder.glob("cases_*.npz"))) < count:
+    deadline = time.monotonic() + 60.0
+    while len(list(parts_of(output).glob("cases_*.npz"))) < count:
         assert time.monotonic() < deadline, "the sweep stores no parts"
         time.sleep(0.005)
-    return sum(int(file.stem.split("_")[2]) - int(file.stem.split("_")[1]) for file in found)
+    return held(output)
 
 
-__all__ = ["deadly", "faulty", "forbidden", "grid_scene", "run_sweep", "slow", "start", "wait_for_parts"]
+def assert_same(one: Path, other: Path) -> None:
+    """Assert that two files differ in nothing but their history."""
+    first, second = open_results(one), open_results(other)
+    for group in ("inputs", "performance", "balance", "error", "numerics", "cycle", "ledger"):
+        left, right = getattr(first, group), getattr(second, group)
+        assert list(left) == list(right)
+        for name in left:
+            np.testing.assert_array_equal(left[name], right[name], err_msg=f"{group}.{name}")
+    same = {name: value for name, value in first.attributes.items() if name != "history"}
+    assert same == {name: value for name, value in second.attributes.items() if name != "history"}
+
+
+class StopAfter:
+    """Progress that interrupts after some parts; 0: never."""
+
+    def __init__(self, parts: int) -> None:
+        self.left = parts
+
+    def start(self, cases: int, reused: int) -> None: ...
+
+    def advance(self, cases: int, failed: int) -> None:
+        self.left -= 1
+        if not self.left:
+            raise KeyboardInterrupt
+
+    def tick(self) -> None: ...
+
+    def stop(self) -> None: ...
+
+
+__all__ = ["run_sweep"]

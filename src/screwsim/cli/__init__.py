@@ -101,10 +101,21 @@ def sweep(
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS|FILE", help="Compute on a dask scheduler's workers instead.")
+    ] = None,
+    case_limit: Annotated[
+        float | None,
+        typer.Option(
+            min=0.001, metavar="SECONDS", help="Give up a case after that time (default: 300; with --jobs 1: never)."
+        ),
+    ] = None,
     restart: Annotated[bool, typer.Option("--restart", help="Compute again what is there.")] = False,
     as_json: AsJson = False,
 ) -> int:
     """Simulate the grid of a scene, or resume it."""
+    if scheduler is not None and jobs is not None:
+        raise UsageError("--jobs belongs to this machine; a --scheduler has workers of its own (remove one of the two)")
     scene = _loaded(scene_file, overrides, without)
     if not scene.sweep:
         raise UsageError(
@@ -116,7 +127,8 @@ def sweep(
     from screwsim.study.sweep import run_sweep
 
     file = output or Path("results") / f"{Path(scene_file).stem}.h5"
-    summary = run_sweep(scene, file, jobs=jobs, restart=restart, progress=for_terminal())
+    where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit}
+    summary = run_sweep(scene, file, **where, restart=restart, progress=for_terminal())
     document = sweep_document(scene, summary)
     (print_json if as_json else print_sweep)(document)
     return OK if summary.ok == summary.cases else NOT_ALL_OK

@@ -199,16 +199,17 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
         name: getattr(summary, name) for name in ("path", "cases", "ok", "not_closed", "failed", "reused", "seconds")
     }
     results = open_results(summary.path)
-    status, messages = results.performance["status"].ravel(), results.messages.ravel()
+    status = results.performance["status"].ravel()
     bad = status.nonzero()[0][:MOST_FAILURES]
+    messages = results.performance.texts_at("message", bad)
     document["failures"] = [
         {
             "case": int(index),
             "status": STATUSES[status[index]],
             "values": case_values(scene, int(index)),
-            "message": str(messages[index]),
+            "message": message,
         }
-        for index in bad
+        for index, message in zip(bad, messages, strict=True)
     ]
     return document
 

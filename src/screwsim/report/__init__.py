@@ -46,4 +46,6 @@ def _why(results: Results) -> str:
         return f"all cases failed (the first: {first[0] if first else 'no message'})"
     if not results.axis_list:
         return "no cycle (make it with `screwsim run`)"
+    if any(axis.joined for axis in results.axis_list):
+        return "its paths vary together, and no other axis of numbers is there (read it with xarray, or sweep one path)"
     return "no axis of numbers with two values or more, and no cycle (sweep a number, or write output.keep: cycle)"

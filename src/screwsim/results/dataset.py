@@ -22,7 +22,11 @@ def dataset(results: Results, group: str | None) -> Any:
     variables = {}
     for prefix, part in parts:
         variables |= _variables(part, prefix, results.axis_list)
-    coordinates = {axis.name: (axis.name, axis.values, _attributes(axis)) for axis in results.axis_list}
+    coordinates = {
+        inner.name: (axis.name, inner.values, _attributes(inner))
+        for axis in results.axis_list
+        for inner in (axis, *axis.joined)
+    }
     if any("angle" in part for _, part in parts):
         angle = results.cycle.about["angle"]
         coordinates["angle"] = ("angle", results.cycle["angle"], angle._asdict())
@@ -36,9 +40,10 @@ def _attributes(axis: Axis) -> dict[str, Any]:
 def _variables(part: Group, prefix: str, axes: tuple[Axis, ...]) -> dict[str, Any]:
     """Return (dimensions, values, attributes) by name; inputs that do not vary have no dimension."""
     names = [axis.name for axis in axes]
+    joined = {inner.name for axis in axes for inner in axis.joined}
     found = {}
     for name in part:
-        if name == "angle":
+        if name == "angle" or name in joined:
             continue
         values, about = part[name], part.about[name]._asdict()
         dimensions = [*names, "angle"] if part.name == "cycle" else names[: values.ndim]

@@ -17,6 +17,7 @@ from screwsim.outputs import Variable
 
 _COMPRESS_FROM = 4096  # [byte] below it a chunk's index costs more than it saves
 _CHUNK = 262144  # [byte]
+_ITEM = 8  # [byte] one size for all types: the variables of a case lie in chunks of the same cases
 _BARE = "This is a netCDF dimension but not a netCDF variable.{:10d}"  # the format's own name of such a scale
 SEPARATOR = "\n\n"  # between the texts of a sweep
 _TEXT_LIMIT = 2000  # [byte]
@@ -49,7 +50,7 @@ class Layout:
 
     def coordinate(self, group: Any, name: str, values: np.ndarray, about: Mapping[str, Any]) -> None:
         """Make a dimension with its coordinate variable."""
-        data = group.create_dataset(name, data=values, **_storage(values))
+        data = group.create_dataset(name, data=values, **_storage(values.shape))
         set_attributes(data, about)
         self._scale(data, name)
 
@@ -66,28 +67,36 @@ class Layout:
         self, group: Any, name: str, values: np.ndarray, dimensions: Sequence[str], about: Mapping[str, Any]
     ) -> None:
         """Make a variable over dimensions that the group has; `_FillValue` of `about` must have its type."""
+        self.empty(group, name, values.shape, values.dtype, dimensions, about)[...] = values
+
+    def empty(
+        self, group: Any, name: str, shape: tuple[int, ...], dtype: Any, dimensions: Sequence[str], about: Mapping
+    ) -> Any:
+        """Make a variable whose values are written later, and return it."""
         fill = about.get("_FillValue")
-        data = group.create_dataset(name, data=values, fillvalue=fill, **_storage(values))
+        data = group.create_dataset(name, shape, dtype, fillvalue=fill, **_storage(shape))
         set_attributes(data, about)
         for index, dimension in enumerate(dimensions):
             data.dims[index].attach_scale(group[dimension])
+        return data
 
-    def texts(self, group: Any, name: str, texts: np.ndarray, dimensions: Sequence[str], long_name: str) -> None:
-        """Make a variable of texts: of one, its characters; of an array, numbers of the texts in `<name>_text`.
+    def texts(
+        self, group: Any, name: str, words: Sequence[str], shape: tuple[int, ...], dimensions: Sequence[str], about: str
+    ) -> Any:
+        """Make a variable of texts, of which `words` are the different ones.
 
-        One dimension of single characters is all that Octave, netCDF 4.9 and xarray read alike: Octave stops at
-        two, the netCDF library crashes on longer strings.
+        One text: its characters. An array: numbers of the texts in `<name>_text`, written later; it is returned. One
+        dimension of single characters is all that Octave, netCDF 4.9 and xarray read alike: Octave stops at two, the
+        netCDF library crashes on longer strings.
         """
-        lines = np.array([_lines(str(text)) for text in texts.ravel()], np.str_)
         if not dimensions:
-            self._characters(group, name, str(lines[0]), long_name)
-            return
-        different, number = np.unique(lines, return_inverse=True)
-        self._characters(group, f"{name}_text", SEPARATOR.join(different), f"{long_name} (texts, a blank line between)")
-        about = {"units": "1", "long_name": f"{long_name} (number of the text, from 0, in {name}_text)"}
-        self.variable(group, name, number.reshape(texts.shape).astype(np.int32), dimensions, about)
+            return self.characters(group, name, words[0], about)
+        self.characters(group, f"{name}_text", SEPARATOR.join(words), f"{about} (texts, a blank line between)")
+        numbers = {"units": "1", "long_name": f"{about} (number of the text, from 0, in {name}_text)"}
+        return self.empty(group, name, shape, np.int32, dimensions, numbers)
 
-    def _characters(self, group: Any, name: str, text: str, long_name: str) -> None:
+    def characters(self, group: Any, name: str, text: str, long_name: str) -> None:
+        """Make a variable of one text."""
         characters = np.frombuffer(text.encode() or b"\0", "S1")
         length = f"string{characters.size}"
         self.dimension(group, length, characters.size)
@@ -111,8 +120,8 @@ def flag_attributes(words: Sequence[str], long_name: str, fill: int | None = Non
     return about if fill is None else about | {"_FillValue": np.int8(fill)}
 
 
-def _lines(text: str) -> str:
-    """Return a text, cut to the limit, without empty lines."""
+def text_lines(text: str) -> str:
+    """Return a text as it is stored: cut to the limit, without empty lines."""
     return "\n".join(line for line in _cut(text).decode().splitlines() if line.strip())
 
 
@@ -122,12 +131,17 @@ def _cut(text: str) -> bytes:
     return raw if len(raw) <= _TEXT_LIMIT else raw[: _TEXT_LIMIT - 3].decode(errors="ignore").encode() + "…".encode()
 
 
-def _storage(values: np.ndarray) -> dict[str, Any]:
-    """Return how an array is stored: small ones as they are, others compressed in chunks, last dimensions whole."""
-    if values.nbytes < _COMPRESS_FROM:
-        return {}
-    chunks = list(values.shape)
+def chunks_of(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the chunk of a variable: last dimensions whole, so that a chunk is a run of consecutive values."""
+    chunks = list(shape)
     for index in range(len(chunks)):
-        while math.prod(chunks) * values.itemsize > _CHUNK and chunks[index] > 1:
+        while math.prod(chunks) * _ITEM > _CHUNK and chunks[index] > 1:
             chunks[index] = -(-chunks[index] // 2)
-    return {"chunks": tuple(chunks), "compression": "gzip", "compression_opts": 4, "shuffle": True}
+    return tuple(chunks)
+
+
+def _storage(shape: tuple[int, ...]) -> dict[str, Any]:
+    """Return how an array is stored: small ones as they are, others compressed in chunks."""
+    if math.prod(shape) * _ITEM < _COMPRESS_FROM:
+        return {}
+    return {"chunks": chunks_of(shape), "compression": "gzip", "compression_opts": 4, "shuffle": True}

@@ -15,6 +15,7 @@ from screwsim.outputs import STATUSES, Variable
 from screwsim.results.netcdf import SEPARATOR
 from screwsim.results.schema import SCHEMA, Axis
 
+_LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
 _OPTIONAL = ("cycle", "ledger")  # groups that only come with traces
 _REMEDY = "give a file that `screwsim run` or `screwsim sweep` wrote"
 
@@ -38,6 +39,15 @@ class Group(Mapping[str, np.ndarray]):
             with _opened(self._path) as file:
                 self._read[name] = _values(file[self.name], name)
         return self._read[name]
+
+    def texts_at(self, name: str, cases: np.ndarray) -> list[str]:
+        """Return a text of some cases, by their numbers (last axis fastest), without making those of all."""
+        with _opened(self._path) as file:
+            group = file[self.name]
+            if f"{name}_text" not in group:
+                return [str(_values(group, name))] * len(cases)
+            words = _words(group, name)
+            return [words[number] for number in group[name][()].ravel()[cases]]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.about)
@@ -73,8 +83,16 @@ class Results:
 
     @property
     def axes(self) -> dict[str, np.ndarray]:
-        """Values of each axis by its dotted path, in the order of the dimensions."""
+        """Values of each axis by its dotted path, in the order of the dimensions (`varied` has joined paths too)."""
         return {axis.path: axis.values for axis in self.axis_list}
+
+    @property
+    def varied(self) -> dict[str, tuple[int, np.ndarray]]:
+        """Dimension and values along it of every path that the sweep varies, those that vary together too."""
+        found = {}
+        for number, axis in enumerate(self.axis_list):
+            found |= {inner.path: (number, inner.values) for inner in axis.joined or (axis,)}
+        return found
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -109,9 +127,22 @@ def open_results(path: str | Path) -> Results:
             raise UsageError(f"{path}: is not a complete results file: {error.args[0]} ({_REMEDY})") from error
 
 
+def read_attributes(path: Path) -> dict[str, Any]:
+    """Return the attributes of a results file alone; raise UsageError as `open_results`."""
+    with _opened(path) as file:
+        return _root(path, file)
+
+
+def count_statuses(path: Path) -> tuple[int, ...]:
+    """Return how many cases of a results file ended in each of `outputs.STATUSES`."""
+    with _opened(path) as file:
+        status = file["performance/status"][()]
+    return tuple(int(np.count_nonzero(status == index)) for index in range(len(STATUSES)))
+
+
 def _results(path: Path, file: Any, attributes: Mapping[str, Any]) -> Results:
-    axes = tuple(_axis(data) for data in file["performance"].values() if "path" in data.attrs)
-    names = tuple(axis.name for axis in axes)
+    axes = _axes(file["performance"])
+    names = tuple(inner.name for axis in axes for inner in (axis, *axis.joined))
     groups = ("inputs", "performance", "balance", "error", "numerics", *_OPTIONAL)
     return Results(path, attributes, axes, *(_group(path, file, name, names) for name in groups))
 
@@ -119,7 +150,19 @@ def _results(path: Path, file: Any, attributes: Mapping[str, Any]) -> Results:
 def _group(path: Path, file: Any, name: str, axes: tuple[str, ...]) -> Group:
     if name in _OPTIONAL and name not in file:
         return Group(path, name, {})
-    return Group(path, name, _about_all(file[name], axes))
+    left_out = axes if name != "inputs" else tuple(each for each in axes if file[name][each].is_scale)
+    return Group(path, name, _about_all(file[name], left_out))
+
+
+def _axes(group: Any) -> tuple[Axis, ...]:
+    """Return the axes of a group with what varies along each."""
+    coordinates = [data for data in group.values() if "path" in data.attrs]
+    joined = [data for data in coordinates if not data.is_scale]
+    return tuple(
+        _axis(scale)._replace(joined=tuple(_axis(data) for data in joined if data.dims[0][0] == scale))
+        for scale in coordinates
+        if scale.is_scale
+    )
 
 
 def _about_all(group: Any, axes: tuple[str, ...]) -> dict[str, Variable]:
@@ -147,8 +190,14 @@ def _values(group: Any, name: str) -> np.ndarray:
     """Return a variable; texts as str, also those that are stored as numbers of a text in `<name>_text`."""
     values = np.asarray(group[name][()])
     if f"{name}_text" in group:
-        return np.array(_string(group[f"{name}_text"][()]).split(SEPARATOR))[values]
+        words = _words(group, name)
+        large = values.size * max(map(len, words)) > _LONG_TEXTS
+        return np.array(words, object if large else np.str_)[values]
     return np.array(_string(values)) if values.dtype.kind == "S" else values
+
+
+def _words(group: Any, name: str) -> list[str]:
+    return _string(group[f"{name}_text"][()]).split(SEPARATOR)
 
 
 def _string(characters: np.ndarray) -> str:

@@ -78,10 +78,17 @@ def axes_of(scene: Scene) -> tuple[Axis, ...]:
     """Return the axes of the scene's sweep, in its order (none: one case)."""
     from screwsim.scene import grid
 
-    found = []
-    for path, values in grid.axes(scene).items():
+    def along(path: str) -> Axis:
         _, units = grid.axis_label(path, scene)
-        found.append(axis_of(path, values, units or "1", grid.leaf_of(scene, path).doc))
+        return axis_of(path, scene.sweep[path], units or "1", grid.leaf_of(scene, path).doc)
+
+    found = []
+    for name, paths, size, joint in grid.dimensions(scene):
+        if joint is None:
+            found.append(along(name))
+            continue
+        about = f"number of the {name.partition('_')[0]}, from 0"
+        found.append(Axis(name, np.arange(size, dtype=np.int32), "1", about, tuple(map(along, paths))))
     return tuple(found)
 
 
@@ -120,6 +127,7 @@ def fingerprint(scene: Scene) -> str:
     parts = [str(SCHEMA), version(), repr(FIGURES), scene.text]
     named = [entry.value for entry in inputs_of(scene) if entry.kind == "file" and entry.value]
     swept = [value for values in scene.sweep.values() for value in values if isinstance(value, str)]
+    parts += [repr(scene.sweep[path]) for joint in scene.joints if joint.sample for path in joint.paths]
     for name in (*named, *swept):
         file = Path(scene.folder) / name
         if file.is_file():

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -21,19 +22,25 @@ TEXTS = ("message", "warnings", "notes", *NUMERICS_TEXT)
 NOT_COMPUTED = -1  # the status of a case without a result
 
 
+class Texts(NamedTuple):
+    """One text a case: its `number` in `words`, int32 (cases,); most cases share their texts."""
+
+    words: tuple[str, ...]
+    number: np.ndarray
+
+
 @dataclass(frozen=True)
 class Table:
     """Results of consecutive cases: row = case, SI units.
 
-    `status` int8 (cases,); `figures` float64 (cases, FIGURES), NaN where a figure is None; `texts` {name: str
-    array (cases,)}; `angle` [degree] (points,), empty without traces; `traces` {name: float64 (cases, points)},
-    NaN for a case without a cycle. `traces` may read from disk when it is asked. `ledger` {name: float64 (cases,)}, NaN
-    for a case without one; it comes with the traces.
+    `status` int8 (cases,); `figures` float64 (cases, FIGURES), NaN where a figure is None; `texts` {name: Texts};
+    `angle` [degree] (points,), empty without traces; `traces` {name: float64 (cases, points)}, NaN for a case
+    without a cycle; `ledger` {name: float64 (cases,)}, NaN for a case without one, it comes with the traces.
     """
 
     status: np.ndarray
     figures: np.ndarray
-    texts: Mapping[str, np.ndarray]
+    texts: Mapping[str, Texts]
     effects: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
     angle: np.ndarray = field(default_factory=lambda: np.empty(0))
@@ -47,6 +54,49 @@ class Table:
         """Return one figure of all cases (cases,)."""
         return self.figures[:, COLUMN[group, name]]
 
+    def rows(self, chosen: slice | np.ndarray) -> Table:
+        """Return some of the cases."""
+        return Table(
+            self.status[chosen],
+            self.figures[chosen],
+            {name: Texts(texts.words, texts.number[chosen]) for name, texts in self.texts.items()},
+            self.effects,
+            self.states,
+            self.angle,
+            {name: trace[chosen] for name, trace in self.traces.items()},
+            {name: values[chosen] for name, values in self.ledger.items()},
+        )
+
+
+class Tables(Protocol):
+    """All cases of a sweep as consecutive tables, read one after the other."""
+
+    cases: int
+
+    def heads(self) -> Iterator[Table]:
+        """Yield the tables in order, without figures and traces: no more than what names and texts there are."""
+        ...
+
+    def tables(self, traces: bool) -> Iterator[Table]:
+        """Yield the tables in order, with or without traces."""
+        ...
+
+
+class InMemory:
+    """One table as the only one of all."""
+
+    def __init__(self, table: Table) -> None:
+        self.cases = len(table)
+        self._table = table
+
+    def heads(self) -> Iterator[Table]:
+        """Yield the table."""
+        yield self._table
+
+    def tables(self, traces: bool) -> Iterator[Table]:
+        """Yield the table."""
+        yield self._table
+
 
 def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
     """Return the columns of results; a figure that `outputs` does not name is a ValueError."""
@@ -58,7 +108,7 @@ def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
     return Table(
         status=np.array([STATUSES.index(result.status) for result in results], np.int8),
         figures=figures,
-        texts={name: np.array([_text(result, name) for result in results], np.str_) for name in TEXTS},
+        texts={name: numbered(_text(result, name) for result in results) for name in TEXTS},
         effects=next((result.effects for result in results if result.effects), ()),
         states=next((result.states for result in results if result.states), ()),
         angle=angle,
@@ -75,6 +125,13 @@ def _fill_row(row: np.ndarray, result: Result) -> None:
             if (group, name) not in COLUMN:
                 raise ValueError(f"{group}.{name} has no entry in screwsim.outputs (add its unit and meaning there)")
             row[COLUMN[group, name]] = np.nan if value is None else value
+
+
+def numbered(texts: Iterable[str]) -> Texts:
+    """Return texts as numbers of the different ones, in the order in which they came."""
+    found: dict[str, int] = {}
+    number = np.array([found.setdefault(text, len(found)) for text in texts], np.int32)
+    return Texts(tuple(found), number)
 
 
 def _text(result: Result, name: str) -> str:
@@ -123,8 +180,8 @@ def same_angles(angle: np.ndarray, other: np.ndarray) -> None:
         raise ValueError("the cycles of one sweep must share their angles")
 
 
-def join(tables: Sequence[Table], traces: Mapping[str, np.ndarray] | None = None) -> Table:
-    """Return one table of consecutive tables; `traces`, when given, stand for those of the tables."""
+def join(tables: Sequence[Table]) -> Table:
+    """Return one table of consecutive tables."""
     angle = next((table.angle for table in tables if table.angle.size), np.empty(0))
     for table in tables:
         if table.angle.size:
@@ -132,13 +189,26 @@ def join(tables: Sequence[Table], traces: Mapping[str, np.ndarray] | None = None
     return Table(
         status=np.concatenate([table.status for table in tables]),
         figures=np.concatenate([table.figures for table in tables]),
-        texts={name: np.concatenate([table.texts[name] for table in tables]) for name in TEXTS},
+        texts={name: _joined_texts([table.texts[name] for table in tables]) for name in TEXTS},
         effects=next((table.effects for table in tables if table.effects), ()),
         states=next((table.states for table in tables if table.states), ()),
         angle=angle,
-        traces=_joined_traces(tables, angle.size) if traces is None else traces,
+        traces=_joined_traces(tables, angle.size),
         ledger=_joined_ledgers(tables),
     )
+
+
+def _joined_texts(parts: Sequence[Texts]) -> Texts:
+    place: dict[str, int] = {}
+    for part in parts:
+        for word in part.words:
+            place.setdefault(word, len(place))
+    return Texts(tuple(place), np.concatenate([renumbered(part, place) for part in parts]))
+
+
+def renumbered(texts: Texts, place: Mapping[str, int]) -> np.ndarray:
+    """Return the numbers of texts where each has another place."""
+    return np.array([place[word] for word in texts.words], np.int32)[texts.number]
 
 
 def _joined_traces(tables: Sequence[Table], points: int) -> dict[str, np.ndarray]:
@@ -148,12 +218,26 @@ def _joined_traces(tables: Sequence[Table], points: int) -> dict[str, np.ndarray
 
 def _joined_ledgers(tables: Sequence[Table]) -> dict[str, np.ndarray]:
     names = ledger_names(name for table in tables for name in table.ledger)
-    return {
-        name: np.concatenate([table.ledger.get(name, np.full(len(table), np.nan)) for table in tables])
-        for name in names
-    }
+    return {name: np.concatenate([ledger_of(table, name) for table in tables]) for name in names}
 
 
 def rows_of(table: Table, name: str, points: int) -> np.ndarray:
     """Return the trace (cases, points) of a table, NaN when the table has none of that name."""
     return table.traces[name] if name in table.traces else np.full((len(table), points), np.nan)
+
+
+def ledger_of(table: Table, name: str) -> np.ndarray:
+    """Return an entry of the ledger (cases,) of a table, NaN when the table has none of that name."""
+    return table.ledger[name] if name in table.ledger else np.full(len(table), np.nan)
+
+
+def regrouped(tables: Iterable[Table], sizes: Iterable[int]) -> Iterator[Table]:
+    """Yield the cases of consecutive tables again in tables of the given sizes."""
+    source = iter(tables)
+    held: list[Table] = []
+    for size in sizes:
+        while sum(map(len, held)) < size:
+            held.append(next(source))
+        whole = join(held) if len(held) > 1 else held[0]
+        yield whole if len(whole) == size else whole.rows(slice(0, size))
+        held = [whole.rows(slice(size, None))] if len(whole) > size else []

@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-import errno
 import math
-import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Result, Variable, cycle_variable, ledger_variable
+from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Result, cycle_variable, ledger_variable
 from screwsim.results.atomic import make_folder, replacing
-from screwsim.results.netcdf import Layout, flag_attributes, number_attributes, set_attributes
+from screwsim.results.guarded import GuardedFile
+from screwsim.results.netcdf import (
+    Layout,
+    chunks_of,
+    flag_attributes,
+    number_attributes,
+    set_attributes,
+    text_lines,
+)
 from screwsim.results.schema import (
     Axis,
     axes_of,
@@ -22,17 +30,54 @@ from screwsim.results.schema import (
     root_attributes,
     variable_name,
 )
-from screwsim.results.table import GROUPS, NOT_COMPUTED, Table, table_of
+from screwsim.results.table import (
+    GROUPS,
+    NOT_COMPUTED,
+    TEXTS,
+    InMemory,
+    Table,
+    Tables,
+    ledger_names,
+    ledger_of,
+    regrouped,
+    renumbered,
+    rows_of,
+    same_angles,
+    table_of,
+    trace_names,
+)
 from screwsim.scene.types import Scene
 
-_IN_MEMORY = 1 << 29  # [byte] larger files are written to the disk straight away
 # the format of HDF5 1.8 allows attributes (the scene) beyond 64 KiB; netCDF-4 keeps the order of creation
 _FORMAT: dict[str, Any] = {"libver": ("v108", "v108"), "track_order": True}
+_NO_CACHE: dict[str, Any] = {
+    "rdcc_nbytes": 0
+}  # every chunk is written once and whole; HDF5 would keep 8 MiB of each variable
 _CASE_TEXTS = {
     "message": "why the case failed or did not close, and the remedy",
     "warnings": "warnings, one a line",
     "notes": "why a figure of a simulated effect has no value, one a line",
 }
+
+
+@dataclass(frozen=True)
+class _Names:
+    """What all tables together have: effects, states, the different texts, angles, names of traces and ledger."""
+
+    effects: tuple[str, ...]
+    states: tuple[str, ...]
+    words: dict[str, tuple[str, ...]]
+    angle: np.ndarray
+    traces: tuple[str, ...]
+    ledger: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A variable of the file that is written piece by piece, and its values (cases, …) of a table."""
+
+    data: Any
+    values: Callable[[Table], np.ndarray]
 
 
 def save(path: str | Path, scene: Scene, results: Result | Sequence[Result], command: str = "run") -> None:
@@ -45,60 +90,89 @@ def save(path: str | Path, scene: Scene, results: Result | Sequence[Result], com
         table, axes = table_of([results], keep_cycle=True), ()
     else:
         table, axes = table_of(results, keep_cycle=scene.output.keep == "cycle"), axes_of(scene)
-    write_table(Path(path), scene, axes, table, command)
+    write_tables(Path(path), scene, axes, InMemory(table), command)
 
 
-def write_table(
-    path: Path, scene: Scene, axes: Sequence[Axis], table: Table, command: str, folder: Path | None = None
+def write_tables(
+    path: Path, scene: Scene, axes: Sequence[Axis], source: Tables, command: str, folder: Path | None = None
 ) -> None:
-    """Write the results of all cases on the axes; the temporary file lies in `folder` (default: beside `path`)."""
+    """Write the results of all cases on the axes, chunk by chunk: no more than one chunk of each is in memory.
+
+    The temporary file lies in `folder` (default: beside `path`).
+    """
     import h5py
 
     cases = math.prod(len(axis.values) for axis in axes)
-    if cases != len(table):
-        raise ValueError(f"{len(table)} results for {cases} cases")
+    if cases != source.cases:
+        raise ValueError(f"{source.cases} results for {cases} cases")
     make_folder(path.parent)
-    with replacing(path, folder) as temporary:
-        if _size(table) <= _IN_MEMORY:
-            temporary.write_bytes(_image(scene, axes, table, command))
-            return
-        _need_room(temporary.parent, _size(table))
-        with h5py.File(temporary, "w", **_FORMAT) as file:
-            _write(file, scene, axes, table, command)
+    with replacing(path, folder) as temporary, closing(GuardedFile(temporary)) as target:
+        with h5py.File(target, "w", **_FORMAT, **_NO_CACHE) as file:
+            for _ in _write(file, scene, axes, source, command):
+                target.check()
+        target.check()
 
 
-def _size(table: Table) -> int:
-    """Return about how many bytes the results take uncompressed."""
-    return 2 * table.figures.nbytes + 8 * len(table) * table.angle.size * len(table.traces) + 100_000
-
-
-def _image(scene: Scene, axes: Sequence[Axis], table: Table, command: str) -> bytes:
-    """Return the file as bytes made in memory: HDF5 1.14 can crash the process when its own writing fails."""
-    import h5py
-
-    with h5py.File("image", "w", driver="core", backing_store=False, **_FORMAT) as file:
-        _write(file, scene, axes, table, command)
-        file.flush()
-        return file.id.get_file_image()
-
-
-def _need_room(folder: Path, size: int) -> None:
-    free = shutil.disk_usage(folder).free
-    if free < size:
-        raise OSError(errno.ENOSPC, f"{size / 1e9:.1f} GB wanted, {free / 1e9:.1f} GB free")
-
-
-def _write(file: Any, scene: Scene, axes: Sequence[Axis], table: Table, command: str) -> None:
-    stated = {"effects": ", ".join(table.effects), "states": ", ".join(table.states)}
+def _write(file: Any, scene: Scene, axes: Sequence[Axis], source: Tables, command: str) -> Iterator[None]:
+    """Write the file; yield after each chunk of cases."""
+    names = _names(source)
+    stated = {"effects": ", ".join(names.effects), "states": ", ".join(names.states)}
     set_attributes(file, root_attributes(scene, command) | stated)
     layout = Layout(file)
+    shape = tuple(len(axis.values) for axis in axes)
     _write_inputs(layout, scene, axes)
-    for group in GROUPS:
-        _write_figures(layout, group, axes, table)
-    if table.traces:
-        _write_cycle(layout, axes, table)
-    if table.ledger:
-        _write_ledger(layout, axes, table)
+    columns = [column for group in GROUPS for column in _figures(layout, group, axes, names)]
+    traces = list(_cycle(layout, axes, names)) if names.traces else []
+    columns += _ledger(layout, axes, names) if names.ledger else []
+    yield from _fill(columns, shape, shape, source.tables(traces=False))
+    if traces:
+        yield from _fill(traces, shape, (*shape, names.angle.size), source.tables(traces=True))
+
+
+def _names(source: Tables) -> _Names:
+    effects: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    angle = np.empty(0)
+    words: dict[str, set[str]] = {name: set() for name in TEXTS}
+    traces: dict[str, None] = {}
+    ledger: dict[str, None] = {}
+    for head in source.heads():
+        effects, states = effects or head.effects, states or head.states
+        if angle.size and head.angle.size:
+            same_angles(angle, head.angle)
+        angle = angle if angle.size else head.angle
+        for name in TEXTS:
+            words[name].update(map(text_lines, head.texts[name].words))
+        traces |= dict.fromkeys(head.traces)
+        ledger |= dict.fromkeys(head.ledger)
+    sorted_words = {name: tuple(sorted(found)) for name, found in words.items()}
+    return _Names(effects, states, sorted_words, angle, trace_names(traces), ledger_names(ledger))
+
+
+def _fill(
+    columns: Sequence[_Column], shape: tuple[int, ...], full: tuple[int, ...], tables: Iterator[Table]
+) -> Iterator[None]:
+    """Write columns over cases of `shape` chunk by chunk, those of a variable of the shape `full`."""
+    places = list(_places(shape, chunks_of(full)[: len(shape)]))
+    pieces = regrouped(tables, (size for _, size, _ in places))
+    for (place, _, part), table in zip(places, pieces, strict=True):
+        for column in columns:
+            values = column.values(table)
+            column.data[place] = values.reshape((*part, *values.shape[1:]))
+        yield
+
+
+def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tuple[Any, ...], int, tuple[int, ...]]]:
+    """Yield (selection, number of cases, shape of the selection) of each chunk, in the order of the cases."""
+    split = next((index for index, size in enumerate(chunk) if size > 1), len(shape) - 1)
+    if not shape:
+        yield (), 1, ()
+        return
+    inner = shape[split + 1 :]
+    for outer in np.ndindex(*shape[:split]):
+        for start in range(0, shape[split], chunk[split]):
+            size = min(chunk[split], shape[split] - start)
+            yield (*outer, slice(start, start + size)), size * math.prod(inner), (size, *inner)
 
 
 def _group(layout: Layout, name: str, axes: Sequence[Axis]) -> tuple[Any, list[str], tuple[int, ...]]:
@@ -107,7 +181,17 @@ def _group(layout: Layout, name: str, axes: Sequence[Axis]) -> tuple[Any, list[s
     for axis in axes:
         values, about = _coordinate(axis)
         layout.coordinate(group, axis.name, values, about)
+    for axis in axes:
+        for inner in axis.joined:
+            values, about = _coordinate(inner)
+            layout.variable(group, inner.name, values, (axis.name,), about)
     return group, [axis.name for axis in axes], tuple(len(axis.values) for axis in axes)
+
+
+def _beside(axes: Sequence[Axis]) -> dict[str, str]:
+    """Return the attribute that names the coordinates beside the dimensions' own (CF, section 5)."""
+    names = " ".join(inner.name for axis in axes for inner in axis.joined)
+    return {"coordinates": names} if names else {}
 
 
 def _coordinate(axis: Axis) -> tuple[np.ndarray, dict[str, Any]]:
@@ -116,8 +200,9 @@ def _coordinate(axis: Axis) -> tuple[np.ndarray, dict[str, Any]]:
     if axis.values.dtype.kind != "U":
         return axis.values, about
     words = [str(word) for word in axis.values]
-    about |= flag_attributes(words, axis.long_name) | {"labels": "\n".join(words)}
-    return np.arange(len(words), dtype=np.int8), about
+    different = list(dict.fromkeys(words))
+    about |= flag_attributes(different, axis.long_name) | {"labels": "\n".join(different)}
+    return np.array([different.index(word) for word in words], np.int8), about
 
 
 def _write_inputs(layout: Layout, scene: Scene, axes: Sequence[Axis]) -> None:
@@ -130,29 +215,49 @@ def _write_inputs(layout: Layout, scene: Scene, axes: Sequence[Axis]) -> None:
             layout.variable(group, name, np.array(value), (), about)
 
 
-def _write_figures(layout: Layout, name: str, axes: Sequence[Axis], table: Table) -> None:
+def _figures(layout: Layout, name: str, axes: Sequence[Axis], names: _Names) -> Iterator[_Column]:
+    """Make the variables of a group of figures."""
     group, dimensions, shape = _group(layout, name, axes)
+    beside = _beside(axes)
     if name == "performance":
-        about = flag_attributes(STATUSES, "how the case ended", NOT_COMPUTED)
-        layout.variable(group, "status", table.status.reshape(shape), dimensions, about)
+        about = flag_attributes(STATUSES, "how the case ended", NOT_COMPUTED) | beside
+        yield _Column(layout.empty(group, "status", shape, np.int8, dimensions, about), lambda table: table.status)
     for figure in GROUPS[name]:
-        about = number_attributes(figure_variable(name, figure))
-        layout.variable(group, figure, table.column(name, figure).reshape(shape), dimensions, about)
+        about = number_attributes(figure_variable(name, figure)) | beside
+        data = layout.empty(group, figure, shape, float, dimensions, about)
+        yield _Column(data, lambda table, figure=figure: table.column(name, figure))
     for text, long_name in {"performance": _CASE_TEXTS, "numerics": NUMERICS_TEXT}.get(name, {}).items():
-        layout.texts(group, text, table.texts[text].reshape(shape), dimensions, long_name)
+        data = layout.texts(group, text, names.words[text], shape, dimensions, long_name)
+        if data is not None:
+            set_attributes(data, beside)
+            yield _Column(data, _numbers(text, names.words[text]))
 
 
-def _write_cycle(layout: Layout, axes: Sequence[Axis], table: Table) -> None:
-    """Write the traces one after the other: only one is in memory when `table.traces` reads from disk."""
+def _numbers(name: str, words: Sequence[str]) -> Callable[[Table], np.ndarray]:
+    """Return what gives the numbers of a table's texts in `words`."""
+    place = {word: index for index, word in enumerate(words)}
+
+    def numbers(table: Table) -> np.ndarray:
+        texts = table.texts[name]
+        return renumbered(texts._replace(words=tuple(map(text_lines, texts.words))), place)
+
+    return numbers
+
+
+def _cycle(layout: Layout, axes: Sequence[Axis], names: _Names) -> Iterator[_Column]:
+    """Make the variables of the traces."""
     group, dimensions, shape = _group(layout, "cycle", axes)
-    angle: Variable = CYCLE["angle"]
-    layout.coordinate(group, "angle", table.angle, {"units": angle.units, "long_name": angle.long_name})
-    for name in table.traces:
-        values = table.traces[name].reshape(*shape, table.angle.size)
-        layout.variable(group, name, values, (*dimensions, "angle"), number_attributes(cycle_variable(name)))
+    points = names.angle.size
+    layout.coordinate(group, "angle", names.angle, CYCLE["angle"]._asdict())
+    for name in names.traces:
+        about = number_attributes(cycle_variable(name)) | _beside(axes)
+        data = layout.empty(group, name, (*shape, points), float, (*dimensions, "angle"), about)
+        yield _Column(data, lambda table, name=name: rows_of(table, name, points))
 
 
-def _write_ledger(layout: Layout, axes: Sequence[Axis], table: Table) -> None:
+def _ledger(layout: Layout, axes: Sequence[Axis], names: _Names) -> Iterator[_Column]:
     group, dimensions, shape = _group(layout, "ledger", axes)
-    for name, values in table.ledger.items():
-        layout.variable(group, name, values.reshape(shape), dimensions, number_attributes(ledger_variable(name)))
+    for name in names.ledger:
+        about = number_attributes(ledger_variable(name)) | _beside(axes)
+        data = layout.empty(group, name, shape, float, dimensions, about)
+        yield _Column(data, lambda table, name=name: ledger_of(table, name))

@@ -1,7 +1,18 @@
 """From a YAML file to a typed scene in SI units, with every fault at its line; and the grid of a sweep."""
 
 from screwsim.scene.checks import check_files, cross_check, value_at
-from screwsim.scene.grid import axes, axis_label, case, case_count, case_values, leaf_of, read_value, with_values
+from screwsim.scene.grid import (
+    axes,
+    axis_label,
+    case,
+    case_count,
+    case_values,
+    dimensions,
+    leaf_of,
+    only,
+    read_value,
+    with_values,
+)
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.load import load, loads
 from screwsim.scene.schema import schema
@@ -18,10 +29,12 @@ __all__ = [
     "case_values",
     "check_files",
     "cross_check",
+    "dimensions",
     "leaf_of",
     "lines",
     "load",
     "loads",
+    "only",
     "read_value",
     "refrigerating_effect",
     "scene_text",

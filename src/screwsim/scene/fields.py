@@ -15,7 +15,7 @@ from screwsim.declare import KINDS, Kind
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 
-APART = ("effects", "sweep", "text", "folder")  # parts of a scene that are not plain sections
+APART = ("effects", "sweep", "joints", "text", "folder")  # parts of a scene that are not plain sections
 SWEEPABLE = {*KINDS, "number", "count", "choice"}
 
 

@@ -1,46 +1,104 @@
-"""The grid of a sweep: its axes, and each case made on demand; the last axis runs fastest."""
+"""The grid of a sweep: its dimensions, and each case made on demand; the last dimension runs fastest."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.faults import UsageError
 from screwsim.scene.checks import value_at
 from screwsim.scene.fields import Leaf, sweep_leaf
-from screwsim.scene.types import Scene
+from screwsim.scene.types import Joint, Scene
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert
 
 
+class Dimension(NamedTuple):
+    """One dimension of a grid: `name` is its path, or that of a joint, whose paths then vary together."""
+
+    name: str
+    paths: tuple[str, ...]
+    size: int
+    joint: Joint | None = None
+
+
 def axes(scene: Scene) -> dict[str, tuple[Any, ...]]:
-    """Return {dotted path: values in SI}, in the order of the file."""
+    """Return {dotted path: values in SI}, in the order of the file; joined paths have equal lengths."""
     return dict(scene.sweep)
 
 
+def dimensions(scene: Scene) -> tuple[Dimension, ...]:
+    """Return the dimensions of the grid in the order of the file."""
+    joints = {joint.paths[0]: joint for joint in joints_of(scene)}
+    inner = {path for joint in joints.values() for path in joint.paths[1:]}
+    found = []
+    for path, values in scene.sweep.items():
+        joint = joints.get(path)
+        if joint is not None:
+            found.append(Dimension(joint.name, joint.paths, len(values), joint))
+        elif path not in inner:
+            found.append(Dimension(path, (path,), len(values)))
+    return tuple(found)
+
+
+def joints_of(scene: Scene) -> tuple[Joint, ...]:
+    """Return the joints whose paths the sweep (still) varies; without the other paths they are zipped ones."""
+    found = []
+    for joint in scene.joints:
+        paths = tuple(path for path in joint.paths if path in scene.sweep)
+        if paths:
+            found.append(joint if paths == joint.paths else replace(joint, paths=paths, sample=None))
+    return tuple(found)
+
+
+def shape(scene: Scene) -> tuple[int, ...]:
+    """Return the number of values on each dimension; () without a sweep."""
+    return tuple(dimension.size for dimension in dimensions(scene))
+
+
+def only(scene: Scene, paths: Iterable[str]) -> Scene:
+    """Return the scene with a sweep of those of the paths alone that its own sweep varies."""
+    kept = set(paths)
+    sweep = {path: values for path, values in scene.sweep.items() if path in kept}
+    cut = replace(scene, sweep=sweep)
+    return replace(cut, joints=joints_of(cut))
+
+
 def case_count(scene: Scene) -> int:
-    """Return the number of cases: the product of the axes, 1 without a sweep."""
-    return math.prod(len(values) for values in scene.sweep.values())
+    """Return the number of cases: the product of the dimensions, 1 without a sweep."""
+    return math.prod(shape(scene))
 
 
 def case_values(scene: Scene, index: int) -> dict[str, Any]:
     """Return {dotted path: value in SI} of one case."""
-    if not 0 <= index < case_count(scene):
+    found = dimensions(scene)
+    if not 0 <= index < math.prod(dimension.size for dimension in found):
         raise IndexError(f"case {index} of {case_count(scene)}")
-    chosen = {}
-    for path in reversed(list(scene.sweep)):
-        values = scene.sweep[path]
-        index, place = divmod(index, len(values))
-        chosen[path] = values[place]
-    return {path: chosen[path] for path in scene.sweep}
+    places = {}
+    for dimension in reversed(found):
+        index, place = divmod(index, dimension.size)
+        places |= dict.fromkeys(dimension.paths, place)
+    return {path: values[places[path]] for path, values in scene.sweep.items()}
+
+
+def values_of(scene: Scene, cases: range) -> list[tuple[Any, ...]]:
+    """Return the values in SI of consecutive cases, each in the order of the sweep's paths."""
+    columns: dict[str, list[Any]] = {}
+    below = case_count(scene)
+    for dimension in dimensions(scene):
+        below //= dimension.size
+        for path in dimension.paths:
+            values = scene.sweep[path]
+            columns[path] = [values[index // below % dimension.size] for index in cases]
+    return list(zip(*(columns[path] for path in scene.sweep), strict=True)) if columns else [() for _ in cases]
 
 
 def case(scene: Scene, index: int) -> Scene:
     """Return one case of the grid, as a scene without a sweep and without text (`scene_text` makes it)."""
-    return replace(with_values(scene, case_values(scene, index)), sweep={}, text="")
+    return replace(with_values(scene, case_values(scene, index)), sweep={}, joints=(), text="")
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:

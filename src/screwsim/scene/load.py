@@ -149,7 +149,7 @@ def _keys(root: Node, path: str, value: Node) -> list[str]:
     """Return the keys of a dotted path: all after `sweep.` is one key, and names of own effects have dots."""
     head, _, rest = path.partition(".")
     if head == "sweep" and rest:
-        return [head, rest]
+        return [head, *_sweep_keys(rest)]
     if head != "effects" or "." not in rest or rest.partition(".")[0] in catalogue():
         return path.split(".")
     effects = root.value.get("effects")
@@ -158,6 +158,14 @@ def _keys(root: Node, path: str, value: Node) -> list[str]:
         return [head, rest]
     name, _, parameter = rest.rpartition(".")
     return [head, name, parameter]
+
+
+def _sweep_keys(rest: str) -> list[str]:
+    """Return the keys after `sweep.`: a path is one key, also that of a sample; else those of the sample."""
+    if not rest.startswith("sample."):
+        return [rest]
+    first, *inner = rest.removeprefix("sample.").split(".", 1)
+    return ["sample", first, *inner]
 
 
 def _remove(root: Node, without: Iterable[str]) -> Node:
@@ -178,10 +186,10 @@ def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
     scene = read_section(scene_section(), root, "", problems, also=("base", "effects", "sweep"))
     effects = read_effects(root.value.get("effects"), problems)
-    sweep = read_sweep(root.value.get("sweep"), root, effects, problems)
+    sweep, joints = read_sweep(root.value.get("sweep"), root, effects, problems)
     if problems or scene is None:
         return None
-    scene = replace(scene, effects=effects, sweep=sweep, folder=folder)
+    scene = replace(scene, effects=effects, sweep=sweep, joints=joints, folder=folder)
     faults: list[Fault] = [*cross_check(scene), *check_files(scene)]
     problems += [Problem(pointer(root, fault.path), fault.path, fault.what) for fault in faults]
     return scene

@@ -6,11 +6,21 @@ from typing import Any
 
 from screwsim.declare import KINDS, Kind
 from screwsim.effects import catalogue
+from screwsim.scene.designs import KINDS as SAMPLES
+from screwsim.scene.designs import LARGEST_SAMPLE
 from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_section, section_of
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of
 
 OWN_EFFECT = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect
+OWN_PARAMETER = r"^effects\.[^.]+(\.[^.]+){2,}$"
+_SPACING = {"enum": ["linear", "log"], "default": "linear"}
+_COLUMN = {
+    "type": "object",
+    "properties": {"file": {"type": "string"}, "column": {"type": "string"}, "unit": {"type": "string"}},
+    "required": ["file", "column"],
+    "additionalProperties": False,
+}
 _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
 
 
@@ -97,18 +107,55 @@ def _demands(section: Section, effects: dict[str, Section] | None = None) -> dic
 def _sweep() -> dict[str, Any]:
     leaves = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
     axes = {path: _axis_of(leaf) for path, leaf in leaves.items() if leaf.kind in SWEEPABLE}
+    over = {path: _span_of(leaf) for path, leaf in leaves.items() if leaf.kind in SWEEPABLE}
+    group = _paths(axes, "axes of equal length")
+    zipped = {"description": "groups of axes whose values are taken side by side", "items": group, "minItems": 1}
+    designs = {
+        "zip": {"type": ["array", "null"], **zipped},
+        "sample": _sample(_paths(over, "what varies, and how far")),
+    }
+    about = "the grid is the product of all axes; a key is a whole dotted path"
+    return {**_paths({**axes, **designs}, about), "type": ["object", "null"]}
+
+
+def _paths(properties: dict[str, Any], about: str) -> dict[str, Any]:
     return {
-        "type": ["object", "null"],
-        "description": "the grid is the product of all axes; a key is a whole dotted path",
-        "properties": axes,
-        "patternProperties": {r"^effects\.[^.]+(\.[^.]+){2,}$": {}},
+        "type": "object",
+        "description": about,
+        "properties": properties,
+        "patternProperties": {OWN_PARAMETER: {}},
         "additionalProperties": False,
     }
 
 
+def _sample(over: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "type": ["object", "null"],
+        "description": "points drawn at random, one dimension of the sweep",
+        "properties": {
+            "kind": {"enum": list(SAMPLES)},
+            "count": {"type": "integer", "minimum": 1, "maximum": LARGEST_SAMPLE},
+            "seed": {"type": "integer", "minimum": 0, "default": 0},
+            "over": over,
+        },
+        "additionalProperties": False,
+    }
+
+
+def _span_of(leaf: Leaf) -> dict[str, Any]:
+    """Return the schema of a path of a sample: ends, or values to pick from."""
+    values = {"type": "array", "items": _value(leaf), "minItems": 1}
+    if leaf.kind == "choice":
+        return values
+    ends = {"from": _example(leaf.kind), "to": _example(leaf.kind), "spacing": _SPACING}
+    span = {"type": "object", "properties": ends, "required": ["from", "to"], "additionalProperties": False}
+    return {"anyOf": [span, values]}
+
+
 def _axis_of(leaf: Leaf) -> dict[str, Any]:
     if leaf.kind == "choice":
-        return {"type": "array", "items": {"enum": list(leaf.limits["options"])}, "minItems": 1}
+        values = {"type": "array", "items": {"enum": list(leaf.limits["options"])}, "minItems": 1}
+        return {"anyOf": [values, _COLUMN]}
     return {"$ref": f"#/$defs/axis_{leaf.kind}"}
 
 
@@ -123,9 +170,9 @@ def _axis(value: dict[str, Any]) -> dict[str, Any]:
             "from": value,
             "to": value,
             "count": {"type": "integer", "minimum": 1},
-            "spacing": {"enum": ["linear", "log"], "default": "linear"},
+            "spacing": _SPACING,
         },
         "required": ["from", "to", "count"],
         "additionalProperties": False,
     }
-    return {"anyOf": [{"type": "array", "items": value, "minItems": 1}, span]}
+    return {"anyOf": [{"type": "array", "items": value, "minItems": 1}, span, _COLUMN]}

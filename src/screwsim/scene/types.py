@@ -108,6 +108,25 @@ class ActiveEffect:
 
 
 @dataclass(frozen=True)
+class Sample:
+    """How values were drawn: `over` keeps (path, values to pick from) or (path, first, last, linear or log) [SI]."""
+
+    kind: str  # sobol, latin_hypercube
+    count: int
+    seed: int
+    over: tuple[tuple[str, tuple[Any, ...]], ...]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Paths that vary together: one dimension of a sweep, `name` in files of results; `sample` None: zipped."""
+
+    name: str
+    paths: tuple[str, ...]
+    sample: Sample | None = None
+
+
+@dataclass(frozen=True)
 class Scene:
     """One scene. `effects` keeps the order of the catalogue, whatever the order in the file."""
 
@@ -120,6 +139,7 @@ class Scene:
     numerics: NumericsSettings = NumericsSettings()
     output: Output = Output()
     sweep: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)  # dotted path -> values in SI units
+    joints: tuple[Joint, ...] = ()  # paths of the sweep that vary together; any other path is an axis of its own
     title: str = word("what is simulated", "")
     text: str = ""  # canonical YAML of the whole scene, overrides included
     folder: str = "."  # files are found relative to it

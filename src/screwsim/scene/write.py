@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from screwsim.scene.fields import Leaf, Section, leaf_paths, scene_section, section_of
-from screwsim.scene.types import Scene
+from screwsim.scene.grid import dimensions
+from screwsim.scene.types import Sample, Scene
 from screwsim.scene.values import text_of
 
 
@@ -18,12 +19,40 @@ def scene_text(scene: Scene) -> str:
     for name, active in scene.effects.items():
         parameters = list(_section(section_of(type(active.parameters)), active.parameters, scene.folder, "    "))
         lines += [f"  {_key(name)}:" if parameters else f"  {_key(name)}: {{}}", *parameters]
-    leaves = leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()})
-    lines += ["sweep:"] if scene.sweep else []
-    for path, values in scene.sweep.items():
-        texts = ", ".join(_scalar(leaves[path], value, scene.folder) for value in values)
-        lines.append(f"  {path}: [{texts}]")
+    lines += _sweep(scene)
     return "\n".join(lines) + "\n"
+
+
+def _sweep(scene: Scene) -> Iterator[str]:
+    leaves = leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()})
+
+    def listed(path: str) -> str:
+        return f"{path}: [{', '.join(_scalar(leaves[path], value, scene.folder) for value in scene.sweep[path])}]"
+
+    if scene.sweep:
+        yield "sweep:"
+    zipped = [each.joint for each in dimensions(scene) if each.joint and each.joint.sample is None]
+    for dimension in dimensions(scene):
+        joint = dimension.joint
+        if joint is None:
+            yield f"  {listed(dimension.name)}"
+        elif joint.sample is not None:
+            yield from _sample(joint.sample, leaves)
+        elif joint is zipped[0]:
+            yield "  zip:"
+            for group in zipped:
+                yield from (f"  {'  ' if number else '- '}{listed(path)}" for number, path in enumerate(group.paths))
+
+
+def _sample(sample: Sample, leaves: dict[str, Leaf]) -> Iterator[str]:
+    """Yield how a sample is drawn, not its values: the seed gives them again."""
+    yield f"  sample:\n    kind: {sample.kind}\n    count: {sample.count}\n    seed: {sample.seed}\n    over:"
+    for path, (kind, *values) in sample.over:
+        texts = [text_of(leaves[path], value) for value in values]
+        if kind == "any":
+            yield f"      {path}: [{', '.join(texts)}]"
+        else:
+            yield f"      {path}: {{from: {texts[0]}, to: {texts[1]}, spacing: {kind}}}"
 
 
 def _section(section: Section, value: Any, folder: str, indent: str) -> Iterator[str]:

@@ -12,7 +12,7 @@ import numpy as np
 from screwsim.faults import UsageError
 from screwsim.outputs import Variable
 from screwsim.results.atomic import make_folder, replacing
-from screwsim.results.netcdf import Layout, number_attributes, set_attributes
+from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import variable_name, version
 
 
@@ -59,8 +59,10 @@ def _write_hdf5(path: Path, title: str, columns: Mapping[str, Column]) -> None:
         layout.dimension(file, "row", len(next(iter(columns.values())).values))
         for name, each in columns.items():
             if any(isinstance(value, str) for value in each.values):
-                texts = np.array(["" if value is None else value for value in each.values], np.str_)
-                layout.texts(file, variable_name(name), texts, ("row",), each.long_name)
+                texts = [text_lines("" if value is None else value) for value in each.values]
+                words, numbers = np.unique(texts, return_inverse=True)
+                data = layout.texts(file, variable_name(name), list(words), (len(texts),), ("row",), each.long_name)
+                data[...] = numbers
                 continue
             numbers = np.array([np.nan if value is None else value for value in each.values], float)
             layout.variable(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import warnings
 from collections.abc import Callable
@@ -11,7 +10,7 @@ from functools import lru_cache
 from typing import Any, TypeVar
 
 from screwsim.study.progress import Progress, Silent
-from screwsim.study.workers import process_pool, stop
+from screwsim.study.workers import LocalPool, cores, stop
 
 Answer = TypeVar("Answer")
 DIED = "worker died (run this case alone, with `screwsim run --set …`)"
@@ -66,10 +65,10 @@ def _on_workers(
     progress: Progress,
 ) -> None:
     """Run chunks on workers; what was lost when one died is run number by number, each on a worker of its own."""
-    lost = _run(function, chunks, process_pool(jobs), finish, progress)
+    lost = _run(function, chunks, LocalPool(jobs).executor(jobs), finish, progress)
     for number in (number for chunk in lost for number in chunk):
         alone = range(number, number + 1)
-        if _run(function, [alone], process_pool(1), finish, progress):
+        if _run(function, [alone], LocalPool(1).executor(1), finish, progress):
             finish(alone, [died(number)])
 
 
@@ -112,9 +111,3 @@ def _answers(function: bytes, numbers: range) -> list[Any]:
 @lru_cache(maxsize=1)
 def _unpacked(function: bytes) -> Callable[[int], Any]:
     return pickle.loads(function)
-
-
-def cores() -> int:
-    """Return the number of cores that this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity else os.cpu_count() or 1

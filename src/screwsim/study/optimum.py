@@ -105,7 +105,7 @@ def optimum(
     progress: Progress | None = None,
 ) -> list[Best]:
     """Return the best value for each point of the scene's axes but that of the path (one without them)."""
-    rest = replace(scene, sweep={path: values for path, values in scene.sweep.items() if path != asked.path})
+    rest = only(scene, [path for path in scene.sweep if path != asked.path])
     middle = {asked.path: asked.value(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
     check_fit(case(rest, 0), middle, asked.path)
     count = case_count(rest)

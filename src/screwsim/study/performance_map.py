@@ -99,7 +99,7 @@ def performance_maps(results: Results, figures: Sequence[str] = FIGURES) -> list
 
 def varied_paths(results: Results) -> dict[str, tuple[int, Array]]:
     """Return dimension and values along it of every path that the sweep varies."""
-    return {path: (number, values) for number, (path, values) in enumerate(results.axes.items())}
+    return results.varied
 
 
 def conditions(results: Results) -> dict[str, float]:

@@ -54,13 +54,13 @@ class Bar:
 
         columns = (
             TextColumn(self._title),
-            BarColumn(),
+            BarColumn(bar_width=None),  # what is left of the line
             MofNCompleteColumn(),
             TextColumn("{task.fields[rate]}"),
             TimeRemainingColumn(),
             TextColumn("{task.fields[failures]}"),
         )
-        self._bar = Progress(*columns, console=Console(stderr=True), auto_refresh=False)
+        self._bar = Progress(*columns, console=Console(stderr=True), auto_refresh=False, expand=True)
         self._task = self._bar.add_task(self._title, total=cases, completed=reused, rate="", failures="")
         self._bar.start()
         self._bar.refresh()
@@ -69,7 +69,7 @@ class Bar:
         self._failed += failed
         self._new += cases
         elapsed = self._bar.tasks[0].elapsed or 0.0
-        rate = f"{self._new / elapsed:.1f} points/s" if elapsed else ""
+        rate = f"{_digits(self._new / elapsed)} points/s" if elapsed else ""
         failures = f"{self._failed} not ok" if self._failed else ""
         self._bar.update(self._task, advance=cases, rate=rate, failures=failures, refresh=True)
 
@@ -79,6 +79,10 @@ class Bar:
     def stop(self) -> None:
         if self._bar is not None:
             self._bar.stop()
+
+
+def _digits(rate: float) -> str:
+    return f"{rate:.0f}" if rate >= 10.0 else f"{rate:.2g}"
 
 
 def for_terminal(title: str = "sweep") -> Progress:

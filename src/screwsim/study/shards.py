@@ -1,14 +1,14 @@
 """Finished parts of a sweep on disk: `OUT.h5.parts/` holds one file per chunk of cases until all are there.
 
-Each part is written beside and renamed, so that after a crash at any moment those that are there are whole.
+Each part is written beside and renamed, so that after a crash at any moment those that are there are whole. When they
+get many, neighbours are joined to larger ones.
 """
 
 from __future__ import annotations
 
 import json
 import re
-import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -17,11 +17,12 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.results.atomic import cannot_write, make_folder, replacing
-from screwsim.results.table import FIGURES, TEXTS, Table, join, rows_of, same_angles, trace_names
+from screwsim.results.table import Table, join, same_angles
+from screwsim.study.part_files import is_whole, read_head, read_part, write_part
 
+MOST_SMALL = 128  # parts written until small neighbours are joined
+LARGE = 16_000_000  # [byte] of a part that stays as it is
 _NAME = re.compile(r"cases_(\d{9})_(\d{9})\.npz")
-_TRACE, _LEDGER = "trace_", "ledger_"
-_UNREADABLE = (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile)
 
 
 class Parts:
@@ -32,6 +33,7 @@ class Parts:
         self.folder = output.with_name(output.name + ".parts")
         self.identity = dict(identity)  # what must agree for parts to belong together
         self._lock: Any = None
+        self._small = 0
 
     @property
     def _manifest(self) -> Path:
@@ -99,27 +101,39 @@ class Parts:
 
     def write(self, start: int, table: Table) -> None:
         """Store the results of the cases from `start` on."""
-        path = self.folder / f"cases_{start:09d}_{start + len(table):09d}.npz"
-        arrays = {
-            "status": table.status,
-            "figures": table.figures,
-            "effects": np.array(table.effects, np.str_),
-            "states": np.array(table.states, np.str_),
-            "angle": table.angle,
-            **{name: table.texts[name] for name in TEXTS},
-            **{_TRACE + name: trace for name, trace in table.traces.items()},
-            **{_LEDGER + name: values for name, values in table.ledger.items()},
-        }
-        with replacing(path) as temporary, temporary.open("wb") as stream:
-            np.savez(stream, allow_pickle=False, **arrays)
+        write_part(self._path(range(start, start + len(table))), table)
+        self._small += 1
+        if self._small >= MOST_SMALL:
+            self._join_neighbours()
+            self._small = 0
 
-    def finished(self) -> list[range]:
-        """Return the cases that whole parts hold, ascending and disjoint; parts that cannot be read are removed."""
+    def _join_neighbours(self) -> None:
+        """Join small parts that follow one another; a crash leaves both, and the larger one is taken."""
+        group: list[range] = []
+        room = LARGE
+        for path, cases in [*self._files(), (self.folder, range(0))]:
+            size = path.stat().st_size if cases else LARGE
+            if group and (cases.start != group[-1].stop or size > room):
+                self._join(group)
+                group, room = [], LARGE
+            if size < LARGE:
+                group.append(cases)
+                room -= size
+
+    def _join(self, group: list[range]) -> None:
+        if len(group) < 2:
+            return
+        table = join([read_part(self._path(cases)) for cases in group])
+        write_part(self._path(range(group[0].start, group[-1].stop)), table)
+        for cases in group:
+            self._path(cases).unlink(missing_ok=True)
+
+    def finished(self, fits: Callable[[range], bool] = lambda cases: True) -> list[range]:
+        """Return the cases that whole parts hold, ascending and disjoint; other parts, and unfit ones, are removed."""
         found: list[range] = []
-        for path, cases in self._files():
-            if found and cases.start < found[-1].stop:
-                continue
-            if _whole(path, len(cases)):
+        for path, cases in list(self._files()):
+            inside = bool(found) and cases.start < found[-1].stop
+            if not inside and fits(cases) and is_whole(path, len(cases)):
                 found.append(cases)
             else:
                 path.unlink(missing_ok=True)
@@ -135,77 +149,32 @@ class Parts:
     def _path(self, cases: range) -> Path:
         return self.folder / f"cases_{cases.start:09d}_{cases.stop:09d}.npz"
 
-    def merged(self, total: int) -> Table:
-        """Return all cases as one table; its traces are read from the parts, one at a time, when asked for."""
-        spans, stop = [], 0
-        for _, cases in self._files():
+    def all(self, total: int) -> StoredTables:
+        """Return all cases, read from the parts one after the other."""
+        paths, stop = [], 0
+        for path, cases in self._files():
             if cases.start == stop:
-                spans.append(cases)
+                paths.append(path)
                 stop = cases.stop
         if stop != total:
             raise RuntimeError(f"{self.folder}: cases from {stop} on are missing")
-        tables = [read_part(self._path(cases), traces=False) for cases in spans]
-        paths = [self._path(cases) for cases in spans]
-        return join(tables, _StoredTraces(paths, max(table.angle.size for table in tables)))
+        return StoredTables(paths, total)
 
 
-class _StoredTraces(Mapping[str, np.ndarray]):
-    """Traces of consecutive parts by name, (cases, points); each is read when asked for and not kept."""
+class StoredTables:
+    """Consecutive parts, one in memory at a time."""
 
-    def __init__(self, paths: list[Path], points: int) -> None:
+    def __init__(self, paths: list[Path], cases: int) -> None:
+        self.cases = cases
         self._paths = paths
-        self._points = points
-        found = (name.removeprefix(_TRACE) for path in paths for name in _names(path) if name.startswith(_TRACE))
-        self._names = trace_names(found) if points else ()
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        if name not in self._names:
-            raise KeyError(name)
-        return np.concatenate([rows_of(read_part(path, traces=name), name, self._points) for path in self._paths])
+    def heads(self) -> Iterator[Table]:
+        """Yield the parts without their cases."""
+        return map(read_head, self._paths)
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-
-def _names(path: Path) -> list[str]:
-    with np.load(path, allow_pickle=False) as stored:
-        return list(stored.files)
-
-
-def read_part(path: Path, traces: bool | str = True) -> Table:
-    """Return the table of a part with all traces, none, or the one that is named."""
-    with np.load(path, allow_pickle=False) as stored:
-        names = [name for name in stored.files if name.startswith(_TRACE)] if traces else []
-        kept = [name for name in names if traces is True or name == _TRACE + str(traces)]
-        return Table(
-            status=stored["status"],
-            figures=stored["figures"],
-            texts={name: stored[name] for name in TEXTS},
-            effects=tuple(map(str, stored["effects"])),
-            states=tuple(map(str, stored["states"])),
-            angle=stored["angle"],
-            traces={name.removeprefix(_TRACE): stored[name] for name in kept},
-            ledger={
-                name.removeprefix(_LEDGER): stored[name]
-                for name in stored.files
-                if name.startswith(_LEDGER) and not isinstance(traces, str)
-            },
-        )
-
-
-def _whole(path: Path, cases: int) -> bool:
-    """Tell whether a part can be read to its end (its checksums included) and holds that many cases."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            if archive.testzip() is not None:
-                return False
-        table = read_part(path, traces=False)
-    except _UNREADABLE:
-        return False
-    return len(table) == cases and table.figures.shape == (cases, len(FIGURES))
+    def tables(self, traces: bool) -> Iterator[Table]:
+        """Yield the parts, with or without traces."""
+        return (read_part(path, traces) for path in self._paths)
 
 
 class AngleGuard:

@@ -2,32 +2,36 @@
 
 from __future__ import annotations
 
-import os
-import pickle
 import tempfile
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import lru_cache, partial
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.outputs import STATUSES, Result
+from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder
-from screwsim.results.read import open_results
+from screwsim.results.read import count_statuses, open_results, read_attributes
 from screwsim.results.schema import axes_of, digest, fingerprint, version
-from screwsim.results.table import Table, table_of
-from screwsim.results.write import write_table
-from screwsim.scene import cross_check, grid
+from screwsim.results.write import write_tables
+from screwsim.scene import grid
 from screwsim.scene.types import Scene
+from screwsim.study.blocks import blocks_of
+from screwsim.study.cases import Block, Job, OneByOne, Outcome, SimulateMany, packed, run_blocks, run_packed
+from screwsim.study.culprits import settle
+from screwsim.study.limit import CASE_LIMIT
 from screwsim.study.progress import Progress, Silent
 from screwsim.study.shards import AngleGuard, Parts
-from screwsim.study.workers import Chunks, MakePool, Work, process_pool, settle
+from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
 
+CHUNK_CASES = 1024  # at most in one chunk,
+CHUNK_TRACES = 256  # and where they keep their traces: bounds the memory
 Simulate = Callable[[Scene], Result]
+WarmUp = Callable[[Scene], None]
 
 
 @dataclass(frozen=True)
@@ -43,32 +47,27 @@ class SweepSummary:
     path: Path
 
 
-@dataclass(frozen=True)
-class _Job:
-    """What a worker needs; `simulate` is a function of a module, so that it can be sent to a process."""
-
-    scene: Scene
-    simulate: Simulate
-    keep_cycle: bool
-
-
 def run_sweep(
     scene: Scene,
     output: str | Path,
     *,
     jobs: int | None = None,
+    scheduler: str | None = None,
+    case_limit: float | None = None,
     restart: bool = False,
     simulate: Simulate | None = None,
-    warm_up: Callable[[Scene], None] | None = None,
+    simulate_many: SimulateMany | None = None,
+    warm_up: WarmUp | None = None,
     progress: Progress | None = None,
-    make_pool: MakePool = process_pool,
 ) -> SweepSummary:
     """Simulate every case of the scene's grid and write them to `output` (HDF5).
 
-    `jobs` workers (default: all cores; 1: in this process). What an interrupted sweep of the same scene has
-    finished lies in `output.parts` and is not computed again, unless `restart`. A case that fails is stored as
-    failed and the sweep goes on. `simulate` and `warm_up` default to those of `screwsim.simulate`.
-    Raise UsageError when the file or its parts belong to another scene, or cannot be written.
+    `jobs` workers (default: all cores; 1: in this process), or those of a dask scheduler at an address or in a
+    scheduler file. A case that takes longer than `case_limit` [s] (default: 300, but none in this process) is failed,
+    and so is one that kills its worker; the sweep goes on. What an interrupted sweep of the same scene has finished
+    lies in `output.parts` and is not computed again, unless `restart`. What simulates one scene, or consecutive ones
+    each from the one before it, and what warms up, default to those of `screwsim.simulate`. Raise UsageError when the
+    file or its parts belong to another scene, or cannot be written, or when the scheduler cannot be reached.
     """
     began = time.perf_counter()
     output = Path(output)
@@ -79,20 +78,26 @@ def run_sweep(
     make_folder(output.parent)
     parts.open(restart)
     try:
-        sweep = _Sweep(scene, parts, progress or Silent(), _simulator(scene, simulate, warm_up))
-        reused = sweep.run(jobs or _cores(), make_pool)
-        table = parts.merged(sweep.cases)
-        write_table(output, scene, axes_of(scene), table, "sweep", folder=parts.folder)
+        many, warm = _simulator(scene, simulate, simulate_many, warm_up)
+        run = _Sweep(scene, parts, progress or Silent(), many, warm)
+        reused = run.run(jobs, scheduler, case_limit)
+        write_tables(output, scene, axes_of(scene), parts.all(run.blocks.cases), "sweep", folder=parts.folder)
         parts.discard()
     finally:
         parts.close()
-    return _summary(table.status, reused, began, output)
+    return _finished(output, began, parts, reused)
 
 
 def sweep(scene: Scene, jobs: int | None = None, **options: Any) -> Any:
     """Return all figures of a scene's sweep in memory: an xarray.Dataset, or Results where xarray is missing.
 
-    Names of balance, error, numerics and cycle carry their group as prefix. `options` as of `run_sweep`.
+        data = screwsim.sweep(screwsim.load("study.yaml"))
+        data.shaft_power.sel(operation_speed=314.159, method="nearest")
+
+    Dimensions are those of the sweep (docs/sweeps.md), named by their paths with `_` for each dot, values in SI; `case`
+    and `sample` where paths vary together. Names of balance, error, numerics, cycle and ledger carry their group as
+    prefix. `jobs` workers (default: all cores); `options` as of `run_sweep`, e.g. `scheduler="tcp://…"`. For results
+    that do not fit into memory sweep into a file and open that lazily.
     """
     try:
         import xarray  # noqa: F401 - only whether it is there
@@ -108,105 +113,105 @@ def sweep(scene: Scene, jobs: int | None = None, **options: Any) -> Any:
 class _Sweep:
     """One run over the cases that the parts do not hold yet."""
 
-    def __init__(
-        self, scene: Scene, parts: Parts, progress: Progress, simulator: tuple[Simulate, Callable[[Scene], None]]
-    ) -> None:
+    def __init__(self, scene: Scene, parts: Parts, progress: Progress, many: SimulateMany, warm_up: WarmUp) -> None:
         self.scene = scene
-        self.cases = grid.case_count(scene)
+        self.blocks = blocks_of(scene)
         self._parts = parts
         self._progress = progress
-        self._simulate, self._warm_up = simulator
+        self._many = many
+        self._warm_up = warm_up
         self._angles = AngleGuard()
-        self._chunks = Chunks([], 1)
+        self._chunks = Chunks([], 1, lambda: 1)
 
-    def run(self, jobs: int, make_pool: MakePool) -> int:
+    def run(self, jobs: int | None, scheduler: str | None, case_limit: float | None) -> int:
         """Compute what is missing; return how many cases were there."""
-        finished = self._parts.finished()
+        finished = self._parts.finished(lambda cases: self.blocks.blocks_of(cases) is not None)
         reused = sum(map(len, finished))
-        todo = _gaps(finished, self.cases)
+        done = [blocks for cases in finished if (blocks := self.blocks.blocks_of(cases)) is not None]
+        todo = _gaps(done, self.blocks.count)
         if not todo:
             return reused
-        jobs = min(jobs, self.cases - reused)
-        self._warm_up(self.scene)  # before the fork: every worker inherits what is compiled here
-        self._chunks = Chunks(todo, jobs)
-        job = _Job(self.scene, self._simulate, self.scene.output.keep == "cycle")
-        try:
-            self._progress.start(self.cases, reused)
-            if jobs == 1:
-                self._run_here(job)
-            else:
-                task = partial(run_packed, pickle.dumps(job))
-                settle(self._chunks, jobs, Work(make_pool, task, self._finish, self._dead, self._progress.tick))
-        finally:
-            self._progress.stop()
+        if scheduler is not None:
+            from screwsim.study.cluster import Cluster
+
+            with Cluster(scheduler) as cluster:
+                self._compute(todo, reused, cluster, case_limit or CASE_LIMIT)
+        else:
+            jobs = min(jobs or cores(), sum(map(len, todo)))
+            here = jobs == 1 and case_limit is None
+            self._compute(todo, reused, LocalPool(jobs), None if here else case_limit or CASE_LIMIT)
         return reused
 
-    def _run_here(self, job: _Job) -> None:
-        while (cases := self._chunks.take()) is not None:
-            self._finish(cases, run_cases(job, cases.start, cases.stop))
+    def _compute(self, todo: list[range], reused: int, pool: Pool, limit: float | None) -> None:
+        """Compute blocks on a pool, or without a limit in this process."""
+        self._warm_up(self.scene)  # before the fork: every worker inherits what is compiled here
+        keep = self.scene.output.keep == "cycle"
+        longest = (CHUNK_TRACES if keep else CHUNK_CASES) // len(self.blocks.cases_of(range(1)))
+        self._chunks = Chunks(todo, longest, pool.workers)
+        base = replace(self.scene, sweep={}, joints=(), text="")
+        job = Job(base, tuple(self.scene.sweep), self._many, self._warm_up, keep, limit)
+        self._progress.start(self.blocks.cases, reused)
+        try:
+            if limit is None:
+                self._run_here(job)
+            else:
+                task = partial(run_packed, packed(job))
+                settle(self._chunks, Work(pool, task, self._payload, self._finish, self._progress.tick), limit)
+        finally:
+            self._progress.stop()
+
+    def _run_here(self, job: Job) -> None:
+        while (blocks := self._chunks.take()) is not None:
+            self._finish(blocks, run_blocks(job, self._payload(blocks)))
             self._progress.tick()
 
-    def _finish(self, cases: range, outcome: tuple[Table, float]) -> None:
+    def _payload(self, blocks: range) -> list[Block]:
+        """Return the cases of blocks, made when they are wanted."""
+        cases = self.blocks.cases_of(blocks)
+        values = grid.values_of(self.scene, cases)
+        found = []
+        for block in blocks:
+            span = self.blocks.cases_of(range(block, block + 1))
+            rows = values[span.start - cases.start : span.stop - cases.start]
+            found.append(Block(rows, self.blocks.order(block)))
+        return found
+
+    def _finish(self, blocks: range, outcome: Outcome) -> None:
         table, seconds = outcome
         self._angles.check(table.angle)
-        self._parts.write(cases.start, table)
-        self._chunks.learn(len(cases), seconds)
-        self._progress.advance(len(cases), int(np.count_nonzero(table.status)))
-
-    def _dead(self, case: int) -> None:
-        result = Result("failed", message="worker died (run this case alone, with `screwsim run --set …`)")
-        self._finish(range(case, case + 1), (table_of([result], keep_cycle=False), 0.0))
-
-
-def run_packed(job: bytes, start: int, stop: int) -> tuple[Table, float]:
-    """Run cases in a worker; the job comes pickled so that a worker unpacks it once."""
-    return run_cases(_unpacked(job), start, stop)
-
-
-@lru_cache(maxsize=1)
-def _unpacked(job: bytes) -> _Job:
-    return pickle.loads(job)
-
-
-def run_cases(job: _Job, start: int, stop: int) -> tuple[Table, float]:
-    """Return the results of the cases `start` … `stop` - 1, and the time they took [s]."""
-    began = time.perf_counter()
-    results = [_one_case(job, case) for case in range(start, stop)]
-    return table_of(results, keep_cycle=job.keep_cycle), time.perf_counter() - began
-
-
-def _one_case(job: _Job, index: int) -> Result:
-    """Return the result of a case; whatever goes wrong with it is its result and not the end of the sweep."""
-    try:
-        scene = grid.case(job.scene, index)
-        faults = cross_check(scene)
-        if faults:
-            return Result("failed", message="; ".join(f"{fault.path}: {fault.what}" for fault in faults))
-        return job.simulate(scene)
-    except Exception as error:  # noqa: BLE001 - any error of one case; KeyboardInterrupt is none
-        return Result("failed", message=" ".join(f"{type(error).__name__}: {error}".split()))
+        self._parts.write(self.blocks.cases_of(blocks).start, table)
+        self._chunks.learn(len(blocks), seconds)
+        self._progress.advance(len(table), int(np.count_nonzero(table.status)))
 
 
 def _simulator(
-    scene: Scene, simulate: Simulate | None, warm_up: Callable[[Scene], None] | None
-) -> tuple[Simulate, Callable[[Scene], None]]:
+    scene: Scene, simulate: Simulate | None, many: SimulateMany | None, warm_up: WarmUp | None
+) -> tuple[SimulateMany, WarmUp]:
+    if many is not None:
+        return many, warm_up or nothing
     if simulate is not None:
-        return simulate, warm_up or _nothing
-    # by the module's own name: the package has a function of that name
-    from screwsim.simulate import simulate as default_simulate
+        return OneByOne(simulate), warm_up or nothing
     from screwsim.simulate import warm_up as default_warm_up
 
-    return partial(default_simulate, trace=scene.output.keep == "cycle"), warm_up or default_warm_up
+    return default_simulate_many(scene), warm_up or default_warm_up
 
 
-def _nothing(scene: Scene) -> None: ...
+def default_simulate_many(scene: Scene) -> SimulateMany:
+    """Return what simulates consecutive cases of a scene's sweep."""
+    from screwsim.simulate import simulate_many  # by the module's own name: the package has a function of that name
+
+    return partial(simulate_many, trace=scene.output.keep == "cycle")
+
+
+def nothing(scene: Scene) -> None:
+    """Warm nothing up."""
 
 
 def _claim(output: Path, parts: Parts, restart: bool) -> bool:
     """Return whether the file of this sweep is there; raise UsageError when file or parts are of something else."""
     found = output.exists()
     if found:
-        attributes = open_results(output).attributes
+        attributes = read_attributes(output)
         stored = {"scene_sha256": attributes["scene_sha256"], "fingerprint": attributes["screwsim_fingerprint"]}
         _compare(output, parts, stored | {"version": attributes["screwsim_version"]}, restart)
     identity = parts.stored_identity()
@@ -225,24 +230,16 @@ def _compare(where: Path, parts: Parts, stored: dict[str, Any], restart: bool) -
         raise UsageError(f"{where}: holds results of this scene, but {what} (--restart computes them again)")
 
 
-def _finished(output: Path, began: float, parts: Parts) -> SweepSummary:
+def _finished(output: Path, began: float, parts: Parts, reused: int | None = None) -> SweepSummary:
+    """Return how the sweep in a file ended; by default an earlier run computed all of it."""
     parts.discard()  # what a crash left after the file was written
-    status = open_results(output).performance["status"]
-    return _summary(status.ravel(), status.size, began, output)
+    ok, not_closed, failed = count_statuses(output)
+    count = ok + not_closed + failed
+    seconds = time.perf_counter() - began
+    return SweepSummary(count, ok, not_closed, failed, count if reused is None else reused, seconds, output)
 
 
-def _summary(status: np.ndarray, reused: int, began: float, path: Path) -> SweepSummary:
-    ok, not_closed, failed = (int(np.count_nonzero(status == index)) for index in range(len(STATUSES)))
-    return SweepSummary(len(status), ok, not_closed, failed, reused, time.perf_counter() - began, path)
-
-
-def _gaps(finished: list[range], cases: int) -> list[range]:
-    """Return the cases between the finished ones."""
-    edges = [0, *(edge for span in finished for edge in (span.start, span.stop)), cases]
+def _gaps(finished: Sequence[range], count: int) -> list[range]:
+    """Return what lies between the finished ones."""
+    edges = [0, *(edge for span in finished for edge in (span.start, span.stop)), count]
     return [range(start, stop) for start, stop in zip(edges[::2], edges[1::2], strict=True) if stop > start]
-
-
-def _cores() -> int:
-    """Return the number of cores that this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity else os.cpu_count() or 1

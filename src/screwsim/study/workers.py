@@ -1,6 +1,6 @@
-"""Run chunks of cases in worker processes, and find the case that kills its worker.
+"""Run chunks of blocks on worker processes, over the interface of concurrent.futures.
 
-Any executor with the interface of concurrent.futures serves; a pool of processes is the default.
+A pool of processes is the default; `screwsim.study.cluster` makes one of dask's workers.
 """
 
 from __future__ import annotations
@@ -10,30 +10,65 @@ import os
 import signal
 import sys
 import threading
+import time
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
+
+from screwsim.faults import UsageError
 
 CHUNK_SECONDS = 1.0  # [s] what a crash may lose per worker; a part costs some ms
-CHUNK_CASES = 256  # bounds the memory of a chunk with traces
-_TICK = 0.25  # [s]
+_FIRST = 1  # [blocks] of the chunks that tell how long cases take
+LOST = "the scheduler, or its connection, was lost (start it again; the sweep resumes)"
+TICK = 0.25  # [s]
 
-MakePool = Callable[[int], Executor]
-Task = Callable[[int, int], Any]
+
+class Pool(Protocol):
+    """Where workers come from."""
+
+    def executor(self, jobs: int) -> Executor:
+        """Return an executor of so many workers at most."""
+        ...
+
+    def workers(self) -> int:
+        """Return how many cases run at a time, at the moment."""
+        ...
+
+
+@dataclass(frozen=True)
+class LocalPool:
+    """Worker processes of this machine."""
+
+    jobs: int
+
+    def executor(self, jobs: int) -> Executor:
+        """Return a pool of processes."""
+        context = multiprocessing.get_context(start_method())
+        return ProcessPoolExecutor(min(jobs, self.jobs), context, _start_worker)
+
+    def workers(self) -> int:
+        """Return the number of processes."""
+        return self.jobs
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 class Chunks:
-    """Cut what is left to do into chunks of consecutive cases that take about CHUNK_SECONDS."""
+    """Cut what is left to do into chunks of consecutive blocks that take about CHUNK_SECONDS."""
 
-    def __init__(self, todo: Iterable[range], jobs: int, longest: int = CHUNK_CASES) -> None:
-        self._gaps = deque(cases for cases in todo if len(cases))
+    def __init__(self, todo: Iterable[range], longest: int, jobs: Callable[[], int]) -> None:
+        self._gaps = deque(blocks for blocks in todo if len(blocks))
         self._left = sum(map(len, self._gaps))
         self._jobs = jobs
         self._longest = longest
-        self._cases = 0
+        self._blocks = 0
         self._seconds = 0.0
 
     def take(self) -> range | None:
@@ -47,23 +82,22 @@ class Chunks:
         self._left -= size
         return first[:size]
 
+    def give_back(self, blocks: range) -> None:
+        """Put a chunk back, to be done next."""
+        self._gaps.appendleft(blocks)
+        self._left += len(blocks)
+
     def _size(self) -> int:
-        if not self._seconds:
-            return 1 if not self._cases else self._longest
-        wanted = int(CHUNK_SECONDS * self._cases / self._seconds)
-        fair = -(-self._left // (4 * self._jobs))  # the last chunks end together
+        if not self._blocks:
+            return _FIRST
+        wanted = int(CHUNK_SECONDS * self._blocks / max(self._seconds, 1e-9))
+        fair = -(-self._left // (4 * self._jobs()))  # the last chunks end together
         return max(1, min(wanted, fair, self._longest))
 
-    def learn(self, cases: int, seconds: float) -> None:
-        """Take note of how long cases took."""
-        self._cases += cases
+    def learn(self, blocks: int, seconds: float) -> None:
+        """Take note of how long blocks took."""
+        self._blocks += blocks
         self._seconds += seconds
-
-
-def process_pool(jobs: int) -> Executor:
-    """Return a pool of worker processes."""
-    context = multiprocessing.get_context(start_method())
-    return ProcessPoolExecutor(jobs, context, _start_worker)
 
 
 def start_method() -> str:
@@ -81,6 +115,8 @@ def start_method() -> str:
 def _start_worker() -> None:
     """Leave Ctrl-C to the parent, and end with it: a pool's worker waits for ever when its parent is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(signal, "SIGALRM"):
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)  # it ends a case that hangs
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
@@ -91,88 +127,81 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def stop(pool: Executor) -> None:
-    """Give up a pool at once: what it still does is not wanted any more."""
-    processes = dict(getattr(pool, "_processes", None) or {})
-    pool.shutdown(wait=False, cancel_futures=True)
+def stop(executor: Executor) -> None:
+    """Give up an executor at once: what it still does is not wanted any more."""
+    processes = dict(getattr(executor, "_processes", None) or {})
+    if processes:
+        executor.shutdown(wait=False, cancel_futures=True)
+    else:  # dask's knows no `cancel_futures`: it cancels them in any case
+        executor.shutdown(wait=False)
     for process in processes.values():
         process.kill()  # it holds nothing: only this process writes files
 
 
 @dataclass(frozen=True)
 class Work:
-    """What to do with chunks: `task(start, stop)` runs in a worker, the others are called in this process."""
+    """What to do with chunks: `task(payload(blocks))` runs in a worker, the others are called in this process."""
 
-    make_pool: MakePool
-    task: Task
+    pool: Pool
+    task: Callable[[Any], Any]
+    payload: Callable[[range], Any]
     finish: Callable[[range, Any], None]  # with the task's result
-    dead: Callable[[int], None]  # for a case that kills its worker
     tick: Callable[[], None]
 
 
-def settle(chunks: Chunks, jobs: int, work: Work, flying: int | None = None) -> None:
-    """Run all chunks, at most `flying` in flight (default: two a worker).
+@dataclass(frozen=True)
+class Lost:
+    """A chunk that was in flight, for so many seconds, when a worker died."""
 
-    When a worker dies, nobody knows which of the chunks in flight was its. They are run again case by case on
-    all workers, and those in flight at the next death one at a time: then the case is certain.
-    """
-    flying = flying or 2 * jobs
-    if flying == 1:
-        _probe(work.make_pool(1))
-    while lost := _drain(chunks, flying, work, work.make_pool(jobs)):
-        if flying == 1:
-            work.dead(lost[0].start)
-            continue
-        again = 1 if all(len(cases) == 1 for cases in lost) else jobs
-        single = [range(case, case + 1) for cases in sorted(lost, key=lambda cases: cases.start) for case in cases]
-        settle(Chunks(single, again, 1), again, work, again)
+    blocks: range
+    seconds: float
 
 
-def _probe(pool: Executor) -> None:
-    """Raise RuntimeError when workers die without any case: no case is to blame then."""
-    try:
-        pool.submit(os.getpid).result()
-    except BrokenExecutor as error:
-        raise RuntimeError("worker processes cannot start (use one job: --jobs 1)") from error
-    finally:
-        pool.shutdown()
-
-
-def _drain(chunks: Chunks, flying: int, work: Work, pool: Executor) -> list[range]:
-    """Run chunks, `flying` at a time, until none is left or a worker dies; return those in flight at its death."""
-    running: dict[Future[Any], range] = {}
-    lost: list[range] = []
+def drain(chunks: Chunks, work: Work) -> list[Lost]:
+    """Run chunks, two a worker, until none is left or a worker dies; return those in flight at its death."""
+    executor = work.pool.executor(work.pool.workers())
+    running: dict[Future[Any], tuple[range, float]] = {}
+    lost: list[Lost] = []
     try:
         while True:
-            while not lost and len(running) < flying and (cases := chunks.take()) is not None:
-                _submit(pool, work.task, cases, running, lost)
+            flying = 2 * work.pool.workers()
+            while not lost and len(running) < flying and (blocks := chunks.take()) is not None:
+                future = submit(executor, work.task, work.payload(blocks))
+                running[future] = blocks, time.monotonic()
             if not running:
                 break
-            done, _ = wait(running, _TICK, FIRST_COMPLETED)
+            done, _ = wait(running, TICK, FIRST_COMPLETED)
             for future in done:
-                cases = running.pop(future)
-                if _worker_died(future.exception()):
-                    lost.append(cases)
+                blocks, began = running.pop(future)
+                if worker_died(future):
+                    lost.append(Lost(blocks, time.monotonic() - began))
                 else:
-                    work.finish(cases, future.result())
+                    work.finish(blocks, future.result())
             work.tick()
     except BaseException:  # Ctrl-C or a full disk: workers must not go on
-        stop(pool)
+        stop(executor)
         raise
-    pool.shutdown()
+    executor.shutdown()
     return lost
 
 
-def _submit(pool: Executor, task: Task, cases: range, running: dict[Future[Any], range], lost: list[range]) -> None:
+def submit(executor: Executor, task: Callable[[Any], Any], payload: Any) -> Future[Any]:
+    """Return the future of a task; where the executor is broken already, one that tells it."""
     try:
         with warnings.catch_warnings():
             # Python 3.12 warns when it forks beside any thread; numerical libraries keep idle ones that survive it
             warnings.filterwarnings("ignore", ".*fork", DeprecationWarning)
-            running[pool.submit(task, cases.start, cases.stop)] = cases
-    except BrokenExecutor:
-        lost.append(cases)
+            return executor.submit(task, payload)
+    except BrokenExecutor as error:
+        broken: Future[Any] = Future()
+        broken.set_exception(error)
+        return broken
 
 
-def _worker_died(error: BaseException | None) -> bool:
+def worker_died(future: Future[Any]) -> bool:
+    """Tell whether a worker died over a task; raise UsageError when the whole cluster is gone."""
+    if future.cancelled():
+        raise UsageError(LOST)
+    error = future.exception()
     # dask's own error is known by its name: dask need not be installed
     return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"

@@ -1,0 +1,93 @@
+"""Sweep a million points of a cheap scene, and print time, rate, memory and size.
+
+Run: .venv/bin/python scripts/big_sweep.py [--points 1000000] [--jobs N] [--engine-alone] [-o OUT.h5]. The scene is the
+paper's point with its ports alone and no error estimate, over speeds and pressures; `--engine-alone` simulates
+one point and gives its result to all, which leaves what the sweep itself costs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import resource
+import tempfile
+import time
+from collections.abc import Iterable, Iterator
+from functools import partial
+from pathlib import Path
+
+from screwsim.outputs import Result
+from screwsim.scene import Scene, case, load
+from screwsim.simulate import simulate
+from screwsim.study.progress import Silent
+from screwsim.study.sweep import run_sweep
+
+ROOT = Path(__file__).resolve().parent.parent
+POINT = ROOT / "configs" / "paper" / "point.yaml"
+PORTS = ("suction_port", "discharge_port")
+MEBI = 1 << 20
+
+
+class Tenths(Silent):
+    """Progress that notes when each tenth was done, and the most parts that lay on disk."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.total = self.done = self.most = 0
+        self.began = time.perf_counter()
+        self.times: list[float] = []
+
+    def start(self, cases: int, reused: int) -> None:
+        self.total = cases
+
+    def advance(self, cases: int, failed: int) -> None:
+        self.done += cases
+        if 10 * self.done >= (len(self.times) + 1) * self.total:
+            self.times.append(time.perf_counter() - self.began)
+            self.most = max(self.most, sum(1 for _ in self.folder.iterdir()))
+
+    def rates(self) -> list[str]:
+        """Return the points per second of each tenth."""
+        spans = [after - before for before, after in zip([0.0, *self.times], self.times, strict=False)]
+        return [f"{self.total / 10 / span:.0f}" for span in spans]
+
+
+def scene_of(points: int) -> Scene:
+    """Return the ports alone over speeds and discharge pressures, about `points` in all."""
+    rows = max(1, round(points**0.5))
+    axes = [
+        f"sweep.operation.speed={{from: 1000 rpm, to: 5000 rpm, count: {rows}}}",
+        f"sweep.operation.discharge.pressure={{from: 6 bar, to: 10 bar, count: {max(1, points // rows)}}}",
+    ]
+    whole = load(str(POINT), ["numerics.error=none", *axes])
+    return load(str(POINT), ["numerics.error=none", *axes], [name for name in whole.effects if name not in PORTS])
+
+
+def repeat(result: Result, scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Give one result for every scene."""
+    return (result for _ in scenes)
+
+
+def main() -> None:
+    """Sweep, and print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--points", type=int, default=1_000_000)
+    parser.add_argument("--jobs", type=int)
+    parser.add_argument("--engine-alone", action="store_true")
+    parser.add_argument("-o", type=Path)
+    given = parser.parse_args()
+    scene = scene_of(given.points)
+    many = partial(repeat, simulate(case(scene, 0), trace=False)) if given.engine_alone else None
+    with tempfile.TemporaryDirectory() as folder:
+        output = given.o or Path(folder) / "big.h5"
+        progress = Tenths(output.with_name(output.name + ".parts"))
+        summary = run_sweep(scene, output, jobs=given.jobs, simulate_many=many, progress=progress, restart=True)
+        size = output.stat().st_size
+    peaks = [resource.getrusage(who).ru_maxrss / 1024 for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    print(f"{summary.cases} points ({summary.ok} ok) in {summary.seconds:.0f} s", end=", ")
+    print(f"the file of {size / MEBI:.0f} MiB in the last {summary.seconds - progress.times[-1]:.0f} s of them")
+    print(f"points/s by tenths: {' '.join(progress.rates())}")
+    print(f"at most {progress.most} files of parts; peak memory {peaks[0]:.0f} MiB, of a worker {peaks[1]:.0f} MiB")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+"""Print what a sweep costs beside its solutions, and what a second worker brings.
+
+Run: .venv/bin/python scripts/sweep_speed.py [SCENE.yaml] [REPEATS]. Overhead: processor time of a sweep in this
+process, its parts included, over that of the same blocks simulated alone; the file that joins the parts is told apart.
+Workers: wall time of whole sweeps, best of the repeats; it needs idle cores.
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from screwsim.scene import Scene, case, load
+from screwsim.simulate import warm_up
+from screwsim.study.blocks import blocks_of
+from screwsim.study.progress import Silent
+from screwsim.study.sweep import default_simulate_many, nothing, run_sweep
+
+ROOT = Path(__file__).resolve().parent.parent
+FIG1 = ROOT / "configs" / "paper" / "fig1.yaml"
+REAL = ROOT / "configs" / "r134a" / "point.yaml"
+PRESSURES = [
+    "operation.speed=3000 rpm",
+    "operation.condensing_temperature=45 degC",
+    "sweep.operation.condensing_temperature={from: 30 degC, to: 60 degC, count: 1000}",
+]
+
+
+def seconds(work: Callable[[], object], clock: Callable[[], float]) -> float:
+    """Return how long something takes by a clock [s]."""
+    began = clock()
+    work()
+    return clock() - began
+
+
+def simulate_alone(scene: Scene) -> None:
+    """Simulate the blocks of a sweep without a sweep."""
+    blocks, many = blocks_of(scene), default_simulate_many(scene)
+    for number in range(blocks.count):
+        first = blocks.cases_of(range(number, number + 1)).start
+        for _ in many(case(scene, first + place) for place in blocks.order(number)):
+            pass
+
+
+class Stopwatch(Silent):
+    """Progress that notes the processor time [s] when all cases are computed."""
+
+    computed = 0.0
+
+    def stop(self) -> None:
+        self.computed = time.process_time()
+
+
+def swept(scene: Scene, jobs: int) -> tuple[float, float]:
+    """Sweep a scene into a file that is thrown away; return processor time [s] of its cases and of its file."""
+    watch, began = Stopwatch(), time.process_time()
+    with tempfile.TemporaryDirectory() as folder:
+        run_sweep(scene, Path(folder) / "sweep.h5", jobs=jobs, progress=watch, warm_up=nothing)
+        return watch.computed - began, time.process_time() - watch.computed
+
+
+def main() -> None:
+    """Measure one scene, and real-gas points over the condensing temperature."""
+    scene = load(sys.argv[1] if len(sys.argv) > 1 else str(FIG1))
+    repeats = int(sys.argv[2]) if len(sys.argv) > 2 else 5
+    warm_up(scene)
+    swept(scene, 1)
+    cases = blocks_of(scene).cases
+    rounds = [(seconds(partial(simulate_alone, scene), time.process_time), *swept(scene, 1)) for _ in range(repeats)]
+    alone, computed, file = (statistics.median(column) for column in zip(*rounds, strict=True))
+    extra = statistics.median(each[1] / each[0] for each in rounds) - 1.0
+    print(f"{cases} points: {1e3 * alone / cases:.3f} ms a point alone, {1e3 * computed / cases:.3f} ms in a sweep")
+    print(f"overhead {extra:.1%} of the solution a point, and {1e3 * file:.0f} ms for the file (processor time)")
+    one, two = (min(seconds(partial(swept, scene, jobs), time.perf_counter) for _ in range(repeats)) for jobs in (1, 2))
+    print(f"one worker {one:.2f} s, two workers {two:.2f} s: {one / two:.2f} times as fast")
+    real = load(str(REAL), PRESSURES)
+    warm_up(real)
+    best = min(seconds(partial(swept, real, 2), time.perf_counter) for _ in range(min(repeats, 3)))
+    print(f"real gas at 3000 rpm, two workers: {1000 / best:.0f} points/s")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,166 @@
+"""One axis of a sweep: a list, an evenly spaced range, or a column of a CSV file, as values in SI units."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import math
+import os
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+from screwsim.scene.fields import Leaf, unknown
+from screwsim.scene.sections import read_leaf
+from screwsim.scene.units import Refused, customary_unit, to_customary
+from screwsim.scene.values import convert, shown, text_of
+from screwsim.scene.yaml_tree import Node, Problem, join
+
+LONGEST_AXIS = 100_000  # values; more is a slip of the pen
+SPACING = Leaf("choice", "spacing of the values", "linear", {"options": ("linear", "log")})
+_COUNT = Leaf("count", "number of values", dataclasses.MISSING, {"ge": 1, "le": LONGEST_AXIS})
+_WORD = Leaf("word", "a word", None, {})
+_RANGE = "write {from: …, to: …, count: …}"
+_COLUMN = "write {file: x.csv, column: …}"
+
+
+def read_axis(leaf: Leaf, node: Node, path: str, problems: list[Problem], distinct: bool = True) -> tuple[Any, ...]:
+    """Return the values of an axis; where they must be `distinct`, a repeated one is a fault."""
+    if isinstance(node.value, dict):
+        read = _column if "file" in node.value else _range
+        values = read(leaf, node, path, problems)
+    elif isinstance(node.value, list):
+        values = [read_leaf(leaf, item, path, problems) for item in node.value]
+    else:
+        what = f"{shown(node.value)} is neither a list nor {{from, to, count}} (write e.g. [{example(leaf)}])"
+        problems.append(Problem(node.place, path, what))
+        return ()
+    good = [value for value in values if value is not None]
+    twice = next((value for value, times in Counter(good).items() if times > 1), None) if distinct else None
+    if not values and isinstance(node.value, list):
+        problems.append(Problem(node.place, path, f"has no values (write e.g. [{example(leaf)}])"))
+    elif twice is not None:
+        problems.append(Problem(node.place, path, f"has {text_of(leaf, twice)} twice (remove one)"))
+    return tuple(good)
+
+
+def example(leaf: Leaf) -> str:
+    """Return values as one writes them."""
+    return leaf.dimension.example if leaf.dimension else leaf.limits["options"][0] if leaf.kind == "choice" else "1, 2"
+
+
+def read_fields(
+    fields: Mapping[str, Leaf], node: Node, path: str, problems: list[Problem], remedy: str, also: tuple[str, ...] = ()
+) -> dict[str, Any] | None:
+    """Return the values of a small mapping, or None after faults were added; `also` are names read elsewhere."""
+    before = len(problems)
+    for name, child in node.value.items():
+        if name not in fields and name not in also:
+            problems.append(Problem(child.heading, join(path, name), unknown(name, [*fields, *also])))
+    given: dict[str, Any] = {}
+    for name, field in fields.items():
+        child = node.value.get(name)
+        if child is not None:
+            given[name] = read_leaf(field, child, join(path, name), problems)
+        elif field.required:
+            problems.append(Problem(node.heading, join(path, name), f"is missing ({remedy})"))
+        else:
+            given[name] = field.default
+    return given if len(problems) == before else None
+
+
+def _range(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> list[Any]:
+    """Return the values of {from, to, count, spacing}, or nothing after faults were added."""
+    if leaf.kind == "choice":
+        problems.append(Problem(node.place, path, "is a choice: write a list of its words"))
+        return []
+    end = dataclasses.replace(leaf, default=dataclasses.MISSING)
+    fields = {"from": end, "to": end, "count": _COUNT, "spacing": SPACING}
+    given = read_fields(fields, node, path, problems, _RANGE)
+    if given is None:
+        return []
+    try:
+        return spread(leaf, given["from"], given["to"], given["count"], given["spacing"])
+    except Refused as refusal:
+        problems.append(Problem(node.place, path, str(refusal)))
+        return []
+
+
+def spread(leaf: Leaf, first: float, last: float, count: int, spacing: str) -> list[Any]:
+    """Return `count` values from first to last [SI], evenly spaced in the customary unit or its logarithm."""
+    if spacing == "log" and not (first > 0.0 and last > 0.0):
+        raise Refused("log spacing needs ends above zero (choose others, or spacing: linear)")
+    if count == 1:
+        return [first]
+    kind = leaf.dimension
+    ends = [to_customary(kind, end) if kind else end for end in (first, last)]
+    if spacing == "log":
+        ends = [math.log(end) for end in ends]
+    inner = [ends[0] + (ends[1] - ends[0]) * index / (count - 1) for index in range(1, count - 1)]
+    if spacing == "log":
+        inner = [math.exp(number) for number in inner]
+    return [first, *(_rounded(leaf, number) for number in inner), last]
+
+
+def _rounded(leaf: Leaf, number: float) -> Any:
+    """Return a number of the customary unit in SI, rounded to 14 digits so that the axis reads well."""
+    text = f"{number:.14g}"
+    if leaf.kind == "count":
+        if "." in text:
+            raise Refused("does not give whole numbers (change count, or write a list)")
+        return int(float(text))
+    kind = leaf.dimension
+    return convert(leaf, f"{text} {customary_unit(kind)}" if kind else float(text))
+
+
+def _column(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> list[Any]:
+    """Return the values of {file, column, unit}: a column of a CSV file whose first line names the columns."""
+    required = dataclasses.replace(_WORD, default=dataclasses.MISSING)
+    given = read_fields({"file": required, "column": required, "unit": _WORD}, node, path, problems, _COLUMN)
+    if given is None:
+        return []
+    try:
+        cells = _cells(os.path.join(node.place.folder, given["file"]), given["file"], given["column"])
+        return [_cell(leaf, text, given["unit"], f"{given['file']} line {line}") for line, text in cells]
+    except Refused as refusal:
+        problems.append(Problem(node.place, path, str(refusal)))
+        return []
+
+
+def _cells(name: str, label: str, column: str) -> list[tuple[int, str]]:
+    """Return (line, text) of every row of a column; raise `Refused`. Lines that begin with # are comments."""
+    try:
+        with open(name, encoding="utf-8-sig", newline="") as stream:
+            rows = [(line, row) for line, row in enumerate(csv.reader(stream), 1) if row and row[0][:1] != "#"]
+    except (OSError, ValueError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or "it is not CSV in UTF-8"
+        raise Refused(f"{shown(label)} cannot be read: {reason} (name a CSV file, relative to the scene)") from None
+    heads = [text.strip() for text in rows[0][1]] if rows else []
+    if column not in heads:
+        raise Refused(f"{shown(label)}: column {shown(column)} {unknown(column, heads)}")
+    if not 1 < len(rows) <= LONGEST_AXIS + 1:
+        raise Refused(f"{shown(label)} has {len(rows) - 1} rows of values (1 to {LONGEST_AXIS} are allowed)")
+    place = heads.index(column)
+    return [(line, row[place].strip() if place < len(row) else "") for line, row in rows[1:]]
+
+
+def _cell(leaf: Leaf, text: str, unit: str | None, where: str) -> Any:
+    if unit and leaf.dimension is None:
+        raise Refused(f"has no unit, but unit: {shown(unit)} is given (remove unit)")
+    try:
+        if leaf.dimension is not None:
+            return convert(leaf, f"{text} {unit}" if unit else text)
+        return convert(leaf, text if leaf.kind == "choice" else _plain(text))
+    except Refused as refusal:
+        hint = " or name the unit of the column, e.g. unit: rpm" if leaf.dimension is not None and not unit else ""
+        raise Refused(f"{where}: {refusal}{hint}") from None
+
+
+def _plain(text: str) -> Any:
+    """Return a cell as the number that it is, else as its text."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

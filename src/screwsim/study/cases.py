@@ -1,0 +1,124 @@
+"""What a worker does: simulate blocks of cases and return them as one table."""
+
+from __future__ import annotations
+
+import pickle
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from screwsim.outputs import Result
+from screwsim.results.table import Table, table_of
+from screwsim.scene import cross_check, with_values
+from screwsim.scene.types import Scene
+from screwsim.study.limit import Limit
+
+SimulateMany = Callable[[Iterable[Scene]], Iterator[Result]]
+Outcome = tuple[Table, float]  # results, and the time that they took [s]
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is the same for all cases; the functions belong to modules, so that they can be sent to a process.
+
+    `scene` has no sweep. `limit` [s] of one case: beyond it the process is killed; None: no limit.
+    """
+
+    scene: Scene
+    paths: tuple[str, ...]
+    simulate_many: SimulateMany
+    warm_up: Callable[[Scene], None]
+    keep_cycle: bool
+    limit: float | None
+
+
+@dataclass(frozen=True)
+class Block:
+    """Cases to simulate in one go: values of the job's paths, the order, and why some are failed beforehand."""
+
+    values: Sequence[tuple[Any, ...]]
+    order: Sequence[int]
+    failed: Mapping[int, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class OneByOne:
+    """Simulate scenes one after the other, each from its own start."""
+
+    simulate: Callable[[Scene], Result]
+
+    def __call__(self, scenes: Iterable[Scene]) -> Iterator[Result]:
+        return map(self.simulate, scenes)
+
+
+_jobs: dict[bytes, Job] = {}  # unpacked and warm; a fork inherits those of its parent
+
+
+def packed(job: Job) -> bytes:
+    """Return a job as it is sent to workers; those that are forked from now on take it as warm."""
+    raw = pickle.dumps(job)
+    _jobs.clear()
+    _jobs[raw] = job
+    return raw
+
+
+def run_packed(raw: bytes, blocks: Sequence[Block]) -> Outcome:
+    """Run blocks in a worker, which unpacks a job once and warms up before the first case."""
+    if raw not in _jobs:
+        job: Job = pickle.loads(raw)
+        job.warm_up(job.scene)
+        _jobs.clear()
+        _jobs[raw] = job
+    return run_blocks(_jobs[raw], blocks)
+
+
+def run_blocks(job: Job, blocks: Sequence[Block]) -> Outcome:
+    """Return the results of blocks, cases in the order of their values."""
+    began = time.perf_counter()
+    results = [result for block in blocks for result in _run(job, block)]
+    return table_of(results, keep_cycle=job.keep_cycle), time.perf_counter() - began
+
+
+def _run(job: Job, block: Block) -> list[Result]:
+    results: dict[int, Result] = {}
+    run: list[tuple[int, Scene]] = []
+    for place in block.order:
+        scene = with_values(job.scene, dict(zip(job.paths, block.values[place], strict=True)))
+        failed = block.failed.get(place) or _unfit(scene)
+        if not failed:
+            run.append((place, scene))
+            continue
+        results[place] = Result("failed", message=failed)
+        results |= _chain(job, run)
+        run = []
+    results |= _chain(job, run)
+    return [results[place] for place in range(len(block.values))]
+
+
+def _unfit(scene: Scene) -> str:
+    """Return why the values of a case do not fit together; '' when they do."""
+    try:
+        return "; ".join(f"{fault.path}: {fault.what}" for fault in cross_check(scene))
+    except Exception as error:  # noqa: BLE001 - as below
+        return _told(error)
+
+
+def _chain(job: Job, run: Sequence[tuple[int, Scene]]) -> dict[int, Result]:
+    """Return the results of consecutive cases; whatever goes wrong with one is its result and not the end."""
+    results: dict[int, Result] = {}
+    limit = Limit(job.limit)
+    many: Iterator[Result] | None = None
+    for number, (place, _) in enumerate(run):
+        try:
+            with limit:
+                many = many or iter(job.simulate_many(scene for _, scene in run[number:]))
+                results[place] = next(many)
+        except Exception as error:  # noqa: BLE001 - any error of one case; KeyboardInterrupt is none
+            results[place] = Result("failed", message=_told(error))
+            many = None
+    return results
+
+
+def _told(error: Exception) -> str:
+    return " ".join(f"{type(error).__name__}: {error}".split())

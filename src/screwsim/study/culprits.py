@@ -1,0 +1,150 @@
+"""Find the case that kills its worker, or never ends, and let everything else finish."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Sequence
+from concurrent.futures import BrokenExecutor, Executor, wait
+from dataclasses import dataclass, replace
+from typing import Any
+
+from screwsim.study.cases import Block
+from screwsim.study.workers import TICK, Chunks, Lost, Work, drain, stop, submit, worker_died
+
+_DIED = "worker died (run this case alone, with `screwsim run --set …`)"
+_HUNG = "ran longer than {:g} s and was ended (allow more with --case-limit, or run this case alone)"
+_UNEXPLAINED = "worker died over the block of this case, {} times, but over none of its cases alone"
+_TRIES = 3  # of a block whose worker dies without a culprit: others may have killed it
+
+
+@dataclass(frozen=True)
+class Death:
+    """The end of a worker, after so many seconds."""
+
+    seconds: float
+
+
+class _Alone:
+    """One worker, one task at a time: who is at work when it dies is certain."""
+
+    def __init__(self, work: Work) -> None:
+        self._work = work
+        self._executor: Executor | None = None
+
+    def __enter__(self) -> _Alone:
+        """Raise RuntimeError when workers die without any case: no case is to blame then."""
+        try:
+            self._start().submit(os.getpid).result()
+        except BrokenExecutor as error:
+            raise RuntimeError("worker processes cannot start (use one job: --jobs 1)") from error
+        return self
+
+    def __exit__(self, kind: Any, *error: object) -> None:
+        if self._executor is not None and kind is None:
+            self._executor.shutdown()
+        elif self._executor is not None:
+            stop(self._executor)
+
+    def _start(self) -> Executor:
+        if self._executor is None:
+            self._executor = self._work.pool.executor(1)
+        return self._executor
+
+    def run(self, blocks: Sequence[Block]) -> Any:
+        """Return the outcome of blocks, or a Death."""
+        began = time.monotonic()
+        future = submit(self._start(), self._work.task, blocks)
+        while not wait([future], TICK).done:
+            self._work.tick()
+        if not worker_died(future):
+            return future.result()
+        self._start().shutdown()
+        self._executor = None
+        return Death(time.monotonic() - began)
+
+
+def settle(chunks: Chunks, work: Work, limit: float | None) -> None:
+    """Run all chunks.
+
+    When a worker dies, nobody knows which of the chunks in flight was its. They are run again one at a time, the
+    oldest first, until one is found that kills its worker again; all others go back to where they came from.
+    """
+    while lost := drain(chunks, work):
+        lost.sort(key=lambda each: -each.seconds)
+        with _Alone(work) as alone:
+            while lost and not _settled(lost.pop(0), alone, work, limit):
+                pass
+        for each in lost:
+            chunks.give_back(each.blocks)
+
+
+def _settled(lost: Lost, alone: _Alone, work: Work, limit: float | None) -> bool:
+    """Finish a chunk alone; return whether there was a culprit in it."""
+    hung = limit is not None and lost.seconds >= limit
+    guilty = False
+    for number, block in zip(lost.blocks, work.payload(lost.blocks), strict=True):
+        outcome, failed = _sure(block, alone, limit, hung)
+        work.finish(range(number, number + 1), outcome)
+        guilty |= bool(failed)
+    return guilty
+
+
+def _sure(block: Block, alone: _Alone, limit: float | None, hung: bool) -> tuple[Any, bool]:
+    """Return the outcome of a block, its culprits marked failed; `hung`: look for them before it is run."""
+    unexplained = 0
+    while True:
+        outcome = Death(0.0) if hung else alone.run([block])
+        if not isinstance(outcome, Death):
+            return outcome, bool(block.failed)
+        found = _culprit(block, alone, limit)
+        unexplained += not (found or hung)
+        hung = False
+        if unexplained == _TRIES:
+            found = dict.fromkeys(range(len(block.values)), _UNEXPLAINED.format(_TRIES))
+        block = replace(block, failed={**found, **block.failed})
+
+
+def _culprit(block: Block, alone: _Alone, limit: float | None) -> dict[int, str]:
+    """Return {place: why} of one case over which the worker dies, {} without any; the results are thrown away."""
+    for place in block.order:
+        if place in block.failed:
+            continue
+        one = Block([block.values[place]], [0])
+        death = alone.run([one])
+        if not isinstance(death, Death):
+            continue
+        if _hung(death, limit) or isinstance(alone.run([one]), Death):  # twice: nobody from outside
+            return {place: _why(death, limit)}
+    return _culprit_in_chain(block, alone, limit)
+
+
+def _hung(death: Death, limit: float | None) -> bool:
+    return limit is not None and death.seconds >= limit
+
+
+def _why(death: Death, limit: float | None) -> str:
+    return _HUNG.format(limit) if _hung(death, limit) else _DIED
+
+
+def _culprit_in_chain(block: Block, alone: _Alone, limit: float | None) -> dict[int, str]:
+    """Return the case that kills its worker only after those before it: the end of the shortest chain that does."""
+    shortest, longest = 1, len(block.order)
+    death = alone.run([block])
+    if not isinstance(death, Death):
+        return {}
+    while shortest < longest:
+        middle = (shortest + longest) // 2
+        outcome = alone.run([_beginning(block, middle)])
+        if isinstance(outcome, Death):
+            longest, death = middle, outcome
+        else:
+            shortest = middle + 1
+    return {block.order[shortest - 1]: _why(death, limit)}
+
+
+def _beginning(block: Block, length: int) -> Block:
+    """Return the first cases of a block, in the order of simulation."""
+    chosen = block.order[:length]
+    failed = {place: block.failed[old] for place, old in enumerate(chosen) if old in block.failed}
+    return Block([block.values[place] for place in chosen], range(length), failed)

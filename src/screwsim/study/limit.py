@@ -1,0 +1,38 @@
+"""An end to a case that hangs: the worker process that runs it is killed by the system's own timer.
+
+Compiled code lets no signal handler and no thread of Python run, so only the signal's default action helps.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+
+CASE_LIMIT = 300.0  # [s] of one case; the hardest known ones take some seconds
+_deadlines: dict[int, float] = {}  # [s], by thread: a worker of a cluster may have several, a process has one timer
+_lock = threading.Lock()
+
+
+class Limit:
+    """Within it this process is killed after `seconds`; None, or a system without such timers: never."""
+
+    def __init__(self, seconds: float | None) -> None:
+        self._seconds = seconds if hasattr(signal, "setitimer") else None
+
+    def __enter__(self) -> None:
+        if self._seconds is not None:
+            with _lock:
+                _deadlines[threading.get_ident()] = time.monotonic() + self._seconds
+                _arm()
+
+    def __exit__(self, *error: object) -> None:
+        if self._seconds is not None:
+            with _lock:
+                _deadlines.pop(threading.get_ident(), None)
+                _arm()
+
+
+def _arm() -> None:
+    left = max(1e-3, min(_deadlines.values()) - time.monotonic()) if _deadlines else 0.0
+    signal.setitimer(signal.ITIMER_REAL, left)

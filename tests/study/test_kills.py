@@ -1,0 +1,62 @@
+"""Kill −9 at any moment, of the sweep or of a worker: what comes out in the end is what an undisturbed sweep gives."""
+
+import os
+import random
+import signal
+import subprocess
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from sweep_fakes import assert_same, chained, grid_scene, held, mortal, start
+
+from screwsim.study.sweep import run_sweep
+
+pytestmark = pytest.mark.slow
+SPAN = 0.6  # [s] that the sweep takes, on idle cores
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory) -> Path:
+    output = tmp_path_factory.mktemp("reference") / "one.h5"
+    run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
+    return output
+
+
+def running(output: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[subprocess.Popen, Path]:
+    """Return a sweep on two workers that has begun with its cases, and the file of their process numbers."""
+    pids = output.with_name("pids")
+    monkeypatch.setenv("SWEEP_FAKES_PIDS", str(pids))
+    process = start(output, 2, "mortal")
+    deadline = time.monotonic() + 60.0
+    while not (pids.exists() and pids.read_text()):
+        assert time.monotonic() < deadline, "no case has begun"
+        time.sleep(0.002)
+    return process, pids
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_parent_that_is_killed_at_any_moment(seed, reference, tmp_path, monkeypatch):
+    output = tmp_path / "out.h5"
+    process, _ = running(output, monkeypatch)
+    time.sleep(random.Random(seed).uniform(0.0, SPAN))
+    process.kill()
+    process.communicate(timeout=10)
+    there = 120 if output.exists() else held(output)
+    assert run_sweep(grid_scene(), output, jobs=2, simulate_many=mortal).reused == there
+    assert_same(reference, output)
+    assert sorted(os.listdir(tmp_path)) == ["out.h5", "pids"]
+
+
+@pytest.mark.parametrize("seed", range(10, 20))
+def test_a_worker_that_is_killed_at_any_moment(seed, reference, tmp_path, monkeypatch):
+    output = tmp_path / "out.h5"
+    process, pids = running(output, monkeypatch)
+    chance = random.Random(seed)
+    time.sleep(chance.uniform(0.0, SPAN))
+    with suppress(ProcessLookupError):  # it ended before
+        os.kill(int(chance.choice(pids.read_text().split())), signal.SIGKILL)
+    process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert_same(reference, output)
