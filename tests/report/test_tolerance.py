@@ -17,8 +17,8 @@ def test_all_text_lies_inside_the_figure(name):
     with journal():
         draw = getattr(figures, name)
         figure = draw(NOMINAL, POINTS) if name == "functions_figure" else draw(ALPHA, NOMINAL)
-        figure.canvas.draw()
-        box = figure.get_tightbbox()
+        figure.draw_without_rendering()
+        box = figure.get_tightbbox(figure.canvas.get_renderer())  # [inch]
     assert box.x0 >= -0.01 and box.y0 >= -0.01
     assert box.x1 <= figure.get_figwidth() + 0.01 and box.y1 <= figure.get_figheight() + 0.01
 
