@@ -142,7 +142,7 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
 
     plain = close.by_coupling
 
-    def not_closed(task, y):
+    def not_closed(task, y, hope):
         done = plain(task, close.chambers_at_pitches(task.machinery))
         return close.Closed("not_closed", done.q, y, 1, "coupled", 1e-4)
 
@@ -152,7 +152,7 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
     assert "the cycle closed only with a tighter tolerance of the steps" in result.warnings
 
 
-@pytest.mark.parametrize("index", range(3))
+@pytest.mark.parametrize("index", range(4))
 def test_every_further_try_closes_a_cycle_that_is_there(index):
     from screwsim.model.close import further_tries
     from screwsim.solution import Solution

@@ -280,7 +280,7 @@ def by_coupling(
             if residue <= ENOUGH * wanted.bound:
                 machinery.install_coupled()
                 return Closed("ok", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
-            if gap <= wanted.tolerance * max(LEAST_GAP, min(1.0, wanted.bound / residue)):
+            if gap <= wanted.tolerance * max(LEAST_GAP, min(1.0, wanted.bound / max(residue, 1e-300))):
                 rtol = _finer(rtol)
         _, mixed = accelerate.mix(point, image)
         if np.max(np.abs(mixed - image)) > 1.0:

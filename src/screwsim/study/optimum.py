@@ -12,6 +12,7 @@ from screwsim.errors import error_scale
 from screwsim.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
+from screwsim.scene.grid import only
 from screwsim.study.each import DIED, each
 from screwsim.study.inputs import check_continuous, check_figure, check_fit, read_text, shown_value
 from screwsim.study.progress import Progress

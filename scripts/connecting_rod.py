@@ -1,0 +1,112 @@
+"""Print the reference design of the flexible connecting rod beside its source, and draw its figures.
+
+Run: .venv/bin/python scripts/connecting_rod.py [FOLDER]   (default: results/rod)
+
+Sizes and load are the source's (validation/slider_crank/rod.csv); material and friction are not stated there and are
+assumptions, said so in the print. Equations and findings: docs/slider-crank.md.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from screwsim.machine.slider_crank.rod import (
+    Bending,
+    FlexibleRod,
+    bend,
+    buckling_load,
+    check_rod,
+    critical_gamma,
+    largest_moment_place,
+)
+from screwsim.machine.slider_crank.rod_strength import Fatigue, SchmidtLoad, friction_power, safety
+from screwsim.report.connecting_rod import draw_rod
+
+ROOT = Path(__file__).resolve().parent.parent
+ALPHA = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
+MODULUS = 206e9  # [Pa], assumed: spring steel
+LIMITS = (400e6, 500e6, 600e6, 700e6)  # [Pa], assumed: fatigue limits of spring steels
+FACTORS = (1.0, 1.25, 1.5, 2.0)  # assumed: notch, surface and size at the clamp
+FRICTION = (0.1, 0.2, 0.5, 1.0)  # assumed: dry bearing materials, and far beyond
+
+
+def read_design() -> dict[str, float]:
+    """Return the printed data of the reference design in SI units."""
+    with (ROOT / "validation" / "slider_crank" / "rod.csv").open(encoding="utf-8") as lines:
+        return {row["name"]: float(row["value"]) for row in csv.DictReader(x for x in lines if x[0] != "#")}
+
+
+def rod_of(design: dict[str, float], modulus: float = MODULUS) -> FlexibleRod:
+    """Return the rod of the design."""
+    names = ("width", "thickness", "flexible", "length", "crank_radius")
+    return FlexibleRod(**{name: design[name] for name in names}, modulus=modulus)
+
+
+def loads(load: SchmidtLoad, rod: FlexibleRod) -> Bending:
+    """Print the load and the stability and return the bending over the turn."""
+    bending = bend(rod, ALPHA, load.load(ALPHA))
+    low, high = float(bending.load.min()), float(bending.load.max())
+    print(
+        f"load of the rod: {low:.1f} N (compression) to {high:.1f} N; as printed: {load.printed_force(ALPHA).max():.0f}"
+    )
+    print(f"gamma {rod.gamma(low):.3f} against {critical_gamma(rod.beta):.3f} at beta {rod.beta:.4f} (1: ", end="")
+    print(f"{critical_gamma(1.0):.4f}); buckling at {buckling_load(rod):.1f} N, {-buckling_load(rod) / low:.2f} times")
+    print(f"largest moment at z_M = {1e3 * largest_moment_place(rod, low):.2f} mm of {1e3 * rod.flexible:.0f} mm")
+    faults = [fault.what for fault in check_rod(rod, -low)]
+    print("faults:", "; ".join(faults) or "none")
+    return bending
+
+
+def strength(bending: Bending, rod: FlexibleRod, printed: float) -> None:
+    """Print stress, and the fatigue safety factor over assumed materials."""
+    found = safety(bending, Fatigue(concentration=1.0))
+    plain = bend(rod, ALPHA, np.zeros_like(ALPHA))
+    deflection = 1e3 * np.abs(bending.deflection).max()
+    print(f"\nE = {1e-9 * rod.modulus:.0f} GPa (assumed). Deflection of the beam up to {deflection:.3f} mm")
+    print(f"stress {1e-6 * found.lowest:.1f} to {1e-6 * found.highest:.1f} MPa; ", end="")
+    print(f"without axial load up to {1e-6 * plain.stress.max():.1f} MPa")
+    print(f"worst: z = {1e3 * found.z:.1f} mm, {1e-6 * found.amplitude:.1f} about {1e-6 * found.mean:.1f} MPa")
+    print(f"safety factor by fatigue limit and factor at the clamp (both assumed); the source: {printed}")
+    print(f"{'':>10}" + "".join(f"{factor:>8g}" for factor in FACTORS))
+    for limit in LIMITS:
+        values = [safety(bending, Fatigue(limit=limit, concentration=factor)).factor for factor in FACTORS]
+        print(f"{1e-6 * limit:>6.0f} MPa" + "".join(f"{value:>8.2f}" for value in values))
+    needed = [printed / safety(bending, Fatigue(limit=1.0, concentration=factor)).factor for factor in FACTORS]
+    print("limit for it" + "".join(f"{1e-6 * value:>7.0f} " for value in needed) + "MPa")
+
+
+def friction(bending: Bending, rod: FlexibleRod, design: dict[str, float]) -> None:
+    """Print the friction power of the piston over assumed coefficients."""
+    omega, guide = 2.0 * math.pi * design["turns"], design["guide"]
+    unit = friction_power(bending, guide, rod.crank_radius, omega, 1.0)
+    rigid = np.abs(bending.load * rod.crank_radius / rod.length * np.sin(ALPHA))
+    bare = float(np.mean(rigid * rod.crank_radius * omega * np.abs(np.sin(ALPHA))))
+    print(f"\nfriction power of the piston; the source: about {design['friction_power']:g} W")
+    print(", ".join(f"{value:g}: {value * unit:.3f} W" for value in FRICTION), "(coefficients assumed)")
+    print(f"of a rod with a pin: {bare / unit:.2f} times that; coefficient for the source's: ", end="")
+    print(f"{design['friction_power'] / unit:.2f}")
+
+
+def main() -> None:
+    """Print the reference design and draw its figures."""
+    design = read_design()
+    rod = rod_of(design)
+    load = SchmidtLoad(bore=design["bore"], p_min=design["p_min"], delta=design["delta"], theta=design["theta"])
+    bending = loads(load, rod)
+    strength(bending, rod, design["safety_factor"])
+    for modulus in (130e9, 206e9):
+        found = safety(bend(rod_of(design, modulus), ALPHA, load.load(ALPHA)), Fatigue())
+        print(f"E = {1e-9 * modulus:.0f} GPa: amplitude {1e-6 * found.amplitude:.1f} MPa, mean {1e-6 * found.mean:.1f}")
+    friction(bending, rod, design)
+    folder = sys.argv[1] if len(sys.argv) > 1 else str(ROOT / "results" / "rod")
+    for path in draw_rod(rod, bending, folder):
+        print(path, file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The drive between motor and rotors (docs/coupling.md)."""

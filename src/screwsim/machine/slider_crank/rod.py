@@ -1,0 +1,183 @@
+"""A flexible connecting rod: a beam clamped in the piston, a rigid head of it on the crank pin.
+
+z runs from the clamp in the piston [m] to the end of the beam at l; V is its deflection [m] across the cylinder's axis.
+The axial load enters as q = −P/(E I) [1/m²], positive in compression: one family of functions, analytic in q, holds for
+compression, none and tension, so that nothing jumps at P = 0. Inertia of the rod is left out, deflections are small
+(V below 0.15 l: the source measured an error of the stress below 5 %).
+Source: T. A. Obolenskaya, A. S. Klochko, "The application of the crank-slider mechanism for small machines", 2014 (in
+Russian), with its misprints mended (docs/slider-crank.md).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import root_scalar
+
+from screwsim.declare import quantity
+from screwsim.faults import Fault
+
+Array = np.ndarray
+_SMALL = 0.05  # |x| below which the family is summed as a series; eight terms leave less than 1e-17
+_TERMS = 8
+
+
+def family(x: Array | float) -> tuple[Array, Array, Array, Array]:
+    """Return c0, c1, c2, c3 of x = q z²: Σ (−x)^j/(2j + n)!, that is cos, sin and their remainders (S11)."""
+    x = np.asarray(x, dtype=float)
+    near = np.abs(x) < _SMALL
+    away = np.where(near, 1.0, x)
+    root = np.sqrt(np.abs(away))
+    press = away > 0.0
+    c0 = np.where(press, np.cos(root), np.cosh(root))
+    c1 = np.where(press, np.sin(root), np.sinh(root)) / root
+    far = (c0, c1, (1.0 - c0) / away, (1.0 - c1) / away)
+    series = (sum((-x) ** j / math.factorial(2 * j + n) for j in range(_TERMS)) for n in range(4))
+    c = tuple(np.where(near, close, other) for close, other in zip(series, far, strict=True))
+    return c[0], c[1], c[2], c[3]
+
+
+class Fundamental(NamedTuple):
+    """V3, V4 of the normal system and their first, second, third derivatives at a place z (V1 = 1, V2 = z)."""
+
+    V3: tuple[Array, Array, Array, Array]
+    V4: tuple[Array, Array, Array, Array]
+
+
+def fundamental(q: Array | float, z: Array | float) -> Fundamental:
+    """Return the fundamental functions [m², m³, …] of V'''' + q V'' = 0 (S11)."""
+    q, z = np.asarray(q, dtype=float), np.asarray(z, dtype=float)
+    c0, c1, c2, c3 = family(q * z * z)
+    return Fundamental((z * z * c2, z * c1, c0, -q * z * c1), (z**3 * c3, z * z * c2, z * c1, c0))
+
+
+@dataclass(frozen=True)
+class FlexibleRod:
+    """Sizes of a flexible rod of rectangular section and of its crank."""
+
+    width: float = quantity("length", "b, along the crank's axis", gt=0.0)
+    thickness: float = quantity("length", "h, in the plane of bending", gt=0.0)
+    flexible: float = quantity("length", "l, from the piston to the head", gt=0.0)
+    length: float = quantity("length", "L, from the piston to the crank pin", gt=0.0)
+    crank_radius: float = quantity("length", "r", gt=0.0)
+    modulus: float = quantity("pressure", "E of its material", gt=0.0)
+
+    @property
+    def section(self) -> float:
+        """Area of the section F [m²]."""
+        return self.width * self.thickness
+
+    @property
+    def inertia(self) -> float:
+        """Second moment of the section I [m⁴]."""
+        return self.width * self.thickness**3 / 12.0
+
+    @property
+    def stiffness(self) -> float:
+        """E I [N m²]."""
+        return self.modulus * self.inertia
+
+    @property
+    def head(self) -> float:
+        """Length f of the rigid head [m]."""
+        return self.length - self.flexible
+
+    @property
+    def beta(self) -> float:
+        """Flexible share β = l/L."""
+        return self.flexible / self.length
+
+    def gamma(self, load: float) -> float:
+        """Return γ = L √(|P|/(E I)) (S15)."""
+        return self.length * math.sqrt(abs(load) / self.stiffness)
+
+
+def check_rod(rod: FlexibleRod, compression: float = 0.0) -> list[Fault]:
+    """Return the faults of a rod: sizes that do not fit, large deflections, a compressive load [N] it cannot bear."""
+    if rod.flexible > rod.length:
+        return [Fault("rod.flexible", "is longer than the whole rod (choose at most rod.length)")]
+    faults = []
+    if rod.crank_radius > 0.15 * rod.length:
+        faults.append(
+            Fault("rod.crank_radius", "is above 0.15 of the rod: deflections are not small (choose a longer rod)")
+        )
+    bearable = buckling_load(rod)
+    if compression >= bearable:
+        faults.append(
+            Fault(
+                "rod.thickness",
+                f"lets the rod buckle at {bearable:.6g} N, below the load of {compression:.6g} N "
+                "(choose a thicker or a shorter rod)",
+            )
+        )
+    return faults
+
+
+def determinant(beta: float, gamma: float) -> float:
+    """Return the determinant of the end conditions in compression, up to a positive factor (S14)."""
+    x = beta * gamma
+    return math.sin(x) * (1.0 + gamma * gamma * (1.0 - beta)) - x * math.cos(x)
+
+
+def critical_gamma(beta: float) -> float:
+    """Return γ at which the rod buckles (S14): its smallest positive root; 4.4934 at β = 1."""
+    if not 0.0 < beta <= 1.0:
+        raise ValueError("beta must lie in (0, 1]")
+    return root_scalar(lambda x: determinant(beta, x / beta), bracket=(math.pi, 4.5), xtol=1e-14).root / beta
+
+
+def buckling_load(rod: FlexibleRod) -> float:
+    """Return the compressive load [N] at which the rod buckles (S15)."""
+    return rod.stiffness * (critical_gamma(rod.beta) / rod.length) ** 2
+
+
+def largest_moment_place(rod: FlexibleRod, load: float) -> float:
+    """Return z_M [m] where the bending moment is largest at a load P [N] (S16).
+
+    The printed formula is negative at small compression: then, as in tension, it is the clamp.
+    """
+    if load >= 0.0:
+        return 0.0
+    gamma = rod.gamma(load)
+    place = 1.0 - math.atan2(1.0, gamma * (1.0 - rod.beta)) / (rod.beta * gamma)
+    return rod.flexible * max(place, 0.0)
+
+
+class Bending(NamedTuple):
+    """The beam at places z (last axis) and crank angles (first axis), SI; moment and shear as in the source (S17)."""
+
+    alpha: Array
+    load: Array
+    z: Array
+    deflection: Array
+    slope: Array
+    moment: Array
+    shear: Array
+    stress: Array  # the same with both faces in front: +h/2, −h/2
+    side_force: Array  # H on the piston across the axis [N], by angle
+    clamp_moment: Array  # E I V''(0) on the piston [N m], by angle
+
+
+def bend(rod: FlexibleRod, alpha: Array, load: Array, points: int = 47) -> Bending:
+    """Return deflection, moment, shear and stress of the beam at crank angles [rad] under axial loads P [N].
+
+    P is positive in tension. Compression must lie below `buckling_load`; `check_rod` says so.
+    """
+    f, EI = rod.head, rod.stiffness
+    load = np.broadcast_to(np.asarray(load, dtype=float), np.shape(alpha))
+    q = -load / EI
+    end = fundamental(q, rod.flexible)
+    a3, a4 = end.V3[0] + f * end.V3[1], end.V4[0] + f * end.V4[1]
+    m3, m4 = end.V3[2] + f * end.V3[3], end.V4[2] + f * end.V4[3]
+    scale = rod.crank_radius * np.sin(alpha) / (a3 * m4 - a4 * m3)
+    C, D = scale * m4, -scale * m3
+    z = np.linspace(0.0, rod.flexible, points)
+    at = fundamental(q[:, None], z[None, :])
+    V, dV, ddV, dddV = (C[:, None] * v3 + D[:, None] * v4 for v3, v4 in zip(at.V3, at.V4, strict=True))
+    moment = -EI * ddV
+    face = 0.5 * rod.thickness * np.array([1.0, -1.0])
+    stress = moment[None] / rod.inertia * face[:, None, None] + (load / rod.section)[None, :, None]
+    return Bending(np.asarray(alpha), load, z, V, dV, moment, -EI * dddV, stress, -EI * D, EI * C)

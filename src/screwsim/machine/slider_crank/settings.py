@@ -1,0 +1,92 @@
+"""What a scene says of a slider-crank machine (typed, SI units), and the checks that its geometry demands."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from screwsim.declare import quantity
+from screwsim.faults import Fault
+from screwsim.machine.slider_crank import kinematics
+
+
+@dataclass(frozen=True)
+class SliderCrank:
+    """One cylinder: a piston on an offset slider-crank; its chamber lives one turn of the crank."""
+
+    bore: float = quantity("length", "bore of the cylinder", gt=0.0)
+    crank_radius: float = quantity("length", "radius r of the crank", gt=0.0)
+    rod_length: float = quantity("length", "length l of the connecting rod, between its pins", gt=0.0)
+    offset: float = quantity("length", "offset e of the cylinder's axis from the crankshaft's", 0.0)
+    clearance: float = quantity("volume", "volume left at the top dead centre", gt=0.0)
+
+    @property
+    def piston_area(self) -> float:
+        """Area of the piston [m²]."""
+        return 0.25 * math.pi * self.bore**2
+
+    @property
+    def top(self) -> float:
+        """Crank angle of the top dead centre [rad] (S4)."""
+        return kinematics.top_angle(self.crank_radius, self.rod_length, self.offset)
+
+    @property
+    def bottom(self) -> float:
+        """Crank angle of the bottom dead centre [rad] (S4)."""
+        return kinematics.bottom_angle(self.crank_radius, self.rod_length, self.offset)
+
+    @property
+    def stroke(self) -> float:
+        """Way of the piston between its dead centres [m] (S4)."""
+        return kinematics.stroke(self.crank_radius, self.rod_length, self.offset)
+
+    @property
+    def swept_volume(self) -> float:
+        """Volume that the piston sweeps [m³]."""
+        return self.piston_area * self.stroke
+
+    @property
+    def clearance_ratio(self) -> float:
+        """Clearance over swept volume, c."""
+        return self.clearance / self.swept_volume
+
+    def mean_speed(self, omega: float) -> float:
+        """Return the mean piston speed [m/s] at a crank speed [rad/s]: two strokes a turn."""
+        return self.stroke * omega / math.pi
+
+    def numbers(self) -> dict[str, float]:
+        """Return the numbers behind the arguments of `kinematics.volume` and `kinematics.volume_slope`."""
+        return {
+            "V_c": self.clearance,
+            "A_piston": self.piston_area,
+            "crank": self.crank_radius,
+            "rod": self.rod_length,
+            "offset": self.offset,
+        }
+
+    def knots(self) -> tuple[float, ...]:
+        """Return the angles [rad] of a life at which dV/dφ changes its sign; the law itself is smooth everywhere."""
+        return (self.bottom - self.top,)
+
+
+def check_slider_crank(machine: SliderCrank) -> list[Fault]:
+    """Return the faults of a cylinder: a rod that does not let the crank turn, an offset that reaches too far."""
+    r, rod, e = machine.crank_radius, machine.rod_length, abs(machine.offset)
+    if rod > r + e:
+        return []
+    if rod <= r:
+        return [
+            Fault(
+                "machine.rod_length",
+                f"{1e3 * rod:.6g} mm is not longer than the crank's radius of {1e3 * r:.6g} mm: "
+                "the crank cannot turn (choose a longer rod; 3 to 6 radii are usual)",
+            )
+        ]
+    return [
+        Fault(
+            "machine.offset",
+            f"{1e3 * e:.6g} mm and the crank's radius of {1e3 * r:.6g} mm together reach as far as the rod of "
+            f"{1e3 * rod:.6g} mm: the crank cannot turn (choose an offset below {1e3 * (rod - r):.6g} mm, "
+            "or a longer rod)",
+        )
+    ]

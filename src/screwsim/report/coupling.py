@@ -1,0 +1,120 @@
+"""Figures of the rubber-cord coupling: cords, the angle at which they cross, torque and stiffness over the twist."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.machine.drive.rubber_cord_coupling import (
+    RubberCordCoupling,
+    band,
+    central_angle,
+    crossing_angle,
+)
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, journal, new_figure, plain_ticks, write
+from screwsim.results.atomic import make_folder
+
+MM = 1e3  # [mm/m]
+
+
+class Lean(NamedTuple):
+    """A measured lean of cords: mean, lowest, highest [rad]."""
+
+    mean: float
+    low: float
+    high: float
+
+
+def draw_coupling(
+    coupling: RubberCordCoupling, drawn: RubberCordCoupling, leans: tuple[Lean, ...], nominal: float, folder: str | Path
+) -> list[str]:
+    """Write the figures (PNG, PDF) and return their paths; `drawn` has few cords, so that they can be seen."""
+    target = Path(folder)
+    make_folder(target)
+    with journal():
+        written = write(cords_figure(drawn), target, "coupling_cords")
+        written += write(crossing_figure(drawn), target, "coupling_crossing_angle")
+        written += write(torque_figure(coupling, leans, nominal), target, "coupling_torque")
+    return written
+
+
+def cords_figure(coupling: RubberCordCoupling, twist: float = math.radians(3.0)) -> Any:
+    """Draw the cords of one layer of either direction, unloaded, and those of the direction + under a twist [rad]."""
+    figure = new_figure(DOUBLE, 88.0)
+    panels = figure.subplots(1, 2)
+    r_A, r_B = MM * coupling.inner_radius, MM * coupling.outer_radius
+    starts = coupling.pitch * np.arange(coupling.cords)
+    spans = [central_angle(lean, r_A, r_B) for lean in (coupling.lean_plus, -coupling.lean_minus)]
+    families = (
+        (panels[0], ((spans[0], 0, "direction +"), (spans[1], 2, "direction −"))),
+        (panels[1], ((spans[0], 0, "unloaded"), (spans[0] + twist, 3, f"twisted by {math.degrees(twist):g}°"))),
+    )
+    circle = np.linspace(0.0, 2.0 * math.pi, 400)
+    for axes, cords in families:
+        for radius in (r_A, r_B):
+            axes.plot(radius * np.cos(circle), radius * np.sin(circle), color=GREY, linewidth=1.2)
+        for i, (span, colour, name) in enumerate(cords):
+            x = np.array([r_A * np.cos(starts), r_B * np.cos(starts + span)])
+            y = np.array([r_A * np.sin(starts), r_B * np.sin(starts + span)])
+            lines = axes.plot(x, y, color=COLOURS[colour], linewidth=0.7, linestyle=DASHES[i])
+            lines[0].set_label(name)
+        axes.legend(loc="center")
+        axes.set_aspect("equal")
+        axes.set_xlabel("$x$ [mm]")
+        plain_ticks(axes.xaxis)
+        plain_ticks(axes.yaxis)
+    panels[0].set_ylabel("$y$ [mm]")
+    return figure
+
+
+def crossing_figure(coupling: RubberCordCoupling) -> Any:
+    """Draw the angle at which cords of both directions cross, over the radius."""
+    figure = new_figure(SINGLE, 60.0)
+    axes = figure.subplots()
+    radii = np.linspace(coupling.inner_radius, coupling.outer_radius, 200)
+    angle = [math.degrees(crossing_angle(float(r), coupling.lean_plus, coupling.inner_radius)) for r in radii]
+    axes.plot(MM * radii, angle, color=COLOURS[0])
+    axes.set_xlim(MM * radii[0], MM * radii[-1])
+    plain_ticks(axes.xaxis)
+    plain_ticks(axes.yaxis)
+    axes.set_xlabel("radius of the crossing $r$ [mm]")
+    axes.set_ylabel("crossing angle $γ$ [°]")
+    return figure
+
+
+def torque_figure(
+    coupling: RubberCordCoupling, leans: tuple[Lean, ...], nominal: float, most: float = math.radians(3.0)
+) -> Any:
+    """Draw torque and tangent stiffness over the twist for measured leans; the last one's scatter is the band."""
+    figure = new_figure(DOUBLE, 78.0)
+    left, right = figure.subplots(1, 2, sharex=True)
+    twists = np.linspace(0.0, most, 121)
+    degrees = np.degrees(twists)
+    scattered = [band(coupling, float(theta), leans[-1].low, leans[-1].high) for theta in twists]
+    low, high = ([1e-3 * getattr(each, name) for each in scattered] for name in ("least", "largest"))
+    left.fill_between(degrees, low, high, color="#dddddd", linewidth=0.0, label="scatter of the lean")
+    for i, lean in enumerate(leans):
+        each = replace(coupling, lean_plus=lean.mean, lean_minus=lean.mean)
+        look = {"color": COLOURS[(0, 2, 4)[i % 3]], "linestyle": DASHES[i], "label": f"{math.degrees(lean.mean):.1f}°"}
+        left.plot(degrees, [1e-3 * each.torque(float(theta)) for theta in twists], **look)
+        right.plot(degrees, [1e-3 * each.stiffness(float(theta)) for theta in twists], **look)
+    left.axhline(1e-3 * nominal, color=GREY, linewidth=0.5, linestyle=DASHES[1])
+    left.annotate("nominal", (degrees[-1], 1e-3 * nominal), xytext=(-6, -3), textcoords="offset points", **_LOWER_RIGHT)
+    left.set_ylabel("torque $M$ [kN m]")
+    right.set_ylabel("tangent stiffness d$M$/d$Θ$ [kN m/rad]")
+    left.set_ylim(bottom=0.0)
+    right.set_ylim(bottom=0.0)
+    for axes in (left, right):
+        axes.set_xlim(0.0, degrees[-1])
+        axes.set_xlabel("twist $Θ$ [°]")
+        axes.legend(loc="upper left" if axes is left else "lower right")
+        plain_ticks(axes.xaxis)
+        plain_ticks(axes.yaxis)
+    return figure
+
+
+_LOWER_RIGHT: dict[str, Any] = {"ha": "right", "va": "top", "fontsize": SMALL}

@@ -1,0 +1,107 @@
+"""Figures of the kinematic tolerance study: the three transfer functions, and the surface of their deviations."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Array, Links, plane, surface
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, journal, new_figure, plain_ticks, write
+from screwsim.results.atomic import make_folder
+
+MM = 1e3  # [mm/m]
+SHARE = 0.05  # of the lengths, to either side
+_NAMES = {"right": "d$x$/d$α$", "printed": "formula as printed", "tabulated": "formula behind the table"}
+
+
+def draw_tolerance(alpha: Array, nominal: Links, points: tuple[Array, Array], folder: str | Path) -> list[str]:
+    """Write the figures (PNG, PDF) and return their paths; `points` are angles and values of the printed table."""
+    target = Path(folder)
+    make_folder(target)
+    with journal():
+        written = write(functions_figure(nominal, points), target, "transfer_functions")
+        written += write(surface_figure(alpha, nominal), target, "deviation_surface")
+        written += write(contour_figure(alpha, nominal), target, "deviation_contours")
+    return written
+
+
+def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
+    """Draw the three transfer functions over a turn [mm/rad], the right one with ± 5 %, and the printed table."""
+    figure = new_figure(SINGLE, 74.0)
+    axes = figure.subplots()
+    alpha = np.linspace(-np.pi, np.pi, 721)
+    degrees = np.degrees(alpha)
+    axes.axhline(0.0, color=GREY, linewidth=0.4)
+    values = MM * FUNCTIONS["right"](alpha, nominal)
+    axes.fill_between(degrees, (1 - SHARE) * values, (1 + SHARE) * values, color="#d8d8d8", linewidth=0.0)
+    for i, (name, function) in enumerate(FUNCTIONS.items()):
+        colour = COLOURS[(0, 2, 4)[i]]
+        axes.plot(degrees, MM * function(alpha, nominal), color=colour, linestyle=DASHES[i], label=_NAMES[name])
+    turned = (np.degrees(points[0]) + 180.0) % 360.0 - 180.0
+    axes.plot(turned, MM * points[1], "o", markersize=2.6, color=COLOURS[3], label="printed table")
+    axes.set_xlim(-180.0, 180.0)
+    axes.set_xticks(range(-180, 181, 60))
+    axes.set_ylim(-120.0, 175.0)
+    plain_ticks(axes.yaxis)
+    axes.set_xlabel("crank angle $α$ [°]")
+    axes.set_ylabel("transfer function [mm/rad]")
+    axes.legend(loc="upper center", ncols=2, columnspacing=0.8, handlelength=1.8)
+    return figure
+
+
+def surface_figure(alpha: Array, nominal: Links) -> Any:
+    """Draw the standard deviation over ± 5 % of both lengths and the 5 % plane, right and as tabulated."""
+    figure = new_figure(DOUBLE, 82.0)
+    figure.set_layout_engine("none")
+    errors = np.linspace(-SHARE, SHARE, 41)
+    rods, cranks = np.meshgrid(100.0 * errors, 100.0 * errors)
+    for i, name in enumerate(("right", "tabulated")):
+        function = FUNCTIONS[name]
+        axes: Any = figure.add_axes((0.01 + 0.49 * i, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
+        found, level = MM * surface(function, alpha, nominal, errors), MM * plane(function, alpha, nominal, SHARE)
+        look = {"cmap": "viridis", "linewidth": 0.0, "vmin": 0.0, "vmax": found.max(), "rcount": 41, "ccount": 41}
+        axes.plot_surface(cranks, rods, np.minimum(found, level), zorder=1, **look)
+        axes.plot_surface(cranks, rods, np.full_like(found, level), color=GREY, alpha=0.35, linewidth=0.0, zorder=2)
+        axes.plot_surface(cranks, rods, _above(found, level), zorder=3, **look)
+        axes.set_title(f"({'ab'[i]}) {_NAMES[name]}; plane: 5 % of it", y=0.97)
+        axes.set_xlabel("error of the crank [%]", labelpad=-3)
+        axes.set_ylabel("error of the rod [%]", labelpad=-3)
+        axes.set_zlabel("standard deviation [mm/rad]", labelpad=-3)
+        axes.set_zlim(0.0, 5.5)
+        axes.tick_params(pad=-2)
+        axes.set_box_aspect((1.0, 1.0, 0.8), zoom=0.9)
+        axes.view_init(elev=22.0, azim=-62.0)
+        for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+            plain_ticks(axis, 5)
+            axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for one figure
+    return figure
+
+
+def _above(found: Array, level: float) -> Array:
+    """Return what rises above a level, with the cells that it cuts; the rest is not drawn."""
+    high = np.pad(found > level, 1)
+    near = high[1:-1, 1:-1] | high[:-2, 1:-1] | high[2:, 1:-1] | high[1:-1, :-2] | high[1:-1, 2:]
+    return np.where(near, np.maximum(found, level), np.nan)
+
+
+def contour_figure(alpha: Array, nominal: Links) -> Any:
+    """Draw lines of equal deviation, as per cent of the law, over errors of both lengths; thick: 5 %."""
+    figure = new_figure(DOUBLE, 84.0)
+    panels = figure.subplots(1, 2, sharey=True)
+    errors = 1.1 * np.linspace(-SHARE, SHARE, 81)
+    for i, name in enumerate(("right", "tabulated")):
+        axes, function = panels[i], FUNCTIONS[name]
+        whole = plane(function, alpha, nominal, 1.0)
+        share = 100.0 * surface(function, alpha, nominal, errors) / whole
+        for levels, width in (((1, 2, 3, 4, 6, 7, 8, 9), 0.8), ((100 * SHARE,), 1.8)):
+            at = 100 * errors
+            lines = axes.contour(at, at, share, levels=levels, colors=COLOURS[1 if width < 1 else 0], linewidths=width)
+            axes.clabel(lines, fmt="%g %%", fontsize=SMALL)
+        axes.set_title(f"({'ab'[i]}) {_NAMES[name]}")
+        axes.set_xlabel("error of the rod [%]")
+        for axis in (axes.xaxis, axes.yaxis):
+            plain_ticks(axis)
+    panels[0].set_ylabel("error of the crank [%]")
+    return figure

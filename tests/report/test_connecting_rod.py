@@ -1,0 +1,28 @@
+"""Figures of the flexible connecting rod: all there, all text inside the figure."""
+
+import numpy as np
+import pytest
+
+from screwsim.machine.slider_crank.rod import FlexibleRod, bend
+from screwsim.report import connecting_rod as figures
+from screwsim.report.style import journal
+
+ROD = FlexibleRod(width=9e-3, thickness=0.46e-3, flexible=23e-3, length=45.5e-3, crank_radius=1.5e-3, modulus=206e9)
+ALPHA = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
+BENDING = bend(ROD, ALPHA, -100.0 * np.sin(ALPHA))
+
+
+@pytest.mark.parametrize("name", ["stability_figure", "bending_figure"])
+def test_all_text_lies_inside_the_figure(name):
+    with journal():
+        figure = getattr(figures, name)(ROD, BENDING)
+        figure.draw_without_rendering()
+        box = figure.get_tightbbox(figure.canvas.get_renderer())  # [inch]
+    assert box.x0 >= -0.01 and box.y0 >= -0.01
+    assert box.x1 <= figure.get_figwidth() + 0.01 and box.y1 <= figure.get_figheight() + 0.01
+
+
+def test_all_figures_are_written(tmp_path):
+    written = figures.draw_rod(ROD, BENDING, tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(path.rpartition("/")[2] for path in written)
+    assert len(written) == 4

@@ -1,0 +1,29 @@
+"""Figures of the tolerance study: all there, all text inside the figure."""
+
+import numpy as np
+import pytest
+
+from screwsim.machine.slider_crank.tolerance import links_of, tabulated
+from screwsim.report import tolerance as figures
+from screwsim.report.style import journal
+
+NOMINAL = links_of(4.4, 12.0, 4.5, 0.015)
+ALPHA = np.linspace(-np.pi, np.pi, 24, endpoint=False)
+POINTS = (ALPHA, tabulated(ALPHA, NOMINAL))
+
+
+@pytest.mark.parametrize("name", ["functions_figure", "surface_figure", "contour_figure"])
+def test_all_text_lies_inside_the_figure(name):
+    with journal():
+        draw = getattr(figures, name)
+        figure = draw(NOMINAL, POINTS) if name == "functions_figure" else draw(ALPHA, NOMINAL)
+        figure.draw_without_rendering()
+        box = figure.get_tightbbox(figure.canvas.get_renderer())  # [inch]
+    assert box.x0 >= -0.01 and box.y0 >= -0.01
+    assert box.x1 <= figure.get_figwidth() + 0.01 and box.y1 <= figure.get_figheight() + 0.01
+
+
+def test_all_figures_are_written(tmp_path):
+    written = figures.draw_tolerance(ALPHA, NOMINAL, POINTS, tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(path.rpartition("/")[2] for path in written)
+    assert len(written) == 6
