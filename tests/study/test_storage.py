@@ -218,16 +218,9 @@ def test_a_sample_of_words_and_numbers_reads_back(tmp_path):
     assert results.to_xarray().oil_supply_source.values.tolist() == list(swept.sweep["oil_supply.source"])
 
 
-def test_a_sample_alone_has_no_axis_to_draw_over_and_says_so(tmp_path):
-    swept = scene(SCENE + "sweep: {zip: [{oil_supply.ratio: [1, 2], operation.speed: [1000 rpm, 2000 rpm]}]}\n")
-    run_sweep(swept, tmp_path / "out.h5", jobs=1, simulate=fake_simulate)
-    with pytest.raises(UsageError, match=r"out\.h5: has nothing to draw: its paths vary together"):
-        plot(tmp_path / "out.h5")
-
-
-def test_a_zipped_axis_beside_one_of_numbers_tells_the_curves_apart(tmp_path):
+def test_paths_that_vary_together_are_drawn_as_points(tmp_path):
     zipped = "zip: [{operation.speed: [1000 rpm, 2000 rpm], machine.male_lobes: [4, 5]}]"
     swept = scene(SCENE + f"sweep: {{{zipped}, oil_supply.ratio: [1, 2, 3]}}\n")
     run_sweep(swept, tmp_path / "out.h5", jobs=1, simulate=fake_simulate)
     names = {Path(name).name for name in plot(tmp_path / "out.h5", tmp_path / "figures")}
-    assert {"efficiency.png", "performance.png"} <= names
+    assert "samples.png" in names

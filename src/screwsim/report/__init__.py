@@ -47,5 +47,5 @@ def _why(results: Results) -> str:
     if not results.axis_list:
         return "no cycle (make it with `screwsim run`)"
     if any(axis.joined for axis in results.axis_list):
-        return "its paths vary together, and no other axis of numbers is there (read it with xarray, or sweep one path)"
+        return "its paths vary together, and none of them in numbers (read it with xarray, or sweep one path)"
     return "no axis of numbers with two values or more, and no cycle (sweep a number, or write output.keep: cycle)"
