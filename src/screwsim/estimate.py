@@ -153,17 +153,16 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> Figures:
 def _finer_turn(solution: Any, closed: closing.Closed) -> tuple[int, np.ndarray]:
     """Install one more life, finer than the closed one's; return how it ended, and its quadratures.
 
-    Two more where much is asked: the first still meets the coarser life of its neighbours.
+    One more still where much is asked: the first still meets the coarser life of its neighbours.
     """
     machinery, rtol, y = solution.machinery, FINER * closed.rtol, closed.y.copy()
     if closed.how == "histories":
-        status, q = 0, closed.q
-        for _ in range(2 if solution.scene.numerics.accuracy <= MUCH else 1):
+        status, _, _, q = machinery.turn(y, rtol, 1e-3)
+        machinery.swap()
+        if status == 0 and solution.scene.numerics.accuracy <= MUCH:
+            solution.set_plenum(np.maximum(solution.outflow(q), closing.LEAST))
             status, _, _, q = machinery.turn(y, rtol, 1e-3)
             machinery.swap()
-            if status != 0:
-                break
-            solution.set_plenum(solution.outflow(q))
         return status, q
     status, q = 0, closed.q
     for _ in range(machinery.composition.chambers):

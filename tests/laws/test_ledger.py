@@ -267,4 +267,8 @@ def test_a_sweep_that_keeps_the_cycle_keeps_the_ledger(tmp_path):
     scene = make({"sweep": {"operation.speed": ["1000 rpm", "3000 rpm"]}, "output": {"keep": "cycle"}})
     assert run_sweep(scene, tmp_path / "x.h5", jobs=2).ok == 2
     stored = screwsim.open_results(tmp_path / "x.h5").ledger
-    assert stored["exergy_destroyed_tip_leakage"][1] == at(3000).ledger.exergy_destroyed_tip_leakage
+    alone = at(3000)  # each is within the accuracy of the truth; powers over the shaft power
+    within = 2 * alone.balance.bound * alone.performance.shaft_power
+    assert stored["exergy_destroyed_tip_leakage"][1] == pytest.approx(
+        alone.ledger.exergy_destroyed_tip_leakage, abs=within
+    )

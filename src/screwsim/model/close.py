@@ -25,6 +25,7 @@ DEAR = 18.0  # turns ahead that cost as much as coupled chambers
 ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
 FINEST_RTOL = 1e-11  # of a step, below which it is rounding that keeps a balance from closing
 NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
+LEAST = 1e-300  # of what must be positive for its logarithm
 LEAST_OIL = 1e-4  # oil per gas below which its change does not count
 LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 FIRST_RTOL = 1e-3  # of the first turn; later ones follow the gap
@@ -143,7 +144,7 @@ def _plenum_change(new: Array, old: Array) -> float:
 
 def _plenum_logarithms(plenum: Array) -> Array:
     """Return ln of the discharge plenum; oil as in `_logarithms`."""
-    logs = np.log(np.maximum(plenum, 1e-300))
+    logs = np.log(np.maximum(plenum, LEAST))
     if len(plenum) == 3 and plenum[1] <= LEAST_OIL:
         logs[1:] = np.log(LEAST_OIL), 0.0
     return logs
