@@ -6,10 +6,12 @@ the profile and end-face gaps; the forms used here for those two are ours (docs/
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from screwsim.declare import file, number, quantity
 from screwsim.effects.base import FlowPath
+from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import read_curve, table_value
 
@@ -47,6 +49,12 @@ def table_area(phi, TAB, curve):
 
 
 @kernel
+def length_area(phi, gap, TAB, curve):
+    """Return clearance times length [m²], the length from the table that begins at index `curve` of TAB."""
+    return gap * table_value(phi, TAB, curve)
+
+
+@kernel
 def ramp(phi, start, full, fall, end):
     """Return 0 outside (start, end), 1 inside [full, fall], and C1 cubic ramps between."""
     if phi <= start or phi >= end:
@@ -81,6 +89,32 @@ def gap_path(parameters, area, values, *, knots, offset, use_table=True) -> Flow
         offset=offset,
         flow_coefficient=parameters.flow_coefficient,
     )
+
+
+def profile_paths(parameters, interfaces, gap=None, factor=1.0) -> list[FlowPath]:
+    """Return a gap's flow paths from the rotor profile: clearance [m] times length, or area (gap None) times factor."""
+    return [
+        FlowPath(
+            to="neighbour",
+            area=table_area if gap is None else length_area,
+            values={} if gap is None else {"gap": gap},
+            knots=interface.table.knots,
+            tables={"curve": (interface.table.angle, factor * interface.table.value)},
+            offset=interface.offset,
+            flow_coefficient=parameters.flow_coefficient,
+        )
+        for interface in interfaces
+    ]
+
+
+def check_size(name: str, field: str, parameters, facts, example: str, what: str) -> Iterator[Fault]:
+    """Yield the fault of a size that lacks, or of a length that the profile gives already."""
+    size, path = getattr(parameters, field), f"effects.{name}.{field}"
+    profiled = facts.machine.volume.law == "profile"
+    if size is None and not profiled:
+        yield Fault(path, f"is missing (write e.g. {field}: {example}; {what})")
+    if size is not None and profiled and field == "length":
+        yield Fault(path, "is given beside machine.volume.law: profile, which finds it by angle (remove it)")
 
 
 def port_path(parameters, law, to) -> FlowPath:
