@@ -4,7 +4,7 @@ What: nozzle flow through a constant area while the separating lobe crosses the 
 Source: ours. By geometry (4/6 asymmetric profile, 300° wrap) the lobe behind a chamber crosses the cusp from about
 383° to 683° of that chamber's angle; the area is constant between, with cubic ramps of 20° at both ends.
 With machine.volume.law: profile the area by angle is the profile's; a given `area` scales its largest value to that.
-Assumptions: quasi-steady nozzle; compression-side blow-hole only: that at the suction cusp lies between filling chambers.
+Assumptions: quasi-steady nozzle; compression-side blow-hole only: the other lies between filling chambers.
 Parameters: area (one blow-hole), opens, closes (angles of the leading chamber, not with a profile), flow_coefficient;
 area_file.
 """
@@ -16,7 +16,7 @@ from math import pi
 
 from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import GapParameters, check_size, gap_path, profile_paths, ramp
+from screwsim.effects.gap import GapParameters, check_gap, gap_path, profile_paths, ramp
 from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
@@ -53,7 +53,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
-    faults = list(check_size("blow_hole", "area", parameters, facts, "20 cm^2", "area of one blow-hole"))
+    faults = list(check_gap("blow_hole", parameters, facts, "area", "20 cm^2", "area of one blow-hole"))
     if parameters.closes - parameters.opens >= 2.0 * RAMP:
         return faults
     return [*faults, Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")]

@@ -17,7 +17,7 @@ from math import pi
 
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import ClearanceParameters, check_size, gap_path, profile_paths, ramp
+from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
 from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
@@ -55,7 +55,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
 
 def check(parameters: Parameters, facts) -> list[Fault]:
     what = "length of the end-face gap of one chamber, both paths together"
-    return list(check_size("end_face_leakage", "length", parameters, facts, "128 mm", what))
+    return list(check_gap("end_face_leakage", parameters, facts, "length", "128 mm", what, tabled=False))
 
 
 EFFECT = Effect(

@@ -107,14 +107,25 @@ def profile_paths(parameters, interfaces, gap=None, factor=1.0) -> list[FlowPath
     ]
 
 
-def check_size(name: str, field: str, parameters, facts, example: str, what: str) -> Iterator[Fault]:
-    """Yield the fault of a size that lacks, or of a length that the profile gives already."""
-    size, path = getattr(parameters, field), f"effects.{name}.{field}"
-    profiled = facts.machine.volume.law == "profile"
-    if size is None and not profiled:
-        yield Fault(path, f"is missing (write e.g. {field}: {example}; {what})")
-    if size is not None and profiled and field == "length":
-        yield Fault(path, "is given beside machine.volume.law: profile, which finds it by angle (remove it)")
+def check_gap(
+    name: str, parameters, facts, size: str = "", example: str = "", what: str = "", tabled: bool = True
+) -> Iterator[Fault]:
+    """Yield what a gap lacks beside the machine's law: its size, or a table where the formula has no meaning.
+
+    size: name of the length or area behind the built-in area; tabled: whether a table replaces all of it.
+    """
+    machine, path = facts.machine, f"effects.{name}"
+    profiled, given = machine.volume.law == "profile", getattr(parameters, size) if size else None
+    built_in = parameters.area_file is None or not tabled
+    if built_in and not profiled and machine.counts_otherwise:
+        what = "has a formula that counts a life of 720 deg, which the volume's table has not"
+        yield Fault(path, f"{what} ({'give area_file' if tabled else 'remove the effect'})")
+    elif size and given is None and built_in and not profiled:
+        yield Fault(f"{path}.{size}", f"is missing (write e.g. {size}: {example}; {what})")
+    elif size == "length" and given is not None and profiled:
+        yield Fault(
+            f"{path}.length", "is given beside machine.volume.law: profile, which finds it by angle (remove it)"
+        )
 
 
 def port_path(parameters, law, to) -> FlowPath:

@@ -18,7 +18,7 @@ from math import pi
 
 from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import ClearanceParameters, check_size, gap_path, profile_paths
+from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
@@ -52,7 +52,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
 
 def check(parameters: Parameters, facts) -> list[Fault]:
     return list(
-        check_size("interlobe_leakage", "length", parameters, facts, "128 mm", "length of the full sealing line")
+        check_gap("interlobe_leakage", parameters, facts, "length", "128 mm", "length of the full sealing line")
     )
 
 

@@ -14,7 +14,8 @@ from __future__ import annotations
 from math import pi
 
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import ClearanceParameters, gap_path, profile_paths
+from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
+from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
 TIP_LENGTH = 9.83  # tip length over rotor diameter, eq. (19)
@@ -35,6 +36,10 @@ def build(parameters: ClearanceParameters, machine) -> list[FlowPath]:
     return [gap_path(parameters, area, {"gap": parameters.gap}, knots=(TURN,), offset=1)]
 
 
+def check(parameters: ClearanceParameters, facts) -> list[Fault]:
+    return list(check_gap("tip_leakage", parameters, facts))
+
+
 EFFECT = Effect(
     name="tip_leakage",
     title="gaps between lobe tips and housing, to both neighbours",
@@ -42,4 +47,5 @@ EFFECT = Effect(
     source="Chernov et al. 2015, eq. (19)",
     parameters=ClearanceParameters,
     build=build,
+    check=check,
 )

@@ -98,6 +98,11 @@ class TwinScrew:
         """Angle between neighbouring chambers, 2π/z1 [rad]."""
         return TURN / self.male_lobes
 
+    @property
+    def counts_otherwise(self) -> bool:
+        """Tell whether the table of the volume counts another life than 720° with oil injected at 360°."""
+        return (self.volume.life or LIFE, self.volume.injection_angle or TURN) != (LIFE, TURN)
+
 
 def _inside(
     path: str, value: float | None, low: float, high: float, low_text: str, high_text: str, closed: bool
@@ -185,7 +190,7 @@ def _life(machine: TwinScrew) -> list[Fault]:
         )
     for name in ("suction_port", "discharge_port"):
         law = getattr(machine, name)
-        if law is not None and law.law == "paper" and (volume.law == "profile" or (life, injection) != (LIFE, TURN)):
+        if law is not None and law.law == "paper" and (volume.law == "profile" or machine.counts_otherwise):
             what = "paper counts a life of 720 deg, which volume has not (write law: table or law: profile)"
             faults.append(Fault(f"machine.{name}.law", what))
         if law is not None and law.law == "profile" and volume.law != "profile":
