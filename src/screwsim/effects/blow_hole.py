@@ -43,7 +43,7 @@ def area(phi, size, pitch, opens, closes):
 def build(parameters: Parameters, machine) -> list[FlowPath]:
     interfaces = machine.interfaces("blow_hole")
     if interfaces is not None and parameters.area_file is None:
-        largest = max(float(one.table.value.max()) for one in interfaces)
+        largest = max((float(one.table.value.max()) for one in interfaces), default=1.0)
         return profile_paths(
             parameters, interfaces, factor=1.0 if parameters.area is None else parameters.area / largest
         )

@@ -23,7 +23,10 @@ from screwsim.machine.settings import TwinScrew
 
 BIRTH = math.radians(20.0)  # over which a path opens that is longer than nothing at the birth of a chamber
 EVERY = 2  # row of the curves' 0.5° that the tables keep: steps see each row, and finer ones change no figure by 1e-4
+BEYOND = math.radians(1.0)  # a last interval of zeros: at the end of a cubic its rounding would be left open
 LEAST = 1e-9  # of its largest value: a curve that stays below it is nothing
+
+_SHUT = "machine.built_in_volume_ratio: {:.4g} leaves the discharge port no opening (choose a smaller ratio)"
 
 # the paths of each effect; the blow-hole at the suction cusp lies between filling chambers and is left out
 EFFECTS = {
@@ -104,14 +107,17 @@ def _laid(rotors: Rotors, ratio: float) -> Laid:
         born,
         rotors.largest[1],
         _table(volume[0] + born, volume[1]),
-        _port(curves.suction, born),
-        _port(curves.discharge, born),
+        _port(curves.suction, born, "machine.profile.wrap_angle: leaves the suction port no opening (choose another)"),
+        _port(curves.discharge, born, _SHUT.format(ratio)),
         {effect: _interfaces(curves, kinds, born) for effect, kinds in EFFECTS.items()},
     )
 
 
-def _port(parts: Mapping[str, Curve], born: float) -> Table:
-    return _table(*_summed([(curve.angle, curve.value) for curve in parts.values()], born))
+def _port(parts: Mapping[str, Curve], born: float, shut: str) -> Table:
+    angle, value = _summed([(curve.angle, curve.value) for curve in parts.values()], born)
+    if value.max() <= 0.0:
+        raise UsageError(shut)
+    return _table(angle, value)
 
 
 def _with_row(angle: Array, value: Array, at: float, largest: float) -> tuple[Array, Array]:
@@ -131,12 +137,14 @@ def _summed(parts: Sequence[tuple[Array, Array]], shift: float) -> tuple[Array, 
 
 
 def _table(angle: Array, value: Array) -> Table:
-    """Return a table of every second row and the largest one, without the zeros before its first and after its last."""
+    """Return a table of every second row and the largest one, exactly zero before the first and after the last."""
     some = np.flatnonzero(value > LEAST * value.max())
     first, last = max(int(some[0]) - 1, 0), min(int(some[-1]) + 1, len(value) - 1)
     kept = np.unique([*range(first, last, EVERY), int(np.argmax(value)), last])
-    rows, values = angle[kept], np.where(value[kept] > LEAST * value.max(), value[kept], 0.0)
-    return Table(rows, values, (float(rows[0]), float(rows[-1])))
+    rows, values = angle[kept], value[kept]
+    values[[0, -1]] = 0.0
+    end = float(rows[-1])
+    return Table(np.append(rows, end + BEYOND), np.append(values, 0.0), (float(rows[0]), end))
 
 
 def _interfaces(curves: Curves, kinds: Sequence[str], born: float) -> tuple[Interface, ...]:
@@ -178,7 +186,9 @@ def _missing(machine: TwinScrew) -> list[Fault]:
 def check_profile_law(machine: TwinScrew) -> list[Fault]:
     """Return the faults of a machine whose volume comes from its profile: what is missing, rotors that cannot be."""
     if machine.volume.law != "profile":
-        return []
+        what = f"is not used: machine.volume.law is {machine.volume.law} (write law: profile there, or remove this)"
+        given = {"profile": machine.profile, "built_in_volume_ratio": machine.built_in_volume_ratio}
+        return [Fault(f"machine.{name}", what) for name, value in given.items() if value is not None]
     missing = _missing(machine)
     if missing:
         return missing

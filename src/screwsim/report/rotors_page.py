@@ -80,7 +80,7 @@ _PAGE = """\
 <style>
 body { font: 15px/1.4 system-ui, sans-serif; margin: 1em auto; max-width: 60em; padding: 0 1em; color: #111; }
 h1 { font-size: 1.2em; } svg { width: 100%; height: auto; display: block; }
-label { display: grid; grid-template-columns: 15em 1fr; align-items: center; margin: .3em 0; }
+label { display: grid; grid-template-columns: 17em 1fr; align-items: center; margin: .3em 0; }
 input { width: 100%; } #graph text { font-size: 11px; } p { margin: .4em 0; }
 </style></head><body>
 <h1>@TITLE@</h1>
