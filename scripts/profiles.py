@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -71,15 +72,16 @@ def figures(scene: Scene) -> str:
 def compare(scenes: dict[str, Scene]) -> None:
     """Print the profiles at one displacement, with what their effects destroy."""
     print("Profiles at one displacement and one set of clearances, R134a 2/45 degC")
-    head = "".join(f"{name.replace('_', ' '):>18}" for name in LOSSES)
-    print(f"{'':<16}{'D mm':>7}{'lambda':>9}{'eta_s':>9}{'shaft kW':>10}   destroyed, % of shaft power:{head}")
+    head = "".join(f"{name.replace('_leakage', '').replace('_', ' '):>16}" for name in LOSSES)
+    print(f"{'':<44} destroyed, % of shaft power")
+    print(f"{'':<16}{'D mm':>6}{'lambda':>8}{'eta_s':>8}{'kW':>7}{head}")
     for name, scene in scenes.items():
         result = simulate(scene)
         found = result.performance
-        parts = "".join(f"{_share(result, loss):18.2f}" for loss in LOSSES)
+        parts = "".join(f"{_share(result, loss):16.2f}" for loss in LOSSES)
         print(
-            f"{NAMES[name]:<16}{scene.machine.rotor_diameter / MM:7.1f}{found.volumetric_efficiency:9.4f}"
-            f"{found.isentropic_efficiency:9.4f}{found.shaft_power / 1e3:10.2f}{'':>31}{parts}   {result.status}"
+            f"{NAMES[name]:<16}{scene.machine.rotor_diameter / MM:6.1f}{found.volumetric_efficiency:8.4f}"
+            f"{found.isentropic_efficiency:8.4f}{found.shaft_power / 1e3:7.2f}{parts}   {result.status}"
         )
 
 
@@ -189,6 +191,21 @@ def without(scene: Scene, *names: str) -> Scene:
     return replace(scene, effects={name: active for name, active in scene.effects.items() if name not in names})
 
 
+def paths(b: Scene) -> None:
+    """Print what each leakage path of (b) takes, by its effect and the pitches between its chambers."""
+    laid, whole = lay(b.machine), simulate(b, trace=False).performance
+    print("\nWhat a path takes of profile (b), path by path: lambda, eta_s")
+    for effect, interfaces in laid.interfaces.items():
+        for one in interfaces:
+            closed = replace(one, table=replace(one.table, value=1e-9 * one.table.value))  # the same model compiled
+            others = tuple(closed if other is one else other for other in interfaces)
+            changed = replace(laid, interfaces={**laid.interfaces, effect: others})
+            with patch("screwsim.machine.geometry.lay", return_value=changed):
+                found = simulate(b, trace=False).performance
+            gained = [found[name] - whole[name] for name in ("volumetric_efficiency", "isentropic_efficiency")]
+            print(f"{effect:<18}{one.offset:>3}{gained[0]:9.4f}{gained[1]:9.4f}")
+
+
 def published(scenes: dict[str, Scene]) -> None:
     """Print λ and η_s of all profiles beside Bitzer's mean."""
     with PUBLISHED.open(encoding="utf-8") as lines:
@@ -216,6 +233,7 @@ def main() -> None:
         print(name)
         for value, scene in cases:
             print(f"{value:>8} {figures(scene)}")
+    paths(with_values(b, {"numerics.accuracy": 1e-4}))
     print()
     laws = {"profile (b)": b, "fitted curves": fitted(b, False), "opens at the ratio": fitted(b, True)}
     leaks = (*GAPS, "blow_hole")
