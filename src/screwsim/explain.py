@@ -34,7 +34,7 @@ STATE_MEANINGS = {
 }
 BALANCES = "balances of mass and energy M1, M2; work M7"
 TRANSPORT = {
-    "paper": "paper: the ratio d stays constant after 360 deg (M9); oil appears and vanishes with leaking gas",
+    "paper": "paper: the ratio d stays constant after {at} (M9); oil appears and vanishes with leaking gas",
     "carried": "carried: oil mass is a state, leaks carry the donor's oil (M8, M9)",
 }
 CLOSING = {
@@ -71,7 +71,7 @@ def explain(scene: Scene) -> Explanation:
         ("Chamber", _chamber(parts, model)),
         ("Flow paths", _paths(parts)),
         ("Gas", _gas(scene, parts)),
-        ("Oil", _oil(scene)),
+        ("Oil", _oil(scene, parts)),
         ("Numerics (docs/numerics.md)", _numerics(scene)),
         ("Compiled model", _size(model)),
     ]
@@ -99,10 +99,26 @@ def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
     numbers = {"volume": "M16", "suction_port": "M17", "discharge_port": "M18"}
     for name, law in laws.items():
         if law is not None:
-            equation = "M14" if law.law == "table" else numbers[name]
-            yield _row(name, f"law: {law.law} ({equation}), {_parameters(law)}")
+            equation = {"table": "M14", "profile": "docs/rotors.md"}.get(law.law, numbers[name])
+            yield _row(name, ", ".join(filter(None, (f"law: {law.law} ({equation})", _parameters(law)))))
+    yield from _rotors(machine, parts)
     speed = format_quantity(KINDS["speed"], scene.operation.speed)
     yield _row("speed", f"{speed}, {parts.omega / parts.geometry.pitch:.5g} chamber lives/s")
+
+
+def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
+    laid = parts.geometry.profile
+    if laid is None:
+        return
+    degrees = [f"{math.degrees(angle):.5g}" for angle in (laid.born, laid.injection, laid.opens, laid.ends)]
+    yield _row("profile", _parameters(machine.profile, skip=()))
+    swept = f"{laid.swept * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
+    yield _row("", f"swept volume {swept} of a chamber; built-in volume ratio {machine.built_in_volume_ratio:g}")
+    yield _row(
+        "angles",
+        f"born at {degrees[0]} deg, suction closes at {degrees[1]} deg, discharge opens at {degrees[2]} deg, "
+        f"ends at {degrees[3]} deg; idle before and after, with its dead volume",
+    )
 
 
 def _parameters(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
@@ -194,17 +210,18 @@ def _stated(T: float | None, point: str) -> str:
     return "" if T is None else f" ({point} point at {T:.6g} K, M42)"
 
 
-def _oil(scene: Scene) -> Iterator[str]:
+def _oil(scene: Scene, parts: Parts) -> Iterator[str]:
     oil, supply = scene.oil, scene.oil_supply
     if oil is None or supply is None:
         yield _row("none", "no oil is injected")
         return
     yield _row("oil", _parameters(oil, skip=("transport",)))
-    equation = "its ratio d at 360 deg is given" if supply.kind == "pump" else "the orifice decides (M30)"
+    at = f"{math.degrees(parts.geometry.injection_angle):g} deg"
+    equation = f"its ratio d at {at} is given" if supply.kind == "pump" else "the orifice decides (M30)"
     foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
     yield _row("supply", f"{supply.kind}: {equation}; {_parameters(supply, skip=foreign)}")
     heated = any("T_oil" in active.effect.states for active in scene.effects.values())
-    text = TRANSPORT.get(oil.transport, oil.transport)
+    text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
     yield _row("transport", text if heated else "oil exchanges no heat and is no part of the balances (no oil_heat)")
 
 

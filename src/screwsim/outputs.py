@@ -29,7 +29,7 @@ PERFORMANCE = {
     "volumetric_efficiency": Variable("1", "volumetric efficiency"),
     "gas_mass_flow": Variable("kg s-1", "net gas mass flow from the suction line"),
     "oil_mass_flow": Variable("kg s-1", "injected oil mass flow"),
-    "oil_ratio": Variable("1", "oil to gas mass ratio in the chamber at 360 degrees"),
+    "oil_ratio": Variable("1", "oil to gas mass ratio in the chamber at 360 degrees (rotors: where suction closes)"),
     "oil_flow_ratio": Variable("1", "injected oil over net suction gas"),
     "indicated_power": Variable("W", "indicated power"),
     "oil_lift_power": Variable("W", "power that lifts the oil to discharge pressure"),
@@ -41,8 +41,10 @@ PERFORMANCE = {
     "oil_discharge_temperature": Variable("K", "flow-weighted mean oil temperature at discharge"),
     "peak_pressure": Variable("Pa", "highest chamber pressure up to the widest opening of the discharge port"),
     "work_per_cycle": Variable("J", "work on the gas of one chamber per cycle, minus the integral of p dV"),
-    "trapped_mass": Variable("kg", "gas mass in a chamber at 360 degrees"),
-    "injection_pressure": Variable("Pa", "chamber pressure at 360 degrees, where oil is injected"),
+    "trapped_mass": Variable("kg", "gas mass in a chamber at 360 degrees (rotors: where suction closes)"),
+    "injection_pressure": Variable(
+        "Pa", "chamber pressure where oil is injected: at 360 degrees (rotors: where suction closes)"
+    ),
     "suction_pressure": Variable("Pa", "pressure of the suction line"),
     "suction_temperature": Variable("K", "temperature of the suction line"),
     "discharge_pressure": Variable("Pa", "pressure of the discharge line"),

@@ -35,7 +35,7 @@ from screwsim.outputs import Figures
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
 
-TRACE_ANGLES = np.arange(0.0, 720.5, 1.0)  # degrees
+TRACE_STEP = 1.0  # degree
 
 
 @lru_cache(maxsize=8)
@@ -68,7 +68,9 @@ class Solution:
         self.inlet = performance.Inlet(self.suction[DENSITY], self.suction[ENTHALPY])
         self.pv = self.lines.p_s / self.inlet.density
         # what tells one scene from the next on a course; tightening changes the composition's own copy
-        self.parameters = np.array([*self.machinery.composition.P, *self.suction, self.lines.p_d])
+        self.parameters = np.array(
+            [*self.machinery.composition.P, *self.suction, self.lines.p_d, *self.parts.geometry.outcomes]
+        )
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
 
@@ -293,15 +295,16 @@ class Solution:
 
     def cycle(self) -> dict[str, np.ndarray]:
         """Return the traces over the angle (contract: cycle)."""
-        m, c = self.machinery, self.machinery.composition
-        out = np.empty((len(TRACE_ANGLES), 4 + len(c.states)))
-        flows = np.empty((len(TRACE_ANGLES), len(c.plenum_paths) + 2 * len(c.gap_paths)))
-        angles = np.minimum(np.radians(TRACE_ANGLES), self.parts.geometry.life)
+        m, c, geometry = self.machinery, self.machinery.composition, self.parts.geometry
+        degrees = trace_angles(geometry.life)
+        out = np.empty((len(degrees), 4 + len(c.states)))
+        flows = np.empty((len(degrees), len(c.plenum_paths) + 2 * len(c.gap_paths)))
+        angles = np.minimum(np.radians(degrees), geometry.life)
         m.module.trace__sample(angles, *m.last(), m.context, c.n_E, out, flows)
-        traces = {"angle": TRACE_ANGLES.copy(), "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
+        traces = {"angle": degrees, "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
         traces |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5] * out[:, 0]}
         if "T_oil" in c.states:
-            present = c.carried | (TRACE_ANGLES >= math.degrees(self.parts.geometry.injection_angle))
+            present = c.carried | (degrees >= math.degrees(geometry.injection_angle))
             traces["oil_temperature"] = np.where(present, out[:, 6], np.nan)
             ratio = out[:, 7] if c.carried else np.where(present, float(m.R[R_RATIO]), 0.0)
             traces["oil_mass"] = ratio * traces["gas_mass"]
@@ -313,6 +316,13 @@ class Solution:
                 key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
                 traces[key] = traces.get(key, 0.0) + flows[:, column]
         return traces
+
+
+def trace_angles(life: float) -> np.ndarray:
+    """Return the angles of a trace [degree]: every degree of a life [rad], and its end."""
+    end = math.degrees(life)
+    degrees = np.arange(0.0, end + 1e-6, TRACE_STEP)
+    return degrees if end - degrees[-1] < 1e-6 else np.append(degrees, end)
 
 
 def _delivers(streams: closing.Array) -> bool:

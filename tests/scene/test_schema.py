@@ -69,7 +69,7 @@ def test_what_must_be_there_is_demanded_unless_a_base_gives_it():
     complete = schema()["$defs"]["complete"]
     assert complete["required"] == ["machine", "gas", "operation"]
     assert complete["properties"]["operation"]["required"] == ["speed"]
-    assert complete["properties"]["effects"]["properties"]["blow_hole"]["required"] == ["area"]
+    assert complete["properties"]["effects"]["properties"]["tip_leakage"]["required"] == ["gap"]
 
 
 def test_every_path_that_can_vary_is_an_axis():

@@ -175,6 +175,28 @@ def accuracy(
 
 
 @app.command()
+def rotors(
+    scene_file: SceneFile,
+    folder: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Where figures, page, profiles and tables go.")
+    ] = None,
+    overrides: Overrides = None,
+    as_json: AsJson = False,
+) -> None:
+    """Say what the rotor profile of a scene gives, and draw it."""
+    scene = _base_point(_loaded(scene_file, overrides, None))
+    from screwsim.printing import print_json
+    from screwsim.report.rotors_scene import document, table_text, write
+
+    text = table_text(scene)
+    files = write(scene, folder) if folder is not None else []
+    if as_json:
+        print_json(document(scene, files))
+    else:
+        typer.echo("\n".join([text, *files]))
+
+
+@app.command()
 def plot(
     results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)],
     folder: Annotated[str | None, typer.Option("-o", metavar="DIR", help="Where the figures go.")] = None,

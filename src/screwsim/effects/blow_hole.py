@@ -3,8 +3,10 @@
 What: nozzle flow through a constant area while the separating lobe crosses the cusp, M21.
 Source: ours. By geometry (4/6 asymmetric profile, 300° wrap) the lobe behind a chamber crosses the cusp from about
 383° to 683° of that chamber's angle; the area is constant between, with cubic ramps of 20° at both ends.
-Assumptions: quasi-steady nozzle; compression-side blow-hole only.
-Parameters: area (one blow-hole), opens, closes (angles of the leading chamber), flow_coefficient; area_file.
+With machine.volume.law: profile the area by angle is the profile's; a given `area` scales its largest value to that.
+Assumptions: quasi-steady nozzle; compression-side blow-hole only: the other lies between filling chambers.
+Parameters: area (one blow-hole), opens, closes (angles of the leading chamber, not with a profile), flow_coefficient;
+area_file.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from math import pi
 
 from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import GapParameters, gap_path, ramp
+from screwsim.effects.gap import GapParameters, check_gap, gap_path, profile_paths, ramp
 from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
@@ -26,7 +28,7 @@ RAMP = 20.0 * DEGREE
 class Parameters(GapParameters):
     """Area of one blow-hole and the angles of the leading chamber between which it exists."""
 
-    area: float = quantity("area", "area of one blow-hole", gt=0.0)
+    area: float | None = quantity("area", "area of one blow-hole (default with a profile: the profile's)", None, gt=0.0)
     opens: float = quantity("angle", "angle of the leading chamber at which it begins", 373.0 * DEGREE, ge=0.0)
     closes: float = quantity("angle", "angle of the leading chamber at which it ends", 693.0 * DEGREE, le=4 * pi)
 
@@ -39,15 +41,22 @@ def area(phi, size, pitch, opens, closes):
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
+    interfaces = machine.interfaces("blow_hole")
+    if interfaces is not None and parameters.area_file is None:
+        largest = max((float(one.table.value.max()) for one in interfaces), default=1.0)
+        return profile_paths(
+            parameters, interfaces, factor=1.0 if parameters.area is None else parameters.area / largest
+        )
     opens, closes = parameters.opens, parameters.closes
-    values = {"size": parameters.area, "opens": opens, "closes": closes}
+    values = {"size": parameters.area or 0.0, "opens": opens, "closes": closes}
     return [gap_path(parameters, area, values, knots=(), offset=1)]  # smooth enough without knots
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
+    faults = list(check_gap("blow_hole", parameters, facts, "area", "20 cm^2", "area of one blow-hole"))
     if parameters.closes - parameters.opens >= 2.0 * RAMP:
-        return []
-    return [Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")]
+        return faults
+    return [*faults, Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")]
 
 
 EFFECT = Effect(

@@ -3,9 +3,11 @@
 What: nozzle flow through gap × length, M22: a share to the chamber filling in the same grooves (across the contact
 line, z1 pitches behind), the rest to the chamber one pitch behind (across a lobe).
 Source: ours (the paper cites Amosov et al. 1977). Lengths are given by the user; the gap acts while the chamber
-lies against the discharge end face under pressure, 360° to 720° of its angle, with cubic ramps of 20°.
+lies against the discharge end face under pressure, 360° to 720° of its angle, with cubic ramps of 20°. With
+machine.volume.law: profile lengths and neighbours are those of the lobes on the face by angle (docs/rotors.md).
 Assumptions: quasi-steady nozzle with a flow coefficient; one mean clearance.
-Parameters: gap, length, suction_share, flow_coefficient; area_file (of the path to the next chamber).
+Parameters: gap, length and suction_share (not with a profile), flow_coefficient; area_file (of the path to the next
+chamber).
 """
 
 from __future__ import annotations
@@ -15,7 +17,8 @@ from math import pi
 
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import ClearanceParameters, gap_path, ramp
+from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
+from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
 TURN = 2.0 * pi
@@ -26,8 +29,10 @@ RAMP = 20.0 * pi / 180.0
 class Parameters(ClearanceParameters):
     """Clearance, total length and how it is shared."""
 
-    length: float = quantity("length", "length of the end-face gap of one chamber, both paths together", gt=0.0)
-    suction_share: float = number("share of the length towards the filling chamber", 0.25, ge=0.0, le=1.0)
+    length: float | None = quantity(
+        "length", "length of the end-face gap of one chamber, both paths together (no profile)", None, gt=0.0
+    )
+    suction_share: float = number("share of the length towards the filling chamber (no profile)", 0.25, ge=0.0, le=1.0)
 
 
 @kernel
@@ -37,12 +42,20 @@ def area(phi, gap, width, shift):
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
-    paths = []
+    interfaces = machine.interfaces("end_face_leakage")
+    if interfaces is not None and parameters.area_file is None:
+        return profile_paths(parameters, interfaces, parameters.gap)
+    paths, length = [], parameters.length or 0.0
     for share, offset in ((1.0 - parameters.suction_share, 1), (parameters.suction_share, machine.lobes)):
         shift = offset * machine.pitch
-        values = {"gap": parameters.gap, "width": share * parameters.length, "shift": shift}
+        values = {"gap": parameters.gap, "width": share * length, "shift": shift}
         paths.append(gap_path(parameters, area, values, knots=(), offset=offset, use_table=offset == 1))
     return paths
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    what = "length of the end-face gap of one chamber, both paths together"
+    return list(check_gap("end_face_leakage", parameters, facts, "length", "128 mm", what, tabled=False))
 
 
 EFFECT = Effect(
@@ -52,4 +65,5 @@ EFFECT = Effect(
     source="ours",
     parameters=Parameters,
     build=build,
+    check=check,
 )

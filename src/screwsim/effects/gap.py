@@ -6,10 +6,12 @@ the profile and end-face gaps; the forms used here for those two are ours (docs/
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from screwsim.declare import file, number, quantity
 from screwsim.effects.base import FlowPath
+from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import read_curve, table_value
 
@@ -47,6 +49,12 @@ def table_area(phi, TAB, curve):
 
 
 @kernel
+def length_area(phi, gap, TAB, curve):
+    """Return clearance times length [m²], the length from the table that begins at index `curve` of TAB."""
+    return gap * table_value(phi, TAB, curve)
+
+
+@kernel
 def ramp(phi, start, full, fall, end):
     """Return 0 outside (start, end), 1 inside [full, fall], and C1 cubic ramps between."""
     if phi <= start or phi >= end:
@@ -81,6 +89,43 @@ def gap_path(parameters, area, values, *, knots, offset, use_table=True) -> Flow
         offset=offset,
         flow_coefficient=parameters.flow_coefficient,
     )
+
+
+def profile_paths(parameters, interfaces, gap=None, factor=1.0) -> list[FlowPath]:
+    """Return a gap's flow paths from the rotor profile: clearance [m] times length, or area (gap None) times factor."""
+    return [
+        FlowPath(
+            to="neighbour",
+            area=table_area if gap is None else length_area,
+            values={} if gap is None else {"gap": gap},
+            knots=interface.table.knots,
+            tables={"curve": (interface.table.angle, factor * interface.table.value)},
+            offset=interface.offset,
+            flow_coefficient=parameters.flow_coefficient,
+        )
+        for interface in interfaces
+    ]
+
+
+def check_gap(
+    name: str, parameters, facts, size: str = "", example: str = "", what: str = "", tabled: bool = True
+) -> Iterator[Fault]:
+    """Yield what a gap lacks beside the machine's law: its size, or a table where the formula has no meaning.
+
+    size: name of the length or area behind the built-in area; tabled: whether a table replaces all of it.
+    """
+    machine, path = facts.machine, f"effects.{name}"
+    profiled, given = machine.volume.law == "profile", getattr(parameters, size) if size else None
+    built_in = parameters.area_file is None or not tabled
+    if built_in and not profiled and machine.counts_otherwise:
+        what = "has a formula that counts a life of 720 deg, which the volume's table has not"
+        yield Fault(path, f"{what} ({'give area_file' if tabled else 'remove the effect'})")
+    elif size and given is None and built_in and not profiled:
+        yield Fault(f"{path}.{size}", f"is missing (write e.g. {size}: {example}; {what})")
+    elif size == "length" and given is not None and profiled:
+        yield Fault(
+            f"{path}.length", "is given beside machine.volume.law: profile, which finds it by angle (remove it)"
+        )
 
 
 def port_path(parameters, law, to) -> FlowPath:

@@ -2,11 +2,13 @@
 
 What: nozzle flow through gap × sealing-line length, M20. Across the sealing line of a compressing groove pair lies
 the chamber that is filling in the same grooves, one revolution (z1 lobe pitches) behind it.
+With machine.volume.law: profile the length is that of the contact line by angle, and its part over the male tip leads
+to the chamber z1 + 1 pitches behind (docs/rotors.md).
 Source: ours. The length over the angle is a trapezium, full from 420° to 590° as is the sealing line computed from a
 4/6 asymmetric profile with 300° wrap; that line is already 0.18 of its length at 330° and still 0.24 at 710°, where
 the trapezium has 0 and 0.08. The paper cites Amosov et al. 1977.
 Assumptions: quasi-steady nozzle with a flow coefficient; one mean clearance.
-Parameters: gap, length (of the full sealing line), flow_coefficient; area_file.
+Parameters: gap, length (of the full sealing line; none with a profile), flow_coefficient; area_file.
 """
 
 from __future__ import annotations
@@ -16,7 +18,8 @@ from math import pi
 
 from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import ClearanceParameters, gap_path
+from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
+from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
 TURN = 2.0 * pi
@@ -28,7 +31,7 @@ FALL = 230.0 / 360.0 * TURN  # … from which on it gets shorter, down to nothin
 class Parameters(ClearanceParameters):
     """Clearance and length of the full sealing line."""
 
-    length: float = quantity("length", "length of the full sealing line", gt=0.0)
+    length: float | None = quantity("length", "length of the full sealing line (no profile)", None, gt=0.0)
 
 
 @kernel
@@ -40,8 +43,17 @@ def area(phi, gap, length):
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
-    values = {"gap": parameters.gap, "length": parameters.length}
+    interfaces = machine.interfaces("interlobe_leakage")
+    if interfaces is not None and parameters.area_file is None:
+        return profile_paths(parameters, interfaces, parameters.gap)
+    values = {"gap": parameters.gap, "length": parameters.length or 0.0}
     return [gap_path(parameters, area, values, knots=(FULL, FALL, TURN), offset=machine.lobes)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    return list(
+        check_gap("interlobe_leakage", parameters, facts, "length", "128 mm", "length of the full sealing line")
+    )
 
 
 EFFECT = Effect(
@@ -51,4 +63,5 @@ EFFECT = Effect(
     source="ours, from the sealing line of a 4/6 profile",
     parameters=Parameters,
     build=build,
+    check=check,
 )

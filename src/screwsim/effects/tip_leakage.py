@@ -3,7 +3,8 @@
 What: nozzle flow through S_tip(φ) = 9.83 h D (φ/360° up to 360°, then 2 − φ/360°), M19. One area an interface: that
 of the trailing chamber's angle is its leading tip; its trailing tip is the next interface.
 Source: Chernov et al. 2015, eq. (19). The length 9.83 D is the paper's, empirical: the tip helices of both rotors
-together are 11.8 D at L/D = 1.1 by geometry.
+together are 11.8 D at L/D = 1.1 by geometry. With machine.volume.law: profile the length is that of the male and the
+female tip that seal on the bores at an angle (docs/rotors.md).
 Assumptions: quasi-steady nozzle with a flow coefficient; no oil film in the gap.
 Parameters: gap, flow_coefficient; area_file.
 """
@@ -13,7 +14,8 @@ from __future__ import annotations
 from math import pi
 
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import ClearanceParameters, gap_path
+from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
+from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
 TIP_LENGTH = 9.83  # tip length over rotor diameter, eq. (19)
@@ -28,7 +30,14 @@ def area(phi, gap, rotor_diameter):
 
 
 def build(parameters: ClearanceParameters, machine) -> list[FlowPath]:
+    interfaces = machine.interfaces("tip_leakage")
+    if interfaces is not None and parameters.area_file is None:
+        return profile_paths(parameters, interfaces, parameters.gap)
     return [gap_path(parameters, area, {"gap": parameters.gap}, knots=(TURN,), offset=1)]
+
+
+def check(parameters: ClearanceParameters, facts) -> list[Fault]:
+    return list(check_gap("tip_leakage", parameters, facts))
 
 
 EFFECT = Effect(
@@ -38,4 +47,5 @@ EFFECT = Effect(
     source="Chernov et al. 2015, eq. (19)",
     parameters=ClearanceParameters,
     build=build,
+    check=check,
 )

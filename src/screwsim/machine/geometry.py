@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.machine import paper_law, table_law
+from screwsim.machine.profile_law import Interface, Laid, Table, lay
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.spline import read_curve
@@ -43,6 +44,10 @@ def table_knots(angles: np.ndarray) -> tuple[float, ...]:
     return tuple(angles) if coarse else (float(angles[0]), float(angles[-1]))
 
 
+def _area(table: Table) -> AreaLaw:
+    return AreaLaw(table_law.area, {}, table.knots, {"curve": (table.angle, table.value)})
+
+
 @dataclass(frozen=True)
 class Geometry:
     """What the effects and the chamber model ask of a machine."""
@@ -60,14 +65,19 @@ class Geometry:
         return self.settings.pitch
 
     @property
+    def profile(self) -> Laid | None:
+        """What the rotor profile gives by angle; None where the volume's law is another."""
+        return lay(self.settings) if self.settings.volume.law == "profile" else None
+
+    @property
     def life(self) -> float:
         """Angle of a chamber's life [rad]."""
-        return LIFE
+        return self.profile.life if self.profile is not None else self.settings.volume.life or LIFE
 
     @property
     def injection_angle(self) -> float:
         """Angle at which oil is injected and the trapped mass is taken [rad]."""
-        return TURN
+        return self.profile.injection if self.profile is not None else self.settings.volume.injection_angle or TURN
 
     @property
     def chambers(self) -> int:
@@ -77,17 +87,30 @@ class Geometry:
     @property
     def swept_volume(self) -> float:
         """Swept volume of one chamber [m³]."""
-        return self.settings.volume.max
+        return self.profile.swept if self.profile is not None else self.settings.volume.max or 0.0
+
+    @property
+    def outcomes(self) -> tuple[float, ...]:
+        """What tells machines apart whose numbers are all in tables: swept volume [m³], opening of the port [rad]."""
+        return (self.profile.swept, self.profile.opens) if self.profile is not None else ()
+
+    def interfaces(self, effect: str) -> tuple[Interface, ...] | None:
+        """Return the leakage paths of an effect from the profile; None where the machine has none."""
+        return self.profile.interfaces[effect] if self.profile is not None else None
 
     def volume_law(self) -> VolumeKernels:
         """Return the volume law (M16, or M14 from a table, scaled so that its maximum is the swept volume)."""
-        law = self.settings.volume
+        law, profile = self.settings.volume, self.profile
+        if profile is not None:
+            table, values = profile.volume, {"V_min": law.dead_of(profile.swept)}
+            tables = {"volume_curve": (table.angle, table.value)}
+            return VolumeKernels(table_law.volume, table_law.volume_slope, values, table.knots, tables)
         if law.law == "table":
             angles, volumes = read_curve(str(law.file), "volume_m3")
-            tables = {"volume_curve": (angles, volumes * (law.max / np.max(volumes)))}
+            tables = {"volume_curve": (angles, volumes * (self.swept_volume / np.max(volumes)))}
             values = {"V_min": law.dead}
             return VolumeKernels(table_law.volume, table_law.volume_slope, values, table_knots(angles), tables)
-        values = {"V_max": law.max, "V_min": law.dead, "phi_A": float(law.phi_A or 0.0)}
+        values = {"V_max": law.max or 0.0, "V_min": law.dead, "phi_A": float(law.phi_A or 0.0)}
         knots = (values["phi_A"], LIFE - values["phi_A"])
         return VolumeKernels(paper_law.volume, paper_law.volume_slope, values, knots)
 
@@ -95,6 +118,8 @@ class Geometry:
         """Return the area law of the suction port (M17 or M14)."""
         law = self.settings.suction_port
         assert law is not None  # checked with the scene
+        if law.law == "profile" and self.profile is not None:
+            return _area(self.profile.suction)
         if law.law == "table":
             return self._table(str(law.file))
         phi_B = float(law.phi_B or 0.0)
@@ -106,6 +131,8 @@ class Geometry:
         """Return the area law of the discharge port (M18 or M14)."""
         law = self.settings.discharge_port
         assert law is not None  # checked with the scene
+        if law.law == "profile" and self.profile is not None:
+            return _area(self.profile.discharge)
         if law.law == "table":
             return self._table(str(law.file))
         opens, phi_C = float(law.opens or 0.0), float(law.phi_C or 0.0)
@@ -113,10 +140,13 @@ class Geometry:
         return AreaLaw(paper_law.discharge_area, values, (opens, phi_C, LIFE - (phi_C - opens)))
 
     def widest_discharge(self) -> float:
-        """Return the angle at which the discharge port is widest [rad]; 720° without a port."""
+        """Return the angle at which the discharge port is widest [rad]; the end of the life without a port."""
         law = self.settings.discharge_port
         if law is None:
-            return LIFE
+            return self.life
+        if law.law == "profile" and self.profile is not None:
+            table = self.profile.discharge
+            return float(table.angle[np.argmax(table.value)])
         if law.law == "table":
             angles, areas = read_curve(str(law.file), "area_m2")
             return float(angles[np.argmax(areas)])

@@ -5,34 +5,54 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.declare import choice, count, file, quantity
+from screwsim.declare import choice, count, file, number, quantity
 from screwsim.faults import Fault
+from screwsim.machine.rotors.settings import Profile
 
 TURN = 2.0 * math.pi
 LIFE = 2.0 * TURN  # angle of a chamber's life, 720° (paper, before eq. 5)
+LAWS = ("paper", "table", "profile")
 
 
 @dataclass(frozen=True)
 class VolumeLaw:
     """Chamber volume over the male-rotor angle."""
 
-    law: str = choice("paper: eq. (16), model.md M16; table: C1 spline through a CSV file", ("paper", "table"), "paper")
-    max: float = quantity("volume", "swept volume of one chamber", gt=0.0)
+    law: str = choice(
+        "paper: eq. (16), model.md M16; table: C1 spline through a CSV file; profile: from machine.profile",
+        LAWS,
+        "paper",
+    )
+    max: float | None = quantity("volume", "swept volume of one chamber (law: profile finds it)", None, gt=0.0)
     min: float | None = quantity("volume", "dead volume (default: 1e-4 of max)", None, gt=0.0)
     phi_A: float | None = quantity("angle", "end of the opening branch of (16), in (0, 360 deg]", None)
     file: str | None = file("CSV with columns angle_deg, volume_m3 (swept part; law: table)")
+    life: float | None = quantity(
+        "angle", "angle of a chamber's life, whole lobe pitches (law: table; default: 720 deg)", None, gt=0.0
+    )
+    injection_angle: float | None = quantity(
+        "angle", "angle at which oil is injected, whole lobe pitches (law: table; default: 360 deg)", None, gt=0.0
+    )
 
     @property
     def dead(self) -> float:
-        """Dead volume [m³]."""
-        return 1e-4 * self.max if self.min is None else self.min
+        """Dead volume [m³] of a law that states the swept volume."""
+        return self.dead_of(self.max or 0.0)
+
+    def dead_of(self, swept: float) -> float:
+        """Return the dead volume [m³] beside a swept volume [m³]."""
+        return 1e-4 * swept if self.min is None else self.min
 
 
 @dataclass(frozen=True)
 class SuctionPort:
     """Area of the suction port over the male-rotor angle."""
 
-    law: str = choice("paper: eq. (17), model.md M17; table: C1 spline through a CSV file", ("paper", "table"), "paper")
+    law: str = choice(
+        "paper: eq. (17), model.md M17; table: C1 spline through a CSV file; profile: from machine.profile",
+        LAWS,
+        "paper",
+    )
     area: float | None = quantity("area", "largest area (law: paper)", None, gt=0.0)
     phi_B: float | None = quantity("angle", "end of the opening branch of (17), in (0, 180 deg]", None)
     file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)")
@@ -42,7 +62,11 @@ class SuctionPort:
 class DischargePort:
     """Area of the discharge port over the male-rotor angle."""
 
-    law: str = choice("paper: eq. (18), model.md M18; table: C1 spline through a CSV file", ("paper", "table"), "paper")
+    law: str = choice(
+        "paper: eq. (18), model.md M18; table: C1 spline through a CSV file; profile: from machine.profile",
+        LAWS,
+        "paper",
+    )
     area: float | None = quantity("area", "largest area (law: paper)", None, gt=0.0)
     opens: float | None = quantity("angle", "angle phi_dis at which the port opens, inside (360 deg, 720 deg)", None)
     phi_C: float | None = quantity("angle", "end of the opening branch of (18), in (opens, (opens + 720 deg)/2]", None)
@@ -51,7 +75,7 @@ class DischargePort:
 
 @dataclass(frozen=True)
 class TwinScrew:
-    """A twin-screw machine: one chamber per male lobe and revolution, living 720° of the male rotor."""
+    """A twin-screw machine: one chamber per male lobe and revolution."""
 
     kind: str = choice("kind of machine", ("twin_screw",), "twin_screw")
     mode: str = choice(
@@ -61,6 +85,10 @@ class TwinScrew:
     female_lobes: int = count("number of female lobes z2", 6, ge=1, le=14)
     rotor_diameter: float = quantity("length", "outer diameter of the male rotor", gt=0.0)
     rotor_length: float = quantity("length", "length of the rotors", gt=0.0)
+    built_in_volume_ratio: float | None = number(
+        "largest chamber volume over that at which the discharge port opens (law: profile)", None, gt=1.0
+    )
+    profile: Profile | None = None
     volume: VolumeLaw = None  # type: ignore[assignment]  # the scene always gives it
     suction_port: SuctionPort | None = None
     discharge_port: DischargePort | None = None
@@ -69,6 +97,11 @@ class TwinScrew:
     def pitch(self) -> float:
         """Angle between neighbouring chambers, 2π/z1 [rad]."""
         return TURN / self.male_lobes
+
+    @property
+    def counts_otherwise(self) -> bool:
+        """Tell whether the table of the volume counts another life than 720° with oil injected at 360°."""
+        return (self.volume.life or LIFE, self.volume.injection_angle or TURN) != (LIFE, TURN)
 
 
 def _inside(
@@ -96,28 +129,70 @@ def check_twin_screw(machine: TwinScrew) -> list[Fault]:
     if suction is not None and suction.law == "paper":
         faults += _inside("machine.suction_port.phi_B", suction.phi_B, 0.0, TURN / 2, "0 deg", "180 deg", True)
     if discharge is not None and discharge.law == "paper":
-        opening = _inside("machine.discharge_port.opens", discharge.opens, TURN, LIFE, "360 deg", "720 deg", False)
-        faults += opening
-        if not opening and discharge.opens is not None:
-            middle = 0.5 * (discharge.opens + LIFE)
-            low, high = f"{math.degrees(discharge.opens):.6g} deg", f"{math.degrees(middle):.6g} deg"
-            faults += _inside("machine.discharge_port.phi_C", discharge.phi_C, discharge.opens, middle, low, high, True)
-    for name, law, extra in (
-        ("volume", volume, ()),
-        ("suction_port", suction, ("area",)),
-        ("discharge_port", discharge, ("area",)),
-    ):
-        if law is None:
-            continue
-        if law.law == "table" and law.file is None:
-            faults.append(Fault(f"machine.{name}.file", "is missing (law: table needs a CSV file)"))
-        if law.law == "paper" and law.file is not None:
-            faults.append(
-                Fault(f"machine.{name}.file", "belongs to law: table (write `law: table`, or remove the file)")
-            )
+        faults += _discharge(discharge)
+    for name, law in (("volume", volume), ("suction_port", suction), ("discharge_port", discharge)):
+        if law is not None:
+            faults += _law(name, law)
+    return faults + _life(machine)
+
+
+def _discharge(port: DischargePort) -> list[Fault]:
+    faults = _inside("machine.discharge_port.opens", port.opens, TURN, LIFE, "360 deg", "720 deg", False)
+    if faults or port.opens is None:
+        return faults
+    middle = 0.5 * (port.opens + LIFE)
+    low, high = f"{math.degrees(port.opens):.6g} deg", f"{math.degrees(middle):.6g} deg"
+    return _inside("machine.discharge_port.phi_C", port.phi_C, port.opens, middle, low, high, True)
+
+
+def _law(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> list[Fault]:
+    """Return what a law lacks, and what is given beside it that belongs to another."""
+    path = f"machine.{name}"
+    faults = []
+    if law.law == "table" and law.file is None:
+        faults.append(Fault(f"{path}.file", "is missing (law: table needs a CSV file)"))
+    if law.law != "table" and law.file is not None:
+        faults.append(Fault(f"{path}.file", "belongs to law: table (write `law: table`, or remove the file)"))
+    if isinstance(law, VolumeLaw):
+        if law.law != "profile" and law.max is None:
+            what = "is missing (write e.g. max: 500 cm^3; swept volume of one chamber)"
+            faults.append(Fault(f"{path}.max", what))
+    elif law.law == "paper" and law.area is None:
+        faults.append(Fault(f"{path}.area", "is missing (law: paper needs it)"))
+    if law.law == "profile":
         faults += [
-            Fault(f"machine.{name}.{field}", "is missing (law: paper needs it)")
-            for field in extra
-            if law.law == "paper" and getattr(law, field) is None
+            Fault(f"{path}.{field}", "belongs to another law: profile finds it from the rotors (remove it)")
+            for field in ("max", "phi_A", "area", "phi_B", "opens", "phi_C")
+            if getattr(law, field, None) is not None
         ]
+    return faults
+
+
+def _life(machine: TwinScrew) -> list[Fault]:
+    """Return the faults of the angles of a chamber's life: whole pitches, and laws that fit together."""
+    volume, pitch, faults = machine.volume, machine.pitch, []
+    for field in ("life", "injection_angle"):
+        angle, path = getattr(volume, field), f"machine.volume.{field}"
+        if angle is None:
+            continue
+        if volume.law != "table":
+            faults.append(Fault(path, f"belongs to law: table; law: {volume.law} knows it (remove it)"))
+        elif abs(angle / pitch - round(angle / pitch)) > 1e-9:
+            step = f"{math.degrees(pitch):.6g} deg"
+            faults.append(Fault(path, f"{math.degrees(angle):.6g} deg is no whole number of lobe pitches of {step}"))
+    life, injection = volume.life or LIFE, volume.injection_angle or TURN
+    if not faults and injection > life - pitch + 1e-9:
+        faults.append(
+            Fault(
+                "machine.volume.injection_angle",
+                "leaves no pitch of the life (choose a smaller angle, or a longer life)",
+            )
+        )
+    for name in ("suction_port", "discharge_port"):
+        law = getattr(machine, name)
+        if law is not None and law.law == "paper" and (volume.law == "profile" or machine.counts_otherwise):
+            what = "paper counts a life of 720 deg, which volume has not (write law: table or law: profile)"
+            faults.append(Fault(f"machine.{name}.law", what))
+        if law is not None and law.law == "profile" and volume.law != "profile":
+            faults.append(Fault(f"machine.{name}.law", "profile needs machine.volume.law: profile (write that, too)"))
     return faults

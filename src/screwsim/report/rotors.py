@@ -44,8 +44,9 @@ def draw_rotors(rotors: Rotors, volume_ratio: float, folder: str | Path) -> list
         "female.csv": profile_csv(*female),
         "male.dxf": outline_dxf(*male),
         "female.dxf": outline_dxf(*female),
-        **curves_csv(curves),
+        **{f"curves/{name}": text for name, text in curves_csv(curves).items()},
     }
+    make_folder(target / "curves")
     for name, text in files.items():
         with replacing(target / name) as temporary:
             temporary.write_text(text)

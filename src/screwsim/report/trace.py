@@ -92,7 +92,7 @@ def marks_of(
     """Return the angles of injection and of the port's opening, as far as the scene has them."""
     marks = {}
     if np.isfinite(_input(results, "oil_supply.temperature", index)):
-        marks["oil injection"] = _INJECTION
+        marks["oil injection"] = _injection(results, index, angle, values)
     opens = _input(results, "machine.discharge_port.opens", index) * DEGREE
     flow = np.abs(values.get("mass_flow_discharge_port", np.zeros_like(angle)))
     if not np.isfinite(opens) and flow.any():  # a tabulated port: where its first flow is
@@ -100,6 +100,15 @@ def marks_of(
     if np.isfinite(opens) and flow.any():
         marks["port opens"] = opens
     return dict(sorted(marks.items(), key=lambda mark: mark[1]))
+
+
+def _injection(results: Results, index: tuple[int, ...], angle: np.ndarray, values: Mapping[str, np.ndarray]) -> float:
+    """Return the angle of injection [degree]: a table's own, that of the largest volume of rotors, or 360°."""
+    given = _input(results, "machine.volume.injection_angle", index) * DEGREE
+    if np.isfinite(given):
+        return given
+    profiled = np.isfinite(_input(results, "machine.profile.wrap_angle", index))
+    return float(angle[int(np.argmax(values["volume"]))]) if profiled and "volume" in values else _INJECTION
 
 
 def pressure_limit(trace: Trace) -> tuple[float, float, float]:

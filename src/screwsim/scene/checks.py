@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from screwsim.faults import Fault, UsageError
+from screwsim.machine.profile_law import check_profile_law
 from screwsim.machine.settings import check_twin_screw
 from screwsim.scene.fields import leaf_paths
 from screwsim.scene.operation import check_operation
@@ -15,12 +16,14 @@ from screwsim.scene.types import Scene
 VOLUME_COLUMN = "volume_m3"
 CURVE_COLUMNS = {"machine.volume.file": VOLUME_COLUMN}  # any other curve is an area
 AREA_COLUMN = "area_m2"
+READ_ELSEWHERE = {"machine.profile.file"}  # points of a profile, no curve: read with the machine's check
 
 
 def cross_check(scene: Scene) -> list[Fault]:
     """Return the faults of a scene, or of one case of its grid, whose fields are each valid."""
     return [
         *check_twin_screw(scene.machine),
+        *check_profile_law(scene.machine),
         *check_operation(scene),
         *_oil_supply(scene),
         *_effects(scene),
@@ -78,7 +81,7 @@ def check_files(scene: Scene) -> list[Fault]:
     """Return the faults of the curve files that a scene names: not there, not readable, not a curve."""
     leaves = leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()})
     faults = []
-    for path in (path for path, leaf in leaves.items() if leaf.kind == "file"):
+    for path in (path for path, leaf in leaves.items() if leaf.kind == "file" and path not in READ_ELSEWHERE):
         name = value_at(scene, path)
         what = None if name is None else _curve_fault(name, CURVE_COLUMNS.get(path, AREA_COLUMN), scene.folder)
         if what is not None:

@@ -184,8 +184,14 @@ class AngleGuard:
         self._angle = np.empty(0)
 
     def check(self, angle: np.ndarray) -> None:
-        """Raise ValueError when the grid differs from the first one seen."""
-        if angle.size and self._angle.size:
-            same_angles(self._angle, angle)
-        elif angle.size:
-            self._angle = angle
+        """Raise UsageError when the grid differs from the first one seen: chambers live longer in some cases."""
+        if not angle.size:
+            return
+        first = self._angle if self._angle.size else angle
+        try:
+            same_angles(first, angle)
+        except ValueError:
+            lives = f"{first[-1]:g} and {angle[-1]:g} deg"
+            what = f"chambers live {lives} in these cases, and their traces share no angles"
+            raise UsageError(f"output.keep: {what} (write output.keep: performance)") from None
+        self._angle = first

@@ -78,14 +78,14 @@ def crosses_itself(x: Array, y: Array, turn: float, points: int = 250) -> bool:
     ax, ay = outline(px, py, 2, turn)  # this pitch and the next
     p, q = np.column_stack([ax, ay]), np.column_stack([np.append(ax[1:], np.nan), np.append(ay[1:], np.nan)])
     p, q = p[:-1], q[:-1]
-    d = q - p
-    a = p[None, :, :] - p[:, None, :]
-    cross = d[:, None, 0] * d[None, :, 1] - d[:, None, 1] * d[None, :, 0]
+    d, own = q - p, slice(0, len(p) // 2 + 1)  # of this pitch, against both: the next against itself is the same
+    a = p[None, :, :] - p[own, None, :]
+    cross = d[own, None, 0] * d[None, :, 1] - d[own, None, 1] * d[None, :, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         s = (a[..., 0] * d[None, :, 1] - a[..., 1] * d[None, :, 0]) / cross
-        t = (a[..., 0] * d[:, None, 1] - a[..., 1] * d[:, None, 0]) / cross
+        t = (a[..., 0] * d[own, None, 1] - a[..., 1] * d[own, None, 0]) / cross
     i = np.arange(len(p))
-    apart = np.abs(i[:, None] - i[None, :]) > 1
+    apart = np.abs(i[own, None] - i[None, :]) > 1
     return bool(np.any(apart & (s > 1e-9) & (s < 1.0 - 1e-9) & (t > 1e-9) & (t < 1.0 - 1e-9)))
 
 

@@ -13,7 +13,6 @@ import math
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from screwsim.faults import UsageError
 from screwsim.machine.rotors.closed_form import Segment
@@ -77,6 +76,8 @@ def _curve(x: Array, y: Array, smoothing: float) -> Segment:
     inner = (chord[:-1] * step[1:] + chord[1:] * step[:-1]) / (step[1:] + step[:-1])
     angle = np.concatenate([[2.0 * chord[0] - inner[0]], inner, [2.0 * chord[-1] - inner[-1]]])
     way = np.concatenate([[0.0], np.cumsum(step)])
+    from scipy.interpolate import CubicHermiteSpline  # here: it takes long to load, and closed forms need none
+
     if smoothing > 0.0:
         angle = averaged(way, angle, smoothing)
     fine = max(math.ceil(POINTS / len(x)), 1)

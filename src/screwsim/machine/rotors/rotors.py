@@ -7,8 +7,9 @@ the volume ends at φ = τ. A chamber's own angle counts from the beginning of i
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+import os
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -101,7 +102,7 @@ class Rotors:
             low, high = (middle, high) if self.volume(np.array([middle]))[0] > wanted else (low, middle)
         if self.wrap - high < math.radians(10.0):
             raise UsageError(
-                f"machine.ports.volume_ratio: {volume_ratio:.4g} leaves the port 10 deg before the end of discharge "
+                f"machine.built_in_volume_ratio: {volume_ratio:.4g} leaves the port 10 deg before the end of discharge "
                 "(choose a smaller ratio)"
             )
         return float(0.5 * (low + high))
@@ -145,12 +146,29 @@ def make_rotors(
     """Return the rotors of a profile; raise UsageError with one line a fault."""
     pair = Pair(male_lobes, female_lobes, profile.centre_distance, 0.5 * male_diameter, 0.5 * profile.female_diameter)
     _refuse(check_settings(profile) + check_pair(pair))
+    if profile.wrap_angle > TURN:
+        _refuse([Fault("machine.profile.wrap_angle", "is above 360 deg: chambers would meet themselves (choose less)")])
+    chain = _checked_chain(pair, replace(profile, wrap_angle=1.0), check, _stamp(profile.file))
+    return _rotors(pair, chain, length, profile.wrap_angle)
+
+
+@lru_cache(maxsize=64)
+def _rotors(pair: Pair, chain: Chain, length: float, wrap: float) -> Rotors:
+    """Return the rotors; the same ones again for the same chain, with all that they have found of themselves."""
+    return Rotors(pair, chain, length, wrap)
+
+
+@lru_cache(maxsize=64)
+def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: int) -> Chain:
+    """Return the contact points of a profile; they do not depend on length and wrap. `stamp`: that of its file."""
     chain = make_chain(pair, profile)
     if check:
         _refuse(check_profile(pair, chain, interference=profile.kind == "points"))
-    if profile.wrap_angle > TURN:
-        _refuse([Fault("machine.profile.wrap_angle", "is above 360 deg: chambers would meet themselves (choose less)")])
-    return Rotors(pair, chain, length, profile.wrap_angle)
+    return chain
+
+
+def _stamp(file: str | None) -> int:
+    return os.stat(file).st_mtime_ns if file is not None and os.path.isfile(file) else 0
 
 
 def _refuse(faults: list[Fault]) -> None:

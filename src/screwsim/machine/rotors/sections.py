@@ -21,7 +21,7 @@ TURN = 2.0 * math.pi
 
 def polygon_area(x: Array, y: Array) -> float:
     """Return the area of a closed polygon [m²], positive whatever its sense."""
-    return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
+    return 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
 
 
 def sweep(pair: Pair, chain: Chain) -> tuple[Array, Array]:

@@ -1,0 +1,155 @@
+"""What `screwsim rotors` says and writes of a scene: coefficients, figures, page, tables that `law: table` reads."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.machine.profile_law import Interface, Laid, Table, lay
+from screwsim.machine.rotors.curves import Curve
+from screwsim.machine.rotors.export import curve_csv
+from screwsim.report.rotors import draw_rotors
+from screwsim.report.rotors_page import page
+from screwsim.results.atomic import make_folder, replacing
+from screwsim.scene import scene_text
+from screwsim.scene.types import Scene
+
+DEG = 180.0 / math.pi
+RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles the table gives beside the scene's
+_SHOWN = {"m^2": (1e6, "mm²"), "m^3": (1e6, "cm³"), "rad": (DEG, "°"), "m": (1e3, "mm"), "1": (1.0, "")}
+_TABLE_NOTE = """\
+# Written by `screwsim rotors`: the machine as tables, in place of its profile. A table of an effect holds one path, so
+# of the contact line that to the chamber z1 pitches behind is here, and the end face is not.
+"""
+
+
+def laid_of(scene: Scene) -> Laid:
+    """Return the curves of a scene's rotors; raise UsageError when its volume has another law."""
+    law = scene.machine.volume.law
+    if law != "profile":
+        what = f"machine.volume.law is {law}: there are no rotors (write machine.profile and law: profile)"
+        raise UsageError(what)
+    return lay(scene.machine)
+
+
+def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
+    """Return {name: (value [SI], unit, meaning)}: of the rotors, and of their place on the scene's angle axis."""
+    laid = laid_of(scene)
+    rotors, own = laid.rotors, laid.rotors.coefficients()
+    ratio = float(scene.machine.built_in_volume_ratio or 0.0)
+    longest = {path.name: float(path.curve.value.max()) for path in laid.curves.paths}
+    own["male_tip_length"] = (longest["male_tip"], "m", "longest part of a male tip that seals on the bore at once")
+    own["female_tip_length"] = (longest["female_tip"], "m", "the same of a female tip")
+    own["sealing_line_length"] = (_longest_line(laid), "m", "longest contact line of a chamber, over the tip included")
+    for wanted in dict.fromkeys((ratio, *RATIOS)):
+        try:
+            angle = rotors.discharge_angle(wanted) - rotors.start
+        except UsageError:
+            continue
+        own[f"opens_at_{wanted:g}"] = (angle, "rad", f"of a chamber's life: the port opens for Vi = {wanted:g}")
+    axis = {
+        "scene_life": (laid.life, "whole pitches, as the scene counts them"),
+        "scene_birth": (laid.born, "the chamber is born; idle before"),
+        "scene_closing": (laid.injection, "suction closes, oil is injected"),
+        "scene_opening": (laid.opens, f"the discharge port opens (Vi = {ratio:g})"),
+        "scene_end": (laid.ends, "the chamber ends; idle from there"),
+    }
+    return own | {name: (value, "rad", meaning) for name, (value, meaning) in axis.items()}
+
+
+def _longest_line(laid: Laid) -> float:
+    parts = [path.curve for path in laid.curves.paths if path.name.startswith("sealing_line")]
+    return float(np.max(np.sum([part.value for part in parts], axis=0)))
+
+
+def table_text(scene: Scene) -> str:
+    """Return the coefficients as lines for people."""
+    found = coefficients(scene)
+    lines = [scene.title, ""] if scene.title else []
+    for name, (value, unit, meaning) in found.items():
+        factor, shown = _SHOWN[unit]
+        lines.append(f"{name.replace('_', ' '):<26}{factor * value:>11.5g} {shown:<4} {meaning}")
+    return "\n".join(lines)
+
+
+def document(scene: Scene, files: list[str]) -> dict[str, Any]:
+    """Return what `--json` prints, SI units."""
+    found = coefficients(scene)
+    return {
+        "title": scene.title,
+        "coefficients": {
+            name: {"value": value, "units": unit, "long_name": meaning}
+            for name, (value, unit, meaning) in found.items()
+        },
+        "files": files,
+    }
+
+
+def write(scene: Scene, folder: Path) -> list[str]:
+    """Write figures, profiles, page and the tables with their scene; return all paths."""
+    laid = laid_of(scene)
+    written = draw_rotors(laid.rotors, float(scene.machine.built_in_volume_ratio or 0.0), folder)
+    tables = folder / "table"
+    make_folder(tables)
+    texts = {folder / "rotors.html": page(laid, scene.title)}
+    texts |= {tables / name: text for name, text in table_files(scene, tables).items()}
+    for path, text in texts.items():
+        with replacing(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+        written.append(str(path))
+    return written
+
+
+def table_files(scene: Scene, folder: Path) -> dict[str, str]:
+    """Return {name: text}: curves over the scene's angle, with the scene's clearances, and a scene that reads them."""
+    laid = laid_of(scene)
+    files = {
+        "volume.csv": _csv(laid.volume, "m^3"),
+        "suction_port.csv": _csv(laid.suction, "m^2"),
+        "discharge_port.csv": _csv(laid.discharge, "m^2"),
+    }
+    effects = dict(scene.effects)
+    effects.pop("end_face_leakage", None)
+    for name in ("tip_leakage", "interlobe_leakage", "blow_hole"):
+        if name in effects:
+            parameters = effects[name].parameters
+            files[f"{name}.csv"] = _path_csv(laid.interfaces[name], getattr(parameters, "gap", None))
+            changes: dict[str, Any] = {"area_file": str(folder.resolve() / f"{name}.csv")}
+            effects[name] = replace(effects[name], parameters=replace(parameters, **changes))
+    tabled = replace(
+        scene, machine=_tabled(scene, laid, folder.resolve()), effects=effects, sweep={}, folder=str(folder.resolve())
+    )
+    return {**files, "scene.yaml": _TABLE_NOTE + scene_text(tabled)}
+
+
+def _csv(table: Table, unit: str) -> str:
+    return curve_csv(Curve(table.angle, table.value, unit, ()))
+
+
+def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
+    table = interfaces[0].table
+    return _csv(Table(table.angle, (gap or 1.0) * table.value, ()), "m^2")
+
+
+def _tabled(scene: Scene, laid: Laid, folder: Path) -> Any:
+    machine = scene.machine
+    volume = replace(
+        machine.volume,
+        law="table",
+        max=laid.swept,
+        min=machine.volume.dead_of(laid.swept),
+        file=str(folder / "volume.csv"),
+        life=laid.life,
+        injection_angle=laid.injection,
+    )
+    ports = {
+        name: replace(port, law="table", file=str(folder / f"{name}.csv"))
+        for name in ("suction_port", "discharge_port")
+        if (port := getattr(machine, name)) is not None and port.law == "profile"
+    }
+    return replace(machine, profile=None, built_in_volume_ratio=None, volume=volume, **ports)

@@ -1,0 +1,111 @@
+"""screwsim rotors: what it prints and writes, and how it refuses; faults of rotors at their place in the scene."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from screwsim.cli import exit_code
+from screwsim.scene import load
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+B = str(CONFIGS / "rotors" / "b.yaml")
+
+
+def answer(capsys, *arguments):
+    """Return (exit code, stdout, stderr)."""
+    code = exit_code(["rotors", *map(str, arguments)])
+    out = capsys.readouterr()
+    return code, out.out, out.err
+
+
+def test_coefficients_are_printed(capsys):
+    code, out, _ = answer(capsys, B)
+    assert code == 0
+    assert "Cn = (A01 + A02) z1/D²" in out and "the port opens for Vi = 3.2" in out
+
+
+def test_figures_page_profiles_and_tables_are_written(capsys, tmp_path):
+    code, out, _ = answer(capsys, B, "-o", tmp_path, "--json")
+    document = json.loads(out)
+    assert code == 0
+    assert document["coefficients"]["life"]["value"] == pytest.approx(13.6386, abs=1e-4)  # 781.43°
+    names = {str(Path(path).relative_to(tmp_path)) for path in document["files"]}
+    assert {
+        "rotors.png",
+        "sealing_line.png",
+        "volume.png",
+        "areas.png",
+        "rotors.html",
+        "male.dxf",
+        "female.csv",
+    } <= names
+    assert {"table/volume.csv", "table/scene.yaml", "table/blow_hole.csv", "curves/male_tip.csv"} <= names
+    assert all((tmp_path / name).stat().st_size > 100 for name in names)
+    assert load(tmp_path / "table" / "scene.yaml").machine.volume.law == "table"
+
+
+def test_the_page_loads_nothing_and_is_small(capsys, tmp_path):
+    answer(capsys, B, "-o", tmp_path)
+    page = (tmp_path / "rotors.html").read_text(encoding="utf-8")
+    assert "http" not in page and "src=" not in page and "@" not in page.replace("@media", "")
+    assert len(page) < 100_000
+    assert page.count("<script>") == page.count("</script>") == 1
+
+
+def test_a_machine_without_a_profile_is_refused(capsys):
+    code, out, err = answer(capsys, CONFIGS / "paper" / "point.yaml")
+    assert (code, out) == (2, "")
+    assert err == "machine.volume.law is paper: there are no rotors (write machine.profile and law: profile)\n"
+
+
+FAULTS = {
+    "machine.profile=null": ("machine.profile", "is missing (law: profile needs it"),
+    "machine.built_in_volume_ratio=null": ("machine.built_in_volume_ratio", "is missing"),
+    "machine.built_in_volume_ratio=40": ("machine.built_in_volume_ratio", "leaves the discharge port no opening"),
+    "machine.profile.female_tip_radius=1 mm": ("machine.profile.female_tip_radius", "undercut"),
+    "machine.profile.flank_radius=null": ("machine.profile.flank_radius", "is missing (kind: rack needs it)"),
+    "machine.profile.centre_distance=200 mm": ("machine.profile.centre_distance", "do not mesh"),
+    "machine.profile.wrap_angle=400 deg": ("machine.profile.wrap_angle", "above 360 deg"),
+    "machine.profile.wrap_angle=300": ("machine.profile.wrap_angle", "has no unit"),
+    "machine.volume.max=500 cm^3": ("machine.volume.max", "profile finds it from the rotors (remove it)"),
+    "machine.volume.life=720 deg": ("machine.volume.life", "belongs to law: table"),
+    "effects.interlobe_leakage.length=100 mm": ("effects.interlobe_leakage.length", "finds it by angle (remove it)"),
+    "effects.end_face_leakage.length=60 mm": ("effects.end_face_leakage.length", "finds it by angle (remove it)"),
+    "machine.suction_port={law: paper, area: 80 cm^2, phi_B: 60 deg}": ("machine.suction_port.law", "720 deg"),
+    "machine.profile.kind=points": ("machine.profile.file", "is missing (kind: points needs it)"),
+}
+
+
+@pytest.mark.parametrize("override", FAULTS)
+def test_a_fault_of_the_rotors_is_one_line_at_its_place(capsys, override):
+    code, out, err = answer(capsys, B, "--set", override)
+    path, words = FAULTS[override]
+    assert (code, out) == (3, "")
+    assert f" {path}: " in err and words in err
+    assert len(err.splitlines()) == 1
+
+
+def test_points_that_are_not_there_are_named(capsys):
+    code, _, err = answer(capsys, B, "--set", "machine.profile.kind=points", "--set", "machine.profile.file=no.csv")
+    assert code == 3
+    assert " machine.profile.file: " in err and "no.csv" in err and len(err.splitlines()) == 1
+
+
+def test_a_fault_stands_at_its_line(capsys, tmp_path):
+    text = Path(B).read_text().replace("wrap_angle: 300 deg", "wrap_angle: 365 deg")
+    (tmp_path / "scene.yaml").write_text(text)
+    line = next(i for i, line in enumerate(text.splitlines(), start=1) if "wrap_angle" in line)
+    code, _, err = answer(capsys, tmp_path / "scene.yaml")
+    assert code == 3
+    assert err.startswith(f"{tmp_path / 'scene.yaml'}:{line}:")
+
+
+def test_gaps_on_another_life_need_a_table(capsys):
+    volume = (
+        "machine.volume={law: table, file: validation/none.csv, max: 500 cm^3, life: 900 deg, injection_angle: 450 deg}"
+    )
+    code, _, err = answer(capsys, CONFIGS / "r134a" / "point.yaml", "--set", volume)
+    assert code == 3
+    assert "effects.tip_leakage: has a formula that counts a life of 720 deg" in err
+    assert "machine.suction_port.law: paper counts a life of 720 deg" in err

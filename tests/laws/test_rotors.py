@@ -1,0 +1,91 @@
+"""Whole cycles of machines with a rotor profile: balances, both closings, tables in place of the profile, sweeps."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from screwsim.machine.profile_law import lay
+from screwsim.report.rotors_scene import table_files
+from screwsim.scene import load
+from screwsim.simulate import simulate
+
+CONFIGS = Path(__file__).parents[2] / "configs" / "rotors"
+IDEAL = (  # one small compiled model for what needs no real gas
+    "gas.model=ideal",
+    "effects.oil_heat=off",
+    "effects.end_face_leakage=off",
+    "effects.oil_pump=off",
+)
+SEEN = ("gas_mass_flow", "shaft_power", "trapped_mass", "discharge_temperature", "volumetric_efficiency")
+
+
+def difference(one, other):
+    """Return the largest relative difference of figures."""
+    return max(abs(one.performance[name] / other.performance[name] - 1.0) for name in SEEN)
+
+
+def ideal(*overrides):
+    return load(CONFIGS / "b.yaml", (*IDEAL, *overrides))
+
+
+@pytest.fixture(scope="module")
+def cycle():
+    """Return the closed cycle of (b) with an ideal gas."""
+    return simulate(ideal())
+
+
+@pytest.mark.parametrize("name", ["a", "b", "c"])
+def test_the_shipped_machines_close_and_keep_their_balances(name):
+    result = simulate(load(CONFIGS / f"{name}.yaml"))
+    assert result.status == "ok"
+    assert result.balance.mass <= result.balance.bound
+    assert result.balance.energy <= result.balance.bound
+    assert result.balance.oil_mass <= 10 * result.balance.bound  # not part of the bound itself
+    assert abs(result.ledger["relative_residue"]) < 1e-3
+    assert result.cycle["angle"][-1] == pytest.approx(900.0 if name != "c" else 864.0)
+
+
+def test_all_chambers_at_once_give_the_same_cycle(cycle):
+    together = simulate(ideal("numerics.closing=coupled"))
+    assert together.numerics["closing"] == "coupled"
+    assert together.status == cycle.status == "ok"
+    assert difference(together, cycle) < 2 * ideal().numerics.accuracy  # either may be off by the accuracy
+
+
+def test_tables_of_the_profile_give_the_same_cycle(cycle, tmp_path):
+    for name, text in table_files(ideal(), tmp_path).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    tabled = simulate(load(tmp_path / "scene.yaml"))
+    one_path = simulate(ideal(f"effects.interlobe_leakage.area_file={tmp_path / 'interlobe_leakage.csv'}"))
+    assert tabled.status == one_path.status == "ok"
+    assert difference(tabled, one_path) < 2 * ideal().numerics.accuracy  # either may be off by the accuracy
+    assert one_path.performance["volumetric_efficiency"] > cycle.performance["volumetric_efficiency"]  # a path less
+
+
+def test_an_idle_chamber_keeps_its_charge(cycle):
+    mass, angle = cycle.cycle["gas_mass"], cycle.cycle["angle"]
+    laid = lay(ideal().machine)
+    ends, born = math.degrees(laid.ends), math.degrees(laid.born)
+    for idle in (angle > ends + 1.0, angle < born - 1.0):
+        assert idle.sum() > 50
+        assert mass[idle] == pytest.approx([mass[idle][0]] * int(idle.sum()), rel=1e-9)  # nothing flows: rounding
+    assert mass[0] == pytest.approx(mass[-1], rel=ideal().numerics.accuracy)  # as the cycle closes
+
+
+def test_a_finer_accuracy_changes_figures_by_less_than_the_coarse_one(cycle):
+    fine = simulate(ideal("numerics.accuracy=1e-5"))
+    assert difference(cycle, fine) < ideal().numerics.accuracy
+
+
+@pytest.mark.parametrize(
+    ("path", "low", "high"),
+    [
+        ("effects.interlobe_leakage.gap", "20 um", "60 um"),
+        ("effects.tip_leakage.gap", "20 um", "60 um"),
+        ("machine.profile.wrap_angle", "260 deg", "320 deg"),
+    ],
+)
+def test_longer_or_wider_gaps_fill_less(path, low, high):
+    one, two = (simulate(ideal(f"{path}={value}")).performance["volumetric_efficiency"] for value in (low, high))
+    assert two < one

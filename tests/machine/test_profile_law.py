@@ -1,0 +1,126 @@
+"""Curves of a rotor profile on the scene's angle axis: idle ends, whole pitches, areas that are the geometry's."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from screwsim.build import build_parts
+from screwsim.effects.base import FlowPath
+from screwsim.faults import UsageError
+from screwsim.machine import profile_law, table_law
+from screwsim.machine.profile_law import lay
+from screwsim.numerics.spline import pack_curve
+from screwsim.scene import load
+
+CONFIGS = Path(__file__).parents[2] / "configs" / "rotors"
+DEG = math.pi / 180.0
+SCENES = {name: load(CONFIGS / f"{name}.yaml") for name in "abc"}
+# tables have a row a degree, which rounds kinks: within a degree of one by up to a step of the curve, elsewhere little
+AT_A_KINK, IN_THE_MEAN = 0.05, 1e-4
+
+
+def area(path: FlowPath, angles):
+    """Return the area [m²] of a path over angles [rad]."""
+    values = {name: (pack_curve(*curve), 0) for name, curve in path.tables.items()}
+    named = {**path.values, "TAB": values["curve"][0], "curve": 0.0}
+    order = [name for name in path.area.arguments if name != "phi"]
+    return np.array([path.area(phi, *(named[name] for name in order)) for phi in angles])
+
+
+def paths(name: str) -> dict[tuple[str, int], FlowPath]:
+    built = build_parts(SCENES[name]).effects
+    return {(effect, p.offset): p for effect, items in built.items() for p in items if isinstance(p, FlowPath)}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_life_and_closing_are_whole_pitches_and_no_longer_than_they_must_be(name):
+    laid = lay(SCENES[name].machine)
+    pitch = laid.rotors.pair.pitch
+    for angle in (laid.life, laid.injection):
+        assert angle / pitch == pytest.approx(round(angle / pitch), abs=1e-12)
+    assert 0.0 <= laid.born < pitch
+    assert 0.0 <= laid.life - laid.ends < pitch
+    assert laid.ends - laid.born == pytest.approx(laid.rotors.life, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_volume_is_that_of_the_rotors_and_largest_where_suction_closes(name):
+    laid = lay(SCENES[name].machine)
+    phi = np.radians(np.arange(0.0, laid.life / DEG, 0.37))
+    exact = laid.rotors.volume(phi - laid.born + laid.rotors.start)
+    packed = pack_curve(laid.volume.angle, laid.volume.value)
+    found = np.array([table_law.volume(x, packed, 0.0, 0.0) for x in phi])
+    assert np.max(np.abs(found - exact)) < 1e-5 * laid.swept  # a shape-preserving cubic over rows of 1°
+    slopes = np.array([table_law.volume_slope(x, packed, 0.0) for x in phi])
+    inside = (phi > laid.born) & (phi < laid.ends)
+    exact = laid.rotors.volume_slope(phi - laid.born + laid.rotors.start)
+    assert np.mean(np.abs(slopes - exact)[inside]) < 5.0 * IN_THE_MEAN * np.abs(exact).max()
+    assert np.max(np.abs(slopes - exact)[inside]) < AT_A_KINK * np.abs(exact).max()
+    assert table_law.volume(laid.injection, packed, 0.0, 0.0) == pytest.approx(laid.swept, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_an_idle_chamber_has_no_opening_and_its_volume_rests(name):
+    laid, geometry = lay(SCENES[name].machine), build_parts(SCENES[name]).geometry
+    before, after = np.linspace(0.0, laid.born - 1e-9, 20), np.linspace(laid.ends + 1e-9, laid.life, 20)
+    for (_, offset), path in paths(name).items():
+        own = np.concatenate([before, after])
+        assert not area(path, own).any()  # as the trailing one
+        assert not area(path, own - offset * geometry.pitch).any()  # as the leading one
+    law = geometry.volume_law()
+    TAB = pack_curve(*law.tables["volume_curve"])
+    dead = [law.volume(phi, TAB, 0.0, law.values["V_min"]) for phi in (*before, *after)]
+    assert dead == pytest.approx([1e-4 * laid.swept] * 40, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["b", "c"])
+def test_areas_are_clearance_times_the_lengths_of_the_geometry(name):
+    laid, gap = lay(SCENES[name].machine), 40e-6
+    found = paths(name)
+    for effect, kinds in profile_law.EFFECTS.items():
+        by_offset = {one.offset: one for one in laid.interfaces[effect]}
+        for offset in by_offset:
+            curves = [
+                p.behind
+                for p in laid.curves.paths
+                if p.offset == offset and (p.name in kinds or p.name.rpartition("_")[0] in kinds)
+            ]
+            own = np.radians(np.arange(20.5, 700.0, 0.5))  # past the birth, where a path opens from nothing
+            exact = sum(np.interp(own, c.angle, c.value, left=0.0, right=0.0) for c in curves)
+            exact = exact * (1.0 if effect == "blow_hole" else gap)
+            error = np.abs(area(found[effect, offset], own + laid.born) - exact)
+            assert np.max(error) < AT_A_KINK * exact.max(), (effect, offset)
+            assert np.mean(error) < IN_THE_MEAN * exact.max(), (effect, offset)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_port_opens_at_the_built_in_ratio_and_suction_is_shut_from_the_largest_volume_on(name):
+    laid, found = lay(SCENES[name].machine), paths(name)
+    volume = laid.rotors.volume(np.array([laid.opens - laid.born + laid.rotors.start]))[0]
+    assert laid.swept / volume == pytest.approx(3.2, rel=1e-9)
+    assert not area(found["discharge_port", 0], [laid.opens - 1.001 * DEG]).any()
+    assert area(found["discharge_port", 0], [laid.opens + 1.0 * DEG]).all()
+    assert not area(found["suction_port", 0], np.linspace(laid.injection + 1e-9, laid.life, 50)).any()
+
+
+def test_the_same_rotors_are_computed_once():
+    machine = SCENES["b"].machine
+    other = replace(machine, built_in_volume_ratio=2.6)
+    assert lay(machine) is lay(replace(machine))
+    assert lay(other).rotors is lay(machine).rotors
+    longer = replace(machine, rotor_length=0.2)
+    assert lay(longer).rotors.chain is lay(machine).rotors.chain
+
+
+def test_a_given_blow_hole_scales_the_profile_s():
+    scene = load(CONFIGS / "b.yaml", ["effects.blow_hole.area=20 mm^2"])
+    own = build_parts(scene).effects["blow_hole"][0]
+    assert own.tables["curve"][1].max() == pytest.approx(20e-6, rel=1e-12)
+
+
+def test_without_a_ratio_there_is_one_line():
+    with pytest.raises(UsageError, match=r"^machine.built_in_volume_ratio: is missing"):
+        lay(replace(SCENES["b"].machine, built_in_volume_ratio=None))
