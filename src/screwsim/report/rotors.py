@@ -103,7 +103,7 @@ def sealing_figure(rotors: Rotors) -> Any:
     for line in ((np.full(n, walls[0]), y, z), (x, np.full(n, walls[1]), z), (x, y, np.full(n, walls[2]))):
         axes.plot(*line, color=GREY, linewidth=0.6, linestyle=DASHES[1])
     axes.plot(x, y, z, color=COLOURS[0], linewidth=1.6)
-    marks = (("$S_{-1}$", 0, 2.5), ("$S'_0$", n - 1 - (trail - chain.lead), -5.5), ("$S_0$", n - 1, 2.5))
+    marks = (("S₋₁", 0, 2.5), ("S′₀", n - 1 - (trail - chain.lead), -5.5), ("S₀", n - 1, 2.5))
     for name, i, up in marks:
         axes.plot([x[i]], [y[i]], [z[i]], "o", color=COLOURS[2], markersize=3.5)
         axes.text(x[i] + 1.0, y[i] + 1.0, z[i] + up, name)

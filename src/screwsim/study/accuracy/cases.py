@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from screwsim.machine.geometry import Geometry
 from screwsim.scene import Scene, with_values
 from screwsim.study.accuracy.solving import Way, way
 
@@ -121,8 +122,8 @@ def choices(scene: Scene, extent: Extent) -> Iterator[Case]:
     for factor in extent.closures:
         how = way(asked, closing="histories", tolerance=0.2 * asked * factor, bound=asked * max(factor, 1.0))
         yield Case("closure", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
-    dead = scene.machine.volume.dead
-    for factor in extent.dead_volumes if scene.machine.volume.law == "paper" else ():
+    dead = scene.machine.volume.dead_of(Geometry(scene.machine).swept_volume)
+    for factor in extent.dead_volumes if scene.machine.volume.law != "table" else ():
         changed = with_values(scene, {"machine.volume.min": factor * dead})
         how = way(asked, closing="histories")
         yield Case("dead volume", f"histories, {_times(factor)}", asked, how, changed, gas, factor, own_reference=True)
@@ -134,13 +135,13 @@ def _times(factor: float) -> str:
 
 def omitted(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield what is not tried at all, and why."""
-    yield "start and end angle", "the model has none: a chamber's life is integrated over all of its 720 deg"
+    yield "start and end angle", "the model has none: a chamber's whole life is integrated"
     yield "regularisation x 0", "taken as 1e-12 of the pressure: with none the model divides 0 by 0 at equal pressures"
     if scene.gas.model == "ideal":
         yield "CoolProp called directly", "the scene's gas is ideal, and CoolProp has none"
     else:
         yield "scipy on CoolProp", "thousands of calls back into Python, each for eight chambers: minutes a cycle"
-    if scene.machine.volume.law != "paper":
+    if scene.machine.volume.law == "table":
         yield "dead volume", f"is part of the table of machine.volume.law: {scene.machine.volume.law}"
 
 
