@@ -24,7 +24,8 @@ NARROWER = 0.25  # regularisation in that turn
 WHOLE = 1.0 / (1.0 - NARROWER)  # the error over what that turn shows of it, where it is linear in the regularisation
 TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
 AIM = 0.6  # of the wanted accuracy, at which the next try aims
-EASY = 0.2  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
+EASY = 0.3  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
+TIGHTEST = 0.05  # factor of the tolerances with which a scene of a course may begin
 TRIES = 7
 MUCH = 1e-4  # wanted accuracy from which on two turns estimate
 
@@ -70,9 +71,15 @@ def close_accurately(solution: Any) -> Accurate:
             before.put_back()
             break
         closed = replace(tighter, needed=closed.needed, first_gap=closed.first_gap)
-    if worst(errors)[1] < EASY * numerics.accuracy:
-        course.tightness = min(1.0, 2.0 * course.tightness)
+    course.tightness = _next_tightness(course.tightness, worst(errors)[1] / numerics.accuracy)
     return Accurate(closed, errors, watch.counts["closing"], watch.times["closing"], watch.times["estimating"])
+
+
+def _next_tightness(used: float, estimated: float) -> float:
+    """Return the factor of the tolerances with which the next scene of a course begins; error over accuracy."""
+    if estimated < EASY:
+        used = min(1.0, used * AIM / estimated) if estimated > 0.0 else 1.0
+    return max(used, TIGHTEST)
 
 
 def close_tighter(solution: Any, accurate: Accurate) -> Accurate:

@@ -91,7 +91,8 @@ def _possible(states: Array) -> bool:
 
 def _weights(known: list[Array], wanted: Array) -> list[Array]:
     """Return weights of the newest parameter vectors that make the wanted one, the best guess first."""
-    scale = np.maximum(np.abs(known[-1]), 1e-300)
+    scale = np.max(np.abs([*known, wanted]), axis=0)
+    scale[scale == 0.0] = 1.0
     last = np.ones(1)
     if len(known) < 2:
         return [last]
