@@ -13,6 +13,7 @@ from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
 
+WIDTH = 0.5  # of the regularisation over the wanted accuracy
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
 
@@ -63,11 +64,12 @@ def build_parts(scene: Scene) -> Parts:
 def regularisation(scene: Scene) -> tuple[float, float, float]:
     """Return the widths ε [Pa] below which a pressure difference is smoothed: suction port, discharge port, gaps.
 
-    ε is the wanted accuracy times the pressure. The error control lets the pressure err by about as much; a narrower
-    ε would let that error jump across the flow law's steep middle, which costs many small steps and gains nothing.
+    ε is `WIDTH` of the wanted accuracy times the pressure. The error control lets the pressure err by about as much; a
+    narrower ε would let that error jump across the flow law's steep middle, a wider one costs accuracy that no step
+    can regain (docs/numerics.md).
     """
-    accuracy, at = scene.numerics.accuracy, lines(scene)
-    return accuracy * at.p_s, accuracy * at.p_d, accuracy * max(at.p_s, at.p_d)
+    width, at = WIDTH * scene.numerics.accuracy, lines(scene)
+    return width * at.p_s, width * at.p_d, width * max(at.p_s, at.p_d)
 
 
 def wanted_of(scene: Scene) -> closing.Wanted:

@@ -24,6 +24,7 @@ PATIENCE = 6  # turns before the histories may give way to coupled chambers
 DEAR = 18.0  # turns ahead that cost as much as coupled chambers
 ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
 FINEST_RTOL = 1e-11  # of a step, below which it is rounding that keeps a balance from closing
+STALL = 3  # pitches without progress of the states
 NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
 LEAST = 1e-300  # of what must be positive for its logarithm
 LEAST_OIL = 1e-4  # oil per gas below which its change does not count
@@ -201,8 +202,9 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
         if gap <= wanted.tolerance and rtol <= finest:
             if task.residue(q) <= ENOUGH * wanted.bound:
                 return Closed("ok", q, y, turn, "histories", finest, change=gap, first_gap=first_gap)
-            finest = _finer(finest)
-            gaps.clear()
+            if NEAR * float(np.max(np.abs(image - point))) <= wanted.tolerance:  # else it is no matter of the steps yet
+                finest = _finer(finest, task.residue(q) / wanted.bound)
+                gaps.clear()
         if not last and _too_slow(gaps, wanted.tolerance):
             return None
         machinery.remember()
@@ -260,6 +262,7 @@ def by_coupling(
     accelerate = Anderson(depth)
     plenum = task.plenum()
     seen: list[tuple[float, float]] = []
+    gaps: list[float] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
     rtol = wanted.rtol
     budget = int(machinery.counts[2]) + most
@@ -276,13 +279,14 @@ def by_coupling(
         image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), _plenum_logarithms(image_plenum)])
         gap = float(np.max(np.abs(image - point)))
         least = LEAST_WORK * seen[-1][0] * task.pv
-        if _settled(seen, wanted.tolerance, least) and NEAR * gap <= wanted.tolerance:
+        gaps.append(gap)
+        if _settled(seen, wanted.tolerance, least) and _stands(gaps, wanted.tolerance):
             residue = task.residue(q)
             if residue <= ENOUGH * wanted.bound:
                 machinery.install_coupled()
                 return Closed("ok", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
             if gap <= wanted.tolerance * max(LEAST_GAP, min(1.0, wanted.bound / max(residue, 1e-300))):
-                rtol = _finer(rtol)
+                rtol = _finer(rtol, residue / wanted.bound)
         _, mixed = accelerate.mix(point, image)
         if np.max(np.abs(mixed - image)) > 1.0:
             mixed = image
@@ -294,14 +298,25 @@ def by_coupling(
     return Closed("not_closed", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
 
 
-def _finer(rtol: float) -> float:
-    """Return the next tolerance where the cycle stands but its balances show the error of the integration."""
-    return max(0.25 * rtol, min(rtol, FINEST_RTOL))
+def _finer(rtol: float, residue: float) -> float:
+    """Return the next tolerance where the cycle stands but its balances show the error of the integration.
+
+    `residue` is the larger one over the bound.
+    """
+    return max(min(0.7, max(0.25, 0.5 / residue)) * rtol, min(rtol, FINEST_RTOL))
 
 
 def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
     """Tell whether trapped mass and work of the last three pitches agree."""
     return len(seen) >= 3 and max(_change(seen[-1], old, least) for old in seen[-3:-1]) <= tolerance
+
+
+def _stands(gaps: list[float], tolerance: float) -> bool:
+    """Tell whether the states of the last pitch agree, or stall near that: what is left is noise of the steps."""
+    if gaps[-1] <= tolerance:
+        return True
+    stalled = len(gaps) > 2 * STALL and min(gaps[-STALL:]) >= 0.5 * min(gaps[:-STALL])
+    return stalled and NEAR * gaps[-1] <= tolerance
 
 
 def chambers_at_pitches(machinery: Machinery) -> Array:

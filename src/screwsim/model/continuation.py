@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.model.close import Closed, Hope, seen_of
+from screwsim.model.close import LEAST, Closed, Hope, seen_of
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 
@@ -18,6 +18,7 @@ Array = np.ndarray
 DEPTH = 3
 ON_LINE = 0.1  # share of a step in the parameters that may be off the line of the steps before
 LARGEST = 8.0  # weight of a polynomial: beyond it errors of the cycles count more than their trend
+STEEP = 2.0  # change of a cycle over the largest relative change of its parameters, where no guess has told yet
 
 
 class Guess(NamedTuple):
@@ -40,28 +41,32 @@ class Course:
     def __init__(self) -> None:
         self._text = ""
         self._cycles: list[_Cycle] = []
-        self._gap = 1.0  # of the last guess
+        self._gap: float | None = None  # of the last guess; None where the last cycle was not guessed
+        self._guessed = False
         self.tightness = 1.0  # factor of the tolerances that the last scenes needed for their accuracy
 
     def forget(self) -> None:
         """Begin anew."""
         self._cycles.clear()
+        self._guessed = False
         self.tightness = 1.0
 
     def add(self, machinery: Machinery, parameters: Array, closed: Closed, plenum: Array) -> None:
         """Note the machinery's last turn as the closed cycle of these parameters."""
         if machinery.composition.text != self._text:
-            self.forget()
+            if self._text:
+                self.forget()
             self._text = machinery.composition.text
         times, dense, _, steps = machinery.last()
         history = times[: steps + 1].copy(), dense[:steps].copy(), steps
         values = np.concatenate([closed.y[: machinery.n], seen_of(machinery, closed), plenum])
-        self._gap = closed.first_gap
+        self._gap = closed.first_gap if self._guessed else None
         self._cycles = [*self._cycles, _Cycle(parameters, history, values)][-DEPTH:]
 
     def guess(self, machinery: Machinery, parameters: Array) -> Guess | None:
         """Install a history for these parameters and return what goes with it; None where no cycle is near."""
         cycles = self._near(machinery)
+        self._guessed = bool(cycles)
         if not cycles:
             return None
         for weights in _weights([cycle.parameters for cycle in cycles], parameters):
@@ -73,7 +78,8 @@ class Course:
         else:
             return None
         n = machinery.n
-        return Guess(values[:n], values[n + 2 :], Hope((float(values[n]), float(values[n + 1])), self._gap))
+        gap = STEEP * _distance(cycles[-1].parameters, parameters) if self._gap is None else self._gap
+        return Guess(values[:n], values[n + 2 :], Hope((float(values[n]), float(values[n + 1])), gap))
 
     def _near(self, machinery: Machinery) -> list[_Cycle]:
         """Return the cycles of the same composition that live the same angles."""
@@ -87,6 +93,11 @@ class Course:
 def _possible(states: Array) -> bool:
     """Tell whether temperatures and densities are positive and no oil is less than none; one row a state."""
     return bool(np.all(states[:2] > 0.0) and np.all(states[2:] >= 0.0))
+
+
+def _distance(a: Array, b: Array) -> float:
+    """Return the largest relative difference of two vectors."""
+    return float(np.max(np.abs(a - b) / np.maximum(np.maximum(np.abs(a), np.abs(b)), LEAST)))
 
 
 def _weights(known: list[Array], wanted: Array) -> list[Array]:

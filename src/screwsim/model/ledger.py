@@ -58,7 +58,7 @@ MADE, MADE_T, MADE_LOG, LOST, LOST_OVER_T = range(5)
 OIL_SUMS = 5
 
 NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
-POINTS = 4
+POINTS = 3
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
 NODES = 0.5 + 0.5 * _NODES
 WEIGHTS = 0.5 * _WEIGHTS

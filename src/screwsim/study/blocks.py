@@ -10,7 +10,9 @@ from collections.abc import Sequence
 
 from screwsim.scene import Scene, dimensions
 
-BLOCK = 16  # cases at most: long chains of neighbours against even work for all cores in small sweeps
+BLOCK = 16  # cases at most in small sweeps: even work for all cores
+LONG_BLOCK = 64  # in sweeps of
+MANY = 512  # cases or more: longer chains of neighbours
 SAMPLE_BLOCK = 4  # the points of a sample are no neighbours
 
 
@@ -60,4 +62,6 @@ def blocks_of(scene: Scene) -> Blocks:
     """Return the blocks of a scene's sweep."""
     found = dimensions(scene)
     sampled = bool(found) and found[-1].joint is not None and found[-1].joint.sample is not None
-    return Blocks([dimension.size for dimension in found], SAMPLE_BLOCK if sampled else BLOCK)
+    shape = [dimension.size for dimension in found]
+    whole = LONG_BLOCK if math.prod(shape) >= MANY else BLOCK
+    return Blocks(shape, SAMPLE_BLOCK if sampled else whole)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+from screwsim.build import WIDTH
 from screwsim.machine.geometry import Geometry
 from screwsim.scene import Scene, with_values
 from screwsim.study.accuracy.solving import Way, way
@@ -114,10 +115,10 @@ def choices(scene: Scene, extent: Extent) -> Iterator[Case]:
             text = f"{closing}, {'on knots' if landing else 'not on knots'}"
             yield Case("knots", text, asked, how, scene, gas, factor=float(landing))
     for factor in extent.widths:
-        how = way(asked, closing="histories", regularised=factor * asked)
+        how = way(asked, closing="histories", regularised=factor * WIDTH * asked)
         yield Case("regularisation", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
     for factor in extent.widths:
-        how = way(TIGHT, regularised=factor * asked)
+        how = way(TIGHT, regularised=factor * WIDTH * asked)
         yield Case("regularisation alone", f"all else 1e-7, {_times(factor)}", asked, how, scene, gas, factor)
     for factor in extent.closures:
         how = way(asked, closing="histories", tolerance=0.2 * asked * factor, bound=asked * max(factor, 1.0))

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.build import WIDTH
 from screwsim.estimate import Watch
 from screwsim.model import close as closing
 from screwsim.model.slots import P_GAP_WIDTH, P_INJECTION, P_LIFE, P_PITCH, P_PORT_WIDTH
@@ -40,7 +41,7 @@ class Way:
     rtol: float = 1e-4
     tolerance: float = 1e-4
     bound: float = 1e-3
-    regularised: float = 3e-4
+    regularised: float = 1.5e-4
     landing: bool = True  # do steps end on the knots of the laws?
 
 
@@ -50,7 +51,7 @@ def way(accuracy: float, integrator: str = "rodas4", closing: str = "coupled", *
         "rtol": 0.3 * accuracy,
         "tolerance": 0.2 * accuracy,
         "bound": accuracy,
-        "regularised": accuracy,
+        "regularised": WIDTH * accuracy,
     }
     return Way(integrator, closing, **(known | others))
 
