@@ -43,6 +43,13 @@ rows and estimates say nothing about whether the model is right.
 ## Where it fails
 
 {fails}
+
+## Limits of validity
+
+What the model leaves out or takes as given, with the size of each on R134a at 2/45 °C and 2950 rpm (`validation/limits`,
+estimates, below with the rest). The oil's room and dissolved refrigerant are the largest; at d = 3 and above they decide.
+
+{limits}
 """
 OWN = """\
 
@@ -109,6 +116,14 @@ def fails(sources: Mapping[str, Any]) -> str:
     return "\n".join(lines) or "Nowhere."
 
 
+def limits(sources: Mapping[str, Any]) -> str:
+    """Return the size of each thing that the model leaves out, a line each."""
+    rows = [row for row in sources.get("limits", {"rows": []})["rows"] if row["kind"] == "estimate"]
+    return "\n".join(
+        f"- {cell(row['quantity'])}: {number(row['ours'], row['unit'], 3)}; {cell(row['note'])}" for row in rows
+    )
+
+
 def section(name: str, source: Mapping[str, Any]) -> str:
     """Return the section of one source."""
     parts = [f"## {source['title']}" if source["status"] == "ok" else f"## {name}"]
@@ -127,7 +142,11 @@ def page(document: Mapping[str, Any]) -> str:
     kinds = "; ".join(f"*{name}*, {about}" for name, about in KINDS.items())
     summed = summary(document)
     head = HEAD.format(
-        summary=summed[0].upper() + summed[1:], counts=counts(sources), kinds=kinds, fails=fails(sources)
+        summary=summed[0].upper() + summed[1:],
+        counts=counts(sources),
+        kinds=kinds,
+        fails=fails(sources),
+        limits=limits(sources),
     )
     return head + "\n" + "\n\n".join(section(name, source) for name, source in sources.items()) + "\n" + OWN
 

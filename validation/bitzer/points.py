@@ -2,9 +2,10 @@
 
     python validation/bitzer/points.py
 
-Fitted are 2/45, 0/40 and 5/35 °C; predicted 5/45 and -10/40 °C and a sweep of the pressure ratio 2 to 10 at 45 °C
-condensing, all 50 Hz (2950 rpm) and 10 K superheat. The source gives no scatter: half of what points outside the fit
-should be met to (2 points of volumetric, 3 points of isentropic efficiency) counts as the uncertainty.
+Fitted are 5/35, 2/45 and -10/40 °C, which span the pressure ratios of the five conditions; predicted are 5/45 and
+0/40 °C and a sweep of the pressure ratio 2 to 10 at 45 °C condensing, all at 50 Hz (2950 rpm) and 10 K superheat. The
+source gives no scatter: half of what points outside the fit should be met to (2 points of volumetric, 3 points of
+isentropic efficiency) counts as the uncertainty.
 """
 
 from __future__ import annotations
@@ -24,8 +25,9 @@ COMMENT = (
     "# Made by validation/bitzer/points.py from the regressions of compare.py; uncertainty: half of what is asked.\n"
 )
 HEAD = (
-    "name,use,operation.evaporating_temperature [degC],operation.condensing_temperature [degC],volumetric_efficiency [%],"
-    "volumetric_efficiency_uncertainty [%],isentropic_efficiency [%],isentropic_efficiency_uncertainty [%]"
+    "name,use,operation.evaporating_temperature [degC],operation.condensing_temperature [degC],"
+    "volumetric_efficiency [%],volumetric_efficiency_uncertainty [%],"
+    "isentropic_efficiency [%],isentropic_efficiency_uncertainty [%]"
 )
 
 
