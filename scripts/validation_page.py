@@ -46,8 +46,8 @@ rows and estimates say nothing about whether the model is right.
 
 ## Limits of validity
 
-What the model leaves out or takes as given, with the size of each on R134a at 2/45 °C and 2950 rpm (`validation/limits`,
-estimates, below with the rest). The oil's room and dissolved refrigerant are the largest; at d = 3 and above they decide.
+What the model leaves out or takes as given, with the size of each on R134a at 2/45 °C and 2950 rpm: estimates by
+`validation/limits`, which says how; its table stands below.
 
 {limits}
 """

@@ -6,8 +6,10 @@ search turns back, and a difference over it is taken to the other side.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -67,6 +69,7 @@ class Objective:
 
     fit: Fit
     simulate: Simulate | None = None
+    note: Path | None = None  # where the best so far is written
     solutions: int = 0
     failed: int = 0
     best: tuple[float, Array, Outcome] | None = None
@@ -108,7 +111,15 @@ class Objective:
         cost = float(np.sum(outcome.residuals**2))
         if self.best is None or cost < self.best[0]:
             self.best = cost, np.array(places), outcome
+            self._write(cost, places)
         return outcome
+
+    def _write(self, cost: float, places: Array) -> None:
+        """Note the best so far, whole or not at all."""
+        if self.note is not None:
+            fresh = self.note.with_suffix(".new")
+            fresh.write_text(json.dumps([cost, places.tolist(), self.solutions, self.failed]), encoding="utf-8")
+            fresh.replace(self.note)
 
     def solved(self, point: Point, values: Mapping[str, float]) -> Result:
         """Return the result of one point."""

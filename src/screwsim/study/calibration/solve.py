@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -79,14 +82,6 @@ class Calibration:
         return max(1.0, float(np.sqrt(self.chi_squared / self.freedom)))
 
 
-class Interrupted(KeyboardInterrupt):
-    """Carry the best so far of the start that was interrupted."""
-
-    def __init__(self, start: Start) -> None:
-        super().__init__()
-        self.start = start
-
-
 def first_places(fit: Fit) -> Array:
     """Return where the starts begin, (starts, parameters): the stated values, then a Latin hypercube."""
     from scipy.stats import qmc
@@ -109,39 +104,46 @@ def calibrate(
 
         warm_up(with_values(fit.machine(fit.first_start()), fit.points[0].values))  # before the fork
     answers: dict[int, Start] = {}
-    try:
-        each(
-            partial(run_start, fit, places, simulate),
-            len(places),
-            died=lambda number: _lost(places[number], DIED),
-            jobs=jobs,
-            failed=lambda start: start.status == "failed",
-            progress=progress,
-            answers=answers,
-        )
-    except KeyboardInterrupt as stop:
-        if isinstance(stop, Interrupted):
-            answers[len(answers)] = stop.start
-        if not answers:
-            raise
-        return _judged(fit, [answers[number] for number in sorted(answers)], simulate, interrupted=True)
+    with TemporaryDirectory(prefix="screwsim-") as folder:
+        try:
+            each(
+                partial(run_start, fit, places, simulate, folder),
+                len(places),
+                died=lambda number: _lost(places[number], DIED),
+                jobs=jobs,
+                failed=lambda start: start.status == "failed",
+                progress=progress,
+                answers=answers,
+            )
+        except KeyboardInterrupt:
+            answers |= _unfinished(places, Path(folder), answers)
+            if not answers:
+                raise
+            return _judged(fit, [answers[number] for number in sorted(answers)], simulate, interrupted=True)
     return _judged(fit, [answers[number] for number in sorted(answers)], simulate)
 
 
-def run_start(fit: Fit, places: Array, simulate: Simulate | None, number: int) -> Start:
-    """Return what least squares reach from one start."""
+def _unfinished(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
+    """Return the best so far of starts that an interruption ended."""
+    found = {}
+    for number in range(len(places)):
+        note = folder / f"{number}.json"
+        if number not in known and note.exists():
+            cost, best, solutions, failed = json.loads(note.read_text(encoding="utf-8"))
+            ends = tuple(best)
+            began = tuple(map(float, places[number]))
+            found[number] = Start("interrupted", "interrupted", began, ends, cost, solutions, failed)
+    return found
+
+
+def run_start(fit: Fit, places: Array, simulate: Simulate | None, folder: str, number: int) -> Start:
+    """Return what least squares reach from one start; the best so far is noted in a folder, for an interruption."""
     began = np.clip(places[number], 1e-6, 1.0 - 1e-6)
-    asked = Objective(fit, simulate)
-    try:
-        first = asked.outcome(began)
-        if np.all(_unsolved(first)[: sum(len(point.measured) for point in asked.points)]):
-            return _lost(began, next(iter(first.reasons.values())), asked)
-        converged = _search(asked, began)
-    except KeyboardInterrupt:
-        if asked.best is None:
-            raise
-        raise Interrupted(_start(asked, began, "interrupted", "interrupted")) from None
-    if converged:
+    asked = Objective(fit, simulate, Path(folder) / f"{number}.json")
+    first = asked.outcome(began)
+    if np.all(_unsolved(first)[: sum(len(point.measured) for point in asked.points)]):
+        return _lost(began, next(iter(first.reasons.values())), asked)
+    if _search(asked, began):
         return _start(asked, began, "ok", "")
     return _start(asked, began, "not converged", f"no minimum within {MOST_STEPS} steps")
 
