@@ -63,6 +63,7 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
         ("3.1,0.1", "3.1,0", "points.csv:3:16: shaft_power: 0 is out of range"),
         ("3.1,0.1", "3.1,", "points.csv:3:1: shaft_power: needs a value and an uncertainty, or neither"),
         ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, the first line 5"),
+        ("b,fit", "a,fit", "points.csv:4:1: name: 'a' is there twice"),
         ("a,fit", "a,no", "points.csv:3:3: use: 'no' is not known"),
         ("shaft_power [kW],", "shaft_power [kN],", "points.csv:2:32: shaft_power: unit 'kN' is none of its units"),
         (
@@ -84,6 +85,14 @@ def test_too_few_data_are_told(tmp_path):
     points = "\n".join(POINTS.splitlines()[:3]) + "\n"
     (line,) = faults(tmp_path, points=points)
     assert line.startswith("small.fit.yaml:4:1: parameters: 1 measured figures and 0 priors cannot fix 2 parameters")
+
+
+def test_priors_alone_are_no_data(tmp_path):
+    fit = FIT.replace("to: 100 um}", "to: 100 um, prior: {mean: 50 um, deviation: 1 um}}")
+    fit = fit.replace("  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K), start: 1.5 kJ/(kg K)}\n", "")
+    points = POINTS.splitlines()[1] + "\na,fit,1000,,\n"
+    (line,) = faults(tmp_path, fit, points)
+    assert "0 measured figures and 1 priors cannot fix 1 parameters" in line
 
 
 def test_conditions_that_do_not_fit_are_located(tmp_path):

@@ -70,6 +70,9 @@ def read_points(
         return []
     rows = [_point(line, start.at(number, 1), columns, problems) for number, line in lines[1:]]
     points = [row for row in rows if row is not None]
+    for number, (point, place) in enumerate(points):
+        if point.name in [other.name for other, _ in points[:number]]:
+            problems.append(Problem(place, "name", f"{shown(point.name)} is there twice (name each point once)"))
     if not problems and not any(point.fitted for point, _ in points):
         problems.append(Problem(start, "use", "leaves no point to fit (write fit in that column)"))
     return points

@@ -210,6 +210,6 @@ def _check(fit: Fit, rows: list[tuple[Point, Place]], root: Node, problems: list
             problems.append(Problem(place, fault.path, fault.what))
     data = sum(len(point.measured) for point in fit.points if point.fitted)
     priors = sum(each.prior is not None for each in fit.parameters)
-    if data + priors < len(fit.parameters):
+    if not data or data + priors < len(fit.parameters):
         what = f"{data} measured figures and {priors} priors cannot fix {len(fit.parameters)} parameters"
         problems.append(Problem(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)"))
