@@ -1,10 +1,14 @@
 """Faults of a fit and of its data: each one line with file, line, column, path and remedy."""
 
+import re
+
 import pytest
 from fit_fakes import FIT, POINTS, write_fit
+from ruamel.yaml import YAML
 
 from screwsim.faults import SceneError
 from screwsim.study.calibration import read_fit
+from screwsim.study.calibration.schema import fit_schema
 
 
 def faults(folder, fit=FIT, points=POINTS):
@@ -104,6 +108,24 @@ def test_conditions_that_do_not_fit_are_located(tmp_path):
 def test_a_missing_fit_is_one_line(tmp_path):
     with pytest.raises(SceneError, match=r"nowhere\.fit\.yaml:1:1: .*cannot be read"):
         read_fit(tmp_path / "nowhere.fit.yaml")
+
+
+def test_the_schema_has_what_a_fit_may_have():
+    found = fit_schema()
+    text = yaml_of(FIT)
+    assert set(text) <= set(found["properties"])
+    assert set(found["required"]) <= set(text)
+    paths = found["properties"]["parameters"]["properties"]
+    for path, given in text["parameters"].items():
+        assert set(paths[path]["required"]) <= set(given) <= set(paths[path]["properties"])
+        for name in set(given) & {"from", "to", "start"}:
+            assert re.search(paths[path]["properties"][name]["pattern"], given[name])
+    assert "oil.transport" not in paths  # a choice
+
+
+def yaml_of(text: str) -> dict:
+    """Return a YAML text as plain values."""
+    return YAML(typ="safe", pure=True).load(text)
 
 
 def test_an_empty_cell_is_not_measured(tmp_path):

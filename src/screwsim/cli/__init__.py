@@ -266,9 +266,17 @@ def validate(
 
 
 @app.command()
-def schema() -> None:
+def schema(
+    fit: Annotated[bool, typer.Option("--fit", help="That of a fit (screwsim calibrate) instead.")] = False,
+) -> None:
     """Print the JSON Schema of a scene."""
     from screwsim.printing import print_json
+
+    if fit:
+        from screwsim.study.calibration.schema import fit_schema
+
+        print_json(fit_schema())
+        return
     from screwsim.scene import schema as scene_schema
 
     print_json(scene_schema())

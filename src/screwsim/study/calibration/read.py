@@ -17,7 +17,7 @@ from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import Fit, Parameter, Point, Prior, Tie
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither it nor its scene asks for a better one
-_HEAD = {
+HEAD = {
     "title": Leaf("word", "what is fitted", "", {}),
     "scene": Leaf("word", "the machine: a scene's file", dataclasses.MISSING, {}),
     "data": Leaf("word", "the measured points: a CSV file", dataclasses.MISSING, {}),
@@ -59,7 +59,7 @@ def _read(name: str, place: Place, problems: list[Problem]) -> Node | None:
 
 
 def _typed(root: Node, name: str, problems: list[Problem]) -> Fit | None:
-    head = read_fields(_HEAD, root, "", problems, _REMEDY, also=("parameters",))
+    head = read_fields(HEAD, root, "", problems, _REMEDY, also=("parameters",))
     if head is None or not _is_file(root, "scene", head["scene"], problems):
         return None
     scene_file = os.path.join(root.place.folder, head["scene"])
@@ -157,7 +157,7 @@ def _parameter(path: str, node: Node, scene: Scene, problems: list[Problem]) -> 
     return Parameter(path, low, high, start, prior, given["spacing"] == "log", ties)
 
 
-def _difference(leaf: Leaf, default: Any = dataclasses.MISSING, **limits: float) -> Leaf:
+def difference(leaf: Leaf, default: Any = dataclasses.MISSING, **limits: float) -> Leaf:
     """Return the leaf of a difference of two values of a leaf."""
     kind = f"{leaf.kind}_difference" if leaf.kind in ("temperature", "pressure") else leaf.kind
     return Leaf(kind, f"difference of {leaf.doc}", default, limits)
@@ -170,7 +170,7 @@ def _prior(leaf: Leaf, node: Node | None, where: str, problems: list[Problem]) -
     if not isinstance(node.value, dict):
         problems.append(Problem(node.place, where, f"{shown(node.value)} is not a mapping ({remedy})"))
         return None
-    fields = {"mean": replace(leaf, default=dataclasses.MISSING), "deviation": _difference(leaf, gt=0.0)}
+    fields = {"mean": replace(leaf, default=dataclasses.MISSING), "deviation": difference(leaf, gt=0.0)}
     given = read_fields(fields, node, where, problems, remedy)
     return None if given is None else Prior(given["mean"], given["deviation"])
 
@@ -182,7 +182,7 @@ def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: lis
     if not isinstance(node.value, dict):
         problems.append(Problem(node.place, where, f"{shown(node.value)} is not a mapping ({remedy})"))
         return ()
-    fields = {"factor": Leaf("number", "factor", 1.0, {}), "offset": _difference(leaf, 0.0)}
+    fields = {"factor": Leaf("number", "factor", 1.0, {}), "offset": difference(leaf, 0.0)}
     found = []
     for path, child in node.value.items():
         other = _leaf(scene, path, child.heading, join(where, path), problems)
