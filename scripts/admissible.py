@@ -90,11 +90,15 @@ def to_unit(x: np.ndarray) -> np.ndarray:
     return np.where(LOG, np.log(np.maximum(x, 1e-9) / safe) / np.log(HIGH / safe), (x - LOW) / (HIGH - LOW))
 
 
-def machine(base: Scene, x: np.ndarray) -> Scene:
-    """Return the paper's scene with the open parameters x; lengths scale with the diameter."""
+def machine(base: Scene, x: np.ndarray, pump: bool = True) -> Scene:
+    """Return the paper's scene with the open parameters x; lengths scale with the diameter.
+
+    `pump` False: `base` has displacement supply, and no line loss.
+    """
     v = dict(zip((item.name for item in OPEN), (float(value) for value in x), strict=True))
     D, opens = v["diameter_mm"] * 1e-3, v["opens_deg"] * DEGREE
     radius = v["droplet_radius_um"] * 1e-6
+    line = {"effects.oil_pump.pressure_loss": v["line_loss_bar"] * 1e5} if pump else {}
     return with_values(
         base,
         {
@@ -117,7 +121,7 @@ def machine(base: Scene, x: np.ndarray) -> Scene:
             "effects.end_face_leakage.length": 0.4 * D,
             "effects.oil_heat.droplet_radius": radius,
             "effects.oil_heat.heat_transfer_coefficient": 0.01463 / radius,
-            "effects.oil_pump.pressure_loss": v["line_loss_bar"] * 1e5,
+            **line,
             "effects.hydromechanical.acceleration_factor": v["acceleration_factor"],
             "effects.mechanical.fraction": v["mechanical_fraction"],
         },

@@ -20,7 +20,8 @@ def compare(here):
         equal("another machine", 1.5, 1.0, 0.02, "published", comparable=False),
         trend("over speed", "falls", "rises", False),
     ]
-    series = (Series("ours", [1.0, 2.0], [1.0, 1.5]), Series("theirs", [1.0], [1.0], theirs=True, error=0.02))
+    band = Series("spread", [1.0, 2.0], [0.9, 1.4], upper=[1.1, 1.6])
+    series = (Series("ours", [1.0, 2.0], [1.0, 1.5]), band, Series("theirs", [1.0], [1.0], theirs=True, error=0.02))
     return Comparison("A small source", "nobody", "about", rows, (Panel("x", "y", series),))
 """
 REFUSING = (
@@ -111,6 +112,16 @@ def test_only_the_named_sources_run(checkout):
     (checkout / "validation" / "open").mkdir()
     (checkout / "validation" / "open" / "compare.py").write_text(REFUSING, encoding="utf-8")
     assert [each.name for each in run_sources(folder_of(), ["small"])] == ["small"]
+
+
+def test_sources_give_the_same_one_after_the_other_and_at_once(checkout):
+    for name in ("open", "third"):
+        (checkout / "validation" / name).mkdir()
+        text = REFUSING if name == "open" else SOURCE
+        (checkout / "validation" / name / "compare.py").write_text(text, encoding="utf-8")
+    one, two = (document(run_sources(folder_of(), jobs=jobs)) for jobs in (1, 2))
+    assert one == two
+    assert list(one["sources"]) == ["open", "small", "third"]
 
 
 def test_the_verdict_turns_at_the_uncertainty():

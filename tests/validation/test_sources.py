@@ -31,7 +31,9 @@ def test_source_has_its_interface(compare_of, name):
 
 
 @pytest.mark.parametrize(
-    "path", sorted(VALIDATION.glob("*/*.yaml")), ids=lambda path: f"{path.parent.name}/{path.name}"
+    "path",
+    sorted(path for path in VALIDATION.glob("*/*.yaml") if not path.name.endswith(".fit.yaml")),
+    ids=lambda path: f"{path.parent.name}/{path.name}",
 )
 def test_scene_loads(path):
     assert screwsim.load(path).title

@@ -241,6 +241,7 @@ def validate(
     output: Annotated[
         Path | None, typer.Option("-o", metavar="DIR", help="Write validation.json and a figure a source.")
     ] = None,
+    jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
     """Hold what is computed against each published reference. A verdict that fails is a finding: exit code 0."""
@@ -251,7 +252,7 @@ def validate(
     from screwsim.study.validation import document, folder_of, run_sources
     from screwsim.study.validation.words import report
 
-    outcomes = run_sources(folder_of(folder), names or (), for_terminal("validate"))
+    outcomes = run_sources(folder_of(folder), names or (), for_terminal("validate"), jobs)
     found = document(outcomes)
     if as_json:
         print_json({**found, "seconds": {each.name: each.seconds for each in outcomes}})
@@ -265,9 +266,17 @@ def validate(
 
 
 @app.command()
-def schema() -> None:
+def schema(
+    fit: Annotated[bool, typer.Option("--fit", help="That of a fit (screwsim calibrate) instead.")] = False,
+) -> None:
     """Print the JSON Schema of a scene."""
     from screwsim.printing import print_json
+
+    if fit:
+        from screwsim.study.calibration.schema import fit_schema
+
+        print_json(fit_schema())
+        return
     from screwsim.scene import schema as scene_schema
 
     print_json(scene_schema())

@@ -7,7 +7,18 @@ from typing import Annotated
 
 import typer
 
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
+from screwsim.cli.options import (
+    INTERRUPTED,
+    NOT_ALL_OK,
+    OK,
+    AsJson,
+    Jobs,
+    Overrides,
+    SceneFile,
+    Without,
+    base_point,
+    loaded,
+)
 
 
 def optimum(
@@ -138,9 +149,45 @@ def compare(
     return OK
 
 
+def calibrate(
+    fit_file: Annotated[
+        str, typer.Argument(metavar="FIT", help="What is fitted to what, a YAML file.", show_default=False)
+    ],
+    folder: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Write scene.yaml, fit.json and the residual figure.")
+    ] = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Fit parameters of a scene to measured points, and say how far the data fix them."""
+    from screwsim.printing import print_json
+    from screwsim.printing.calibration import calibration_document, print_calibration, write_calibration
+    from screwsim.results.atomic import make_folder
+    from screwsim.study.calibration import calibrate as calibrated
+    from screwsim.study.calibration import read_fit
+    from screwsim.study.progress import for_terminal
+
+    fit = read_fit(fit_file)
+    if folder is not None:
+        make_folder(folder)
+    found = calibrated(fit, jobs=jobs, progress=for_terminal("calibrate"))
+    if as_json:
+        print_json(calibration_document(found))
+    else:
+        print_calibration(found)
+    if folder is not None:
+        for path in write_calibration(found, folder):
+            typer.echo(path, err=as_json)
+    if found.status == "interrupted":
+        typer.echo(found.message, err=True)
+        return INTERRUPTED
+    return OK if found.status == "ok" else NOT_ALL_OK
+
+
 def add_to(app: typer.Typer) -> None:
     """Add these commands."""
     app.command()(optimum)
     app.command()(sensitivity)
     app.command("map")(performance_map)
     app.command()(compare)
+    app.command()(calibrate)

@@ -10,6 +10,10 @@ from screwsim.report.style import COLOURS, DASHES, DOUBLE, SINGLE, journal, new_
 
 HEIGHT = 74.0  # [mm] of one row of panels
 MARKERS = "os^Dv<>P"
+THEIRS = COLOURS[2]
+OURS = tuple(colour for colour in COLOURS if colour != THEIRS)
+LEGEND = 58  # letters that fit side by side above a panel, handles counted
+HANDLE = 7  # letters that a handle is wide
 
 
 def draw(document: Mapping[str, Any], folder: Path) -> list[str]:
@@ -36,9 +40,12 @@ def _figure(source: Mapping[str, Any]) -> Any:
 
 
 def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
-    ours = theirs = 0
+    ours = theirs = bands = 0
     for series in panel["series"]:
-        if series["theirs"]:
+        if series["upper"] is not None:
+            _band(axes, series, bands)
+            bands += 1
+        elif series["theirs"]:
             _theirs(axes, series, theirs)
             theirs += 1
         else:
@@ -51,7 +58,11 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
     if panel["log_y"]:
         _logarithmic(axes, "y")
     # above the axes, where no curve can run under it
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=3, columnspacing=1.2)
+    _, labels = axes.get_legend_handles_labels()
+    longest = max(map(len, labels), default=1) + HANDLE
+    axes.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=max(1, min(3, LEGEND // longest)), columnspacing=1.2
+    )
 
 
 def _logarithmic(axes: Any, which: str) -> None:
@@ -71,8 +82,8 @@ def _theirs(axes: Any, series: Mapping[str, Any], index: int) -> None:
         series["y"],
         yerr=series["error"],
         fmt=MARKERS[index % len(MARKERS)],
-        color="#a01f62",
-        markerfacecolor="white" if index % 2 else "#a01f62",
+        color=THEIRS,
+        markerfacecolor="white" if index % 2 else THEIRS,
         markersize=4.0,
         capsize=1.5,
         elinewidth=0.6,
@@ -81,12 +92,18 @@ def _theirs(axes: Any, series: Mapping[str, Any], index: int) -> None:
     )
 
 
+def _band(axes: Any, series: Mapping[str, Any], index: int) -> None:
+    colour = OURS[index % len(OURS)]
+    label = series["name"] or "_nolegend_"
+    axes.fill_between(series["x"], series["y"], series["upper"], color=colour, alpha=0.2, linewidth=0.0, label=label)
+
+
 def _ours(axes: Any, series: Mapping[str, Any], index: int) -> None:
     line = "none" if series["points"] else DASHES[index % len(DASHES)]
     axes.plot(
         series["x"],
         series["y"],
-        color=COLOURS[index % len(COLOURS)],
+        color=OURS[index % len(OURS)],
         linestyle=line,
         marker=MARKERS[index % len(MARKERS)] if series["points"] else None,
         label=series["name"],

@@ -69,7 +69,7 @@ def _section(section: Section) -> dict[str, Any]:
 
 def _leaf(leaf: Leaf) -> dict[str, Any]:
     limits = limits_text(leaf)
-    found = {"description": f"{leaf.doc} ({limits})" if limits else leaf.doc, **_value(leaf)}
+    found = {"description": f"{leaf.doc} ({limits})" if limits else leaf.doc, **value_schema(leaf)}
     if not leaf.required and leaf.default is not None:
         found["default"] = text_of(leaf, leaf.default) if leaf.dimension else leaf.default
     if not leaf.required and "enum" in found:
@@ -79,7 +79,8 @@ def _leaf(leaf: Leaf) -> dict[str, Any]:
     return found
 
 
-def _value(leaf: Leaf) -> dict[str, Any]:
+def value_schema(leaf: Leaf) -> dict[str, Any]:
+    """Return the schema of one value as a person writes it."""
     if leaf.dimension is not None:
         return _quantity(leaf.dimension)
     if leaf.kind == "choice":
@@ -144,7 +145,7 @@ def _sample(over: dict[str, Any]) -> dict[str, Any]:
 
 def _span_of(leaf: Leaf) -> dict[str, Any]:
     """Return the schema of a path of a sample: ends, or values to pick from."""
-    values = {"type": "array", "items": _value(leaf), "minItems": 1}
+    values = {"type": "array", "items": value_schema(leaf), "minItems": 1}
     if leaf.kind == "choice":
         return values
     ends = {"from": _example(leaf.kind), "to": _example(leaf.kind), "spacing": _SPACING}

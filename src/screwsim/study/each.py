@@ -26,14 +26,15 @@ def each(
     jobs: int | None = None,
     failed: Callable[[Answer], bool] = lambda answer: False,
     progress: Progress | None = None,
+    answers: dict[int, Answer] | None = None,
 ) -> list[Answer]:
     """Return [function(0), …, function(count - 1)], computed by `jobs` workers (default: all cores; 1: here).
 
     The function is pickled once. `died` gives the answer for a number whose worker died; `failed` tells which answers
-    the progress counts as such.
+    the progress counts as such. What an interruption leaves is in `answers`.
     """
     progress, jobs = progress or Silent(), min(jobs or cores(), count)
-    answers: dict[int, Answer] = {}
+    answers = {} if answers is None else answers
 
     def finish(numbers: range, found: list[Answer]) -> None:
         answers.update(zip(numbers, found, strict=True))

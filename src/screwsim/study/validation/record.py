@@ -47,7 +47,10 @@ class Row:
 
 @dataclass(frozen=True)
 class Series:
-    """One curve or set of points of a figure; `theirs` are drawn as points with error bars, ours as lines."""
+    """One curve or set of points of a figure; `theirs` are drawn as points with error bars, ours as lines.
+
+    With `upper` it is a band from y to there, in the colour of the curve at the same place among ours.
+    """
 
     name: str
     x: Sequence[float]
@@ -55,6 +58,7 @@ class Series:
     theirs: bool = False
     error: float | None = None
     points: bool = False  # ours, as separate points
+    upper: Sequence[float] | None = None
 
 
 @dataclass(frozen=True)

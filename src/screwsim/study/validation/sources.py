@@ -6,16 +6,19 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from screwsim import __version__
 from screwsim.faults import UsageError
-from screwsim.study.progress import Progress, Silent
+from screwsim.study.each import each
+from screwsim.study.progress import Progress
 from screwsim.study.validation.asking import sibling
 from screwsim.study.validation.record import VERDICTS, Comparison, NotRun
 
 FOLDER, MODULE = "validation", "compare.py"
+DIED = "its worker died (run this source alone)"
 
 
 @dataclass(frozen=True)
@@ -57,25 +60,32 @@ def names_of(folder: Path) -> list[str]:
     return sorted(path.parent.name for path in folder.glob(f"*/{MODULE}"))
 
 
-def run_sources(folder: Path, names: Sequence[str] = (), progress: Progress | None = None) -> list[Outcome]:
-    """Return what became of the named sources (default: all). Raises UsageError for a name that is none."""
+def run_sources(
+    folder: Path, names: Sequence[str] = (), progress: Progress | None = None, jobs: int | None = 1
+) -> list[Outcome]:
+    """Return what became of the named sources (default: all), `jobs` at a time (None: as many as cores).
+
+    Raises UsageError for a name that is none.
+    """
     known = names_of(folder)
     for name in names:
         if name not in known:
             near = get_close_matches(name, known, 1)
             hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
             raise UsageError(f"{name}: no source of that name in {folder} ({hint})")
-    wanted, progress = list(dict.fromkeys(names)) or known, progress or Silent()
-    progress.start(len(wanted), 0)
-    try:
-        found = []
-        for name in wanted:
-            outcome = _run(folder / name)
-            progress.advance(1, int(outcome.comparison is None))
-            found.append(outcome)
-    finally:
-        progress.stop()
-    return found
+    wanted = list(dict.fromkeys(names)) or known
+    return each(
+        partial(_numbered, folder, tuple(wanted)),
+        len(wanted),
+        died=lambda number: Outcome(wanted[number], None, DIED, 0.0),
+        jobs=jobs,
+        failed=lambda outcome: outcome.comparison is None,
+        progress=progress,
+    )
+
+
+def _numbered(folder: Path, names: tuple[str, ...], number: int) -> Outcome:
+    return _run(folder / names[number])
 
 
 def _run(folder: Path) -> Outcome:

@@ -1,0 +1,260 @@
+"""What `screwsim calibrate` prints and writes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from screwsim.engineering import digits, figure_scales, shown_name
+from screwsim.outputs import PERFORMANCE
+from screwsim.printing import write_json
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.report.calibration import draw
+from screwsim.results.atomic import make_folder, replacing
+from screwsim.study.calibration import Calibration, Compared, Parameter, fitted_text
+from screwsim.study.calibration.judge import CORRELATED, WEAK
+from screwsim.study.inputs import in_customary, shown_value
+
+SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
+
+
+def calibration_document(found: Calibration) -> dict[str, Any]:
+    """Return what `calibrate --json` prints; SI units."""
+    known = found.certainty
+    return {
+        "title": found.fit.title,
+        "scene": found.fit.scene_file,
+        "status": found.status,
+        "message": found.message,
+        "accuracy": found.fit.scene.numerics.accuracy,
+        "parameters": {each.path: _parameter(found, index, each) for index, each in enumerate(found.fit.parameters)},
+        "correlation": None if known is None else known.correlation,
+        "singular_values": None if known is None else known.singular,
+        "not_told_apart": [] if known is None else [asdict(each) for each in known.open],
+        "chi_squared": found.chi_squared,
+        "degrees_of_freedom": found.freedom,
+        "scale_of_standard_errors": found.scale,
+        "as_good_within": found.margin,
+        "as_good_starts": found.as_good,
+        "starts": [asdict(each) | {"cost": each.cost if each.cost < float("inf") else None} for each in found.starts],
+        "points": [_compared(each) for each in found.compared],
+        "points_without_solution": found.reasons,
+        "seed": found.fit.seed,
+        "solutions": found.solutions,
+        "failed_solutions": found.failed,
+    }
+
+
+def _parameter(found: Calibration, index: int, parameter: Parameter) -> dict[str, Any]:
+    known, low_high = found.certainty, spread(found, index)
+    error = None if known is None else known.errors[index]
+    return {
+        "value": found.values.get(parameter.path),
+        "standard_error": error,
+        "standard_error_scaled": None if error is None else error * found.scale,
+        "from": parameter.low,
+        "to": parameter.high,
+        "at_bound": "" if known is None else known.border[index],
+        "as_good_from": low_high[0],
+        "as_good_to": low_high[1],
+        "prior": None if parameter.prior is None else parameter.prior._asdict(),
+    }
+
+
+def _compared(each: Compared) -> dict[str, Any]:
+    return {
+        "point": each.point.name,
+        "fitted": each.point.fitted,
+        "conditions": dict(each.point.values),
+        "figure": each.figure,
+        "measured": each.measured.value,
+        "uncertainty": each.measured.uncertainty,
+        "ours": each.ours,
+        "residual_over_uncertainty": each.residual,
+    }
+
+
+def spread(found: Calibration, index: int) -> tuple[float | None, float | None]:
+    """Return the lowest and highest value [SI] of a parameter among the fits that are as good."""
+    parameter = found.fit.parameters[index]
+    values = [parameter.value(found.starts[number].places[index]) for number in found.as_good]
+    return (min(values), max(values)) if values else (None, None)
+
+
+def print_calibration(found: Calibration) -> None:
+    """Print the parameters, how sure they are, what is left over, and what the data do not tell."""
+    if found.fit.title or found.fit.scene.title:
+        print(wrapped(found.fit.title or found.fit.scene.title))
+    count = f"{found.solutions} solutions" + (f", {found.failed} without figures" if found.failed else "")
+    print(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}"))
+    if found.message:
+        print(wrapped(f"{found.status}: {found.message}"))
+    if not found.values:
+        return
+    print()
+    heads = ["", "value", "± standard error", "as good"]
+    rows = [_row(found, index, each) for index, each in enumerate(found.fit.parameters)]
+    print("\n".join(plain_table(heads, rows, 1)))
+    print()
+    print("\n".join(_points(found)))
+    print()
+    for line in (*_quality(found), *_warnings(found)):
+        print(wrapped(line))
+
+
+def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
+    scene, path = found.fit.scene, parameter.path
+    known = found.certainty
+    error = None if known is None else known.errors[index]
+    value, unit = in_customary(scene, path, found.values[path])
+    width = ""
+    if error is not None:
+        per_unit = _per_unit(found, parameter)
+        width = f"{error * found.scale * per_unit:.2g}"
+    elif known is not None and known.border[index]:
+        width = f"{known.border[index]} bound"
+    low, high = spread(found, index)
+    good = "" if low is None or high is None else " … ".join(_number(found, path, each) for each in (low, high))
+    return [short_names(found)[index], f"{value:.4g} {unit}".strip(), width, good]
+
+
+def short_names(found: Calibration) -> list[str]:
+    """Return the last words of the parameters' paths, as many as tell them apart."""
+    paths = [each.path.split(".") for each in found.fit.parameters]
+    ends = [path[-1] for path in paths]
+    return [".".join(path[-2:]) if ends.count(path[-1]) > 1 else path[-1] for path in paths]
+
+
+def _number(found: Calibration, path: str, value: float) -> str:
+    return f"{in_customary(found.fit.scene, path, value)[0]:.3g}"
+
+
+def _per_unit(found: Calibration, parameter: Parameter) -> float:
+    """Return customary units per SI unit of a difference of values."""
+    ends = [in_customary(found.fit.scene, parameter.path, each)[0] for each in (parameter.low, parameter.high)]
+    return (ends[1] - ends[0]) / (parameter.high - parameter.low)
+
+
+def _points(found: Calibration) -> list[str]:
+    rows = []
+    for each in found.compared:
+        factor, unit = units_of(each.figure, each.measured.value)
+        ours = "none" if each.ours is None else digits(_shown(each.figure, each.ours, factor))
+        residual = "" if each.residual is None else f"{each.residual:+.2f}"
+        rows.append(
+            [
+                each.point.name + ("" if each.point.fitted else " *"),
+                shown_name(each.figure),
+                digits(_shown(each.figure, each.measured.value, factor)),
+                f"{factor * each.measured.uncertainty:.2g}",
+                ours,
+                unit,
+                residual,
+            ]
+        )
+    lines = plain_table(["point", "figure", "measured", "±", "fitted", "", "residual/±"], rows, 2)
+    if not all(each.point.fitted for each in found.compared):
+        lines.append("* not fitted: predicted")
+    return lines
+
+
+def units_of(figure: str, size: float) -> tuple[float, str]:
+    """Return factor and unit in which a figure is shown; temperatures in °C."""
+    if PERFORMANCE[figure].units == "K":
+        return 1.0, "°C"
+    return next(((f, unit) for least, f, unit in figure_scales(figure) if abs(size) >= least), (1.0, ""))
+
+
+def _shown(figure: str, value: float, factor: float) -> float:
+    return value - 273.15 if PERFORMANCE[figure].units == "K" else factor * value
+
+
+def _quality(found: Calibration) -> Iterator[str]:
+    if found.chi_squared is None:
+        return
+    per = f", {found.chi_squared / found.freedom:.3g} a degree of freedom" if found.freedom > 0 else ""
+    yield f"chi squared {found.chi_squared:.4g} with {found.freedom} degrees of freedom{per}"
+    if found.scale > 1.0:
+        yield (
+            f"the residuals exceed the stated uncertainties: standard errors are those times {found.scale:.3g}; "
+            "model or uncertainties do not fit the data"
+        )
+    ends = f"{len(found.as_good)} of {len(found.starts)} starts"
+    yield f"as good: the {ends} that end within {found.margin:.3g} of the best chi squared (68 % of the joint region)"
+
+
+def _warnings(found: Calibration) -> Iterator[str]:
+    known = found.certainty
+    for name, reason in found.reasons.items():
+        yield f"no solution at {name}: {reason}"
+    if known is None:
+        return
+    for parameter, border in zip(found.fit.parameters, known.border, strict=True):
+        if border:
+            bound = parameter.low if border == "lower" else parameter.high
+            shown = shown_value(found.fit.scene, parameter.path, bound, 4)
+            yield f"warning: {parameter.path} is at its {border} bound, {shown}: a better fit may lie beyond"
+    for each in known.open:
+        yield f"warning: {each.says} (a standard error along it is {each.span:.2g} of the bounds' distance)"
+    if known.open:
+        yield (
+            f"a combination is not fixed below {WEAK:g} of the largest singular value of the scaled slopes; two "
+            f"parameters are not told apart above |r| = {CORRELATED:g} (fix one, add data, or state a prior)"
+        )
+    yield from _correlations(found)
+
+
+def _correlations(found: Calibration) -> Iterator[str]:
+    known = found.certainty
+    names = short_names(found)
+    if known is None or len(names) < 2:
+        return
+    pairs = [
+        (abs(r), f"{names[j]}, {names[i]} {r:+.2f}")
+        for i, row in enumerate(known.correlation)
+        for j, r in enumerate(row[:i])
+        if r is not None
+    ]
+    if pairs:
+        strongest = [text for _, text in sorted(pairs, reverse=True)[:4]]
+        yield f"strongest correlations: {'; '.join(strongest)}"
+
+
+def write_calibration(found: Calibration, folder: Path) -> list[str]:
+    """Write the fitted scene, the document and the figure of residuals; return the paths."""
+    make_folder(folder)
+    written = [write_json(calibration_document(found), folder / DOCUMENT)]
+    if found.values:
+        with replacing(folder / SCENE) as temporary:
+            temporary.write_text(fitted_text(found, folder), encoding="utf-8")
+        written.append(str(folder / SCENE))
+        written += draw(_panels(found), _points_shown(found), folder, FIGURE)
+    return written
+
+
+def _points_shown(found: Calibration) -> list[str]:
+    return [point.name for point in found.fit.points if point.measured]
+
+
+def _panels(found: Calibration) -> dict[str, list[tuple[int, bool, float, float]]]:
+    """Return {label of a figure: [(number of the point, fitted, residual, uncertainty)]} in the unit of the label."""
+    names = _points_shown(found)
+    panels: dict[str, list[tuple[int, bool, float, float]]] = {}
+    for figure in dict.fromkeys(each.figure for each in found.compared):
+        of = [each for each in found.compared if each.figure == figure]
+        factor, unit = units_of(figure, max(abs(each.measured.value) for each in of))
+        unit = {"%": "points", "°C": "K"}.get(unit, unit)
+        label = f"{shown_name(figure)} [{unit}]" if unit else shown_name(figure)
+        panels[label] = [
+            (
+                names.index(each.point.name),
+                each.point.fitted,
+                factor * (each.ours - each.measured.value),
+                factor * each.measured.uncertainty,
+            )
+            for each in of
+            if each.ours is not None
+        ]
+    return panels

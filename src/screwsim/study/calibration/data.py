@@ -1,0 +1,194 @@
+"""Read the measured points of a fit: a CSV file whose columns are scene paths, figures and their uncertainties."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from screwsim.faults import UsageError
+from screwsim.outputs import PERFORMANCE
+from screwsim.scene import Scene, leaf_of
+from screwsim.scene.fields import Leaf, leaf_paths, unknown
+from screwsim.scene.units import NUMBER, Refused
+from screwsim.scene.values import convert, shown
+from screwsim.scene.yaml_tree import Place, Problem
+from screwsim.study.calibration.fit import Measured, Point
+
+UNCERTAINTY = "_uncertainty"
+FITTED = {"": True, "fit": True, "check": False}
+# SI unit of a figure -> {unit: factor}; degrees Celsius apart
+UNITS = {
+    "1": {"": 1.0, "1": 1.0, "%": 0.01},
+    "W": {"W": 1.0, "kW": 1e3},
+    "K": {"K": 1.0},
+    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5},
+    "J": {"J": 1.0, "kJ": 1e3},
+    "kg": {"kg": 1.0, "g": 1e-3},
+    "kg s-1": {"kg/s": 1.0, "kg/h": 1.0 / 3600.0, "g/s": 1e-3},
+    "W s m-3": {"W s/m^3": 1.0, "kW/(m^3/min)": 6e4},
+    "J m-3": {"J/m^3": 1.0, "kJ/m^3": 1e3},
+}
+CELSIUS, ZERO = "degC", 273.15
+_EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_uncertainty [kW]"
+
+
+@dataclass(frozen=True)
+class _Column:
+    """One column: what it holds (name, use, figure, uncertainty, path), of what, in which unit."""
+
+    kind: str
+    of: str
+    unit: str
+    leaf: Leaf | None = None
+
+
+def read_points(
+    path: str, label: str, scene: Scene, taken: Sequence[str], problems: list[Problem]
+) -> list[tuple[Point, Place]]:
+    """Return the points of a file with their places; `taken` are paths that a parameter sets."""
+    start = Place(1, label)
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as stream:
+            numbered = [(number, line.rstrip("\r\n")) for number, line in enumerate(stream, 1)]
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
+        problems.append(Problem(start, "data", f"cannot be read: {reason} (name a CSV file in UTF-8)"))
+        return []
+    lines = [(number, line) for number, line in numbered if line.strip() and not line.lstrip().startswith("#")]
+    if len(lines) < 2:
+        problems.append(
+            Problem(start, "data", f"has no points (a line of column names, then a line a point; {_EXAMPLE})")
+        )
+        return []
+    before = len(problems)
+    number, head = lines[0]
+    columns = _columns(_cells(head, start.at(number, 1)), scene, taken, problems)
+    if len(problems) > before:
+        return []
+    rows = [_point(line, start.at(number, 1), columns, problems) for number, line in lines[1:]]
+    points = [row for row in rows if row is not None]
+    for number, (point, place) in enumerate(points):
+        if point.name in [other.name for other, _ in points[:number]]:
+            problems.append(Problem(place, "name", f"{shown(point.name)} is there twice (name each point once)"))
+    if not problems and not any(point.fitted for point, _ in points):
+        problems.append(Problem(start, "use", "leaves no point to fit (write fit in that column)"))
+    return points
+
+
+def _cells(line: str, start: Place) -> list[tuple[str, Place]]:
+    """Return the cells of a line with their places."""
+    cells = next(csv.reader([line]))
+    return [(cell.strip(), start.at(start.line, at)) for cell, at in zip(cells, _starts(line), strict=False)]
+
+
+def _starts(line: str) -> Iterator[int]:
+    """Yield the column in which each cell of a line begins; a comma inside quotes separates nothing."""
+    yield 1
+    quoted = False
+    for place, letter in enumerate(line):
+        quoted ^= letter == '"'
+        if letter == "," and not quoted:
+            yield place + 2
+
+
+def _columns(
+    cells: list[tuple[str, Place]], scene: Scene, taken: Sequence[str], problems: list[Problem]
+) -> list[tuple[_Column, Place]]:
+    found = []
+    for cell, place in cells:
+        match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", cell)
+        assert match is not None
+        name, unit = match[1], (match[2] or "").strip()
+        try:
+            found.append((_column(name, unit, scene, taken), place))
+        except (Refused, UsageError) as refusal:
+            problems.append(Problem(place, name or "data", str(refusal).removeprefix(f"{name}: ")))
+    names = [(column.kind, column.of) for column, _ in found]
+    for (column, place), name in zip(found, names, strict=True):
+        if names.count(name) > 1:
+            problems.append(Problem(place, column.of, "is there twice (remove one column)"))
+        partner = {"figure": "uncertainty", "uncertainty": "figure"}.get(column.kind)
+        if partner and (partner, column.of) not in names:
+            other = column.of if partner == "figure" else column.of + UNCERTAINTY
+            problems.append(Problem(place, column.of, f"has no column {other} beside it (add it)"))
+    if not any(kind == "figure" for kind, _ in names) and not problems:
+        problems.append(Problem(cells[0][1], "data", f"has no measured figure (known: {', '.join(PERFORMANCE)})"))
+    return found
+
+
+def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column:
+    """Return what a column holds; raise `Refused` or UsageError."""
+    if name in ("name", "use"):
+        return _Column(name, name, unit)
+    figure = name.removesuffix(UNCERTAINTY)
+    if figure in PERFORMANCE:
+        known = UNITS[PERFORMANCE[figure].units]
+        if unit not in known and not (CELSIUS == unit and "K" in known and figure == name):
+            raise Refused(f"unit {shown(unit)} is none of its units (write [{'], ['.join(u for u in known if u)}])")
+        return _Column("figure" if figure == name else "uncertainty", figure, unit)
+    if name in taken:
+        raise Refused("is a parameter of the fit and cannot be a condition (remove one of the two)")
+    if "." not in name:
+        leaves = leaf_paths({each: type(active.parameters) for each, active in scene.effects.items()})
+        raise Refused(unknown(name, [*PERFORMANCE, "name", "use", *leaves], "a scene path or a figure"))
+    leaf = leaf_of(scene, name)
+    if unit and leaf.dimension is None:
+        raise Refused("has no unit (remove the brackets)")
+    return _Column("path", name, unit, leaf)
+
+
+def _point(
+    line: str, place: Place, columns: list[tuple[_Column, Place]], problems: list[Problem]
+) -> tuple[Point, Place] | None:
+    cells, before = _cells(line, place), len(problems)
+    if len(cells) != len(columns):
+        problems.append(
+            Problem(place, "data", f"has {len(cells)} cells, the first line {len(columns)} (make them equal)")
+        )
+        return None
+    found: dict[str, dict[str, Any]] = {kind: {} for kind in ("name", "use", "path", "figure", "uncertainty")}
+    for (text, at), (column, _) in zip(cells, columns, strict=True):
+        try:
+            value = _value(column, text)
+        except Refused as refusal:
+            problems.append(Problem(at, column.of, str(refusal)))
+            continue
+        if value is not None:
+            found[column.kind][column.of] = value
+    if len(problems) > before:
+        return None
+    for figure in found["figure"].keys() ^ found["uncertainty"].keys():
+        problems.append(Problem(place, figure, "needs a value and an uncertainty, or neither (fill the empty cell)"))
+    if len(problems) > before:
+        return None
+    measured = {name: Measured(value, found["uncertainty"][name]) for name, value in found["figure"].items()}
+    name = found["name"].get("name") or f"line {place.line}"
+    return Point(name, found["path"], measured, found["use"].get("use", True)), place
+
+
+def _value(column: _Column, text: str) -> Any:
+    """Return the value [SI] of a cell, None of an empty one of a figure; raise `Refused`."""
+    if column.kind == "name":
+        return text
+    if column.kind == "use":
+        if text not in FITTED:
+            raise Refused(f"{shown(text)} is not known (write fit, or check: predicted and not fitted)")
+        return FITTED[text]
+    if column.leaf is not None:
+        if column.leaf.dimension is not None:
+            return convert(column.leaf, f"{text} {column.unit}" if column.unit else text)
+        number = int if column.leaf.kind == "count" and text.isdigit() else float
+        return convert(column.leaf, number(text) if re.fullmatch(NUMBER, text) else text)
+    if not text:
+        return None
+    if not re.fullmatch(NUMBER, text):
+        raise Refused(f"{shown(text)} is not a number (write e.g. 0.5, its unit in the first line)")
+    value = float(text)
+    if column.kind == "uncertainty" and not value > 0.0:
+        raise Refused(f"{text} is out of range (an uncertainty must be greater than 0)")
+    if column.unit == CELSIUS:
+        return value + ZERO
+    return value * UNITS[PERFORMANCE[column.of].units][column.unit]

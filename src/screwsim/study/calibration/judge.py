@@ -1,0 +1,141 @@
+"""What the slopes of a fit say: standard errors, correlations, and which parameters the data do not tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from screwsim.study.calibration.fit import Parameter
+from screwsim.study.calibration.residuals import Array
+
+CORRELATED = 0.95  # from this |r| on two parameters are not told apart
+WEAK = 0.02  # of the largest singular value of the scaled slopes: below it a combination is not fixed
+BORDER = 5e-3  # of the bounds' distance: nearer is at the bound
+SHARE = 0.25  # of the largest part: what belongs to a combination
+
+
+@dataclass(frozen=True)
+class Combination:
+    """Parameters that the data do not fix together: moves over the bounds' distance that leave the figures alone.
+
+    `strength` is the singular value over the largest; `span` is the standard error along it, over the bounds'
+    distance, with no bound upwards. `says` tells it in words.
+    """
+
+    paths: tuple[str, ...]
+    moves: tuple[float, ...]
+    strength: float
+    span: float
+    says: str
+
+
+@dataclass(frozen=True)
+class Certainty:
+    """How well the parameters are known: standard errors [SI] and correlations of those that are not at a bound.
+
+    `border` names the bound, else it is empty.
+    """
+
+    errors: tuple[float | None, ...]
+    correlation: tuple[tuple[float | None, ...], ...]
+    border: tuple[str, ...]
+    open: tuple[Combination, ...]
+    singular: tuple[float, ...]  # values of the scaled slopes, over the largest
+
+
+def borders(places: Array) -> tuple[str, ...]:
+    """Return at which bound each parameter is: lower, upper or neither."""
+    return tuple("lower" if u < BORDER else "upper" if u > 1.0 - BORDER else "" for u in places)
+
+
+def certainty(parameters: Sequence[Parameter], places: Array, slopes: Array) -> Certainty:
+    """Return how well parameters are known, from the slopes of the residuals over the places."""
+    at = borders(places)
+    free = [index for index, border in enumerate(at) if not border]
+    n = len(parameters)
+    errors: list[float | None] = [None] * n
+    matrix: list[list[float | None]] = [[None] * n for _ in range(n)]
+    if free:
+        _, s, v = np.linalg.svd(slopes[:, free], full_matrices=False)
+        scaled = v.T * _inverse(s)
+        deviation = np.sqrt(np.sum(scaled**2, axis=1))
+        correlation = np.clip((scaled @ scaled.T) / np.outer(deviation, deviation), -1.0, 1.0)
+        for row, index in enumerate(free):
+            value = parameters[index].value(float(places[index]))
+            errors[index] = float(deviation[row]) * parameters[index].slope(value)
+            for column, other in enumerate(free):
+                matrix[index][other] = float(correlation[row, column])
+    share, found = open_combinations(parameters, slopes)
+    return Certainty(tuple(errors), tuple(map(tuple, matrix)), at, found, share)
+
+
+def _inverse(s: Array) -> Array:
+    return 1.0 / np.maximum(s, max(1e-9 * float(s[0]), 1e-300))
+
+
+def open_combinations(
+    parameters: Sequence[Parameter], slopes: Array
+) -> tuple[tuple[float, ...], tuple[Combination, ...]]:
+    """Return singular values of the slopes over the largest, and what the data do not tell apart.
+
+    All parameters count, also those at a bound: there one of a pair may have ended by chance.
+    """
+    _, s, v = np.linalg.svd(slopes, full_matrices=False)
+    share, inverse = s / max(float(s[0]), 1e-300), _inverse(s)
+    scaled = v.T * inverse
+    deviation = np.sqrt(np.sum(scaled**2, axis=1))
+    correlation = (scaled @ scaled.T) / np.outer(deviation, deviation)
+    found = _weak(parameters, share, inverse, v)
+    found += _pairs(parameters, correlation, deviation, {path for each in found for path in each.paths})
+    return tuple(map(float, share)), tuple(found)
+
+
+def _weak(parameters: Sequence[Parameter], share: Array, inverse: Array, v: Array) -> list[Combination]:
+    """Return the combinations whose singular value is small."""
+    found = []
+    for strength, span, direction in zip(share, inverse, v, strict=True):
+        if strength < WEAK:
+            move = direction / direction[int(np.argmax(np.abs(direction)))]
+            parts = [index for index, size in enumerate(move) if abs(size) >= SHARE]
+            found.append(_told([parameters[index] for index in parts], move[parts], float(strength), float(span)))
+    return found
+
+
+def _pairs(parameters: Sequence[Parameter], correlation: Array, deviation: Array, known: set[str]) -> list[Combination]:
+    """Return pairs that are strongly correlated and in no weak combination already."""
+    found = []
+    for i, first in enumerate(parameters):
+        for j, second in enumerate(parameters[:i]):
+            r = float(correlation[i, j])
+            if abs(r) > CORRELATED and not {first.path, second.path} <= known:
+                moves = np.array([1.0, r * deviation[i] / deviation[j]])
+                moves /= np.max(np.abs(moves))
+                found.append(_told([second, first], moves, float("nan"), float(max(deviation[i], deviation[j]))))
+    return found
+
+
+def _told(parameters: Sequence[Parameter], moves: Array, strength: float, span: float) -> Combination:
+    paths = tuple(each.path for each in parameters)
+    return Combination(paths, tuple(map(float, moves)), strength, span, _words(parameters, moves))
+
+
+def _words(parameters: Sequence[Parameter], moves: Array) -> str:
+    """Return what a move that leaves the figures alone means."""
+    names = [each.path for each in parameters]
+    if len(parameters) == 1:
+        return f"the data say next to nothing about {names[0]}"
+    growth = [
+        float(move) * each.slope(each.value(0.5)) / each.value(0.5)
+        for each, move in zip(parameters, moves, strict=True)
+    ]
+    if len(parameters) == 2 and all(each.logarithmic for each in parameters):
+        ratio = growth[1] / growth[0] if growth[0] else 0.0
+        if abs(ratio - 1.0) < 0.05:
+            return f"{names[0]} and {names[1]} are not told apart: the data fix their quotient alone"
+        if abs(ratio + 1.0) < 0.05:
+            return f"{names[0]} and {names[1]} are not told apart: the data fix their product alone"
+    unit = max(abs(each) for each in growth) or 1.0
+    parts = [f"{name} {10.0 * each / unit:+.2g} %" for name, each in zip(names, growth, strict=True)]
+    return f"not told apart: {', '.join(parts)} together leave the figures nearly as they are"

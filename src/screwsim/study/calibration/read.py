@@ -1,0 +1,215 @@
+"""Read FIT.yaml: the scene, the parameters, the data; every fault at its line."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from dataclasses import replace
+from typing import Any
+
+from screwsim.faults import SceneError, UsageError
+from screwsim.scene import Scene, cross_check, leaf_of, load
+from screwsim.scene.axis import SPACING, read_fields
+from screwsim.scene.fields import Leaf
+from screwsim.scene.values import shown, text_of
+from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join
+from screwsim.study.calibration.data import read_points
+from screwsim.study.calibration.fit import Fit, Parameter, Point, Prior, Tie
+
+ACCURACY = 1e-4  # of the solutions of a fit, where neither it nor its scene asks for a better one
+HEAD = {
+    "title": Leaf("word", "what is fitted", "", {}),
+    "scene": Leaf("word", "the machine: a scene's file", dataclasses.MISSING, {}),
+    "data": Leaf("word", "the measured points: a CSV file", dataclasses.MISSING, {}),
+    "starts": Leaf("count", "number of starts", 8, {"ge": 1, "le": 10_000}),
+    "seed": Leaf("count", "seed of the starts", 1, {"ge": 0}),
+    "accuracy": Leaf("number", "relative accuracy of each solution", None, {"gt": 1e-12, "lt": 0.1}),
+}
+_REMEDY = "write scene: machine.yaml, data: points.csv and parameters:"
+_PARAMETER = "write {from: …, to: …}"
+
+
+def read_fit(path: str | os.PathLike[str]) -> Fit:
+    """Return the fit of a YAML file; raise `SceneError` with one line a fault."""
+    name = os.fspath(path)
+    place = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
+    problems: list[Problem] = []
+    root = _read(name, place, problems)
+    fit = None if root is None else _typed(root, name, problems)
+    if problems or fit is None:
+        raise SceneError([str(each) for each in sorted(dict.fromkeys(problems), key=lambda each: each.place)])
+    return fit
+
+
+def _read(name: str, place: Place, problems: list[Problem]) -> Node | None:
+    try:
+        with open(name, encoding="utf-8-sig") as stream:
+            text = stream.read()
+    except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a name with a null character
+        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
+        problems.append(Problem(place, "", f"cannot be read: {reason} (name an existing fit, saved as UTF-8)"))
+        return None
+    root = compose(text, place, problems)
+    if root is None and not problems:
+        problems.append(Problem(place, "", f"is empty ({_REMEDY})"))
+    if root is not None and not isinstance(root.value, dict):
+        problems.append(Problem(root.place, "", f"is {shown(root.value)}, not a mapping ({_REMEDY})"))
+        return None
+    return root
+
+
+def _typed(root: Node, name: str, problems: list[Problem]) -> Fit | None:
+    head = read_fields(HEAD, root, "", problems, _REMEDY, also=("parameters",))
+    if head is None or not _is_file(root, "scene", head["scene"], problems):
+        return None
+    scene_file = os.path.join(root.place.folder, head["scene"])
+    scene = _tightened(replace(load(scene_file), sweep={}, joints=()), head["accuracy"])
+    parameters = _parameters(root, scene, problems)
+    if not _is_file(root, "data", head["data"], problems) or not parameters:
+        return None
+    data = os.path.join(root.place.folder, head["data"])
+    label = os.path.normpath(os.path.join(os.path.dirname(name), head["data"]))
+    taken = [path for each in parameters for path in each.values(each.low)]
+    rows = read_points(data, label, scene, taken, problems)
+    if problems:
+        return None
+    points = tuple(point for point, _ in rows)
+    fit = Fit(head["title"], name, scene, scene_file, parameters, points, head["starts"], head["seed"])
+    _check(fit, rows, root, problems)
+    return fit
+
+
+def _is_file(root: Node, key: str, name: str, problems: list[Problem]) -> bool:
+    found = os.path.isfile(os.path.join(root.place.folder, name))
+    if not found:
+        what = f"{shown(name)} is not a file (name an existing one, relative to this file)"
+        problems.append(Problem(root.value[key].place, key, what))
+    return found
+
+
+def _tightened(scene: Scene, accuracy: float | None) -> Scene:
+    """Return the scene with the accuracy of a fit, where it states no tolerance of its own."""
+    numerics = scene.numerics
+    if numerics.rtol is not None:
+        return scene
+    wanted = min(numerics.accuracy, ACCURACY) if accuracy is None else accuracy
+    return replace(scene, numerics=replace(numerics, accuracy=wanted))
+
+
+def _parameters(root: Node, scene: Scene, problems: list[Problem]) -> tuple[Parameter, ...]:
+    node = root.value.get("parameters")
+    if node is None or not isinstance(node.value, dict) or not node.value:
+        place = root.place if node is None else node.place
+        what = "names nothing to fit (write e.g. effects.tip_leakage.gap: {from: 20 um, to: 80 um})"
+        problems.append(Problem(place, "parameters", what))
+        return ()
+    found: list[Parameter] = []
+    taken: set[str] = set()
+    for path, child in node.value.items():
+        parameter = _parameter(path, child, scene, problems)
+        if parameter is None:
+            continue
+        for each in parameter.values(parameter.low):
+            if each in taken:
+                problems.append(Problem(child.heading, join("parameters", path), f"fits {each} twice (remove one)"))
+            taken.add(each)
+        found.append(parameter)
+    return tuple(found)
+
+
+def _leaf(scene: Scene, path: str, place: Place, where: str, problems: list[Problem]) -> Leaf | None:
+    """Return the leaf of a continuous path, or None after a fault was added."""
+    try:
+        leaf = leaf_of(scene, path)
+    except UsageError as error:
+        problems.append(Problem(place, where, str(error).removeprefix(f"{path}: ")))
+        return None
+    if leaf.kind in ("choice", "count"):
+        what = "a choice" if leaf.kind == "choice" else "a whole number"
+        problems.append(Problem(place, where, f"is {what}; only continuous quantities can be fitted (remove it)"))
+        return None
+    return leaf
+
+
+def _parameter(path: str, node: Node, scene: Scene, problems: list[Problem]) -> Parameter | None:
+    where, before = join("parameters", path), len(problems)
+    leaf = _leaf(scene, path, node.heading, where, problems)
+    if leaf is None:
+        return None
+    if not isinstance(node.value, dict):
+        problems.append(Problem(node.place, where, f"{shown(node.value)} is not a mapping ({_PARAMETER})"))
+        return None
+    end, optional = replace(leaf, default=dataclasses.MISSING), replace(leaf, default=None)
+    fields = {"from": end, "to": end, "start": optional, "spacing": SPACING}
+    given = read_fields(fields, node, where, problems, _PARAMETER, also=("prior", "also"))
+    prior = _prior(leaf, node.value.get("prior"), join(where, "prior"), problems)
+    ties = _ties(leaf, node.value.get("also"), scene, join(where, "also"), problems)
+    if given is None or len(problems) > before:
+        return None
+    low, high, start = given["from"], given["to"], given["start"]
+    if not low < high:
+        problems.append(Problem(node.place, where, "from is not below to (exchange them)"))
+    elif start is not None and not low <= start <= high:
+        ends = f"{text_of(leaf, low)} … {text_of(leaf, high)}"
+        problems.append(Problem(node.value["start"].place, join(where, "start"), f"lies outside {ends} (move it)"))
+    elif given["spacing"] == "log" and not low > 0.0:
+        problems.append(Problem(node.place, where, "log spacing needs bounds above zero (choose another from)"))
+    return Parameter(path, low, high, start, prior, given["spacing"] == "log", ties)
+
+
+def difference(leaf: Leaf, default: Any = dataclasses.MISSING, **limits: float) -> Leaf:
+    """Return the leaf of a difference of two values of a leaf."""
+    kind = f"{leaf.kind}_difference" if leaf.kind in ("temperature", "pressure") else leaf.kind
+    return Leaf(kind, f"difference of {leaf.doc}", default, limits)
+
+
+def _prior(leaf: Leaf, node: Node | None, where: str, problems: list[Problem]) -> Prior | None:
+    if node is None or node.value is None:
+        return None
+    remedy = "write {mean: …, deviation: …}"
+    if not isinstance(node.value, dict):
+        problems.append(Problem(node.place, where, f"{shown(node.value)} is not a mapping ({remedy})"))
+        return None
+    fields = {"mean": replace(leaf, default=dataclasses.MISSING), "deviation": difference(leaf, gt=0.0)}
+    given = read_fields(fields, node, where, problems, remedy)
+    return None if given is None else Prior(given["mean"], given["deviation"])
+
+
+def _ties(leaf: Leaf, node: Node | None, scene: Scene, where: str, problems: list[Problem]) -> tuple[Tie, ...]:
+    if node is None or node.value is None:
+        return ()
+    remedy = "write {PATH: {factor: …, offset: …}}"
+    if not isinstance(node.value, dict):
+        problems.append(Problem(node.place, where, f"{shown(node.value)} is not a mapping ({remedy})"))
+        return ()
+    fields = {"factor": Leaf("number", "factor", 1.0, {}), "offset": difference(leaf, 0.0)}
+    found = []
+    for path, child in node.value.items():
+        other = _leaf(scene, path, child.heading, join(where, path), problems)
+        if other is None:
+            continue
+        if other.kind != leaf.kind:
+            what = f"is of another kind ({other.kind.replace('_', ' ')}; it cannot follow a {leaf.kind})"
+            problems.append(Problem(child.heading, join(where, path), what))
+            continue
+        content = replace(child, value={} if child.value is None else child.value)
+        if not isinstance(content.value, dict):
+            problems.append(Problem(child.place, join(where, path), f"is not a mapping ({remedy})"))
+            continue
+        given = read_fields(fields, content, join(where, path), problems, remedy)
+        if given is not None:
+            found.append(Tie(path, given["factor"], given["offset"]))
+    return tuple(found)
+
+
+def _check(fit: Fit, rows: list[tuple[Point, Place]], root: Node, problems: list[Problem]) -> None:
+    """Add a fault where the values of a point and of the first start do not fit together, or data are too few."""
+    start = fit.first_start()
+    for point, place in rows:
+        for fault in cross_check(fit.at(point, start)):
+            problems.append(Problem(place, fault.path, fault.what))
+    data = sum(len(point.measured) for point in fit.points if point.fitted)
+    priors = sum(each.prior is not None for each in fit.parameters)
+    if not data or data + priors < len(fit.parameters):
+        what = f"{data} measured figures and {priors} priors cannot fix {len(fit.parameters)} parameters"
+        problems.append(Problem(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)"))

@@ -1,0 +1,65 @@
+"""The fitted machine as a scene file: its base, and the paths that the fit changed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from screwsim.scene.write import quoted
+from screwsim.study.calibration.solve import Calibration
+from screwsim.study.inputs import shown_value
+
+DIGITS = 7  # of a fitted value: far below its error
+
+
+def fitted_text(found: Calibration, folder: Path) -> str:
+    """Return the YAML text of the fitted machine, to be written into a folder."""
+    fit = found.fit
+    tree: dict[str, Any] = {}
+    for path, value in fit.changes(found.values).items():
+        node = tree
+        *above, last = keys(path)
+        for name in above:
+            node = node.setdefault(name, {})
+        node[last] = shown_value(fit.scene, path, value, DIGITS)
+    title = fit.title or fit.scene.title
+    lines = [
+        f"# Fitted by: screwsim calibrate {os.path.basename(fit.name)}; {told(found)}.",
+        f"title: {quoted(f'{title}, fitted' if title else 'fitted')}",
+        f"base: {quoted(_relative(fit.scene_file, folder))}",
+        *_lines(tree, ""),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def told(found: Calibration) -> str:
+    """Return how good the fit is, in a few words."""
+    fitted = sum(point.fitted for point in found.fit.points)
+    text = f"chi squared {found.chi_squared:.3g} with {found.freedom} degrees of freedom, {fitted} points"
+    return text if found.status == "ok" else f"{text}; {found.status}"
+
+
+def keys(path: str) -> list[str]:
+    """Return the keys of a dotted path: names of a user's own effects have dots."""
+    if not path.startswith("effects."):
+        return path.split(".")
+    name, _, parameter = path.removeprefix("effects.").rpartition(".")
+    return ["effects", name, parameter]
+
+
+def _lines(tree: dict[str, Any], indent: str) -> Iterator[str]:
+    for name, item in tree.items():
+        if isinstance(item, dict):
+            yield f"{indent}{name}:"
+            yield from _lines(item, indent + "  ")
+        else:
+            yield f"{indent}{name}: {item}"
+
+
+def _relative(path: str, folder: Path) -> str:
+    try:
+        return os.path.relpath(os.path.realpath(path), os.path.realpath(folder))
+    except ValueError:  # another drive
+        return os.path.abspath(path)

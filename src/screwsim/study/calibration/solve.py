@@ -1,0 +1,259 @@
+"""Fit parameters to measured points: bounded least squares from several starts, and what the best of them is worth."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from screwsim.outputs import Figures
+from screwsim.scene import with_values
+from screwsim.study.calibration.fit import Fit, Measured, Point
+from screwsim.study.calibration.judge import Certainty, borders, certainty
+from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Outcome, Simulate, why_not
+from screwsim.study.each import DIED, each
+from screwsim.study.progress import Progress
+
+PROBABILITY = 0.6827  # of the joint region of the free parameters within which fits count as equally good
+MOST_STEPS = 40  # of one round of a start
+MOST_ROUNDS = 3
+TOLERANCE = 1e-5  # of the places and of the sum of squares
+
+
+@dataclass(frozen=True)
+class Start:
+    """What became of one start: places 0 … 1 where it began and ended, sum of squares with penalties."""
+
+    status: str  # ok | not converged | failed | interrupted
+    message: str
+    began: tuple[float, ...]
+    places: tuple[float, ...]
+    cost: float
+    solutions: int = 0
+    failed: int = 0
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One measured figure beside ours [SI]; ours is None where the point has no solution."""
+
+    point: Point
+    figure: str
+    measured: Measured
+    ours: float | None
+
+    @property
+    def residual(self) -> float | None:
+        """Return ours less measured over the uncertainty."""
+        return None if self.ours is None else (self.ours - self.measured.value) / self.measured.uncertainty
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The answer: values and their certainty, what is left over, and the fits that are as good."""
+
+    fit: Fit
+    status: str  # ok | failed | interrupted
+    message: str
+    starts: tuple[Start, ...]
+    values: dict[str, float]
+    certainty: Certainty | None
+    chi_squared: float | None
+    freedom: int
+    margin: float  # of chi², within which a fit is as good
+    as_good: tuple[int, ...]  # starts
+    compared: tuple[Compared, ...]
+    reasons: dict[str, str]  # of points without a solution
+    solutions: int
+    failed: int
+
+    @property
+    def scale(self) -> float:
+        """Return by how much standard errors grow because the residuals exceed the uncertainties; at least 1."""
+        if self.chi_squared is None or self.freedom < 1:
+            return 1.0
+        return max(1.0, float(np.sqrt(self.chi_squared / self.freedom)))
+
+
+def first_places(fit: Fit) -> Array:
+    """Return where the starts begin, (starts, parameters): the stated values, then a Latin hypercube."""
+    from scipy.stats import qmc
+
+    stated = fit.first_start()
+    first = np.array([[parameter.place(stated[parameter.path]) for parameter in fit.parameters]])
+    if fit.starts == 1:
+        return first
+    cube = qmc.LatinHypercube(len(fit.parameters), rng=np.random.default_rng(fit.seed))
+    return np.vstack([first, cube.random(fit.starts - 1)])
+
+
+def calibrate(
+    fit: Fit, *, jobs: int | None = None, simulate: Simulate | None = None, progress: Progress | None = None
+) -> Calibration:
+    """Return the best fit of all starts; interrupted, the best so far. The same for any number of workers."""
+    places = first_places(fit)
+    if simulate is None:
+        from screwsim.simulate import warm_up
+
+        warm_up(with_values(fit.machine(fit.first_start()), fit.points[0].values))  # before the fork
+    answers: dict[int, Start] = {}
+    with TemporaryDirectory(prefix="screwsim-") as folder:
+        try:
+            each(
+                partial(run_start, fit, places, simulate, folder),
+                len(places),
+                died=lambda number: _lost(places[number], DIED),
+                jobs=jobs,
+                failed=lambda start: start.status == "failed",
+                progress=progress,
+                answers=answers,
+            )
+        except KeyboardInterrupt:
+            answers |= _unfinished(places, Path(folder), answers)
+            if not answers:
+                raise
+            return _judged(fit, [answers[number] for number in sorted(answers)], simulate, interrupted=True)
+    return _judged(fit, [answers[number] for number in sorted(answers)], simulate)
+
+
+def _unfinished(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
+    """Return the best so far of starts that an interruption ended."""
+    found = {}
+    for number in range(len(places)):
+        note = folder / f"{number}.json"
+        if number not in known and note.exists():
+            cost, best, solutions, failed = json.loads(note.read_text(encoding="utf-8"))
+            ends = tuple(best)
+            began = tuple(map(float, places[number]))
+            found[number] = Start("interrupted", "interrupted", began, ends, cost, solutions, failed)
+    return found
+
+
+def run_start(fit: Fit, places: Array, simulate: Simulate | None, folder: str, number: int) -> Start:
+    """Return what least squares reach from one start; the best so far is noted in a folder, for an interruption."""
+    began = np.clip(places[number], 1e-6, 1.0 - 1e-6)
+    asked = Objective(fit, simulate, Path(folder) / f"{number}.json")
+    first = asked.outcome(began)
+    if np.all(_unsolved(first)[: sum(len(point.measured) for point in asked.points)]):
+        return _lost(began, next(iter(first.reasons.values())), asked)
+    if _search(asked, began):
+        return _start(asked, began, "ok", "")
+    return _start(asked, began, "not converged", f"no minimum within {MOST_STEPS} steps")
+
+
+def _unsolved(outcome: Outcome) -> NDArray[np.bool_]:
+    return np.abs(outcome.residuals) >= PENALTY
+
+
+def _search(asked: Objective, began: Array) -> bool:
+    """Walk to a minimum; tell whether one was reached.
+
+    Figures that have no solution where a round begins are left out of it: their penalty is the same everywhere and
+    would hide what the others gain. Where the end solves others than the beginning, a further round begins there.
+    """
+    from scipy.optimize import least_squares
+
+    places, converged = began, False
+    for _ in range(MOST_ROUNDS):
+        without = _unsolved(asked.outcome(places))
+        found = least_squares(
+            lambda u, without=without: np.where(without, 0.0, asked.outcome(u).residuals),
+            places,
+            jac=lambda u, without=without: np.where(without[:, None], 0.0, asked.slopes(u)),  # type: ignore[arg-type]
+            bounds=(0.0, 1.0),
+            xtol=TOLERANCE,
+            ftol=TOLERANCE,
+            gtol=1e-10,
+            max_nfev=MOST_STEPS,
+        )
+        places, converged = np.clip(found.x, 1e-6, 1.0 - 1e-6), found.status > 0
+        if np.array_equal(_unsolved(asked.outcome(places)), without):
+            break
+    return converged
+
+
+def _start(asked: Objective, began: Array, status: str, message: str) -> Start:
+    assert asked.best is not None
+    cost, best, _ = asked.best
+    ends = tuple(float(u) for u in best)
+    return Start(status, message, tuple(map(float, began)), ends, cost, asked.solutions, asked.failed)
+
+
+def _lost(began: Array, reason: str, asked: Objective | None = None) -> Start:
+    counts = (asked.solutions, asked.failed) if asked is not None else (0, 0)
+    where = tuple(map(float, began))
+    return Start("failed", reason, where, where, float("inf"), *counts)
+
+
+def _judged(fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interrupted: bool = False) -> Calibration:
+    """Return the answer from what the starts reached."""
+    counts: dict[str, Any] = {
+        "solutions": sum(start.solutions for start in starts),
+        "failed": sum(start.failed for start in starts),
+    }
+    best = min(starts, key=lambda start: start.cost)
+    if not np.isfinite(best.cost):
+        reason = f"no start has a solution: {best.message} (move starts or bounds)"
+        nothing = (None, None, 0, 0.0, (), (), {})
+        return Calibration(fit, "failed", reason, tuple(starts), {}, *nothing, **counts)
+    asked = Objective(fit, simulate)
+    places = np.array(best.places)
+    outcome = asked.outcome(places)
+    values = asked.values(places)
+    known = None if interrupted else certainty(fit.parameters, places, asked.slopes(places))
+    compared, reasons = _compared(asked, outcome, values)
+    free = sum(not border for border in borders(places))
+    freedom = int(np.sum(np.abs(outcome.residuals) < PENALTY)) - free
+    margin = _margin(free, outcome.chi_squared, freedom)
+    as_good = tuple(
+        number for number, start in enumerate(starts) if start.cost - best.cost <= margin and start.status != "failed"
+    )
+    status = "interrupted" if interrupted else "failed" if outcome.reasons else "ok"
+    message = _message(outcome, best, interrupted, len(starts))
+    counts = {"solutions": counts["solutions"] + asked.solutions, "failed": counts["failed"] + asked.failed}
+    rest = (known, outcome.chi_squared, freedom, margin, as_good, compared, reasons)
+    return Calibration(fit, status, message, tuple(starts), values, *rest, **counts)
+
+
+def _margin(free: int, chi_squared: float, freedom: int) -> float:
+    """Return by how much chi² may rise where a fit counts as equally good."""
+    from scipy.stats import chi2
+
+    if free < 1:
+        return 0.0
+    return float(chi2.ppf(PROBABILITY, free)) * max(1.0, chi_squared / freedom if freedom > 0 else 1.0)
+
+
+def _message(outcome: Outcome, best: Start, interrupted: bool, count: int) -> str:
+    parts = [f"interrupted; the best so far of {count} starts"] if interrupted else []
+    if outcome.reasons:
+        name, reason = next(iter(outcome.reasons.items()))
+        parts.append(f"{len(outcome.reasons)} fitted points have no solution: {name}: {reason}")
+    if best.status == "not converged":
+        parts.append(f"the best start did not converge: {best.message}")
+    return "; ".join(parts)
+
+
+def _compared(
+    asked: Objective, outcome: Outcome, values: dict[str, float]
+) -> tuple[tuple[Compared, ...], dict[str, str]]:
+    """Return every measured figure beside ours, those of points that were not fitted included."""
+    fitted = dict(zip((point.name for point in asked.points), outcome.figures, strict=True))
+    compared, reasons = [], dict(outcome.reasons)
+    for point in asked.fit.points:
+        if point.fitted:
+            figures = fitted[point.name]
+        else:
+            result = asked.solved(point, values)
+            figures: Figures = result.performance
+            reason = why_not(point, result)
+            reasons |= {point.name: reason} if reason else {}
+        compared += [Compared(point, name, each, figures.get(name)) for name, each in point.measured.items()]
+    return tuple(compared), reasons

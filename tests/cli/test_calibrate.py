@@ -1,0 +1,118 @@
+"""`screwsim calibrate`: table, JSON, files and exit codes, with a simulator that takes no time."""
+
+import importlib
+import json
+import math
+import sys
+
+import pytest
+
+from screwsim.outputs import Figures, Result
+from screwsim.scene import load
+
+FIT = """\
+title: one clearance
+scene: small.yaml
+data: points.csv
+parameters:
+  effects.tip_leakage.gap: {from: 20 um, to: 90 um, spacing: log}
+  machine.discharge_port.area: {from: 5 cm^2, to: 20 cm^2}
+starts: 2
+"""
+POINTS = """\
+name,use,operation.speed [rpm],gas_mass_flow [kg/h],gas_mass_flow_uncertainty [kg/h],discharge_temperature [degC],\
+discharge_temperature_uncertainty [K]
+first,fit,1000,140,1,40,1
+second,fit,2000,280,2,50,1
+third,check,3000,430,2,63,1
+"""
+
+
+def fake(scene):
+    """Return a flow that falls with the gap, and a temperature that falls with the port's area; fail above 5000 rpm."""
+    gap, area = scene.effects["tip_leakage"].parameters.gap, scene.machine.discharge_port.area
+    rpm = scene.operation.speed * 30.0 / math.pi
+    if rpm > 5000.0:
+        return Result("failed", message="pressure left the range")
+    return Result(
+        "ok",
+        performance=Figures(
+            gas_mass_flow=(rpm / 1000.0) * (0.04 - 20.0 * gap), discharge_temperature=313.0 + rpm / 100.0 - 1e4 * area
+        ),
+    )
+
+
+@pytest.fixture
+def fitted(folder, monkeypatch):
+    """Work in a folder with a fit, and a simulator that takes no time."""
+    module = importlib.import_module("screwsim.simulate")
+    monkeypatch.setattr(module, "simulate_many", lambda scenes, trace=True: map(fake, scenes))
+    monkeypatch.setattr(module, "warm_up", lambda scene: None)
+    (folder / "small.fit.yaml").write_text(FIT, encoding="utf-8")
+    (folder / "points.csv").write_text(POINTS, encoding="utf-8")
+    return folder
+
+
+def test_the_table_fits_the_terminal(fitted, command):
+    answer = command("calibrate", "small.fit.yaml", "--jobs", "1")
+    assert (answer.code, answer.err) == (0, "")
+    assert max(map(len, answer.out.splitlines())) <= 80
+    assert "third *" in answer.out
+    assert "chi squared" in answer.out
+
+
+def test_json_is_one_document(fitted, command):
+    answer = command("calibrate", "small.fit.yaml", "--jobs", "1", "--json", "-o", "out")
+    found = json.loads(answer.out)
+    assert (answer.code, found["status"]) == (0, "ok")
+    assert set(found["parameters"]) == {"effects.tip_leakage.gap", "machine.discharge_port.area"}
+    assert len(found["starts"]) == 2
+    assert [point["fitted"] for point in found["points"]] == [True, True, True, True, False, False]
+    assert found["correlation"][0][0] == pytest.approx(1.0)
+    assert "residuals.png" in answer.err
+
+
+def test_files_are_a_scene_a_document_and_a_figure(fitted, command):
+    assert command("calibrate", "small.fit.yaml", "--jobs", "1", "-o", "out").code == 0
+    assert {path.name for path in (fitted / "out").iterdir()} == {
+        "scene.yaml",
+        "fit.json",
+        "residuals.png",
+        "residuals.pdf",
+    }
+    document = json.loads((fitted / "out" / "fit.json").read_text(encoding="utf-8"))
+    gap = load("out/scene.yaml").effects["tip_leakage"].parameters.gap
+    assert gap == pytest.approx(document["parameters"]["effects.tip_leakage.gap"]["value"], rel=1e-6)
+
+
+def test_a_point_without_a_solution_ends_with_4(fitted, command):
+    (fitted / "points.csv").write_text(POINTS.replace("third,check,3000", "third,fit,6000"), encoding="utf-8")
+    answer = command("calibrate", "small.fit.yaml", "--jobs", "1")
+    assert answer.code == 4
+    assert "no solution at third: failed: pressure left the range" in answer.out
+
+
+def test_a_bad_fit_is_one_line_and_3(fitted, command):
+    (fitted / "small.fit.yaml").write_text(FIT.replace("90 um", "90 xx"), encoding="utf-8")
+    answer = command("calibrate", "small.fit.yaml")
+    assert (answer.code, answer.out) == (3, "")
+    assert answer.err.startswith("small.fit.yaml:5:")
+    assert answer.err.count("\n") == 1
+
+
+def test_an_interruption_shows_the_best_so_far_and_ends_with_130(fitted, command, monkeypatch):
+    count = 0
+
+    def stopping(scenes, trace=True):
+        nonlocal count
+        for scene in scenes:
+            count += 1
+            if count == 30:
+                raise KeyboardInterrupt
+            yield fake(scene)
+
+    monkeypatch.setattr(sys.modules["screwsim.simulate"], "simulate_many", stopping)
+    answer = command("calibrate", "small.fit.yaml", "--jobs", "1")
+    assert answer.code == 130
+    assert "the best so far" in answer.out
+    assert "gap" in answer.out

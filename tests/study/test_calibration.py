@@ -1,0 +1,144 @@
+"""A fit: least squares of a linear model, its standard errors and correlation; what is not told apart; failures."""
+
+import numpy as np
+import pytest
+from fit_fakes import DEGENERATE, FIT, Stopped, hopeless, plane, product, torn, write_fit
+
+from screwsim.scene import load
+from screwsim.study.calibration import calibrate, fitted_text, read_fit
+
+GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
+SLOPES = np.array([[1.0, 1.0], [1.0, 2.0], [1.0, 3.0]])  # of kW over gap / 10 µm and capacity / (kJ/(kg K))
+POWER, SIGMA = np.array([3.1, 5.2, 6.8]), np.array([0.1, 0.1, 0.2])
+
+
+@pytest.fixture
+def fit(tmp_path):
+    return read_fit(write_fit(tmp_path))
+
+
+def exact() -> tuple[np.ndarray, np.ndarray]:
+    """Return the solution of the linear problem and its covariance."""
+    weighted = SLOPES / SIGMA[:, None]
+    covariance = np.linalg.inv(weighted.T @ weighted)
+    return covariance @ weighted.T @ (POWER / SIGMA), covariance
+
+
+def test_a_linear_fit_is_that_of_linear_algebra(fit):
+    found = calibrate(fit, jobs=1, simulate=plane)
+    x, covariance = exact()
+    assert found.status == "ok"
+    # the search ends at 1e-5 of the bounds' distance
+    assert found.values[GAP] / 1e-5 == pytest.approx(x[0], abs=1e-3)
+    assert found.values[CAPACITY] / 1e3 == pytest.approx(x[1], abs=1e-3)
+    errors = np.array(found.certainty.errors) / (1e-5, 1e3)
+    assert errors == pytest.approx(np.sqrt(np.diag(covariance)), rel=1e-6)  # differences of a linear function are exact
+    r = covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1])
+    assert found.certainty.correlation[0][1] == pytest.approx(r, rel=1e-6)
+    left = (POWER - SLOPES @ x) / SIGMA
+    assert found.chi_squared == pytest.approx(float(left @ left), rel=1e-4)
+    assert found.freedom == 1
+
+
+def test_all_starts_of_a_linear_fit_are_as_good(fit):
+    found = calibrate(fit, jobs=1, simulate=plane)
+    assert found.as_good == (0, 1, 2)
+    assert [start.status for start in found.starts] == ["ok"] * 3
+
+
+def test_the_answer_does_not_depend_on_the_workers(fit):
+    alone, two = (calibrate(fit, jobs=jobs, simulate=plane) for jobs in (1, 2))
+    assert (alone.values, alone.starts) == (two.values, two.starts)
+
+
+def test_points_to_check_are_predicted_and_not_fitted(fit):
+    found = calibrate(fit, jobs=1, simulate=plane)
+    checked = [each for each in found.compared if not each.point.fitted]
+    assert [each.point.name for each in checked] == ["d"]
+    x, _ = exact()
+    assert checked[0].ours / 1e3 == pytest.approx(x[0] + 4.0 * x[1], abs=1e-3)
+
+
+def test_a_product_is_said_not_to_be_told_apart(tmp_path):
+    text = FIT.partition("parameters:")[0] + DEGENERATE
+    found = calibrate(read_fit(write_fit(tmp_path, text)), jobs=1, simulate=product)
+    (combination,) = found.certainty.open
+    assert set(combination.paths) == {GAP, CAPACITY}
+    assert "the data fix their product alone" in combination.says
+    assert combination.strength < 1e-3
+
+
+def test_a_sum_of_both_at_one_speed_is_not_told_apart(tmp_path):
+    points = "operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n" + "2000,5,0.1\n" * 3
+    found = calibrate(read_fit(write_fit(tmp_path, points=points)), jobs=1, simulate=plane)
+    (combination,) = found.certainty.open
+    assert "not told apart" in combination.says
+
+
+def test_told_apart_parameters_raise_no_warning(fit):
+    assert calibrate(fit, jobs=1, simulate=plane).certainty.open == ()
+
+
+def test_a_parameter_at_its_bound_is_named_and_has_no_error(tmp_path):
+    text = FIT.replace("from: 10 um, to: 100 um", "from: 20 um, to: 100 um")  # the minimum lies at 11 µm
+    found = calibrate(read_fit(write_fit(tmp_path, text)), jobs=1, simulate=plane)
+    assert found.certainty.border == ("lower", "")
+    assert found.certainty.errors[0] is None
+    assert found.certainty.errors[1] > 0.0
+
+
+def test_a_prior_pulls_with_its_weight(tmp_path):
+    text = FIT.replace("to: 100 um}", "to: 100 um, prior: {mean: 20 um, deviation: 1 um}}")
+    found = calibrate(read_fit(write_fit(tmp_path, text)), jobs=1, simulate=plane)
+    x, covariance = exact()
+    weight = np.linalg.inv(np.linalg.inv(covariance) + np.diag([1.0 / 0.1**2, 0.0]))
+    expected = weight @ (np.linalg.inv(covariance) @ x + np.array([2.0 / 0.1**2, 0.0]))
+    assert found.values[GAP] / 1e-5 == pytest.approx(expected[0], abs=1e-3)
+    assert found.freedom == 2
+
+
+def test_failed_points_are_counted_and_never_nan(fit):
+    found = calibrate(fit, jobs=1, simulate=torn)
+    assert found.status == "failed"
+    assert found.failed > 0
+    assert list(found.reasons) == ["c", "d"]
+    assert "pressure left the range" in found.reasons["c"]
+    assert np.isfinite(found.chi_squared)
+    # the two points that are left fix both parameters: 3.1 = g + c, 5.2 = g + 2 c
+    assert found.values[CAPACITY] / 1e3 == pytest.approx(2.1, abs=1e-3)
+
+
+def test_without_any_solution_the_fit_fails_with_the_reason(fit):
+    found = calibrate(fit, jobs=1, simulate=hopeless)
+    assert (found.status, found.values) == ("failed", {})
+    assert "pressure left the range" in found.message
+
+
+def test_an_interruption_leaves_the_best_so_far(fit):
+    found = calibrate(fit, jobs=1, simulate=Stopped())
+    assert found.status == "interrupted"
+    assert found.values
+    assert "best so far" in found.message
+
+
+def test_the_fitted_scene_loads_with_the_fitted_values(fit, tmp_path):
+    found = calibrate(fit, jobs=1, simulate=plane)
+    (tmp_path / "out").mkdir()
+    target = tmp_path / "out" / "scene.yaml"
+    target.write_text(fitted_text(found, tmp_path / "out"), encoding="utf-8")
+    scene = load(target)
+    # seven digits are written
+    assert scene.effects["tip_leakage"].parameters.gap == pytest.approx(found.values[GAP], rel=1e-6)
+    assert scene.oil.heat_capacity == pytest.approx(found.values[CAPACITY], rel=1e-6)
+    assert scene.title == "two unknowns, fitted"
+
+
+def test_a_path_that_follows_is_changed_too(tmp_path):
+    text = FIT.replace(
+        "  oil.heat",
+        "  machine.discharge_port.opens: {from: 590 deg, to: 610 deg, also: "
+        "{machine.discharge_port.phi_C: {offset: 40 deg}}}\n  oil.heat",
+    )
+    fit = read_fit(write_fit(tmp_path, text))
+    machine = fit.machine(fit.first_start()).machine.discharge_port
+    assert machine.phi_C - machine.opens == pytest.approx(np.radians(40.0))

@@ -1,0 +1,57 @@
+"""The worked examples of configs/calibration: a known machine is found again, and what cannot be found is said."""
+
+import importlib.util
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from screwsim.study.calibration import calibrate, read_fit
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "configs" / "calibration"
+
+
+def example():
+    """Return scripts/calibration_example.py as a module."""
+    spec = importlib.util.spec_from_file_location("calibration_example", ROOT / "scripts" / "calibration_example.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize(
+    "path", sorted([*FOLDER.glob("*.fit.yaml"), *ROOT.glob("validation/*/*.fit.yaml")]), ids=lambda path: path.name
+)
+def test_shipped_fit_is_read(path):
+    assert read_fit(path).points
+
+
+def test_the_data_are_those_of_the_script():
+    module = example()
+    stored = [line.split(",") for line in module.POINTS.read_text(encoding="utf-8").splitlines()]
+    made = [line.split(",") for line in module.text().splitlines()]
+    for one, other in zip(stored[2:], made[2:], strict=True):
+        # figures are written to five digits, solved to 1e-5
+        assert [float(cell) for cell in one[2:]] == pytest.approx([float(cell) for cell in other[2:]], rel=1e-4)
+
+
+def test_a_known_machine_is_found_within_its_standard_errors():
+    module = example()
+    fit = replace(read_fit(FOLDER / "leakage.fit.yaml"), starts=1)
+    found = calibrate(fit, jobs=1)
+    assert found.status == "ok"
+    assert set(found.values) == set(module.TRUTH)
+    for parameter, error in zip(fit.parameters, found.certainty.errors, strict=True):
+        # seed 1; two thirds of seeds lie within one error each
+        assert abs(found.values[parameter.path] - module.TRUTH[parameter.path]) <= error, parameter.path
+    assert found.certainty.open == ()
+
+
+def test_droplet_radius_and_heat_transfer_are_said_not_to_be_told_apart():
+    fit = read_fit(FOLDER / "droplets.fit.yaml")
+    only = tuple(each for each in fit.parameters if each.path.startswith("effects.oil_heat."))
+    found = calibrate(replace(fit, starts=1, parameters=only), jobs=1)
+    (combination,) = found.certainty.open
+    assert set(combination.paths) == {each.path for each in only}
+    assert "the data fix their quotient alone" in combination.says

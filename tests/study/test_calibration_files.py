@@ -1,0 +1,134 @@
+"""Faults of a fit and of its data: each one line with file, line, column, path and remedy."""
+
+import re
+
+import pytest
+from fit_fakes import FIT, POINTS, write_fit
+from ruamel.yaml import YAML
+
+from screwsim.faults import SceneError
+from screwsim.study.calibration import read_fit
+from screwsim.study.calibration.schema import fit_schema
+
+
+def faults(folder, fit=FIT, points=POINTS):
+    """Return the lines of what is wrong, without the folder."""
+    path = write_fit(folder, fit, points)
+    with pytest.raises(SceneError) as caught:
+        read_fit(path)
+    return [line.replace(f"{folder}/", "") for line in caught.value.lines]
+
+
+def test_a_fit_is_read_in_SI(tmp_path):
+    fit = read_fit(write_fit(tmp_path))
+    gap, capacity = fit.parameters
+    assert (gap.low, gap.high, gap.start) == (1e-5, 1e-4, None)
+    assert capacity.start == 1500.0
+    assert [point.name for point in fit.points] == ["a", "b", "c", "d"]
+    assert [point.fitted for point in fit.points] == [True, True, True, False]
+    assert fit.points[0].measured["shaft_power"] == (3100.0, 100.0)
+    assert fit.scene.numerics.accuracy == 1e-4  # tighter than the scene's own
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("tip_leakage.gap", "tip_leakage.gp", "small.fit.yaml:5:3: parameters.effects.tip_leakage.gp: is not known; "),
+        ("from: 10 um", "from: 10", "small.fit.yaml:5:35: parameters.effects.tip_leakage.gap.from: 10 has no unit"),
+        ("from: 10 um", "from: 200 um", "small.fit.yaml:5:28: parameters.effects.tip_leakage.gap: from is not below"),
+        ("start: 1.5", "start: 4", "small.fit.yaml:6:66: parameters.oil.heat_capacity.start: lies outside 1 kJ/(kg K)"),
+        ("starts: 3", "starts: no", "small.fit.yaml:7:9: starts: 'no' is not a whole number"),
+        ("starts: 3", "begins: 3", "small.fit.yaml:7:1: begins: is not known"),
+        ("data: points.csv", "data: there.csv", "small.fit.yaml:3:7: data: 'there.csv' is not a file"),
+        ("scene: machine.yaml", "", "small.fit.yaml:1:1: scene: is missing"),
+        ("oil.heat_capacity", "oil.transport", "small.fit.yaml:6:3: parameters.oil.transport: is a choice"),
+        (
+            "to: 100 um}",
+            "to: 100 um, also: {oil.density: {}}}",
+            "small.fit.yaml:5:61: parameters.effects.tip_leakage.gap.also.oil.density: is of another kind",
+        ),
+        (
+            "to: 100 um}",
+            "to: 100 um, prior: {mean: 50 um}}",
+            "small.fit.yaml:5:54: parameters.effects.tip_leakage.gap.prior.deviation: is missing",
+        ),
+    ],
+)
+def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
+    found = faults(tmp_path, FIT.replace(old, new))
+    assert len(found) == 1
+    assert found[0].startswith(line)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("3.1,0.1", "x,0.1", "points.csv:3:12: shaft_power: 'x' is not a number"),
+        ("3.1,0.1", "3.1,0", "points.csv:3:16: shaft_power: 0 is out of range"),
+        ("3.1,0.1", "3.1,", "points.csv:3:1: shaft_power: needs a value and an uncertainty, or neither"),
+        ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, the first line 5"),
+        ("b,fit", "a,fit", "points.csv:4:1: name: 'a' is there twice"),
+        ("a,fit", "a,no", "points.csv:3:3: use: 'no' is not known"),
+        ("shaft_power [kW],", "shaft_power [kN],", "points.csv:2:32: shaft_power: unit 'kN' is none of its units"),
+        (
+            "shaft_power [kW],",
+            "shaft_pwer [kW],",
+            "points.csv:2:32: shaft_pwer: is not known; did you mean 'shaft_power'?",
+        ),
+        ("[rpm]", "", "points.csv:3:7: operation.speed: '1000' has no unit"),
+        (",shaft_power_uncertainty [kW]", ",oil_ratio", "points.csv:2:32: shaft_power: has no column shaft_power_unc"),
+        ("operation.speed [rpm]", "oil.heat_capacity", "points.csv:2:10: oil.heat_capacity: is a parameter of the fit"),
+    ],
+)
+def test_a_fault_of_the_data_is_located(old, new, line, tmp_path):
+    found = faults(tmp_path, points=POINTS.replace(old, new))
+    assert found[0].startswith(line), found
+
+
+def test_too_few_data_are_told(tmp_path):
+    points = "\n".join(POINTS.splitlines()[:3]) + "\n"
+    (line,) = faults(tmp_path, points=points)
+    assert line.startswith("small.fit.yaml:4:1: parameters: 1 measured figures and 0 priors cannot fix 2 parameters")
+
+
+def test_priors_alone_are_no_data(tmp_path):
+    fit = FIT.replace("to: 100 um}", "to: 100 um, prior: {mean: 50 um, deviation: 1 um}}")
+    fit = fit.replace("  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K), start: 1.5 kJ/(kg K)}\n", "")
+    points = POINTS.splitlines()[1] + "\na,fit,1000,,\n"
+    (line,) = faults(tmp_path, fit, points)
+    assert "0 measured figures and 1 priors cannot fix 1 parameters" in line
+
+
+def test_conditions_that_do_not_fit_are_located(tmp_path):
+    points = POINTS.replace("operation.speed [rpm]", "operation.discharge.pressure [bar]").replace("2000", "1.2")
+    found = faults(tmp_path, points=points.replace("1000", "10").replace("3000", "12").replace("4000", "14"))
+    assert all(line.startswith("points.csv:4:1: ") for line in found)
+
+
+def test_a_missing_fit_is_one_line(tmp_path):
+    with pytest.raises(SceneError, match=r"nowhere\.fit\.yaml:1:1: .*cannot be read"):
+        read_fit(tmp_path / "nowhere.fit.yaml")
+
+
+def test_the_schema_has_what_a_fit_may_have():
+    found = fit_schema()
+    text = yaml_of(FIT)
+    assert set(text) <= set(found["properties"])
+    assert set(found["required"]) <= set(text)
+    paths = found["properties"]["parameters"]["properties"]
+    for path, given in text["parameters"].items():
+        assert set(paths[path]["required"]) <= set(given) <= set(paths[path]["properties"])
+        for name in set(given) & {"from", "to", "start"}:
+            assert re.search(paths[path]["properties"][name]["pattern"], given[name])
+    assert "oil.transport" not in paths  # a choice
+
+
+def yaml_of(text: str) -> dict:
+    """Return a YAML text as plain values."""
+    return YAML(typ="safe", pure=True).load(text)
+
+
+def test_an_empty_cell_is_not_measured(tmp_path):
+    points = POINTS.replace("a,fit,1000,3.1,0.1", "a,fit,1000,,").replace("d,check", "d,fit")
+    fit = read_fit(write_fit(tmp_path, points=points))
+    assert fit.points[0].measured == {}
