@@ -31,19 +31,20 @@ def build_oil(scene: Scene) -> OilPart | None:
     oil, supply = scene.oil, scene.oil_supply
     if oil is None or supply is None:
         return None
+    known = oil.at(supply.temperature)
     if supply.kind == "pump":
         numbers = {"ratio": float(supply.ratio or 0.0)}
     else:
         diameter = float(supply.orifice_diameter or 0.0)
         numbers = {
-            "density": oil.density,
-            "viscosity": float(oil.viscosity or 0.0),
+            "density": known.density,
+            "viscosity": float(known.viscosity or 0.0),
             "diameter": diameter,
             "length": supply.orifice_length or 2.0 * diameter,
             "number": supply.orifice_count,
             "separator_pressure": lines(scene).p_d,
         }
-    return OilPart(oil.density, oil.heat_capacity, supply.temperature, oil.transport, numbers)
+    return OilPart(known.density, known.heat_capacity, supply.temperature, oil.transport, numbers)
 
 
 def build_parts(scene: Scene) -> Parts:

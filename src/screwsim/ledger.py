@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath, PowerLoss
+from screwsim.effects.base import FlowPath, PowerLoss, Reading
 from screwsim.model import ledger as kernels
 from screwsim.model.close import Array, discharge_enthalpy
 from screwsim.model.compose import OilPart
@@ -128,7 +128,12 @@ def ledger(cycle: Cycle) -> Figures:
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at_discharge(mean[0])
     paths, heats, oil = (cycle.rate * sums for sums in cycle.machinery.account(suction.s, line.s))
-    book = _Book(cycle.T_0, {name: Entry() for name in cycle.parts.effects})
+    acting = [
+        name
+        for name, items in cycle.parts.effects.items()
+        if not (items and all(isinstance(part, Reading) for part in items))
+    ]
+    book = _Book(cycle.T_0, {name: Entry() for name in acting})
     _paths(book, cycle, paths, suction, discharge)
     gas_rise = _gas(book, cycle, suction, line, discharge)
     oil_rise = None

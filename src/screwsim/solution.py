@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from screwsim.model import close as closing
 from screwsim.model.compose import Parts, compose
 from screwsim.model.continuation import Course, Guess
 from screwsim.model.guess import first_guess
+from screwsim.model.pitch import Pitch, pitch_of
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
@@ -205,13 +206,27 @@ class Solution:
     # ---- taking the figures ----------------------------------------------------------------------------------
 
     def _known(self, q: closing.Array) -> performance.CycleFigures:
-        """Return what a power loss can ask of the cycle."""
-        R, supply, oil = self.machinery.R, self.scene.oil_supply, self.scene.oil
+        """Return what a power loss or a reading can ask of the cycle."""
+        R, supply, oil, parts = self.machinery.R, self.scene.oil_supply, self.scene.oil, self.parts
         source = self.lines.p_s if supply is not None and supply.source == "suction" else self.lines.p_d
-        viscosity = oil.viscosity if oil is not None else None
+        T_oil = parts.oil.temperature if parts.oil is not None else None
         return performance.cycle_figures(
-            self.parts, float(q[0]), float(R[R_INJECTED]), float(R[R_PRESSURE]), viscosity, source
+            parts,
+            float(q[0]),
+            float(R[R_INJECTED]),
+            oil_viscosity=oil.at(T_oil).viscosity if oil is not None and T_oil is not None else None,
+            injection_pressure=float(R[R_PRESSURE]),
+            oil_source_pressure=source,
+            oil_temperature=T_oil,
+            oil_discharge_temperature=self._oil_discharge_temperature(q) if oil is not None else None,
+            oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
+            oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
+            pitch=cache(lambda: self._pitch(q)),
         )
+
+    def _pitch(self, q: closing.Array) -> Pitch:
+        geometry = self.parts.geometry
+        return pitch_of(self.machinery, geometry, self.lines.p_s, float(q[0]) / geometry.pitch)
 
     @cached_property
     def _effect(self) -> float | None:
@@ -222,20 +237,21 @@ class Solution:
         R, m = self.machinery.R, self.machinery
         limit = self.parts.geometry.widest_discharge()
         times, dense, _, steps = m.last()
+        known = self._known(q)
         found, notes = performance.figures(
             self.parts,
             self.lines,
             self.inlet,
             self.balances.streams(q),
-            self._known(q),
+            known,
             work=float(q[0]),
             trapped=float(R[R_TRAPPED]),
             d=float(R[R_RATIO]),
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
-            oil_mean_temperature=self._oil_discharge_temperature(q),
         )
         cooling, reasons = performance.refrigeration(found, self.inlet.density, self._effect)
-        return Figures(found | cooling), notes | reasons
+        found |= cooling
+        return Figures(found | performance.readings(self.parts.effects, known, found)), notes | reasons
 
     def ledger(self, q: closing.Array, shaft_power: float) -> Figures:
         """Return where the shaft power [W] goes (contract: ledger)."""
@@ -293,8 +309,8 @@ class Solution:
         carried = float(self.machinery.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
         return float(-q[1] - carried) * rate
 
-    def cycle(self) -> dict[str, np.ndarray]:
-        """Return the traces over the angle (contract: cycle)."""
+    def cycle(self, q: closing.Array) -> dict[str, np.ndarray]:
+        """Return the traces over the angle (contract: cycle); `q` are the quadratures of the last history."""
         m, c, geometry = self.machinery, self.machinery.composition, self.parts.geometry
         degrees = trace_angles(geometry.life)
         out = np.empty((len(degrees), 4 + len(c.states)))
@@ -315,6 +331,9 @@ class Solution:
             for side, word in enumerate(("leading", "trailing")):
                 key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
                 traces[key] = traces.get(key, 0.0) + flows[:, column]
+        for name, values in performance.pitch_traces(self.parts.effects, self._known(q)).items():
+            grid = np.linspace(0.0, math.degrees(geometry.pitch), len(values) + 1)
+            traces[name] = np.interp(degrees, grid, np.append(values, values[0]), period=grid[-1])
         return traces
 
 

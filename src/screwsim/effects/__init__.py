@@ -24,6 +24,10 @@ _ORDER = (
     "oil_pump",
     "hydromechanical",
     "mechanical",
+    "oil_drag",
+    "bearings",
+    "motor",
+    "gas_torque",
 )
 
 

@@ -1,4 +1,4 @@
-"""What an effect is: a declaration of flow paths, heat rates and power losses, and their kernels.
+"""What an effect is: a declaration of flow paths, heat rates, power losses and readings, and their kernels.
 
 An effect adds to the rates of a chamber and never assigns. It is one file of this package, or of a user's own,
 with a module variable `EFFECT`. A kernel's argument names say what it needs: a parameter of the effect itself,
@@ -63,10 +63,23 @@ class PowerLoss:
 
 
 @dataclass(frozen=True)
+class Reading:
+    """Figures and traces [SI] read from a closed cycle and its powers; they change nothing of it (plain Python).
+
+    `read` returns the values of `figures`, all losses known; `traces` curves over the points of one pitch
+    (`model.pitch.POINTS`), which repeat every pitch.
+    """
+
+    figures: tuple[str, ...]
+    read: Callable[[Any], Mapping[str, float | None]]
+    traces: Callable[[Any], Mapping[str, Any]] | None = None
+
+
+@dataclass(frozen=True)
 class Effect:
     """One physical effect, named in a scene under `effects`.
 
-    `build(parameters, machine)` returns flow paths, heat rates and power losses; `check(parameters, facts)`
+    `build(parameters, machine)` returns flow paths, heat rates, power losses and readings; `check(parameters, facts)`
     returns faults that only the whole scene shows.
     """
 
@@ -75,7 +88,7 @@ class Effect:
     equations: tuple[str, ...]
     source: str
     parameters: type
-    build: Callable[[Any, Any], Sequence[FlowPath | HeatRate | PowerLoss]]
+    build: Callable[[Any, Any], Sequence[FlowPath | HeatRate | PowerLoss | Reading]]
     needs_oil: bool = False
     states: tuple[str, ...] = ()
     check: Callable[[Any, Any], list[Fault]] | None = None
