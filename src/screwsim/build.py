@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from screwsim.effects.base import FlowPath
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -11,7 +14,7 @@ from screwsim.model.compose import OilPart, Parts
 from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import lines, refrigerating_effect
-from screwsim.scene.types import Scene
+from screwsim.scene.types import ActiveEffect, Scene
 
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
@@ -56,9 +59,18 @@ def build_parts(scene: Scene) -> Parts:
         gas=build_gas(scene),
         omega=scene.operation.speed,
         widths=(suction, discharge, gaps),
-        effects={name: active.effect.build(active.parameters, geometry) for name, active in scene.effects.items()},
+        effects={name: _built(active, geometry) for name, active in scene.effects.items()},
         oil=build_oil(scene),
     )
+
+
+def _built(active: ActiveEffect, geometry: Geometry) -> list[Any]:
+    """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
+    built = active.effect.build(active.parameters, geometry)
+    if not geometry.expands:
+        return list(built)
+    life, pitch = geometry.life, geometry.pitch
+    return [part.mirrored(life, pitch) if isinstance(part, FlowPath) else part for part in built]
 
 
 def regularisation(scene: Scene) -> tuple[float, float, float]:

@@ -95,6 +95,10 @@ def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
     yield _row(
         "kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}"
     )
+    if parts.geometry.expands:
+        yield _row(
+            "", "the machine below runs backwards: its laws at one life less the angle, its lines exchanged (M150)"
+        )
     laws = {"volume": machine.volume, "suction_port": machine.suction_port, "discharge_port": machine.discharge_port}
     numbers = {"volume": "M16", "suction_port": "M17", "discharge_port": "M18"}
     for name, law in laws.items():

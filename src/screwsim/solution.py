@@ -8,7 +8,7 @@ from functools import cache, cached_property, lru_cache
 
 import numpy as np
 
-from screwsim import performance
+from screwsim import expander, performance
 from screwsim.build import build_parts, wanted_of
 from screwsim.faults import UsageError
 from screwsim.ledger import Cycle, ledger
@@ -235,7 +235,8 @@ class Solution:
     def figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
         """Return performance figures of the last history, whose quadratures are q, and why some are None."""
         R, m = self.machinery.R, self.machinery
-        limit = self.parts.geometry.widest_discharge()
+        geometry = self.parts.geometry
+        limit = geometry.life if geometry.expands else geometry.widest_discharge()
         times, dense, _, steps = m.last()
         known = self._known(q)
         found, notes = performance.figures(
@@ -250,8 +251,20 @@ class Solution:
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
         )
         cooling, reasons = performance.refrigeration(found, self.inlet.density, self._effect)
-        found |= cooling
-        return Figures(found | performance.readings(self.parts.effects, known, found)), notes | reasons
+        found, notes = found | cooling, notes | reasons
+        if geometry.expands:
+            changed, reasons = expander.figures(found, self._h_isentropic() - self.inlet.enthalpy, self._filled())
+            found, notes = found | changed, {name: why for name, why in notes.items() if name not in changed} | reasons
+        return Figures(found | performance.readings(self.parts.effects, known, found)), notes
+
+    def _filled(self) -> float | None:
+        """Return the gas that fills an expander's chambers where its inlet closes, at the inlet's state [kg/s]."""
+        geometry, c = self.parts.geometry, self.machinery.composition
+        closes = geometry.inlet_closes
+        if closes is None:
+            return None
+        volume = float(self.machinery.module.volume_at(closes, c.P, c.TAB))
+        return self.inlet.density * volume * self.parts.omega / geometry.pitch
 
     def ledger(self, q: closing.Array, shaft_power: float) -> Figures:
         """Return where the shaft power [W] goes (contract: ledger)."""

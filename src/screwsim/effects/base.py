@@ -10,7 +10,7 @@ Source: screwsim, docs/adding-an-effect.md.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from screwsim.faults import Fault
@@ -26,7 +26,8 @@ class FlowPath:
     chamber there is no interface, beyond the last one lies the discharge plenum.
 
     `values` are the numbers [SI] behind the kernel's argument names that are not symbols; `knots` [rad] are
-    the angles at which the area is not smooth; `tables` hold curves as (angle [rad], area [m²]).
+    the angles at which the area is not smooth; `tables` hold curves as (angle [rad], area [m²]). Where `mirror` [rad]
+    is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150).
     """
 
     to: str  # 'suction' | 'discharge' | 'neighbour'
@@ -36,6 +37,13 @@ class FlowPath:
     offset: int = 0  # lobe pitches from the trailing to the leading chamber
     flow_coefficient: float = 1.0
     tables: Mapping[str, Any] = field(default_factory=dict)
+    mirror: float | None = None
+
+    def mirrored(self, life: float, pitch: float) -> FlowPath:
+        """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""
+        mirror = life - self.offset * pitch
+        to = {"suction": "discharge", "discharge": "suction"}.get(self.to, self.to)
+        return replace(self, to=to, mirror=mirror, knots=tuple(mirror - knot for knot in self.knots))
 
 
 @dataclass(frozen=True)

@@ -59,9 +59,12 @@ def _slopes(geometry: Geometry) -> tuple[Array, Array | None]:
     known: dict[str, Any] = {**law.values, **start, "TAB": TAB}
     others = [known[name] for name in law.slope.arguments if name != "phi"]
     grid = np.arange(POINTS)[:, None] * (geometry.pitch / POINTS) + geometry.pitch * np.arange(geometry.chambers)
-    slope = np.array([law.slope(phi, *others) for phi in grid.ravel().tolist()]).reshape(grid.shape)
+    sign = 1.0
+    if law.mirror is not None:
+        grid, sign = law.mirror - grid, -1.0
+    slope = sign * np.array([law.slope(phi, *others) for phi in grid.ravel().tolist()]).reshape(grid.shape)
     laid = geometry.profile
     if laid is None:
         return slope, None
     rotors = laid.rotors
-    return slope, rotors.sections.male_slope(grid - laid.born + rotors.start, rotors.wrap, rotors.length)
+    return slope, sign * rotors.sections.male_slope(grid - laid.born + rotors.start, rotors.wrap, rotors.length)

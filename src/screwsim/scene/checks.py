@@ -61,6 +61,11 @@ def _oil_supply(scene: Scene) -> Iterator[Fault]:
     supply = scene.oil_supply
     if supply is None:
         return
+    if scene.machine.mode == "expander":
+        what = "oil is injected into chambers that are compressed; here they only expand"
+        yield Fault(
+            "oil_supply", f"belongs to machine.mode: compressor ({what}: remove it with the effects that need oil)"
+        )
     if scene.oil is None:
         yield Fault("oil", "is missing (oil_supply needs it: write density and heat_capacity, or remove oil_supply)")
     if supply.kind == "pump":
