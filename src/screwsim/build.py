@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
-from screwsim.effects.base import FlowPath
+from screwsim.effects.base import Around, FlowPath, HeatRate
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -59,18 +61,34 @@ def build_parts(scene: Scene) -> Parts:
         gas=build_gas(scene),
         omega=scene.operation.speed,
         widths=(suction, discharge, gaps),
-        effects={name: _built(active, geometry) for name, active in scene.effects.items()},
+        effects={name: _built(active, geometry, scene) for name, active in scene.effects.items()},
         oil=build_oil(scene),
     )
 
 
-def _built(active: ActiveEffect, geometry: Geometry) -> list[Any]:
+def _around(scene: Scene) -> Around:
+    """Return what effects can ask of the scene."""
+    at, oil, supply = lines(scene), scene.oil, scene.oil_supply
+    T_oil = supply.temperature if supply is not None else None
+    tip_speed = 0.5 * scene.machine.rotor_diameter * scene.operation.speed
+    known = oil.at(T_oil) if oil is not None and T_oil is not None else None
+    return Around(scene.gas.fluid, at.p_s, at.T_s, at.p_d, tip_speed, T_oil, known)
+
+
+def _built(active: ActiveEffect, geometry: Geometry, scene: Scene) -> list[Any]:
     """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
-    built = active.effect.build(active.parameters, geometry)
+    built = list(active.effect.build(active.parameters, geometry))
+    if active.effect.numbers is not None:
+        found = active.effect.numbers(active.parameters, _around(scene))
+        built = [_with(part, found) if isinstance(part, FlowPath | HeatRate) else part for part in built]
     if not geometry.expands:
-        return list(built)
+        return built
     life, pitch = geometry.life, geometry.pitch
     return [part.mirrored(life, pitch) if isinstance(part, FlowPath) else part for part in built]
+
+
+def _with(part: FlowPath | HeatRate, numbers: Mapping[str, float]) -> FlowPath | HeatRate:
+    return replace(part, values={**part.values, **numbers})
 
 
 def regularisation(scene: Scene) -> tuple[float, float, float]:

@@ -40,6 +40,8 @@ KINDS = {
         Kind("viscosity", "Pa s", "20 mPa s"),
         Kind("force", "N", "8 kN"),
         Kind("power", "W", "75 kW"),
+        Kind("thermal_conductivity", "W/(m K)", "0.0146 W/(m K)"),
+        Kind("surface_tension", "N/m", "30 mN/m"),
         Kind("heat_transfer_coefficient", "W/(m^2 K)", "500 W/(m^2 K)"),
     )
 }

@@ -12,6 +12,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 SCALES = {
     "W": ((1e3, 1e-3, "kW"), (0.0, 1.0, "W")),
     "J": ((1e3, 1e-3, "kJ"), (0.0, 1.0, "J")),
+    "m": ((1e-3, 1e3, "mm"), (0.0, 1e6, "µm")),
     "N": ((1e3, 1e-3, "kN"), (0.0, 1.0, "N")),
     "N m": ((0.0, 1.0, "N m"),),
     "Pa": ((0.0, 1e-5, "bar"),),

@@ -54,6 +54,7 @@ PERFORMANCE = {
     "cooling_capacity": Variable("W", "cooling capacity: net gas flow times the real fluid's refrigerating effect"),
     "cop": Variable("1", "coefficient of performance: cooling capacity over shaft power"),
     "volumetric_cooling_capacity": Variable("J m-3", "cooling capacity over the volume flow of suction gas"),
+    "droplet_diameter": Variable("m", "Sauter diameter of the droplets of oil"),
     "output_power": Variable("W", "power that an expander gives at its shaft"),
     "filling_factor": Variable(
         "1", "net gas flow of an expander over that which fills its chambers at the inlet's closing"

@@ -21,6 +21,7 @@ _ORDER = (
     "blow_hole",
     "end_face_leakage",
     "oil_heat",
+    "droplets",
     "oil_pump",
     "hydromechanical",
     "mechanical",

@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from screwsim.faults import Fault
+from screwsim.fluid.settings import OilProperties
 from screwsim.numerics.kernel import Kernel
 
 
@@ -83,12 +84,25 @@ class Reading:
     traces: Callable[[Any], Mapping[str, Any]] | None = None
 
 
+class Around(NamedTuple):
+    """What an effect can ask of a scene before it is composed; SI units. `oil` has density and viscosity."""
+
+    fluid: str
+    p_s: float
+    T_s: float
+    p_d: float
+    tip_speed: float
+    T_oil: float | None = None
+    oil: OilProperties | None = None
+
+
 @dataclass(frozen=True)
 class Effect:
     """One physical effect, named in a scene under `effects`.
 
     `build(parameters, machine)` returns flow paths, heat rates, power losses and readings; `check(parameters, facts)`
-    returns faults that only the whole scene shows.
+    returns faults that only the whole scene shows. `numbers(parameters, around)` returns numbers behind argument names
+    of its kernels that follow from the scene.
     """
 
     name: str
@@ -100,3 +114,4 @@ class Effect:
     needs_oil: bool = False
     states: tuple[str, ...] = ()
     check: Callable[[Any, Any], list[Fault]] | None = None
+    numbers: Callable[[Any, Around], Mapping[str, float]] | None = None
