@@ -54,6 +54,8 @@ PERFORMANCE = {
     "cooling_capacity": Variable("W", "cooling capacity: net gas flow times the real fluid's refrigerating effect"),
     "cop": Variable("1", "coefficient of performance: cooling capacity over shaft power"),
     "volumetric_cooling_capacity": Variable("J m-3", "cooling capacity over the volume flow of suction gas"),
+    "intake_pressure": Variable("Pa", "pressure of the gas that the machine sucks, behind throttle and bypass"),
+    "intake_temperature": Variable("K", "temperature of the gas that the machine sucks, behind throttle and bypass"),
     "droplet_diameter": Variable("m", "Sauter diameter of the droplets of oil"),
     "output_power": Variable("W", "power that an expander gives at its shaft"),
     "filling_factor": Variable(

@@ -109,14 +109,16 @@ def figures(
     trapped: float,
     d: float,
     peak: float,
+    delivered: float = 1.0,
 ) -> tuple[Figures, dict[str, str]]:
     """Return the performance figures of one closed cycle and why some are None.
 
-    `streams` are the sums over one chamber's life (model.close.Balances.streams), `work` [J] that of one life.
+    `streams` are the sums over one chamber's life (model.close.Balances.streams), `work` [J] that of one life;
+    `delivered` is the share of the gas that does not go back to suction (M163).
     """
     geometry, gas, oil = parts.geometry, parts.gas, parts.oil
     rate = parts.omega / geometry.pitch  # chamber lives per second
-    flow = float(streams[0, 0] + streams[1, 0]) * rate
+    flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate)
     losses = _losses(parts.effects, known)
     lift = known.oil_volume_flow * (lines.p_d - known.injection_pressure) if oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())

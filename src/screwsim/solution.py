@@ -11,6 +11,7 @@ import numpy as np
 from screwsim import expander, performance
 from screwsim.build import build_parts, wanted_of
 from screwsim.faults import UsageError
+from screwsim.intake import suction_of
 from screwsim.ledger import Cycle, ledger
 from screwsim.model import close as closing
 from screwsim.model.compose import Parts, compose
@@ -25,6 +26,7 @@ from screwsim.model.slots import (
     OIL_TEMPERATURE,
     P_GAP_WIDTH,
     P_PORT_WIDTH,
+    PRESSURE,
     R_DISCHARGE,
     R_INJECTED,
     R_PRESSURE,
@@ -65,12 +67,14 @@ class Solution:
         self.wanted = wanted_of(scene)
         self.lines = lines(scene)
         self.machinery = machinery_for(self.parts)
-        self.suction = self._suction_place()
-        self.inlet = performance.Inlet(self.suction[DENSITY], self.suction[ENTHALPY])
+        line = self._suction_place()
+        self.inlet = performance.Inlet(line[DENSITY], line[ENTHALPY])
+        self.suction = suction_of(self.parts.gas, line, self.parts.effects.values())
+        begins = self.suction.place(self._h_isentropic()) if self.suction.changed else line
         self.pv = self.lines.p_s / self.inlet.density
         # what tells one scene from the next on a course; tightening changes the composition's own copy
         self.parameters = np.array(
-            [*self.machinery.composition.P, *self.suction, self.lines.p_d, *self.parts.geometry.outcomes]
+            [*self.machinery.composition.P, *begins, self.lines.p_d, *self.parts.geometry.outcomes]
         )
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
@@ -90,7 +94,9 @@ class Solution:
         """Set the plenums and a first guess; return the state at 0°."""
         machinery, lines = self.machinery, self.lines
         machinery.reset()
-        y = first_guess(self.parts, machinery.composition, machinery, lines.p_s, lines.T_s, lines.p_d)
+        place = self.suction.place(self._h_isentropic()) if self.suction.changed else self.suction.line
+        T_s = self.suction.temperature(place, lines.T_s)
+        y = first_guess(self.parts, machinery.composition, machinery, place[PRESSURE], T_s, lines.p_d)
         T_d = self.scene.operation.discharge.temperature or float(y[0])
         self._set_lines(T_d, float(y[3]) if machinery.composition.carried else 0.0)
         return y
@@ -98,8 +104,9 @@ class Solution:
     def _set_lines(self, T_d: float, d: float) -> None:
         T_oil = self.parts.oil.temperature if self.parts.oil else self.lines.T_s
         R = self.machinery.R
-        R[R_SUCTION : R_SUCTION + 8] = *self.suction, 0.0, T_oil
-        R[R_DISCHARGE : R_DISCHARGE + 8] = *self.parts.gas.place(self.lines.p_d, T_d), d, T_oil
+        discharge = self.parts.gas.place(self.lines.p_d, T_d)
+        R[R_SUCTION : R_SUCTION + 8] = *self.suction.place(discharge[ENTHALPY]), 0.0, T_oil
+        R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil
 
     def _continued(self) -> Guess | None:
         """Set the plenums and a guess from the course of the cycles before; return it, None where there is none."""
@@ -188,6 +195,8 @@ class Solution:
         R = self.machinery.R
         try:
             place = self.parts.gas.place_of_enthalpy(self.lines.p_d, float(plenum[0]))
+            if self.suction.returned > 0.0:
+                R[R_SUCTION : R_SUCTION + OIL_RATIO] = self.suction.place(float(plenum[0]))
         except UsageError:
             place = tuple(R[R_DISCHARGE : R_DISCHARGE + OIL_RATIO])
         R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
@@ -226,7 +235,8 @@ class Solution:
 
     def _pitch(self, q: closing.Array) -> Pitch:
         geometry = self.parts.geometry
-        return pitch_of(self.machinery, geometry, self.lines.p_s, float(q[0]) / geometry.pitch)
+        p_s = float(self.machinery.R[R_SUCTION + PRESSURE])
+        return pitch_of(self.machinery, geometry, p_s, float(q[0]) / geometry.pitch)
 
     @cached_property
     def _effect(self) -> float | None:
@@ -245,6 +255,7 @@ class Solution:
             self.inlet,
             self.balances.streams(q),
             known,
+            delivered=1.0 - self.suction.returned,
             work=float(q[0]),
             trapped=float(R[R_TRAPPED]),
             d=float(R[R_RATIO]),
@@ -252,6 +263,10 @@ class Solution:
         )
         cooling, reasons = performance.refrigeration(found, self.inlet.density, self._effect)
         found, notes = found | cooling, notes | reasons
+        if self.suction.changed:
+            place = self.suction.place(float(R[R_DISCHARGE + ENTHALPY]))
+            found["intake_pressure"] = place[PRESSURE]
+            found["intake_temperature"] = self.suction.temperature(place, self.lines.T_s)
         if geometry.expands:
             changed, reasons = expander.figures(found, self._h_isentropic() - self.inlet.enthalpy, self._filled())
             found, notes = found | changed, {name: why for name, why in notes.items() if name not in changed} | reasons
@@ -280,6 +295,7 @@ class Solution:
                 shaft_power,
                 operation.ambient_temperature,
                 given,
+                self.suction,
             )
         )
 

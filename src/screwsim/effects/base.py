@@ -84,6 +84,17 @@ class Reading:
     traces: Callable[[Any], Mapping[str, Any]] | None = None
 
 
+@dataclass(frozen=True)
+class Intake:
+    """What lies between suction line and machine (M160, M161).
+
+    A throttle leaves `pressure_ratio` of the pressure; the share `returned` of the delivered gas is mixed in before it.
+    """
+
+    pressure_ratio: float = 1.0
+    returned: float = 0.0
+
+
 class Around(NamedTuple):
     """What an effect can ask of a scene before it is composed; SI units. `oil` has density and viscosity."""
 
@@ -110,7 +121,7 @@ class Effect:
     equations: tuple[str, ...]
     source: str
     parameters: type
-    build: Callable[[Any, Any], Sequence[FlowPath | HeatRate | PowerLoss | Reading]]
+    build: Callable[[Any, Any], Sequence[FlowPath | HeatRate | PowerLoss | Reading | Intake]]
     needs_oil: bool = False
     states: tuple[str, ...] = ()
     check: Callable[[Any, Any], list[Fault]] | None = None

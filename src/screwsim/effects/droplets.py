@@ -4,9 +4,9 @@ What: Q = 6 α/(d ρ_o) m_oil (T_oil − T), α = Nu λ/d, Nu = 2 + 0.6 Re^½ Pr
 gas that is a stated share of the tip speed; d stated, or the Sauter diameter of a jet (M155, M156).
 Source: W. E. Ranz, W. R. Marshall, Chem. Eng. Prog. 48 (1952) 141; A. C. Merrington, E. G. Richardson, Proc. Phys.
 Soc. 59 (1947) 1; K. S. Varde, D. M. Popa, L. K. Varde, SAE 841055 (1984).
-Assumptions: equal spheres of the Sauter diameter, uniform temperature inside, no coalescence: jets alone give 0.2 mm to
-2 mm, coarser than what cools within a turn. λ, μ, Pr of the gas are constant, from CoolProp: at the stated reference
-state, else at suction pressure and the warmer of suction gas and injected oil.
+Assumptions: equal spheres of the Sauter diameter, uniform temperature inside, neither coalescence nor break-up by the
+rotors; the formulas of both jets differ tenfold. λ, μ, Pr of the gas are constant, from CoolProp: at the stated
+reference state, else at suction pressure and the warmer of suction gas and injected oil.
 Parameters: size, diameter, or orifice_diameter, jet_pressure, surface_tension; slip; reference state or λ, μ, Pr.
 """
 
