@@ -18,7 +18,8 @@ SLIDE = "slot_area: 60 cm^2, closes: 640 deg, position: 0.5"
 EFFECTS = {
     "oil_drag": ["effects.oil_drag={tip_gap: 0.1 mm, tip_land: 3 mm, end_gap: 0.1 mm, end_solidity: 0.6}"],
     "bearings, simple": [
-        "effects.bearings={load: gas, radial_area: 60 cm^2, axial_area: 30 cm^2, friction_coefficient: 0.0018, bore: 60 mm}"
+        "effects.bearings={load: gas, radial_area: 60 cm^2, axial_area: 30 cm^2, "
+        "friction_coefficient: 0.0018, bore: 60 mm}"
     ],
     "bearings, two_term": [
         "effects.bearings={friction: two_term, load: gas, radial_area: 60 cm^2, axial_area: 30 cm^2, "

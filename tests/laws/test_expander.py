@@ -151,7 +151,7 @@ def test_a_profiled_expander_mirrors_its_life():
 
 
 def test_oil_belongs_to_a_compressor():
-    with pytest.raises(SceneError, match=r"oil_supply: belongs to machine.mode: compressor"):
+    with pytest.raises(SceneError, match=r"oil_supply: needs machine.mode: compressor"):
         make(LINES)
 
 

@@ -22,14 +22,23 @@ READ_ELSEWHERE = {"machine.profile.file"}  # points of a profile, no curve: read
 
 def cross_check(scene: Scene) -> list[Fault]:
     """Return the faults of a scene, or of one case of its grid, whose fields are each valid."""
+    operation = check_operation(scene)
     return [
         *check_twin_screw(scene.machine),
         *check_profile_law(scene.machine),
-        *check_operation(scene),
+        *operation,
+        *([] if operation else _expander(scene)),
         *_oil(scene),
         *_oil_supply(scene),
         *_effects(scene),
     ]
+
+
+def _expander(scene: Scene) -> Iterator[Fault]:
+    """Yield what does not go together with an expander; asked of a scene whose lines are those of one."""
+    if scene.machine.mode == "expander" and scene.oil_supply is not None:
+        why = "oil is injected where compression begins, at the end of an expansion"
+        yield Fault("oil_supply", f"needs machine.mode: compressor ({why}; remove it with the effects that need oil)")
 
 
 def _oil(scene: Scene) -> Iterator[Fault]:
@@ -61,11 +70,6 @@ def _oil_supply(scene: Scene) -> Iterator[Fault]:
     supply = scene.oil_supply
     if supply is None:
         return
-    if scene.machine.mode == "expander":
-        what = "oil is injected into chambers that are compressed; here they only expand"
-        yield Fault(
-            "oil_supply", f"belongs to machine.mode: compressor ({what}: remove it with the effects that need oil)"
-        )
     if scene.oil is None:
         yield Fault("oil", "is missing (oil_supply needs it: write density and heat_capacity, or remove oil_supply)")
     if supply.kind == "pump":
