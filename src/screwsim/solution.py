@@ -235,8 +235,8 @@ class Solution:
 
     def _pitch(self, q: closing.Array) -> Pitch:
         geometry = self.parts.geometry
-        p_s = float(self.machinery.R[R_SUCTION + PRESSURE])
-        return pitch_of(self.machinery, geometry, p_s, float(q[0]) / geometry.pitch)
+        low = min(float(self.machinery.R[R_SUCTION + PRESSURE]), self.lines.p_d)
+        return pitch_of(self.machinery, geometry, low, float(q[0]) / geometry.pitch)
 
     @cached_property
     def _effect(self) -> float | None:

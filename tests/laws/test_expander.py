@@ -101,6 +101,16 @@ def test_an_expander_whose_losses_take_all_has_no_efficiency():
     assert "gives no power" in result.notes["isentropic_efficiency"]
 
 
+def test_the_gas_drives_the_shaft_and_presses_from_the_higher_pressure():
+    torque = {"male_share": 0.9, "axial_area": "30 cm^2"}
+    p = run({**IDEAL, "effects": {"suction_port": {}, "discharge_port": {}, "gas_torque": torque}}).performance
+    assert (
+        p.gas_torque_mean == pytest.approx(p.indicated_power / (300.0 * math.pi / 30.0), rel=1e-12)
+        and p.gas_torque_mean < 0
+    )
+    assert 0.0 < p.axial_gas_force < p.axial_gas_force_peak
+
+
 # ---- mirrored laws ----
 
 

@@ -67,7 +67,7 @@ def test_the_torque_of_closed_chambers_is_that_of_isentropic_springs():
     p_0, V_0 = pitch.pressure[0, n // 2], V[0, n // 2]
     expected = p_0 * (V_0 / V) ** k
     assert np.allclose(pitch.pressure, expected, rtol=1e-3)
-    torque = -((expected - pitch.suction_pressure) * pitch.slope).sum(axis=1)
+    torque = -((expected - pitch.low_pressure) * pitch.slope).sum(axis=1)
     assert np.max(np.abs(gas_torque.raw_torque(pitch) - torque)) < 2e-3 * np.max(np.abs(expected * pitch.slope))
 
 

@@ -3,8 +3,8 @@
 What: M(φ) = −Σ (p − p_s) dV/dφ over the chambers alive (virtual work, M144), its share on each rotor (M145), its
 harmonics of the lobe frequency (M147); forces F = A Σ (p − p_s) on stated projected areas (M146).
 Source: virtual work (textbook); of rotors with a profile each rotor's part of dV/dφ is known (docs/rotors.md).
-Assumptions: quasi-steady, rigid rotors in phase; suction pressure around the rotors; forces of all chambers in one
-direction, which makes them upper limits. It acts on nothing: the speed is constant.
+Assumptions: quasi-steady, rigid rotors in phase; the lower line's pressure around the rotors; forces of all chambers in
+one direction, which makes them upper limits. It acts on nothing: the speed is constant.
 Parameters: male_share, axial_area, radial_area.
 """
 
@@ -53,7 +53,7 @@ def torque(pitch) -> np.ndarray:
 
 def raw_torque(pitch) -> np.ndarray:
     """Return the torque at the points of a pitch [N m] as the trace gives it."""
-    return -((pitch.pressure - pitch.suction_pressure) * pitch.slope).sum(axis=1)
+    return -((pitch.pressure - pitch.low_pressure) * pitch.slope).sum(axis=1)
 
 
 def harmonics(values: np.ndarray, count: int) -> list[float]:
@@ -65,7 +65,7 @@ def on_rotors(parameters: Parameters, pitch, ratio: float) -> tuple[float | None
     """Return the mean torques on male and female shaft [N m]; `ratio`: female over male lobes (M145)."""
     share = parameters.male_share
     if pitch.male_slope is not None:
-        excess = pitch.pressure - pitch.suction_pressure
+        excess = pitch.pressure - pitch.low_pressure
         work = float((excess * pitch.slope).sum())
         share = float((excess * pitch.male_slope).sum()) / work if work != 0.0 else None
     if share is None:
@@ -75,7 +75,7 @@ def on_rotors(parameters: Parameters, pitch, ratio: float) -> tuple[float | None
 
 def force(area: float | None, pitch) -> np.ndarray | None:
     """Return the gas force on a projected area of each chamber, at the points of a pitch [N] (M146)."""
-    return None if area is None else area * (pitch.pressure - pitch.suction_pressure).sum(axis=1)
+    return None if area is None else area * (pitch.pressure - pitch.low_pressure).sum(axis=1)
 
 
 def build(parameters: Parameters, machine) -> list[Reading]:

@@ -24,18 +24,19 @@ class Pitch(NamedTuple):
     """One pitch at evenly spaced angles, its end left out; columns of arrays are the chambers alive, youngest first.
 
     angle (points,) [rad] of the youngest chamber; pressure (points, chambers) [Pa]; slope dV/dφ and its part that the
-    male rotor displaces, known of rotors only (points, chambers) [m³/rad]; torque_mean [N m]: indicated power over ω.
+    male rotor displaces, known of rotors only (points, chambers) [m³/rad]; low_pressure [Pa] around the rotors, that of the lower line;
+    torque_mean [N m]: indicated power over ω.
     """
 
     angle: Array
     pressure: Array
     slope: Array
     male_slope: Array | None
-    suction_pressure: float
+    low_pressure: float
     torque_mean: float
 
 
-def pitch_of(machinery: Machinery, geometry: Geometry, suction_pressure: float, torque_mean: float) -> Pitch:
+def pitch_of(machinery: Machinery, geometry: Geometry, low_pressure: float, torque_mean: float) -> Pitch:
     """Return the pitch of the last history."""
     angle = np.arange(POINTS) * (geometry.pitch / POINTS)
     grid = angle[:, None] + geometry.pitch * np.arange(geometry.chambers)
@@ -45,7 +46,7 @@ def pitch_of(machinery: Machinery, geometry: Geometry, suction_pressure: float, 
     theta = (grid - times[step]) / (times[step + 1] - times[step])
     pressure = np.asarray(dense_value(theta, *(dense[step, row, column] for row in range(4))))
     slope, male = _slopes(geometry)
-    return Pitch(angle, pressure, slope, male, suction_pressure, torque_mean)
+    return Pitch(angle, pressure, slope, male, low_pressure, torque_mean)
 
 
 @lru_cache(maxsize=16)
