@@ -24,8 +24,8 @@ class Pitch(NamedTuple):
     """One pitch at evenly spaced angles, its end left out; columns of arrays are the chambers alive, youngest first.
 
     angle (points,) [rad] of the youngest chamber; pressure (points, chambers) [Pa]; slope dV/dφ and its part that the
-    male rotor displaces, known of rotors only (points, chambers) [m³/rad]; low_pressure [Pa] around the rotors, that of the lower line;
-    torque_mean [N m]: indicated power over ω.
+    male rotor displaces, known of rotors only (points, chambers) [m³/rad]; low_pressure [Pa]: that of the lower line,
+    around the rotors; torque_mean [N m]: indicated power over ω.
     """
 
     angle: Array
