@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from screwsim.effects.base import Around, FlowPath, HeatRate
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -11,7 +16,7 @@ from screwsim.model.compose import OilPart, Parts
 from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import lines, refrigerating_effect
-from screwsim.scene.types import Scene
+from screwsim.scene.types import ActiveEffect, Scene
 
 WIDTH = 0.5  # of the regularisation over the wanted accuracy
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
@@ -32,19 +37,20 @@ def build_oil(scene: Scene) -> OilPart | None:
     oil, supply = scene.oil, scene.oil_supply
     if oil is None or supply is None:
         return None
+    known = oil.at(supply.temperature)
     if supply.kind == "pump":
         numbers = {"ratio": float(supply.ratio or 0.0)}
     else:
         diameter = float(supply.orifice_diameter or 0.0)
         numbers = {
-            "density": oil.density,
-            "viscosity": float(oil.viscosity or 0.0),
+            "density": known.density,
+            "viscosity": float(known.viscosity or 0.0),
             "diameter": diameter,
             "length": supply.orifice_length or 2.0 * diameter,
             "number": supply.orifice_count,
             "separator_pressure": lines(scene).p_d,
         }
-    return OilPart(oil.density, oil.heat_capacity, supply.temperature, oil.transport, numbers)
+    return OilPart(known.density, known.heat_capacity, supply.temperature, oil.transport, numbers)
 
 
 def build_parts(scene: Scene) -> Parts:
@@ -56,9 +62,34 @@ def build_parts(scene: Scene) -> Parts:
         gas=build_gas(scene),
         omega=scene.operation.speed,
         widths=(suction, discharge, gaps),
-        effects={name: active.effect.build(active.parameters, geometry) for name, active in scene.effects.items()},
+        effects={name: _built(active, geometry, scene) for name, active in scene.effects.items()},
         oil=build_oil(scene),
     )
+
+
+def _around(scene: Scene) -> Around:
+    """Return what effects can ask of the scene."""
+    at, oil, supply = lines(scene), scene.oil, scene.oil_supply
+    T_oil = supply.temperature if supply is not None else None
+    tip_speed = 0.5 * scene.machine.rotor_diameter * scene.operation.speed
+    known = oil.at(T_oil) if oil is not None and T_oil is not None else None
+    return Around(scene.gas.fluid, at.p_s, at.T_s, at.p_d, tip_speed, T_oil, known)
+
+
+def _built(active: ActiveEffect, geometry: Geometry, scene: Scene) -> list[Any]:
+    """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
+    built = list(active.effect.build(active.parameters, geometry))
+    if active.effect.numbers is not None:
+        found = active.effect.numbers(active.parameters, _around(scene))
+        built = [_with(part, found) if isinstance(part, FlowPath | HeatRate) else part for part in built]
+    if not geometry.expands:
+        return built
+    life, pitch = geometry.life, geometry.pitch
+    return [part.mirrored(life, pitch) if isinstance(part, FlowPath) else part for part in built]
+
+
+def _with(part: FlowPath | HeatRate, numbers: Mapping[str, float]) -> FlowPath | HeatRate:
+    return replace(part, values={**part.values, **numbers})
 
 
 def regularisation(scene: Scene) -> tuple[float, float, float]:

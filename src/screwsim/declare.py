@@ -38,6 +38,10 @@ KINDS = {
         Kind("density", "kg/m^3", "980 kg/m^3"),
         Kind("heat_capacity", "J/(kg K)", "2.0 kJ/(kg K)"),
         Kind("viscosity", "Pa s", "20 mPa s"),
+        Kind("force", "N", "8 kN"),
+        Kind("power", "W", "75 kW"),
+        Kind("thermal_conductivity", "W/(m K)", "0.0146 W/(m K)"),
+        Kind("surface_tension", "N/m", "30 mN/m"),
         Kind("heat_transfer_coefficient", "W/(m^2 K)", "500 W/(m^2 K)"),
     )
 }

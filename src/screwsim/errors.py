@@ -10,6 +10,7 @@ from screwsim.outputs import PERFORMANCE, Figures
 NET = ("gas_mass_flow", "oil_flow_ratio")  # of the net gas flow, which passes through zero where leakage takes all
 
 
+TORQUE, FORCE = "gas_torque", "_gas_force"  # over what they swing by: their means pass through zero
 OIL = ("oil_ratio", "oil_flow_ratio", "oil_mass_flow")
 LEAST_OIL = 1e-4  # oil per gas below which its error is that of nothing
 
@@ -48,6 +49,10 @@ def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any]
         return larger(abs(shaft), abs(known.get("ideal_isothermal_efficiency", 0.0) * shaft))
     if name.endswith("_efficiency"):
         return larger(size, 0.1)
+    if TORQUE in name:
+        return larger(size, abs(known.get("gas_torque_peak_to_peak", 0.0)))
+    if FORCE in name:
+        return larger(size, abs(known.get(f"{name.removesuffix('_peak')}_peak", 0.0)))
     if name in NET:
         filling = abs(known.get("volumetric_efficiency", 0.0))
         size = size * larger(filling, 0.1) / (filling + 0.1 * (filling == 0.0))

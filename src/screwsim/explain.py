@@ -14,7 +14,7 @@ from typing import Any
 from screwsim.build import build_parts, regularisation, wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
-from screwsim.effects.base import FlowPath, HeatRate, PowerLoss
+from screwsim.effects.base import FlowPath, HeatRate, Intake, PowerLoss, Reading
 from screwsim.model.compose import Composition, Parts, compose
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.grid import case_count, dimensions
@@ -95,6 +95,10 @@ def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
     yield _row(
         "kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}"
     )
+    if parts.geometry.expands:
+        yield _row(
+            "", "the machine below runs backwards: its laws at one life less the angle, its lines exchanged (M150)"
+        )
     laws = {"volume": machine.volume, "suction_port": machine.suction_port, "discharge_port": machine.discharge_port}
     numbers = {"volume": "M16", "suction_port": "M17", "discharge_port": "M18"}
     for name, law in laws.items():
@@ -149,6 +153,8 @@ def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
         yield parameters
     added = [f"state {name}" for name in effect.states]
     added += [f"figure {part.figure}" for part in built if isinstance(part, PowerLoss)]
+    added += [f"figure {name}" for part in built if isinstance(part, Reading) for name in part.figures]
+    added += ["another state of what is sucked in" for part in built if isinstance(part, Intake)]
     added += ["heat to the gas" for part in built if isinstance(part, HeatRate)]
     if added:
         yield f"adds: {', '.join(added)}"

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath, PowerLoss
+from screwsim.effects.base import FlowPath, Intake, PowerLoss, Reading
+from screwsim.intake import Suction
 from screwsim.model import ledger as kernels
 from screwsim.model.close import Array, discharge_enthalpy
 from screwsim.model.compose import OilPart
@@ -103,6 +104,7 @@ class Cycle:
     shaft_power: float
     T_0: float
     line_given: bool
+    intake: Suction
 
     @property
     def rate(self) -> float:
@@ -123,14 +125,23 @@ class Cycle:
 def ledger(cycle: Cycle) -> Figures:
     """Return the ledger of a closed cycle: its totals, and the entries as `<quantity>_<effect>` (outputs.LEDGER)."""
     R = cycle.machinery.R
-    suction = cycle.state(cycle.lines.T_s, float(R[R_SUCTION + DENSITY]), float(R[R_SUCTION + ENTHALPY]))
+    place = cycle.intake.place(float(R[R_DISCHARGE + ENTHALPY]))
+    T_suction = cycle.intake.temperature(place, cycle.lines.T_s)
+    suction = cycle.state(T_suction, float(R[R_SUCTION + DENSITY]), float(R[R_SUCTION + ENTHALPY]))
     line = cycle.at_discharge(float(R[R_DISCHARGE + ENTHALPY]))
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at_discharge(mean[0])
     paths, heats, oil = (cycle.rate * sums for sums in cycle.machinery.account(suction.s, line.s))
-    book = _Book(cycle.T_0, {name: Entry() for name in cycle.parts.effects})
+    acting = [
+        name
+        for name, items in cycle.parts.effects.items()
+        if not (items and all(isinstance(part, Reading) for part in items))
+    ]
+    book = _Book(cycle.T_0, {name: Entry() for name in acting})
     _paths(book, cycle, paths, suction, discharge)
     gas_rise = _gas(book, cycle, suction, line, discharge)
+    if cycle.intake.changed:
+        gas_rise = _intake(book, cycle, gas_rise, discharge)
     oil_rise = None
     if cycle.parts.oil is not None:
         oil_rise = _oil(book, cycle, paths, heats, oil)
@@ -197,6 +208,32 @@ def _gas(book: _Book, cycle: Cycle, suction: State, line: State, discharge: Stat
         heat = back * (discharge.h - line.h)
         book.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
     return -(out + back) * exergy(discharge)
+
+
+def _intake(book: _Book, cycle: Cycle, gas_rise: float, discharge: State) -> float:
+    """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttle (M163)."""
+    intake, T_s = cycle.intake, cycle.lines.T_s
+    h_d = float(cycle.machinery.R[R_DISCHARGE + ENTHALPY])
+    flow = -float(cycle.streams[2, 0] + cycle.streams[3, 0]) * cycle.rate
+
+    def exergy(state: State) -> float:
+        return state.h - cycle.T_0 * state.s
+
+    line, mixed = (
+        exergy(cycle.state(intake.temperature(place, T_s), place[DENSITY], place[ENTHALPY]))
+        for place in (intake.line, intake.mixed(h_d))
+    )
+    share, out = intake.returned, exergy(discharge)
+    delivered = (1.0 - share) * flow * (out - line)
+    returned = flow * (share * out + (1.0 - share) * line - mixed)
+    for name, items in cycle.parts.effects.items():
+        for part in (part for part in items if isinstance(part, Intake)):
+            if part.returned > 0.0:
+                energy = share * flow * (discharge.h - intake.line[ENTHALPY])
+                book.add(name, gas=share * flow, energy=energy, exergy=returned)
+            if part.pressure_ratio < 1.0:
+                book.add(name, gas=flow, exergy=gas_rise - delivered - returned)
+    return delivered
 
 
 # ---- oil ---------------------------------------------------------------------------------------------------------

@@ -36,6 +36,8 @@ PERFORMANCE = {
     "oil_pump_power": Variable("W", "shaft power of the oil pump"),
     "hydromechanical_power": Variable("W", "hydromechanical loss"),
     "mechanical_power": Variable("W", "mechanical loss"),
+    "oil_drag_power": Variable("W", "drag of oil in tip and end gaps"),
+    "bearing_power": Variable("W", "friction of the bearings"),
     "shaft_power": Variable("W", "shaft power"),
     "discharge_temperature": Variable("K", "flow-weighted mean gas temperature at discharge"),
     "oil_discharge_temperature": Variable("K", "flow-weighted mean oil temperature at discharge"),
@@ -52,6 +54,31 @@ PERFORMANCE = {
     "cooling_capacity": Variable("W", "cooling capacity: net gas flow times the real fluid's refrigerating effect"),
     "cop": Variable("1", "coefficient of performance: cooling capacity over shaft power"),
     "volumetric_cooling_capacity": Variable("J m-3", "cooling capacity over the volume flow of suction gas"),
+    "intake_pressure": Variable("Pa", "pressure of the gas that the machine sucks, behind throttle and bypass"),
+    "intake_temperature": Variable("K", "temperature of the gas that the machine sucks, behind throttle and bypass"),
+    "droplet_diameter": Variable("m", "Sauter diameter of the droplets of oil"),
+    "output_power": Variable("W", "power that an expander gives at its shaft"),
+    "filling_factor": Variable(
+        "1", "net gas flow of an expander over that which fills its chambers at the inlet's closing"
+    ),
+    "motor_loss": Variable("W", "loss of motor and inverter"),
+    "electrical_power": Variable("W", "electrical power"),
+    "motor_efficiency": Variable("1", "efficiency of motor and inverter"),
+    "electrical_isothermal_efficiency": Variable("1", "isothermal efficiency of the electrical power"),
+    "electrical_isentropic_efficiency": Variable("1", "isentropic efficiency of the electrical power"),
+    "electrical_cop": Variable("1", "coefficient of performance: cooling capacity over electrical power"),
+    "gas_torque_mean": Variable("N m", "mean torque of the gas on the male rotor's shaft, the female's included"),
+    "gas_torque_peak_to_peak": Variable("N m", "torque of the gas, from its lowest to its highest value"),
+    "gas_torque_harmonic_1": Variable("N m", "amplitude of the gas torque at the lobe frequency"),
+    "gas_torque_harmonic_2": Variable("N m", "amplitude of the gas torque at twice the lobe frequency"),
+    "gas_torque_harmonic_3": Variable("N m", "amplitude of the gas torque at three times the lobe frequency"),
+    "gas_torque_harmonic_4": Variable("N m", "amplitude of the gas torque at four times the lobe frequency"),
+    "male_gas_torque": Variable("N m", "mean torque of the gas on the male rotor itself"),
+    "female_gas_torque": Variable("N m", "mean torque of the gas on the female rotor itself, about its own axis"),
+    "axial_gas_force": Variable("N", "mean axial force of the gas on a rotor, by the stated area"),
+    "axial_gas_force_peak": Variable("N", "largest axial force of the gas on a rotor"),
+    "radial_gas_force": Variable("N", "mean radial force of the gas on a rotor, by the stated area"),
+    "radial_gas_force_peak": Variable("N", "largest radial force of the gas on a rotor"),
 }
 
 BALANCE = {
@@ -85,6 +112,9 @@ CYCLE = {
     "gas_mass": Variable("kg", "gas mass in the chamber"),
     "oil_mass": Variable("kg", "oil mass in the chamber"),
     "work": Variable("J", "work on the gas since 0 degrees"),
+    "gas_torque": Variable("N m", "torque of the gas in all chambers on the male rotor's shaft"),
+    "axial_gas_force": Variable("N", "axial force of the gas in all chambers on a rotor"),
+    "radial_gas_force": Variable("N", "radial force of the gas in all chambers on a rotor"),
 }
 
 

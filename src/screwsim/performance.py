@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects.base import PowerLoss
+from screwsim.effects.base import PowerLoss, Reading
 from screwsim.model.close import Array, discharge_enthalpy
 from screwsim.model.compose import Parts
+from screwsim.model.pitch import Pitch
 from screwsim.outputs import PERFORMANCE, Figures
 from screwsim.scene.lines import Lines
 
 
 @dataclass(frozen=True)
 class CycleFigures:
-    """What a power loss can ask of a closed cycle (SI units)."""
+    """What a power loss or a reading can ask of a closed cycle (SI units); the last four are for readings only."""
 
     omega: float
     tip_speed: float
@@ -28,6 +29,15 @@ class CycleFigures:
     oil_viscosity: float | None
     injection_pressure: float
     oil_source_pressure: float
+    oil_temperature: float | None
+    oil_discharge_temperature: float | None
+    oil_viscosity_at: Callable[[float], float | None]
+    oil_density_at: Callable[[float], float | None]
+    pitch: Callable[[], Pitch]
+    shaft_power: float | None = None
+    isothermal_efficiency: float | None = None
+    isentropic_efficiency: float | None = None
+    cop: float | None = None
 
 
 PER_VOLUME = ("specific_power",)
@@ -72,10 +82,11 @@ def _ideal_works(gas: Any, lines: Lines, inlet: Inlet) -> tuple[tuple[float | No
     return (gas.isothermal_work(*ends), ideal, gas.isentropic_work(*ends)), gas.isothermal_obstacle(*ends)
 
 
-def cycle_figures(
-    parts: Parts, work: float, injected: float, p_injection: float, oil_viscosity: float | None, source_pressure: float
-) -> CycleFigures:
-    """Return what a power loss can ask: `work` [J] and `injected` oil [kg] are those of one chamber's life."""
+def cycle_figures(parts: Parts, work: float, injected: float, **others: Any) -> CycleFigures:
+    """Return what a power loss can ask: `work` [J] and `injected` oil [kg] are those of one chamber's life.
+
+    `others` are the fields that do not follow from these.
+    """
     rate = parts.omega / parts.geometry.pitch
     oil_flow = injected * rate if parts.oil is not None else 0.0
     return CycleFigures(
@@ -84,9 +95,7 @@ def cycle_figures(
         indicated_power=work * rate,
         oil_mass_flow=oil_flow,
         oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
-        oil_viscosity=oil_viscosity,
-        injection_pressure=p_injection,
-        oil_source_pressure=source_pressure,
+        **others,
     )
 
 
@@ -100,15 +109,16 @@ def figures(
     trapped: float,
     d: float,
     peak: float,
-    oil_mean_temperature: float | None,
+    delivered: float = 1.0,
 ) -> tuple[Figures, dict[str, str]]:
     """Return the performance figures of one closed cycle and why some are None.
 
-    `streams` are the sums over one chamber's life (model.close.Balances.streams), `work` [J] that of one life.
+    `streams` are the sums over one chamber's life (model.close.Balances.streams), `work` [J] that of one life;
+    `delivered` is the share of the gas that does not go back to suction (M163).
     """
     geometry, gas, oil = parts.geometry, parts.gas, parts.oil
     rate = parts.omega / geometry.pitch  # chamber lives per second
-    flow = float(streams[0, 0] + streams[1, 0]) * rate
+    flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate)
     losses = _losses(parts.effects, known)
     lift = known.oil_volume_flow * (lines.p_d - known.injection_pressure) if oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
@@ -142,7 +152,7 @@ def figures(
             "oil_ratio": d,
             "oil_flow_ratio": _quotient(known.oil_mass_flow, flow) if flow > 0.0 else None,
             "oil_lift_power": lift,
-            "oil_discharge_temperature": oil_mean_temperature,
+            "oil_discharge_temperature": known.oil_discharge_temperature,
         }
         if flow <= 0.0:
             notes["oil_flow_ratio"] = "no net gas is delivered"
@@ -180,3 +190,21 @@ def _losses(effects: Mapping[str, Sequence[Any]], known: CycleFigures) -> dict[s
         for part in parts
         if isinstance(part, PowerLoss)
     }
+
+
+def readings(
+    effects: Mapping[str, Sequence[Any]], known: CycleFigures, found: Mapping[str, Any]
+) -> dict[str, float | None]:
+    """Return the figures that effects read from the closed cycle, all other figures known."""
+    parts = [part for items in effects.values() for part in items if isinstance(part, Reading)]
+    if not parts:
+        return {}
+    names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop")
+    complete = replace(known, **{name: found[name] for name in names})
+    return {name: value for part in parts for name, value in part.read(complete).items()}
+
+
+def pitch_traces(effects: Mapping[str, Sequence[Any]], known: CycleFigures) -> dict[str, Array]:
+    """Return the curves over one pitch that effects read from the closed cycle."""
+    parts = [part for items in effects.values() for part in items if isinstance(part, Reading)]
+    return {name: trace for part in parts if part.traces is not None for name, trace in part.traces(known).items()}

@@ -103,7 +103,7 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
 
 def _drowned(solution: Solution, found: Figures) -> list[str]:
     """Return a warning where the oil of a chamber is more than its volume holds when the discharge port opens."""
-    oil, port, geometry = solution.scene.oil, solution.scene.machine.discharge_port, solution.parts.geometry
+    oil, port, geometry = solution.parts.oil, solution.scene.machine.discharge_port, solution.parts.geometry
     if oil is None or port is None or not found.oil_ratio or not found.trapped_mass:
         return []
     c = solution.machinery.composition
@@ -202,7 +202,7 @@ def _solved(solution: Solution, trace: bool) -> Result:
             f"{shown} against the bound {balance.bound:.2g}, last change {closed.change:.2g}; "
             f"{_unclosed(scene, closed)}"
         )
-    cycle, kept = (solution.cycle(), book) if trace else ({}, Figures())
+    cycle, kept = (solution.cycle(closed.q), book) if trace else ({}, Figures())
     tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()
     warnings = (*tried, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))
     errors = accurate.errors

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 
-from screwsim import performance
+from screwsim import expander, performance
 from screwsim.build import build_parts, wanted_of
 from screwsim.faults import UsageError
+from screwsim.intake import suction_of
 from screwsim.ledger import Cycle, ledger
 from screwsim.model import close as closing
 from screwsim.model.compose import Parts, compose
 from screwsim.model.continuation import Course, Guess
 from screwsim.model.guess import first_guess
+from screwsim.model.pitch import Pitch, pitch_of
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
@@ -24,6 +26,7 @@ from screwsim.model.slots import (
     OIL_TEMPERATURE,
     P_GAP_WIDTH,
     P_PORT_WIDTH,
+    PRESSURE,
     R_DISCHARGE,
     R_INJECTED,
     R_PRESSURE,
@@ -64,12 +67,14 @@ class Solution:
         self.wanted = wanted_of(scene)
         self.lines = lines(scene)
         self.machinery = machinery_for(self.parts)
-        self.suction = self._suction_place()
-        self.inlet = performance.Inlet(self.suction[DENSITY], self.suction[ENTHALPY])
+        line = self._suction_place()
+        self.inlet = performance.Inlet(line[DENSITY], line[ENTHALPY])
+        self.suction = suction_of(self.parts.gas, line, self.parts.effects.values())
+        begins = self.suction.place(self._h_isentropic()) if self.suction.changed else line
         self.pv = self.lines.p_s / self.inlet.density
         # what tells one scene from the next on a course; tightening changes the composition's own copy
         self.parameters = np.array(
-            [*self.machinery.composition.P, *self.suction, self.lines.p_d, *self.parts.geometry.outcomes]
+            [*self.machinery.composition.P, *begins, self.lines.p_d, *self.parts.geometry.outcomes]
         )
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
@@ -89,7 +94,9 @@ class Solution:
         """Set the plenums and a first guess; return the state at 0°."""
         machinery, lines = self.machinery, self.lines
         machinery.reset()
-        y = first_guess(self.parts, machinery.composition, machinery, lines.p_s, lines.T_s, lines.p_d)
+        place = self.suction.place(self._h_isentropic()) if self.suction.changed else self.suction.line
+        T_s = self.suction.temperature(place, lines.T_s)
+        y = first_guess(self.parts, machinery.composition, machinery, place[PRESSURE], T_s, lines.p_d)
         T_d = self.scene.operation.discharge.temperature or float(y[0])
         self._set_lines(T_d, float(y[3]) if machinery.composition.carried else 0.0)
         return y
@@ -97,8 +104,9 @@ class Solution:
     def _set_lines(self, T_d: float, d: float) -> None:
         T_oil = self.parts.oil.temperature if self.parts.oil else self.lines.T_s
         R = self.machinery.R
-        R[R_SUCTION : R_SUCTION + 8] = *self.suction, 0.0, T_oil
-        R[R_DISCHARGE : R_DISCHARGE + 8] = *self.parts.gas.place(self.lines.p_d, T_d), d, T_oil
+        discharge = self.parts.gas.place(self.lines.p_d, T_d)
+        R[R_SUCTION : R_SUCTION + 8] = *self.suction.place(discharge[ENTHALPY]), 0.0, T_oil
+        R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil
 
     def _continued(self) -> Guess | None:
         """Set the plenums and a guess from the course of the cycles before; return it, None where there is none."""
@@ -187,6 +195,8 @@ class Solution:
         R = self.machinery.R
         try:
             place = self.parts.gas.place_of_enthalpy(self.lines.p_d, float(plenum[0]))
+            if self.suction.returned > 0.0:
+                R[R_SUCTION : R_SUCTION + OIL_RATIO] = self.suction.place(float(plenum[0]))
         except UsageError:
             place = tuple(R[R_DISCHARGE : R_DISCHARGE + OIL_RATIO])
         R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
@@ -205,13 +215,28 @@ class Solution:
     # ---- taking the figures ----------------------------------------------------------------------------------
 
     def _known(self, q: closing.Array) -> performance.CycleFigures:
-        """Return what a power loss can ask of the cycle."""
-        R, supply, oil = self.machinery.R, self.scene.oil_supply, self.scene.oil
+        """Return what a power loss or a reading can ask of the cycle."""
+        R, supply, oil, parts = self.machinery.R, self.scene.oil_supply, self.scene.oil, self.parts
         source = self.lines.p_s if supply is not None and supply.source == "suction" else self.lines.p_d
-        viscosity = oil.viscosity if oil is not None else None
+        T_oil = parts.oil.temperature if parts.oil is not None else None
         return performance.cycle_figures(
-            self.parts, float(q[0]), float(R[R_INJECTED]), float(R[R_PRESSURE]), viscosity, source
+            parts,
+            float(q[0]),
+            float(R[R_INJECTED]),
+            oil_viscosity=oil.at(T_oil).viscosity if oil is not None and T_oil is not None else None,
+            injection_pressure=float(R[R_PRESSURE]),
+            oil_source_pressure=source,
+            oil_temperature=T_oil,
+            oil_discharge_temperature=self._oil_discharge_temperature(q) if oil is not None else None,
+            oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
+            oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
+            pitch=cache(lambda: self._pitch(q)),
         )
+
+    def _pitch(self, q: closing.Array) -> Pitch:
+        geometry = self.parts.geometry
+        low = min(float(self.machinery.R[R_SUCTION + PRESSURE]), self.lines.p_d)
+        return pitch_of(self.machinery, geometry, low, float(q[0]) / geometry.pitch)
 
     @cached_property
     def _effect(self) -> float | None:
@@ -220,22 +245,41 @@ class Solution:
     def figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
         """Return performance figures of the last history, whose quadratures are q, and why some are None."""
         R, m = self.machinery.R, self.machinery
-        limit = self.parts.geometry.widest_discharge()
+        geometry = self.parts.geometry
+        limit = geometry.life if geometry.expands else geometry.widest_discharge()
         times, dense, _, steps = m.last()
+        known = self._known(q)
         found, notes = performance.figures(
             self.parts,
             self.lines,
             self.inlet,
             self.balances.streams(q),
-            self._known(q),
+            known,
+            delivered=1.0 - self.suction.returned,
             work=float(q[0]),
             trapped=float(R[R_TRAPPED]),
             d=float(R[R_RATIO]),
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
-            oil_mean_temperature=self._oil_discharge_temperature(q),
         )
         cooling, reasons = performance.refrigeration(found, self.inlet.density, self._effect)
-        return Figures(found | cooling), notes | reasons
+        found, notes = found | cooling, notes | reasons
+        if self.suction.changed:
+            place = self.suction.place(float(R[R_DISCHARGE + ENTHALPY]))
+            found["intake_pressure"] = place[PRESSURE]
+            found["intake_temperature"] = self.suction.temperature(place, self.lines.T_s)
+        if geometry.expands:
+            changed, reasons = expander.figures(found, self._h_isentropic() - self.inlet.enthalpy, self._filled())
+            found, notes = found | changed, {name: why for name, why in notes.items() if name not in changed} | reasons
+        return Figures(found | performance.readings(self.parts.effects, known, found)), notes
+
+    def _filled(self) -> float | None:
+        """Return the gas that fills an expander's chambers where its inlet closes, at the inlet's state [kg/s]."""
+        geometry, c = self.parts.geometry, self.machinery.composition
+        closes = geometry.inlet_closes
+        if closes is None:
+            return None
+        volume = float(self.machinery.module.volume_at(closes, c.P, c.TAB))
+        return self.inlet.density * volume * self.parts.omega / geometry.pitch
 
     def ledger(self, q: closing.Array, shaft_power: float) -> Figures:
         """Return where the shaft power [W] goes (contract: ledger)."""
@@ -251,6 +295,7 @@ class Solution:
                 shaft_power,
                 operation.ambient_temperature,
                 given,
+                self.suction,
             )
         )
 
@@ -293,8 +338,8 @@ class Solution:
         carried = float(self.machinery.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
         return float(-q[1] - carried) * rate
 
-    def cycle(self) -> dict[str, np.ndarray]:
-        """Return the traces over the angle (contract: cycle)."""
+    def cycle(self, q: closing.Array) -> dict[str, np.ndarray]:
+        """Return the traces over the angle (contract: cycle); `q` are the quadratures of the last history."""
         m, c, geometry = self.machinery, self.machinery.composition, self.parts.geometry
         degrees = trace_angles(geometry.life)
         out = np.empty((len(degrees), 4 + len(c.states)))
@@ -315,6 +360,9 @@ class Solution:
             for side, word in enumerate(("leading", "trailing")):
                 key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
                 traces[key] = traces.get(key, 0.0) + flows[:, column]
+        for name, values in performance.pitch_traces(self.parts.effects, self._known(q)).items():
+            grid = np.linspace(0.0, math.degrees(geometry.pitch), len(values) + 1)
+            traces[name] = np.interp(degrees, grid, np.append(values, values[0]), period=grid[-1])
         return traces
 
 

@@ -110,7 +110,8 @@ def exchanged(transport):
     scene = make({"operation.speed": "1000 rpm", "oil.transport": transport, "numerics": {"closing": "coupled"}})
     solution = Solution(scene)
     closed = solution.close()
-    flows = [trace for name, trace in solution.cycle().items() if name.startswith("mass_flow_") and "port" not in name]
+    traces = solution.cycle(closed.q)
+    flows = [trace for name, trace in traces.items() if name.startswith("mass_flow_") and "port" not in name]
     life = solution.parts.geometry.life / solution.parts.omega
     return solution.balances.streams(closed.q)[4], float(np.mean(np.abs(flows).sum(axis=0))) * life
 

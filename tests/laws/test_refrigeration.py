@@ -174,7 +174,8 @@ def test_no_positive_power_has_no_cop():
 def test_an_expander_cools_nothing():
     operation = {"speed": "3000 rpm", "superheat": "10 K"}
     operation |= {"evaporating_temperature": "80 degC", "condensing_temperature": "30 degC"}
-    assert refrigerating_effect(make({"operation": operation, "machine.mode": "expander"})) is None
+    changes = {"operation": operation, "machine.mode": "expander", "oil": DROP, "oil_supply": DROP, "effects": {}}
+    assert refrigerating_effect(make(changes)) is None
 
 
 def test_the_error_of_specific_power_is_over_itself():

@@ -20,10 +20,18 @@ _ORDER = (
     "interlobe_leakage",
     "blow_hole",
     "end_face_leakage",
+    "slide_valve",
+    "bypass",
+    "suction_throttle",
     "oil_heat",
+    "droplets",
     "oil_pump",
     "hydromechanical",
     "mechanical",
+    "oil_drag",
+    "bearings",
+    "motor",
+    "gas_torque",
 )
 
 

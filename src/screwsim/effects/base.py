@@ -1,4 +1,4 @@
-"""What an effect is: a declaration of flow paths, heat rates and power losses, and their kernels.
+"""What an effect is: a declaration of flow paths, heat rates, power losses and readings, and their kernels.
 
 An effect adds to the rates of a chamber and never assigns. It is one file of this package, or of a user's own,
 with a module variable `EFFECT`. A kernel's argument names say what it needs: a parameter of the effect itself,
@@ -10,10 +10,11 @@ Source: screwsim, docs/adding-an-effect.md.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 from screwsim.faults import Fault
+from screwsim.fluid.settings import OilProperties
 from screwsim.numerics.kernel import Kernel
 
 
@@ -26,7 +27,8 @@ class FlowPath:
     chamber there is no interface, beyond the last one lies the discharge plenum.
 
     `values` are the numbers [SI] behind the kernel's argument names that are not symbols; `knots` [rad] are
-    the angles at which the area is not smooth; `tables` hold curves as (angle [rad], area [m²]).
+    the angles at which the area is not smooth; `tables` hold curves as (angle [rad], area [m²]). Where `mirror` [rad]
+    is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150).
     """
 
     to: str  # 'suction' | 'discharge' | 'neighbour'
@@ -36,6 +38,13 @@ class FlowPath:
     offset: int = 0  # lobe pitches from the trailing to the leading chamber
     flow_coefficient: float = 1.0
     tables: Mapping[str, Any] = field(default_factory=dict)
+    mirror: float | None = None
+
+    def mirrored(self, life: float, pitch: float) -> FlowPath:
+        """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""
+        mirror = life - self.offset * pitch
+        to = {"suction": "discharge", "discharge": "suction"}.get(self.to, self.to)
+        return replace(self, to=to, mirror=mirror, knots=tuple(mirror - knot for knot in self.knots))
 
 
 @dataclass(frozen=True)
@@ -63,11 +72,48 @@ class PowerLoss:
 
 
 @dataclass(frozen=True)
+class Reading:
+    """Figures and traces [SI] read from a closed cycle and its powers; they change nothing of it (plain Python).
+
+    `read` returns the values of `figures`, all losses known; `traces` curves over the points of one pitch
+    (`model.pitch.POINTS`), which repeat every pitch.
+    """
+
+    figures: tuple[str, ...]
+    read: Callable[[Any], Mapping[str, float | None]]
+    traces: Callable[[Any], Mapping[str, Any]] | None = None
+
+
+@dataclass(frozen=True)
+class Intake:
+    """What lies between suction line and machine (M160, M161).
+
+    A throttle leaves `pressure_ratio` of the pressure; the share `returned` of the delivered gas is mixed in before it.
+    """
+
+    pressure_ratio: float = 1.0
+    returned: float = 0.0
+
+
+class Around(NamedTuple):
+    """What an effect can ask of a scene before it is composed; SI units. `oil` has density and viscosity."""
+
+    fluid: str
+    p_s: float
+    T_s: float
+    p_d: float
+    tip_speed: float
+    T_oil: float | None = None
+    oil: OilProperties | None = None
+
+
+@dataclass(frozen=True)
 class Effect:
     """One physical effect, named in a scene under `effects`.
 
-    `build(parameters, machine)` returns flow paths, heat rates and power losses; `check(parameters, facts)`
-    returns faults that only the whole scene shows.
+    `build(parameters, machine)` returns flow paths, heat rates, power losses and readings; `check(parameters, facts)`
+    returns faults that only the whole scene shows. `numbers(parameters, around)` returns numbers behind argument names
+    of its kernels that follow from the scene.
     """
 
     name: str
@@ -75,7 +121,8 @@ class Effect:
     equations: tuple[str, ...]
     source: str
     parameters: type
-    build: Callable[[Any, Any], Sequence[FlowPath | HeatRate | PowerLoss]]
+    build: Callable[[Any, Any], Sequence[FlowPath | HeatRate | PowerLoss | Reading | Intake]]
     needs_oil: bool = False
     states: tuple[str, ...] = ()
     check: Callable[[Any, Any], list[Fault]] | None = None
+    numbers: Callable[[Any, Around], Mapping[str, float]] | None = None

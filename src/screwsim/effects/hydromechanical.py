@@ -39,7 +39,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
-    if parameters.viscous_coefficient > 0.0 and facts.oil is not None and facts.oil.viscosity is None:
+    if parameters.viscous_coefficient > 0.0 and facts.oil is not None and not facts.oil.knows_viscosity:
         return [Fault("oil.viscosity", "is missing (effects.hydromechanical.viscous_coefficient needs it)")]
     return []
 

@@ -209,3 +209,21 @@ def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
             state.unspecify_phase()
 
     return _ask(f"{fluid} hmass {phase} {p!r} {T!r}", question)
+
+
+def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
+    """Return thermal conductivity [W/(m K)], viscosity [Pa s] and Prandtl number of the vapour at p [Pa] and T [K].
+
+    Raises UsageError where CoolProp has no transport properties of that fluid, or no such state.
+    """
+
+    def question() -> list[float]:
+        state, coolprop = _abstract_state(fluid)
+        try:
+            state.update(coolprop.PT_INPUTS, p, T)
+            return [state.conductivity(), state.viscosity(), state.Prandtl()]
+        except ValueError:
+            raise UsageError(f"CoolProp has no transport properties of {fluid} at {p:.6g} Pa, {T:.6g} K") from None
+
+    conductivity, viscosity, prandtl = _ask(f"{fluid} transport {p!r} {T!r}", question)
+    return conductivity, viscosity, prandtl

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from screwsim.declare import choice, number, quantity, word
+from screwsim.fluid.oils import OILS
 
 
 @dataclass(frozen=True)
@@ -23,12 +25,27 @@ class GasSettings:
     )
 
 
+class OilProperties(NamedTuple):
+    """Properties of the oil at one temperature: ρ [kg/m³], c [J/(kg K)], μ [Pa s] if known."""
+
+    density: float
+    heat_capacity: float
+    viscosity: float | None
+
+
 @dataclass(frozen=True)
 class OilSettings:
-    """The oil: constant properties, and how it travels with leaking gas."""
+    """The oil: constant properties, or a stored oil by its name, and how it travels with leaking gas."""
 
-    density: float = quantity("density", "density", gt=0.0)
-    heat_capacity: float = quantity("heat_capacity", "specific heat capacity", gt=0.0)
+    name: str | None = choice(
+        "a stored oil: density, heat capacity and viscosity by temperature (M140), instead of numbers",
+        tuple(OILS),
+        None,
+    )
+    density: float | None = quantity("density", "density (needed without name)", None, gt=0.0)
+    heat_capacity: float | None = quantity(
+        "heat_capacity", "specific heat capacity (needed without name)", None, gt=0.0
+    )
     viscosity: float | None = quantity(
         "viscosity", "dynamic viscosity (for losses and the injection orifice)", None, gt=0.0
     )
@@ -37,3 +54,15 @@ class OilSettings:
         ("paper", "carried"),
         "carried",
     )
+
+    @property
+    def knows_viscosity(self) -> bool:
+        """Tell whether the oil has a viscosity."""
+        return self.name is not None or self.viscosity is not None
+
+    def at(self, T: float) -> OilProperties:
+        """Return the properties at T [K]; those given as numbers do not depend on it."""
+        if self.name is None:
+            return OilProperties(self.density or 0.0, self.heat_capacity or 0.0, self.viscosity)
+        oil = OILS[self.name]
+        return OilProperties(oil.density_at(T), oil.heat_capacity_at(T), oil.viscosity_at(T))

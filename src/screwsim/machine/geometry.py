@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -29,13 +29,14 @@ class AreaLaw:
 
 @dataclass(frozen=True)
 class VolumeKernels:
-    """The volume law: V(φ) and dV/dφ from the same numbers."""
+    """The volume law: V(φ) and dV/dφ from the same numbers; with `mirror` [rad] they are those at mirror − φ."""
 
     volume: Kernel
     slope: Kernel
     values: Mapping[str, float]
     knots: tuple[float, ...]
     tables: Mapping[str, Any] = field(default_factory=dict)
+    mirror: float | None = None
 
 
 def table_knots(angles: np.ndarray) -> tuple[float, ...]:
@@ -76,8 +77,19 @@ class Geometry:
 
     @property
     def injection_angle(self) -> float:
-        """Angle at which oil is injected and the trapped mass is taken [rad]."""
-        return self.profile.injection if self.profile is not None else self.settings.volume.injection_angle or TURN
+        """Angle at which oil is injected and the trapped mass is taken [rad]; of an expander, mirrored (M150)."""
+        own = self.profile.injection if self.profile is not None else self.settings.volume.injection_angle or TURN
+        return self.life - own if self.expands else own
+
+    @property
+    def expands(self) -> bool:
+        """Tell whether the machine runs backwards, as an expander (M150)."""
+        return self.settings.mode == "expander"
+
+    @property
+    def inlet_closes(self) -> float | None:
+        """Angle at which the inlet of an expander closes [rad]; None without that port."""
+        return None if self.settings.discharge_port is None else self.life - self.discharge_law().knots[0]
 
     @property
     def chambers(self) -> int:
@@ -99,6 +111,13 @@ class Geometry:
         return self.profile.interfaces[effect] if self.profile is not None else None
 
     def volume_law(self) -> VolumeKernels:
+        """Return the volume law, of an expander mirrored (M150)."""
+        law = self._volume_law()
+        if not self.expands:
+            return law
+        return replace(law, mirror=self.life, knots=tuple(self.life - knot for knot in law.knots))
+
+    def _volume_law(self) -> VolumeKernels:
         """Return the volume law (M16, or M14 from a table, scaled so that its maximum is the swept volume)."""
         law, profile = self.settings.volume, self.profile
         if profile is not None:
@@ -115,7 +134,7 @@ class Geometry:
         return VolumeKernels(paper_law.volume, paper_law.volume_slope, values, knots)
 
     def suction_law(self) -> AreaLaw:
-        """Return the area law of the suction port (M17 or M14)."""
+        """Return the area law of the suction port (M17 or M14), over the angle of a compressor."""
         law = self.settings.suction_port
         assert law is not None  # checked with the scene
         if law.law == "profile" and self.profile is not None:
@@ -128,7 +147,7 @@ class Geometry:
         )
 
     def discharge_law(self) -> AreaLaw:
-        """Return the area law of the discharge port (M18 or M14)."""
+        """Return the area law of the discharge port (M18 or M14), over the angle of a compressor."""
         law = self.settings.discharge_port
         assert law is not None  # checked with the scene
         if law.law == "profile" and self.profile is not None:

@@ -161,7 +161,8 @@ def _write_areas(writer: _Writer, name: str, paths: Sequence[FlowPath]) -> None:
     for index, path in enumerate(paths):
         coefficient = writer.numbers.add(path.flow_coefficient)
         call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"))
-        body += [f"if i == {index}:", f"    return {coefficient} * {call}"]
+        turned = [] if path.mirror is None else [f"    phi = {writer.numbers.add(path.mirror)} - phi"]
+        body += [f"if i == {index}:", *turned, f"    return {coefficient} * {call}"]
     writer.function(f"{name}(i, phi, P, TAB)", [*body, "return 0.0"])
 
 
@@ -238,9 +239,12 @@ def compose(parts: Parts) -> Composition:
     states = ("T", "rho", *(("T_oil",) if heats else ()), *(("x_oil",) if carried else ()))
     law = geometry.volume_law()
     _write_gas(writer, gas)
-    for name, kernel in (("volume_at", law.volume), ("volume_slope_at", law.slope)):
+    for name, kernel, sign in (("volume_at", law.volume, ""), ("volume_slope_at", law.slope, "-")):
         call = writer.call(kernel, law.values, law.tables, ("phi", "TAB"))
-        writer.function(f"{name}(phi, P, TAB)", [f"return {call}"])
+        body = [f"return {call}"]
+        if law.mirror is not None:
+            body = [f"phi = {writer.numbers.add(law.mirror)} - phi", f"return {sign}{call}"]
+        writer.function(f"{name}(phi, P, TAB)", body)
     _write_areas(writer, "plenum_area", [path for _, path in plenum])
     _write_areas(writer, "gap_area", [path for _, path in gaps])
     _write_heat(writer, heats)

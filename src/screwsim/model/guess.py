@@ -25,9 +25,12 @@ def first_guess(
     n = 1.0 + (gas.c_p - gas.c_v) / (gas.c_v + d * (oil.heat_capacity if oil is not None else 0.0))
     grid = np.linspace(0.0, geometry.life, 97)
     V = np.array([machinery.module.volume_at(phi, composition.P, composition.TAB) for phi in grid])
-    closed = grid > geometry.injection_angle
-    V_closed = machinery.module.volume_at(geometry.injection_angle, composition.P, composition.TAB)
+    closes = geometry.injection_angle if not geometry.expands else geometry.inlet_closes or geometry.injection_angle
+    closed = grid > closes
+    V_closed = machinery.module.volume_at(closes, composition.P, composition.TAB)
     ratio = np.where(closed, (V_closed / V) ** n, 1.0)
+    if geometry.expands:  # what is left is pushed out at p_d
+        ratio[grid > geometry.injection_angle] = 0.0
     low, high = min(1.0, p_d / p_s), max(1.0, p_d / p_s)
     p = p_s * np.clip(ratio, low, high)
     T = T_s * (p / p_s) ** ((n - 1.0) / n)

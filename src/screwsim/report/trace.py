@@ -89,8 +89,10 @@ def _input(results: Results, path: str, index: tuple[int, ...]) -> float:
 def marks_of(
     results: Results, index: tuple[int, ...], angle: np.ndarray, values: Mapping[str, np.ndarray]
 ) -> dict[str, float]:
-    """Return the angles of injection and of the port's opening, as far as the scene has them."""
-    marks = {}
+    """Return the angles of injection and of the port's opening, as far as the scene has them; an expander has none."""
+    marks: dict[str, float] = {}
+    if "output_power" in results.performance and np.isfinite(results.performance["output_power"][index]):
+        return marks
     if np.isfinite(_input(results, "oil_supply.temperature", index)):
         marks["oil injection"] = _injection(results, index, angle, values)
     opens = _input(results, "machine.discharge_port.opens", index) * DEGREE

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from screwsim.faults import Fault, UsageError
+from screwsim.fluid.oils import OILS
 from screwsim.machine.profile_law import check_profile_law
 from screwsim.machine.settings import check_twin_screw
 from screwsim.scene.fields import leaf_paths
@@ -21,13 +22,48 @@ READ_ELSEWHERE = {"machine.profile.file"}  # points of a profile, no curve: read
 
 def cross_check(scene: Scene) -> list[Fault]:
     """Return the faults of a scene, or of one case of its grid, whose fields are each valid."""
+    operation = check_operation(scene)
     return [
         *check_twin_screw(scene.machine),
         *check_profile_law(scene.machine),
-        *check_operation(scene),
+        *operation,
+        *([] if operation else _expander(scene)),
+        *_oil(scene),
         *_oil_supply(scene),
         *_effects(scene),
     ]
+
+
+def _expander(scene: Scene) -> Iterator[Fault]:
+    """Yield what does not go together with an expander; asked of a scene whose lines are those of one."""
+    if scene.machine.mode == "expander" and scene.oil_supply is not None:
+        why = "oil is injected where compression begins, at the end of an expansion"
+        yield Fault("oil_supply", f"needs machine.mode: compressor ({why}; remove it with the effects that need oil)")
+
+
+def _oil(scene: Scene) -> Iterator[Fault]:
+    """Yield what the oil's properties lack, or what is given beside the name of a stored oil."""
+    oil, supply = scene.oil, scene.oil_supply
+    if oil is None:
+        return
+    for field, example in (("density", "980 kg/m^3"), ("heat_capacity", "2.0 kJ/(kg K)"), ("viscosity", "")):
+        value, path = getattr(oil, field), f"oil.{field}"
+        if oil.name is not None and value is not None:
+            yield Fault(
+                path, "is given beside oil.name, which knows it (remove one of the two, null in place of a base's)"
+            )
+        elif oil.name is None and value is None and example:
+            yield Fault(
+                path, f"is missing (write e.g. {field}: {example}, or the name of a stored oil: {', '.join(OILS)})"
+            )
+    if oil.name is not None and supply is not None:
+        stored = OILS[oil.name]
+        if not stored.low <= supply.temperature <= stored.high:
+            what = f"lies outside the range of {oil.name}, {stored.low:g} K to {stored.high:g} K"
+            yield Fault(
+                "oil_supply.temperature",
+                f"{supply.temperature:.6g} K {what} (choose one inside, or state the oil by numbers)",
+            )
 
 
 def _oil_supply(scene: Scene) -> Iterator[Fault]:
@@ -61,7 +97,7 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
         yield Fault("oil_supply.source", "belongs to kind: pump; displacement draws from the separator (remove it)")
     if supply.orifice_diameter is None:
         yield Fault("oil_supply.orifice_diameter", "is missing (kind: displacement needs it, e.g. 3 mm)")
-    if scene.oil is not None and scene.oil.viscosity is None:
+    if scene.oil is not None and not scene.oil.knows_viscosity:
         yield Fault("oil.viscosity", "is missing (oil_supply.kind: displacement needs it, e.g. viscosity: 20 mPa s)")
 
 

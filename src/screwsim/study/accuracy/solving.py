@@ -72,7 +72,7 @@ class Solved:
 
     def traces(self) -> dict[str, np.ndarray]:
         """Return the cycle over the angle."""
-        return self.solution.cycle()
+        return self.solution.cycle(self.closed.q)
 
 
 @contextmanager

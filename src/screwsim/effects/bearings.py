@@ -1,0 +1,139 @@
+"""Bearings: friction of rolling bearings of both rotors, under stated loads or those of the gas.
+
+What: P = Σ_rotors ω_r M; `simple`: M = ½ μ_f F d; `two_term`: M = n_b M_0 + f_1 F d_m, M_0 from f_0 (ν n)^(2/3) d_m³
+(M143). F: radial and axial load added as vectors; stated, or the means of the gas forces (M146).
+Source: SKF, Rolling bearings (general catalogue), estimating the frictional moment: μ_f 0.0010 to 0.0020 by kind of
+bearing; load-independent and load-dependent moment: A. Palmgren, Grundlagen der Wälzlagertechnik, 1957.
+Assumptions: the female rotor carries `female_load` times the male's load and has bearings of the same size; no seals.
+The loss heats nothing that the chamber model sees: it is dissipated at ambient temperature.
+Parameters: friction, load, the loads or areas, friction_coefficient and bore, or mean_diameter, f_0, f_1, count.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot, pi
+
+from screwsim.declare import choice, count, number, quantity
+from screwsim.effects.base import Effect, PowerLoss
+from screwsim.effects.oil_drag import film_temperature
+from screwsim.faults import Fault
+
+LEAST_FILM = 2000.0  # ν n [mm²/s · 1/min] below which M_0 does not depend on it (Palmgren)
+_OF_FRICTION = {
+    "simple": ("friction_coefficient", "bore"),
+    "two_term": ("mean_diameter", "f_0", "f_1"),
+}
+_EXAMPLES = {"friction_coefficient": "0.0018", "bore": "60 mm", "mean_diameter": "85 mm", "f_0": "2", "f_1": "0.0004"}
+_OF_LOAD = {"stated": ("radial_load", "axial_load"), "gas": ("radial_area", "axial_area")}
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Bearings of one rotor, and the loads on the male rotor."""
+
+    friction: str = choice(
+        "simple: constant coefficient of friction; two_term: load-independent and load-dependent moment",
+        ("simple", "two_term"),
+        "simple",
+    )
+    load: str = choice("stated: loads are given; gas: mean gas forces on stated areas", ("stated", "gas"), "stated")
+    radial_load: float | None = quantity("force", "radial load on the male rotor (load: stated)", None, ge=0.0)
+    axial_load: float | None = quantity("force", "axial load on the male rotor (load: stated)", None, ge=0.0)
+    radial_area: float | None = quantity("area", "projected radial area of one chamber (load: gas)", None, ge=0.0)
+    axial_area: float | None = quantity("area", "projected axial area of one chamber (load: gas)", None, ge=0.0)
+    female_load: float = number("load on the female rotor over that on the male", 1.0, ge=0.0)
+    friction_coefficient: float | None = number("mu_f, on the bore (friction: simple)", None, ge=0.0)
+    bore: float | None = quantity("length", "d: bore of the bearings (friction: simple)", None, gt=0.0)
+    mean_diameter: float | None = quantity("length", "d_m: mean diameter (friction: two_term)", None, gt=0.0)
+    f_0: float | None = number("f_0 of bearing and lubrication (friction: two_term)", None, ge=0.0)
+    f_1: float | None = number("f_1 of the load (friction: two_term)", None, ge=0.0)
+    count: int = count("bearings of one rotor, for the load-independent moment (friction: two_term)", 4, ge=1)
+    film_temperature: float | None = quantity(
+        "temperature", "of the lubricating oil (friction: two_term; default: as in oil_drag)", None, gt=0.0
+    )
+
+
+def simple_moment(load: float, coefficient: float, bore: float) -> float:
+    """Return ½ μ_f F d [N m]: load [N], bore [m] (M143)."""
+    return 0.5 * coefficient * load * bore
+
+
+def idle_moment(speed: float, kinematic_viscosity: float, mean_diameter: float, f_0: float) -> float:
+    """Return M_0 of one bearing [N m]: speed [rad/s], viscosity [m²/s], diameter [m] (M143)."""
+    film = 1e6 * kinematic_viscosity * abs(speed) * 30.0 / pi  # mm²/s · 1/min, the units of the rule
+    scale = film ** (2.0 / 3.0) if film >= LEAST_FILM else LEAST_FILM ** (2.0 / 3.0)
+    return 1e-7 * f_0 * scale * (1e3 * mean_diameter) ** 3 * 1e-3 if speed != 0.0 else 0.0
+
+
+def load_on_male(parameters: Parameters, figures) -> float:
+    """Return the load on the male rotor [N]: the stated one, or the mean of the gas (M146)."""
+    if parameters.load == "stated":
+        return hypot(parameters.radial_load or 0.0, parameters.axial_load or 0.0)
+    pitch = figures.pitch()
+    excess = float((pitch.pressure - pitch.low_pressure).sum(axis=1).mean())
+    return abs(excess) * hypot(parameters.radial_area or 0.0, parameters.axial_area or 0.0)
+
+
+def moment(parameters: Parameters, speed: float, load: float, figures) -> float:
+    """Return the moment of friction of one rotor's bearings [N m] (M143)."""
+    if parameters.friction == "simple":
+        return simple_moment(load, parameters.friction_coefficient or 0.0, parameters.bore or 0.0)
+    T, d_m = film_temperature(parameters.film_temperature, figures), parameters.mean_diameter or 0.0
+    viscosity = figures.oil_viscosity_at(T) / figures.oil_density_at(T)
+    idle = idle_moment(speed, viscosity, d_m, parameters.f_0 or 0.0)
+    return parameters.count * idle + (parameters.f_1 or 0.0) * load * d_m
+
+
+def build(parameters: Parameters, machine) -> list[PowerLoss]:
+    ratio = machine.settings.male_lobes / machine.settings.female_lobes
+
+    def power(figures) -> float:
+        """Return the friction of all bearings [W] (M143)."""
+        load, male, female = load_on_male(parameters, figures), figures.omega, ratio * figures.omega
+        of_male = male * moment(parameters, male, load, figures)
+        return of_male + female * moment(parameters, female, parameters.female_load * load, figures)
+
+    return [PowerLoss("bearing_power", power)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults = []
+    for chosen, table in ((parameters.friction, _OF_FRICTION), (parameters.load, _OF_LOAD)):
+        for word, names in table.items():
+            faults += _belonging(parameters, chosen, word, names)
+    if parameters.friction == "two_term":
+        if facts.oil is None or facts.oil_supply is None:
+            what = "two_term needs oil and oil_supply, absent here (write those, or friction: simple)"
+            faults.append(Fault("effects.bearings.friction", what))
+        elif not facts.oil.knows_viscosity:
+            faults.append(
+                Fault("oil.viscosity", "is missing (effects.bearings.friction: two_term needs it, or oil.name)")
+            )
+    elif parameters.film_temperature is not None:
+        faults.append(Fault("effects.bearings.film_temperature", "belongs to friction: two_term (remove it)"))
+    return faults
+
+
+def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str, ...]) -> list[Fault]:
+    """Return what a choice lacks, and what is given that belongs to the other word of it."""
+    faults = []
+    for name in names:
+        given, path = getattr(parameters, name) is not None, f"effects.bearings.{name}"
+        if word == chosen and not given:
+            example = _EXAMPLES.get(name, "8 kN" if name.endswith("load") else "30 cm^2")
+            faults.append(Fault(path, f"is missing ({word} needs it, e.g. {name}: {example})"))
+        elif word != chosen and given:
+            faults.append(Fault(path, f"belongs to {word}, and {chosen} is chosen (remove it)"))
+    return faults
+
+
+EFFECT = Effect(
+    name="bearings",
+    title="friction of rolling bearings",
+    equations=("M143", "M146"),
+    source="SKF catalogue; Palmgren 1957",
+    parameters=Parameters,
+    build=build,
+    check=check,
+)

@@ -1,0 +1,97 @@
+"""Bypass: gas goes back to suction, from the discharge line or from a chamber that has begun to compress.
+
+What: `discharge`: a share y of what the machine delivers expands to p_s and mixes with the suction gas, which warms
+it (M161); `chamber`: nozzle flow to the suction line through a valve's bore while the chamber passes it (M12, M13).
+Source: isenthalpic mixing (textbook); one of the four ways of capacity control that Chernov et al. 2015 name.
+Assumptions: discharge: the returned gas is hot, as delivered, and free of oil; a steady mixture. Chamber: the suction
+line keeps its state, as with any gas that flows back into it.
+Parameters: source, share, or area, opens, passage, flow_coefficient.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+from screwsim.declare import choice, number, quantity
+from screwsim.effects.base import Effect, FlowPath, Intake
+from screwsim.effects.gap import ramp
+from screwsim.faults import Fault
+from screwsim.numerics.kernel import kernel
+
+RAMP = 10.0 * pi / 180.0  # over which the bore opens and closes
+_OF_SOURCE = {"discharge": ("share",), "chamber": ("area", "opens", "passage")}
+_EXAMPLES = {"share": "0.3", "area": "5 cm^2", "opens": "400 deg", "passage": "90 deg"}
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Where the gas comes from, and how much."""
+
+    source: str = choice(
+        "discharge: from the line; chamber: from a bore in the housing", ("discharge", "chamber"), "discharge"
+    )
+    share: float | None = number(
+        "y: share of the delivered gas that goes back (source: discharge)", None, ge=0.0, lt=1.0
+    )
+    area: float | None = quantity("area", "area of the bore (source: chamber)", None, ge=0.0)
+    opens: float | None = quantity("angle", "angle at which a chamber reaches the bore (source: chamber)", None, ge=0.0)
+    passage: float | None = quantity("angle", "from first to last contact (source: chamber)", None, gt=2.0 * RAMP)
+    flow_coefficient: float = number("flow coefficient of the bore (source: chamber)", 0.7, ge=0.0)
+
+
+@kernel
+def area(phi, size, opens, full, falls, closes):
+    """Return the open area [m²] of the bore for a chamber at phi [rad]."""
+    return size * ramp(phi, opens, full, falls, closes)
+
+
+def window(size: float, opens: float, closes: float, flow_coefficient: float) -> FlowPath:
+    """Return a path to the suction line, open between two angles [rad] with C1 ramps at both ends."""
+    angles = {"opens": opens, "full": opens + RAMP, "falls": closes - RAMP, "closes": closes}
+    return FlowPath(
+        to="suction",
+        area=area,
+        values={"size": size, **angles},
+        knots=tuple(angles.values()),
+        flow_coefficient=flow_coefficient,
+    )
+
+
+def build(parameters: Parameters, machine) -> list[FlowPath | Intake]:
+    if parameters.source == "discharge":
+        return [Intake(returned=parameters.share or 0.0)]
+    opens = parameters.opens or 0.0
+    closes = opens + (parameters.passage or 0.0)
+    return [window(parameters.area or 0.0, opens, closes, parameters.flow_coefficient)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults, path = [], "effects.bypass"
+    for source, names in _OF_SOURCE.items():
+        for name in names:
+            given = getattr(parameters, name) is not None
+            if source == parameters.source and not given:
+                what = f"is missing (source: {source} needs it, e.g. {name}: {_EXAMPLES[name]})"
+                faults.append(Fault(f"{path}.{name}", what))
+            elif source != parameters.source and given:
+                faults.append(Fault(f"{path}.{name}", f"belongs to source: {source} (remove it)"))
+    if parameters.source == "discharge" and facts.operation.discharge.temperature is not None:
+        what = "is given, and the returned gas has the outflow's (remove it, or the bypass)"
+        faults.append(Fault("operation.discharge.temperature", what))
+    if facts.machine.mode == "expander":
+        faults.append(
+            Fault(path, "belongs to machine.mode: compressor (an expander's discharge is the lower pressure)")
+        )
+    return faults
+
+
+EFFECT = Effect(
+    name="bypass",
+    title="gas returned to suction",
+    equations=("M12", "M13", "M161", "M163"),
+    source="isenthalpic mixing",
+    parameters=Parameters,
+    build=build,
+    check=check,
+)

@@ -1,0 +1,165 @@
+"""Droplets: heat between oil and gas with coefficient and size of the droplets from correlations.
+
+What: Q = 6 α/(d ρ_o) m_oil (T_oil − T), α = Nu λ/d, Nu = 2 + 0.6 Re^½ Pr^⅓ (M154), Re with a slip between droplet and
+gas that is a stated share of the tip speed; d stated, or the Sauter diameter of a jet (M155, M156).
+Source: W. E. Ranz, W. R. Marshall, Chem. Eng. Prog. 48 (1952) 141; A. C. Merrington, E. G. Richardson, Proc. Phys.
+Soc. 59 (1947) 1; K. S. Varde, D. M. Popa, L. K. Varde, SAE 841055 (1984).
+Assumptions: equal spheres of the Sauter diameter, uniform temperature inside, neither coalescence nor break-up by the
+rotors; the formulas of both jets differ tenfold. λ, μ, Pr of the gas are constant, from CoolProp: at the stated
+reference state, else at suction pressure and the warmer of suction gas and injected oil.
+Parameters: size, diameter, or orifice_diameter, jet_pressure, surface_tension; slip; reference state or λ, μ, Pr.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from screwsim.declare import choice, number, quantity
+from screwsim.effects.base import Around, Effect, HeatRate, Reading
+from screwsim.faults import Fault, UsageError
+from screwsim.fluid.constants import transport
+from screwsim.numerics.kernel import kernel
+
+_OF_SIZE = {
+    "fixed": ("diameter",),
+    "merrington_richardson": ("orifice_diameter", "jet_pressure"),
+    "varde": ("orifice_diameter", "jet_pressure", "surface_tension"),
+}
+_EXAMPLES = {"diameter": "50 um", "orifice_diameter": "3 mm", "jet_pressure": "5 bar", "surface_tension": "30 mN/m"}
+_GAS = ("gas_conductivity", "gas_viscosity", "prandtl")
+_STATE = ("reference_pressure", "reference_temperature")
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Size of the droplets, their slip, and the gas around them."""
+
+    size: str = choice(
+        "fixed: diameter is stated; else the Sauter diameter of a jet by that correlation", tuple(_OF_SIZE), "fixed"
+    )
+    diameter: float | None = quantity("length", "d: Sauter diameter of the droplets (size: fixed)", None, gt=0.0)
+    orifice_diameter: float | None = quantity("length", "D: bore from which the oil jets", None, gt=0.0)
+    jet_pressure: float | None = quantity("pressure_difference", "over that bore: u = sqrt(2 dp/rho_o)", None, gt=0.0)
+    surface_tension: float | None = quantity("surface_tension", "sigma of the oil (size: varde)", None, gt=0.0)
+    slip: float = number("slip between droplet and gas over the male tip speed", 0.0, ge=0.0)
+    reference_pressure: float | None = quantity(
+        "pressure", "at which lambda, mu, Pr of the gas are taken", None, gt=0.0
+    )
+    reference_temperature: float | None = quantity("temperature", "at which they are taken", None, gt=0.0)
+    gas_conductivity: float | None = quantity("thermal_conductivity", "lambda of the gas, stated", None, gt=0.0)
+    gas_viscosity: float | None = quantity("viscosity", "mu of the gas, stated", None, gt=0.0)
+    prandtl: float | None = number("Pr of the gas, stated", None, gt=0.0)
+
+
+@kernel
+def heat_transfer_coefficient(rho, speed, diameter, gas_conductivity, gas_viscosity, prandtl):
+    """Return α [W/(m² K)] of a sphere in a gas stream by Ranz and Marshall (M154); speed is the slip [m/s]."""
+    reynolds = rho * speed * diameter / gas_viscosity
+    return (2.0 + 0.6 * math.sqrt(reynolds) * prandtl ** (1.0 / 3.0)) * gas_conductivity / diameter
+
+
+@kernel
+def heat(T, T_oil, m_oil, rho, slip_speed, diameter, gas_conductivity, gas_viscosity, prandtl, oil_density):
+    """Return the heat [W] from the droplets to the gas (M154)."""
+    alpha = heat_transfer_coefficient(rho, slip_speed, diameter, gas_conductivity, gas_viscosity, prandtl)
+    return 6.0 * alpha / (diameter * oil_density) * m_oil * (T_oil - T)
+
+
+def merrington_richardson(bore: float, kinematic_viscosity: float, speed: float) -> float:
+    """Return the Sauter diameter [m] of a jet: SI units (M155)."""
+    return 500.0 * bore**1.2 * kinematic_viscosity**0.2 / speed
+
+
+def varde(bore: float, density: float, viscosity: float, surface_tension: float, speed: float) -> float:
+    """Return the Sauter diameter [m] of a jet, Re and We of the liquid: SI units (M156)."""
+    reynolds, weber = density * speed * bore / viscosity, density * speed**2 * bore / surface_tension
+    return 8.7 * bore * (reynolds * weber) ** -0.28
+
+
+def sauter_diameter(parameters: Parameters, density: float, viscosity: float | None) -> float:
+    """Return d [m] for oil of a density [kg/m³] and a viscosity [Pa s]."""
+    if parameters.size == "fixed":
+        return parameters.diameter or 0.0
+    bore, mu = parameters.orifice_diameter or 0.0, viscosity or 0.0
+    speed = math.sqrt(2.0 * (parameters.jet_pressure or 0.0) / density)
+    if parameters.size == "merrington_richardson":
+        return merrington_richardson(bore, mu / density, speed)
+    return varde(bore, density, mu, parameters.surface_tension or 0.0, speed)
+
+
+def numbers(parameters: Parameters, around: Around) -> Mapping[str, float]:
+    """Return what the kernel needs of the scene: diameter, slip and the gas's λ, μ, Pr. Raises UsageError."""
+    assert around.oil is not None  # needs_oil
+    gas: tuple[float, ...] = tuple(getattr(parameters, name) for name in _GAS)
+    if None in gas:
+        p = parameters.reference_pressure or around.p_s
+        T = parameters.reference_temperature or max(around.T_s, around.T_oil or 0.0)
+        gas = transport(around.fluid, p, T)
+    diameter = sauter_diameter(parameters, around.oil.density, around.oil.viscosity)
+    own = {"diameter": diameter, "slip_speed": parameters.slip * around.tip_speed}
+    return own | dict(zip(_GAS, gas, strict=True))
+
+
+def build(parameters: Parameters, machine) -> list[HeatRate | Reading]:
+    def read(figures) -> dict[str, float | None]:
+        """Return the diameter of the droplets [m]."""
+        density = figures.oil_density_at(figures.oil_temperature)
+        return {"droplet_diameter": sauter_diameter(parameters, density, figures.oil_viscosity)}
+
+    return [HeatRate(heat, {}), Reading(("droplet_diameter",), read)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults, path = [], "effects.droplets"
+    if "oil_heat" in facts.effects:
+        faults.append(Fault(path, "is simulated beside effects.oil_heat, the same heat twice (remove one of the two)"))
+    needed = _OF_SIZE[parameters.size]
+    for name in _EXAMPLES:
+        given = getattr(parameters, name) is not None
+        if name in needed and not given:
+            faults.append(
+                Fault(f"{path}.{name}", f"is missing (size: {parameters.size} needs it, e.g. {_EXAMPLES[name]})")
+            )
+        elif given and name not in needed:
+            faults.append(Fault(f"{path}.{name}", f"has no meaning with size: {parameters.size} (remove it)"))
+    if parameters.size != "fixed" and facts.oil is not None and not facts.oil.knows_viscosity:
+        faults.append(
+            Fault("oil.viscosity", f"is missing (effects.droplets.size: {parameters.size} needs it, or oil.name)")
+        )
+    return [*faults, *_gas_faults(parameters, facts.gas.fluid)]
+
+
+def _gas_faults(parameters: Parameters, fluid: str) -> list[Fault]:
+    """Return what is stated twice of the gas, or by half, and a fluid or state whose λ and μ CoolProp does not know."""
+    path = "effects.droplets"
+    stated, state = ([name for name in names if getattr(parameters, name) is not None] for names in (_GAS, _STATE))
+    if stated and len(stated) < len(_GAS):
+        missing = next(name for name in _GAS if name not in stated)
+        return [Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_GAS)})")]
+    if stated and state:
+        return [Fault(f"{path}.{state[0]}", "is given beside the gas's own numbers (remove it)")]
+    if len(state) == 1:
+        missing = next(name for name in _STATE if name not in state)
+        return [Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_STATE)})")]
+    if not stated:
+        try:
+            transport(fluid, parameters.reference_pressure or 1e4, parameters.reference_temperature or 400.0)
+        except UsageError as error:
+            return [Fault(path, f"{error} (state {', '.join(_GAS)})")]
+    return []
+
+
+EFFECT = Effect(
+    name="droplets",
+    title="droplets sized by a correlation exchange heat with the gas",
+    equations=("M4", "M154", "M155", "M156"),
+    source="Ranz and Marshall 1952; Merrington and Richardson 1947; Varde et al. 1984",
+    parameters=Parameters,
+    build=build,
+    needs_oil=True,
+    states=("T_oil",),
+    check=check,
+    numbers=numbers,
+)

@@ -1,0 +1,121 @@
+"""Gas torque: what the gas in all chambers asks of the male rotor's shaft, and its forces on the rotors, by angle.
+
+What: M(φ) = −Σ (p − p_s) dV/dφ over the chambers alive (virtual work, M144), its share on each rotor (M145), its
+harmonics of the lobe frequency (M147); forces F = A Σ (p − p_s) on stated projected areas (M146).
+Source: virtual work (textbook); of rotors with a profile each rotor's part of dV/dφ is known (docs/rotors.md).
+Assumptions: quasi-steady, rigid rotors in phase; the lower line's pressure around the rotors; forces of all chambers in
+one direction, which makes them upper limits. It acts on nothing: the speed is constant.
+Parameters: male_share, axial_area, radial_area.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import Effect, Reading
+from screwsim.faults import Fault
+
+HARMONICS = 4  # that have a figure of their own
+FORCES = ("axial", "radial")
+FIGURES = (
+    "gas_torque_mean",
+    "gas_torque_peak_to_peak",
+    *(f"gas_torque_harmonic_{k}" for k in range(1, HARMONICS + 1)),
+    "male_gas_torque",
+    "female_gas_torque",
+    *(f"{way}_gas_force{what}" for way in FORCES for what in ("", "_peak")),
+)
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """What the machine's laws do not know: the rotors' share, and the areas on which the gas presses."""
+
+    male_share: float | None = number(
+        "share of the male rotor in the torque's work (rotors with a profile: known)", None, ge=0.0, le=1.0
+    )
+    axial_area: float | None = quantity("area", "projected axial area of one chamber", None, gt=0.0)
+    radial_area: float | None = quantity("area", "projected radial area of one chamber", None, gt=0.0)
+
+
+def torque(pitch) -> np.ndarray:
+    """Return the torque at the points of a pitch [N m] (M144); its mean is the indicated power over ω.
+
+    What the sum over the points lacks of that mean, an error of the trace, is spread evenly.
+    """
+    raw = raw_torque(pitch)
+    return raw + (pitch.torque_mean - raw.mean())
+
+
+def raw_torque(pitch) -> np.ndarray:
+    """Return the torque at the points of a pitch [N m] as the trace gives it."""
+    return -((pitch.pressure - pitch.low_pressure) * pitch.slope).sum(axis=1)
+
+
+def harmonics(values: np.ndarray, count: int) -> list[float]:
+    """Return the amplitudes of the first `count` harmonics of a curve over one pitch (M147)."""
+    return (2.0 / len(values) * np.abs(np.fft.rfft(values))[1 : count + 1]).tolist()
+
+
+def on_rotors(parameters: Parameters, pitch, ratio: float) -> tuple[float | None, float | None]:
+    """Return the mean torques on male and female shaft [N m]; `ratio`: female over male lobes (M145)."""
+    share = parameters.male_share
+    if pitch.male_slope is not None:
+        excess = pitch.pressure - pitch.low_pressure
+        work = float((excess * pitch.slope).sum())
+        share = float((excess * pitch.male_slope).sum()) / work if work != 0.0 else None
+    if share is None:
+        return None, None
+    return share * pitch.torque_mean, (1.0 - share) * pitch.torque_mean * ratio
+
+
+def force(area: float | None, pitch) -> np.ndarray | None:
+    """Return the gas force on a projected area of each chamber, at the points of a pitch [N] (M146)."""
+    return None if area is None else area * (pitch.pressure - pitch.low_pressure).sum(axis=1)
+
+
+def build(parameters: Parameters, machine) -> list[Reading]:
+    areas = {"axial": parameters.axial_area, "radial": parameters.radial_area}
+    ratio = machine.settings.female_lobes / machine.settings.male_lobes
+
+    def read(figures) -> dict[str, float | None]:
+        """Return the figures of torque and forces (M144–M147)."""
+        pitch = figures.pitch()
+        curve = torque(pitch)
+        values: list[float | None] = [pitch.torque_mean, float(np.ptp(curve)), *harmonics(curve, HARMONICS)]
+        values += on_rotors(parameters, pitch, ratio)
+        for way in FORCES:
+            pressed = force(areas[way], pitch)
+            values += [None, None] if pressed is None else [float(pressed.mean()), float(pressed.max())]
+        return dict(zip(FIGURES, values, strict=True))
+
+    def traces(figures) -> dict[str, Any]:
+        """Return torque and forces over a pitch."""
+        pitch = figures.pitch()
+        found = {"gas_torque": torque(pitch)}
+        found |= {f"{way}_gas_force": force(areas[way], pitch) for way in FORCES if areas[way] is not None}
+        return found
+
+    return [Reading(FIGURES, read, traces)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    if facts.machine.volume.law == "profile" and parameters.male_share is not None:
+        what = "is given beside machine.volume.law: profile, which finds it by angle (remove it)"
+        return [Fault("effects.gas_torque.male_share", what)]
+    return []
+
+
+EFFECT = Effect(
+    name="gas_torque",
+    title="torque and forces of the gas on the rotors",
+    equations=("M144", "M145", "M146", "M147"),
+    source="virtual work (textbook)",
+    parameters=Parameters,
+    build=build,
+    check=check,
+)

@@ -1,0 +1,106 @@
+"""Oil drag: the films of oil in the tip and end gaps are sheared by the rotors.
+
+What: Couette flow, P = μ(T_f) φ_o [Σ u² w z L/h + Σ ω² J/h_e], over the tip lands of both rotors (M141) and over their
+discharge end faces (M142). T_f: stated, or the mean of injected and discharged oil.
+Source: Newton's law of viscosity between parallel walls (textbook); widths and solidity are the rotors', stated.
+Assumptions: laminar, films without pressure gradient, one temperature; the suction end face runs with so wide a gap
+that its share is left out. The loss heats nothing that the chamber model sees: it is dissipated at ambient temperature.
+Parameters: tip_gap, tip_land, end_gap, end_solidity, female_diameter, film_temperature, film_share.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import Effect, PowerLoss
+from screwsim.faults import Fault
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Gaps, lands and the temperature of the films."""
+
+    tip_gap: float = quantity("length", "h: clearance between tips and housing", gt=0.0)
+    tip_land: float = quantity("length", "w: circumferential width of the land on a lobe's tip", ge=0.0)
+    end_gap: float | None = quantity(
+        "length", "h_e: clearance of the discharge end faces (absent: no drag there)", None, gt=0.0
+    )
+    end_solidity: float | None = number(
+        "share of the rotors' outer circles that is metal on the end face (with end_gap)", None, gt=0.0, le=1.0
+    )
+    female_diameter: float | None = quantity(
+        "length", "outer diameter of the female rotor (default: machine.profile's, else the male rotor's)", None, gt=0.0
+    )
+    film_temperature: float | None = quantity(
+        "temperature", "T_f of the films (default: mean of injected and discharged oil)", None, gt=0.0
+    )
+    film_share: float = number("share of the gaps that oil fills", 1.0, ge=0.0, le=1.0)
+
+
+def tip_drag(speed: float, diameter: float, lobes: int, length: float, land: float, gap: float) -> float:
+    """Return the drag of a rotor's tip lands over the viscosity [W/(Pa s)]: speed [rad/s], lengths [m] (M141)."""
+    return (0.5 * diameter * speed) ** 2 * lobes * land * length / gap
+
+
+def end_drag(speed: float, diameter: float, solidity: float, gap: float) -> float:
+    """Return the drag of a rotor's end face over the viscosity [W/(Pa s)] (M142)."""
+    return speed**2 * solidity * pi * diameter**4 / (32.0 * gap)
+
+
+def film_temperature(stated: float | None, figures) -> float:
+    """Return the temperature of a film of oil [K]: the stated one, or the mean of injected and discharged oil."""
+    if stated is not None:
+        return stated
+    out = figures.oil_discharge_temperature
+    return figures.oil_temperature if out is None else 0.5 * (figures.oil_temperature + out)
+
+
+def build(parameters: Parameters, machine) -> list[PowerLoss]:
+    size = machine.settings
+    own = size.profile.female_diameter if size.profile is not None else size.rotor_diameter
+    rotors = (
+        (1.0, size.rotor_diameter, size.male_lobes),
+        (size.male_lobes / size.female_lobes, parameters.female_diameter or own, size.female_lobes),
+    )
+
+    def power(figures) -> float:
+        """Return the drag [W] (M141, M142)."""
+        T = film_temperature(parameters.film_temperature, figures)
+        total = 0.0
+        for ratio, diameter, lobes in rotors:
+            speed = ratio * figures.omega
+            total += tip_drag(speed, diameter, lobes, size.rotor_length, parameters.tip_land, parameters.tip_gap)
+            if parameters.end_gap is not None:
+                total += end_drag(speed, diameter, parameters.end_solidity or 0.0, parameters.end_gap)
+        return parameters.film_share * figures.oil_viscosity_at(T) * total
+
+    return [PowerLoss("oil_drag_power", power)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults = []
+    if facts.oil is not None and not facts.oil.knows_viscosity:
+        faults.append(Fault("oil.viscosity", "is missing (effects.oil_drag needs it, or oil.name)"))
+    if parameters.end_gap is not None and parameters.end_solidity is None:
+        faults.append(Fault("effects.oil_drag.end_solidity", "is missing (end_gap needs it, e.g. end_solidity: 0.6)"))
+    if parameters.end_gap is None and parameters.end_solidity is not None:
+        faults.append(Fault("effects.oil_drag.end_gap", "is missing (end_solidity is used with it only, e.g. 0.1 mm)"))
+    profile = facts.machine.profile
+    if profile is not None and parameters.female_diameter is not None:
+        what = "is given beside machine.profile.female_diameter (remove it)"
+        faults.append(Fault("effects.oil_drag.female_diameter", what))
+    return faults
+
+
+EFFECT = Effect(
+    name="oil_drag",
+    title="oil sheared in tip and end gaps",
+    equations=("M140", "M141", "M142"),
+    source="Couette flow (textbook)",
+    parameters=Parameters,
+    build=build,
+    needs_oil=True,
+    check=check,
+)

@@ -1,0 +1,92 @@
+"""Slide valve: part of the trapped gas goes back to suction before compression begins, and the radial port follows.
+
+What: with the slide moved by x (0: full load, 1: its end) a slot to the suction line stays open until
+φ_0 + x (φ_1 − φ_0), its area x S_slot; the radial discharge port of area S_r opens at φ_a + x (φ_b − φ_a) and closes
+with the chamber's life (M162): nozzle flow (M12, M13).
+Source: geometry of a slide in the housing's cusp (textbook); one of the four ways that Chernov et al. 2015 name.
+Assumptions: straight motion of both edges with x; `machine.discharge_port` is the axial port, which stays; the suction
+line keeps its state, as with any gas that flows back into it.
+Parameters: position, slot_area, closes, flow_coefficient; radial_area, radial_opens, radial_opens_moved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.bypass import RAMP, area, window
+from screwsim.faults import Fault
+
+BEFORE = 60.0 * pi / 180.0  # the slot is reached this much before compression begins
+_RADIAL = ("radial_area", "radial_opens", "radial_opens_moved")
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Position of the slide, its slot and its discharge edge."""
+
+    position: float = number("x: 0 is full load, 1 the end of the travel", ge=0.0, le=1.0)
+    slot_area: float = quantity("area", "S_slot: area to suction at the end of the travel", ge=0.0)
+    closes: float = quantity("angle", "phi_1: angle at which the slot closes at the end of the travel", gt=0.0)
+    flow_coefficient: float = number("flow coefficient of slot and radial port", 1.0, ge=0.0)
+    radial_area: float | None = quantity("area", "S_r: area of the radial discharge port", None, ge=0.0)
+    radial_opens: float | None = quantity("angle", "phi_a: angle at which it opens at full load", None, gt=0.0)
+    radial_opens_moved: float | None = quantity("angle", "phi_b: at which it opens at the travel's end", None, gt=0.0)
+
+
+def build(parameters: Parameters, machine) -> list[FlowPath]:
+    x, begins = parameters.position, machine.injection_angle
+    closes = begins + x * (parameters.closes - begins)
+    found = [window(x * parameters.slot_area, begins - BEFORE, closes, parameters.flow_coefficient)]
+    if parameters.radial_area is not None:
+        opens = (1.0 - x) * (parameters.radial_opens or 0.0) + x * (parameters.radial_opens_moved or 0.0)
+        angles = {"opens": opens, "full": opens + 2.0 * RAMP, "falls": machine.life - RAMP, "closes": machine.life}
+        port = FlowPath(
+            to="discharge",
+            area=area,
+            values={"size": parameters.radial_area, **angles},
+            knots=tuple(angles.values()),
+            flow_coefficient=parameters.flow_coefficient,
+        )
+        found.append(port)
+    return found
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults, path = [], "effects.slide_valve"
+    given = [name for name in _RADIAL if getattr(parameters, name) is not None]
+    if given and len(given) < len(_RADIAL):
+        missing = next(name for name in _RADIAL if name not in given)
+        faults.append(Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_RADIAL)})"))
+    if facts.machine.mode == "expander":
+        faults.append(Fault(path, "belongs to machine.mode: compressor (remove it)"))
+    if facts.machine.volume.law == "paper":
+        faults += _angles(parameters, path)
+    return faults
+
+
+def _angles(parameters: Parameters, path: str) -> list[Fault]:
+    """Return the angles that lie outside the compression of a life of 720°."""
+    ends = {"closes": (2.0 * pi, 4.0 * pi - 2.0 * RAMP)} | dict.fromkeys(_RADIAL[1:], (2.0 * pi, 4.0 * pi - 4.0 * RAMP))
+    faults = []
+    for name, (low, high) in ends.items():
+        angle = getattr(parameters, name)
+        if angle is not None and not low < angle < high:
+            where = f"outside ({low * 180.0 / pi:.0f} deg, {high * 180.0 / pi:.0f} deg)"
+            faults.append(
+                Fault(f"{path}.{name}", f"{angle * 180.0 / pi:.6g} deg lies {where} (choose an angle inside)")
+            )
+    return faults
+
+
+EFFECT = Effect(
+    name="slide_valve",
+    title="slide with a slot to suction and a moving radial port",
+    equations=("M12", "M13", "M162"),
+    source="geometry of the slide",
+    parameters=Parameters,
+    build=build,
+    check=check,
+)

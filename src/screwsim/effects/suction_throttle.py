@@ -1,0 +1,35 @@
+"""Suction throttle: a valve between the suction line and the machine, which takes capacity by thinning the gas.
+
+What: the machine sucks at p_s' = π p_s with the enthalpy of the line (M160); figures refer to the line's state.
+Source: isenthalpic throttling (textbook); one of the four ways of capacity control that Chernov et al. 2015 name.
+Assumptions: a steady pressure behind the valve, no heat; what flows back into the suction stays behind the valve.
+Parameters: pressure_ratio.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import number
+from screwsim.effects.base import Effect, Intake
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Opening of the valve, as the pressure that it leaves."""
+
+    pressure_ratio: float = number("pressure behind the valve over that of the suction line (1: open)", gt=0.0, le=1.0)
+
+
+def build(parameters: Parameters, machine) -> list[Intake]:
+    return [Intake(pressure_ratio=parameters.pressure_ratio)]
+
+
+EFFECT = Effect(
+    name="suction_throttle",
+    title="valve between suction line and machine",
+    equations=("M160", "M163"),
+    source="isenthalpic throttling",
+    parameters=Parameters,
+    build=build,
+)

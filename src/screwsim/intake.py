@@ -1,0 +1,54 @@
+"""What the machine sucks: the suction line's gas, mixed with returned gas and throttled (docs/model.md M160–M163)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from screwsim.effects.base import Intake
+from screwsim.model.slots import ENTHALPY, PRESSURE
+
+Place = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Suction:
+    """The gas, the suction line's place, the pressure ratio over a throttle, and the share of gas that is returned."""
+
+    gas: Any
+    line: Place
+    pressure_ratio: float = 1.0
+    returned: float = 0.0
+
+    @property
+    def changed(self) -> bool:
+        """Tell whether the machine sucks another state than the line's."""
+        return self.pressure_ratio < 1.0 or self.returned > 0.0
+
+    def mixed(self, h_d: float) -> Place:
+        """Return the place at the line's pressure with the returned gas of enthalpy h_d [J/kg] mixed in (M161)."""
+        if self.returned == 0.0:
+            return self.line
+        h = (1.0 - self.returned) * self.line[ENTHALPY] + self.returned * h_d
+        return self.gas.place_of_enthalpy(self.line[PRESSURE], h)
+
+    def place(self, h_d: float) -> Place:
+        """Return the place before the machine's suction port (M160, M161)."""
+        mixed = self.mixed(h_d)
+        if self.pressure_ratio == 1.0:
+            return mixed
+        return self.gas.place_of_enthalpy(self.pressure_ratio * self.line[PRESSURE], mixed[ENTHALPY])
+
+    def temperature(self, place: Place, T_s: float) -> float:
+        """Return the temperature [K] of a place; T_s is the line's own."""
+        return T_s if place is self.line else self.gas.temperature(place[PRESSURE], place[ENTHALPY])
+
+
+def suction_of(gas: Any, line: Place, effects: Iterable[Iterable[Any]]) -> Suction:
+    """Return the suction that the effects of a scene make of the line's gas."""
+    parts = [part for items in effects for part in items if isinstance(part, Intake)]
+    ratio, returned = 1.0, 0.0
+    for part in parts:
+        ratio, returned = ratio * part.pressure_ratio, max(returned, part.returned)
+    return Suction(gas, line, ratio, returned)

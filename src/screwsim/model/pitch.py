@@ -1,0 +1,71 @@
+"""One pitch of all chambers of a closed cycle: pressure and slope of the volume by angle (docs/model.md M144).
+
+What the shaft and the bearings feel repeats every lobe pitch. Pressures come from the dense output of the last
+history, slopes from the volume law itself; nothing is compiled for it.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.machine.geometry import Geometry
+from screwsim.model.run import Machinery
+from screwsim.numerics.rodas import dense_value
+from screwsim.numerics.spline import pack_curve
+
+Array = np.ndarray
+POINTS = 360  # of a pitch: 0.25° with four lobes
+
+
+class Pitch(NamedTuple):
+    """One pitch at evenly spaced angles, its end left out; columns of arrays are the chambers alive, youngest first.
+
+    angle (points,) [rad] of the youngest chamber; pressure (points, chambers) [Pa]; slope dV/dφ and its part that the
+    male rotor displaces, known of rotors only (points, chambers) [m³/rad]; low_pressure [Pa]: that of the lower line,
+    around the rotors; torque_mean [N m]: indicated power over ω.
+    """
+
+    angle: Array
+    pressure: Array
+    slope: Array
+    male_slope: Array | None
+    low_pressure: float
+    torque_mean: float
+
+
+def pitch_of(machinery: Machinery, geometry: Geometry, low_pressure: float, torque_mean: float) -> Pitch:
+    """Return the pitch of the last history."""
+    angle = np.arange(POINTS) * (geometry.pitch / POINTS)
+    grid = angle[:, None] + geometry.pitch * np.arange(geometry.chambers)
+    times, dense, _, steps = machinery.last()
+    column = len(machinery.composition.states)  # the pressure follows the states
+    step = np.clip(np.searchsorted(times[: steps + 1], grid, side="right") - 1, 0, steps - 1)
+    theta = (grid - times[step]) / (times[step + 1] - times[step])
+    pressure = np.asarray(dense_value(theta, *(dense[step, row, column] for row in range(4))))
+    slope, male = _slopes(geometry)
+    return Pitch(angle, pressure, slope, male, low_pressure, torque_mean)
+
+
+@lru_cache(maxsize=16)
+def _slopes(geometry: Geometry) -> tuple[Array, Array | None]:
+    """Return dV/dφ of all chambers over a pitch [m³/rad], and the male rotor's part of it where rotors are known."""
+    law = geometry.volume_law()
+    TAB, start = np.zeros(1), {}
+    for name, curve in law.tables.items():
+        start[name] = float(len(TAB))
+        TAB = np.concatenate([TAB, pack_curve(*curve)])
+    known: dict[str, Any] = {**law.values, **start, "TAB": TAB}
+    others = [known[name] for name in law.slope.arguments if name != "phi"]
+    grid = np.arange(POINTS)[:, None] * (geometry.pitch / POINTS) + geometry.pitch * np.arange(geometry.chambers)
+    sign = 1.0
+    if law.mirror is not None:
+        grid, sign = law.mirror - grid, -1.0
+    slope = sign * np.array([law.slope(phi, *others) for phi in grid.ravel().tolist()]).reshape(grid.shape)
+    laid = geometry.profile
+    if laid is None:
+        return slope, None
+    rotors = laid.rotors
+    return slope, sign * rotors.sections.male_slope(grid - laid.born + rotors.start, rotors.wrap, rotors.length)

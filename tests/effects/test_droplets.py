@@ -1,0 +1,142 @@
+"""Droplets: Ranz and Marshall, Sauter diameters, transfer units, and the limit of the stated coefficient."""
+
+import math
+
+import pytest
+from scenes import DROP, make, run
+
+from screwsim.effects import droplets, oil_heat
+from screwsim.effects.base import Around
+from screwsim.faults import SceneError
+from screwsim.fluid.constants import gas_constant, ideal_heat_capacity, transport
+from screwsim.fluid.settings import OilProperties
+
+LAMBDA, MU, PR = transport("R134a", 6e5, 310.0)
+CARRIED = {"oil.transport": "carried"}
+STATED = {"gas_conductivity": "0.0146 W/(m K)", "gas_viscosity": "0.0122 mPa s", "prandtl": 0.81}
+
+
+def with_droplets(**parameters):
+    return run({**CARRIED, "effects.oil_heat": DROP, "effects.droplets": parameters})
+
+
+# ---- correlations ----
+
+
+def test_the_conductivity_is_that_of_the_source():
+    assert pytest.approx(0.01463, abs=5e-6) == LAMBDA  # R134a, 6 bar, 310 K, as printed
+
+
+@pytest.mark.parametrize(("micrometres", "printed"), [(10, 2925), (20, 1463), (50, 585), (100, 293), (200, 146)])
+def test_without_slip_the_coefficient_is_twice_conductivity_over_diameter(micrometres, printed):
+    alpha = droplets.heat_transfer_coefficient(25.0, 0.0, 1e-6 * micrometres, LAMBDA, MU, PR)
+    assert alpha == pytest.approx(printed, abs=0.6)  # printed to 1 W/(m² K)
+
+
+@pytest.mark.parametrize(
+    ("radius", "printed"),
+    [(10e-6, (69.0, 17.0, 5.8, 3.5)), (50e-6, (2.8, 0.7, 0.2, 0.1))],
+)
+def test_transfer_units_over_half_a_turn(radius, printed):
+    """NTU = (3 α/(r ρ_o c_v)) π/ω per unit d (M157), ρ_o = 980 kg/m³; printed to two digits, or to one decimal."""
+    c_v = ideal_heat_capacity("R134a", 310.0) - gas_constant("R134a")
+    alpha = droplets.heat_transfer_coefficient(25.0, 0.0, 2.0 * radius, LAMBDA, MU, PR)
+    for rpm, value in zip((250, 1000, 3000, 5000), printed, strict=True):
+        units = 3.0 * alpha / (radius * 980.0 * c_v) * math.pi / (rpm * math.pi / 30.0)
+        assert units == pytest.approx(value, rel=0.025, abs=0.05)
+
+
+def test_nusselt_at_a_reynolds_number():
+    """Re = 100, Pr = 1: Nu = 2 + 0.6 · 10 = 8."""
+    alpha = droplets.heat_transfer_coefficient(1.0, 100.0 * MU / 1e-4, 1e-4, LAMBDA, MU, 1.0)
+    assert alpha == pytest.approx(8.0 * LAMBDA / 1e-4, rel=1e-12)
+
+
+def test_heat_is_that_of_the_stated_coefficient():
+    own = droplets.heat(300.0, 310.0, 0.01, 20.0, 0.0, 1e-4, LAMBDA, MU, PR, 1000.0)
+    stated = oil_heat.heat(300.0, 310.0, 0.01, 0.5e-4, 2.0 * LAMBDA / 1e-4, 1000.0)
+    assert own == pytest.approx(stated, rel=1e-14)
+
+
+def test_sauter_diameters_are_those_of_the_formulas():
+    """3 mm bore, 5 bar, 1000 kg/m³, 20 mPa s, 30 mN/m: u = 31.62 m/s, Re = 4743, We = 10⁵."""
+    oil, jet = OilProperties(1000.0, 2e3, 0.02), {"orifice_diameter": 3e-3, "jet_pressure": 5e5}
+    mr = droplets.sauter_diameter(droplets.Parameters(size="merrington_richardson", **jet), oil.density, oil.viscosity)
+    assert mr == pytest.approx(500.0 * 3e-3**1.2 * 2e-5**0.2 / math.sqrt(1000.0), rel=1e-12)
+    varde = droplets.sauter_diameter(droplets.Parameters(size="varde", surface_tension=0.03, **jet), 1000.0, 0.02)
+    assert varde == pytest.approx(8.7 * 3e-3 * (4743.4 * 1e5) ** -0.28, rel=1e-4)
+    assert (mr, varde) == pytest.approx((1.7e-3, 0.10e-3), rel=0.05)  # as docs/model.md says
+
+
+def test_reference_state_is_the_stated_one_or_that_of_the_suction():
+    around = Around("R134a", 2e5, 285.0, 1e6, 25.0, 325.0, OilProperties(960.0, 2e3, 0.02))
+    stated = {"reference_pressure": 6e5, "reference_temperature": 310.0}
+    assert droplets.numbers(droplets.Parameters(diameter=1e-4, **stated), around)["gas_conductivity"] == LAMBDA
+    own = droplets.numbers(droplets.Parameters(diameter=1e-4, slip=0.1), around)
+    assert own["gas_viscosity"] == transport("R134a", 2e5, 325.0)[1]
+    assert own["slip_speed"] == 2.5
+
+
+# ---- in the cycle ----
+
+
+def test_without_slip_the_cycle_is_that_of_the_stated_coefficient():
+    own = with_droplets(diameter="100 um", **STATED)
+    alpha = 2.0 * 0.0146 / 100e-6
+    stated = {"droplet_radius": "50 um", "heat_transfer_coefficient": f"{alpha!r} W/(m^2 K)"}
+    other = run({**CARRIED, "effects.oil_heat": stated})
+    for name in ("shaft_power", "discharge_temperature", "oil_discharge_temperature", "gas_mass_flow"):
+        assert own.performance[name] == pytest.approx(other.performance[name], rel=1e-9), name
+
+
+def test_mass_energy_and_entropy_close_with_slip():
+    result = with_droplets(diameter="100 um", slip=0.2)
+    assert result.status == "ok"
+    assert max(result.balance.mass, result.balance.energy, result.balance.entropy) <= result.balance.bound
+    assert result.ledger.exergy_destroyed_droplets > 0.0
+    assert result.performance.droplet_diameter == 1e-4
+
+
+def test_slip_and_finer_droplets_cool_more():
+    coarse, moving, fine = (
+        with_droplets(**p).performance.discharge_temperature
+        for p in ({"diameter": "100 um"}, {"diameter": "100 um", "slip": 0.02}, {"diameter": "30 um"})
+    )
+    assert fine < moving < coarse
+
+
+def test_huge_droplets_exchange_nothing():
+    """NTU falls with d²: 10 mm drops leave the gas as it is without oil heat."""
+    huge = with_droplets(diameter="10 mm").performance
+    none = run({**CARRIED, "effects.oil_heat": DROP}).performance
+    assert huge.discharge_temperature == pytest.approx(none.discharge_temperature, abs=0.05)
+    # not of the shaft: without heat no oil leaks back, and more is injected and lifted
+    assert huge.indicated_power == pytest.approx(none.indicated_power, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"effects.droplets": {"diameter": "50 um"}}, "effects.droplets: is simulated beside effects.oil_heat"),
+        (
+            {"effects.oil_heat": DROP, "effects.droplets": {}},
+            "effects.droplets.diameter: is missing (size: fixed needs it",
+        ),
+        (
+            {"effects.oil_heat": DROP, "effects.droplets": {"diameter": "50 um", "jet_pressure": "5 bar"}},
+            "effects.droplets.jet_pressure: has no meaning with size: fixed",
+        ),
+        (
+            {"effects.oil_heat": DROP, "effects.droplets": {"diameter": "50 um", "prandtl": 0.8}},
+            "effects.droplets.gas_conductivity: is missing (stated together",
+        ),
+        (
+            {"effects.oil_heat": DROP, "effects.droplets": {"diameter": "50 um"}, "gas.fluid": "R1234ze(Z)"},
+            "effects.droplets: CoolProp has no transport properties of R1234ze(Z)",
+        ),
+    ],
+)
+def test_a_fault_is_found_with_its_remedy(changes, words):
+    with pytest.raises(SceneError) as caught:
+        make(changes)
+    assert words in str(caught.value)

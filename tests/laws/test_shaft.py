@@ -1,0 +1,230 @@
+"""What the shaft feels: virtual work, its mean and harmonics, loads of the bearings, three levels of power."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import DROP, make, run
+
+from screwsim.effects import gas_torque
+from screwsim.faults import SceneError
+from screwsim.machine.geometry import Geometry
+from screwsim.model.pitch import POINTS, Pitch, _slopes
+from screwsim.outputs import ledger_entries
+from screwsim.scene import load
+from screwsim.solution import Solution
+
+LOADED = {
+    "effects.oil_drag": {"tip_gap": "0.1 mm", "tip_land": "3 mm", "end_gap": "0.1 mm", "end_solidity": 0.6},
+    "effects.bearings": {
+        "load": "gas",
+        "radial_area": "60 cm^2",
+        "axial_area": "30 cm^2",
+        "friction_coefficient": 0.0018,
+        "bore": "60 mm",
+    },
+    "effects.motor": {"rated_power": "75 kW"},
+    "effects.gas_torque": {"male_share": 0.9, "axial_area": "30 cm^2", "radial_area": "60 cm^2"},
+}
+OMEGA = 3000.0 * math.pi / 30.0
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+def solved(changes):
+    """Return a closed solution and its pitch."""
+    solution = Solution(make(changes))
+    solution.machinery.warm_up(solution.rehearse)
+    closed = solution.close()
+    return solution, closed, solution._pitch(closed.q)
+
+
+# ---- torque ----
+
+
+def test_the_mean_torque_is_the_indicated_power_over_the_speed():
+    p = run(LOADED).performance
+    assert p.gas_torque_mean == pytest.approx(p.indicated_power / OMEGA, rel=1e-12)
+    curve = run(LOADED).cycle["gas_torque"][:90]  # one pitch, a point a degree
+    assert curve.mean() == pytest.approx(p.gas_torque_mean, rel=2e-3)  # the trace leaves out three points of four
+
+
+@pytest.mark.parametrize(("accuracy", "least"), [(3e-4, 3e-4), (1e-5, 1e-5)])
+def test_the_trace_has_that_mean_itself_within_the_accuracy(accuracy, least):
+    _, _, pitch = solved({"numerics": {"accuracy": accuracy}})
+    assert gas_torque.raw_torque(pitch).mean() == pytest.approx(pitch.torque_mean, rel=least)
+    assert gas_torque.torque(pitch).mean() == pytest.approx(pitch.torque_mean, rel=1e-12)
+
+
+def test_the_torque_of_closed_chambers_is_that_of_isentropic_springs():
+    """No port, no leak: p = p_s (ρ/ρ_s)^k in every chamber from its rest at 0°; M = −Σ (p − p_s) dV/dφ, mean zero."""
+    solution, _, pitch = solved({"effects": {}, "oil": DROP, "oil_supply": DROP, "numerics": {"accuracy": 1e-6}})
+    k, p_0, V_0 = solution.parts.gas.k, None, None
+    law, n = solution.parts.geometry.volume_law(), solution.parts.geometry.chambers
+    V_max, V_min, phi_A = (law.values[name] for name in ("V_max", "V_min", "phi_A"))
+    grid = pitch.angle[:, None] + solution.parts.geometry.pitch * np.arange(n)
+    V = np.array([[law.volume(phi, V_max, V_min, phi_A) for phi in row] for row in grid])
+    p_0, V_0 = pitch.pressure[0, n // 2], V[0, n // 2]
+    expected = p_0 * (V_0 / V) ** k
+    assert np.allclose(pitch.pressure, expected, rtol=1e-3)
+    torque = -((expected - pitch.low_pressure) * pitch.slope).sum(axis=1)
+    assert np.max(np.abs(gas_torque.raw_torque(pitch) - torque)) < 2e-3 * np.max(np.abs(expected * pitch.slope))
+
+
+def test_the_torque_repeats_every_pitch_and_pulsates_about_its_mean():
+    curve, p = run(LOADED).cycle["gas_torque"], run(LOADED).performance
+    assert np.allclose(curve[90:], curve[:-90], rtol=1e-12)
+    assert curve.min() < p.gas_torque_mean < curve.max()
+    assert p.gas_torque_peak_to_peak == pytest.approx(np.ptp(curve), rel=0.02)
+    assert p.gas_torque_peak_to_peak > 2.0 * p.gas_torque_harmonic_1 * 0.7
+
+
+def test_harmonics_are_amplitudes():
+    x = 2.0 * math.pi * np.arange(360) / 360
+    found = gas_torque.harmonics(5.0 + 3.0 * np.cos(x + 0.3) + 0.5 * np.sin(3 * x), 4)
+    assert found == pytest.approx([3.0, 0.0, 0.5, 0.0], abs=1e-12)
+
+
+def test_the_shares_of_both_shafts_give_the_power():
+    p = run(LOADED).performance
+    female_speed = OMEGA * 4 / 6
+    assert p.male_gas_torque * OMEGA + p.female_gas_torque * female_speed == pytest.approx(p.indicated_power, rel=1e-12)
+    assert p.male_gas_torque == pytest.approx(0.9 * p.gas_torque_mean, rel=1e-12)
+
+
+def test_rotors_know_the_share_of_each():
+    """The volume's slope is the sum of both rotors' parts, and uniform pressure on one chamber has their mean share."""
+    geometry = Geometry(load(CONFIGS / "rotors" / "a.yaml").machine)
+    slope, male = _slopes(geometry)
+    exact = geometry.profile.rotors.volume_slope(
+        np.arange(POINTS)[:, None] * (geometry.pitch / POINTS)
+        + geometry.pitch * np.arange(geometry.chambers)
+        - geometry.profile.born
+        + geometry.profile.rotors.start
+    )
+    assert np.max(np.abs(slope - exact)) < 0.02 * np.max(np.abs(exact))  # the table is a spline over every degree
+    falling = np.minimum(exact, 0.0).sum(), np.where(exact < 0.0, male, 0.0).sum()
+    assert falling[1] / falling[0] == pytest.approx(geometry.profile.rotors.sections.male_share, abs=0.02)
+    pitch = Pitch(np.arange(POINTS), np.where(exact < 0.0, 2e5, 1e5), slope, male, 1e5, 50.0)
+    shaft, female = gas_torque.on_rotors(gas_torque.Parameters(), pitch, 1.5)
+    assert shaft + female / 1.5 == pytest.approx(50.0, rel=1e-12)
+    assert shaft / 50.0 == pytest.approx(geometry.profile.rotors.sections.male_share, abs=0.02)
+
+
+def test_forces_are_areas_times_the_excess_of_pressure():
+    result = run(LOADED)
+    p, cycle = result.performance, result.cycle
+    excess = sum(np.roll(cycle["pressure"][:-1] - 1.5e5, 90 * j) for j in range(8))  # eight chambers, a pitch apart
+    assert p.axial_gas_force == pytest.approx(30e-4 * excess.mean(), rel=3e-3)  # the trace has a point a degree
+    assert p.radial_gas_force_peak == pytest.approx(60e-4 * excess.max(), rel=0.01)
+    assert np.max(cycle["axial_gas_force"]) == pytest.approx(p.axial_gas_force_peak, rel=0.01)
+
+
+# ---- powers ----
+
+
+def test_the_three_levels_of_power():
+    p = run(LOADED).performance
+    losses = sum(p[name] for name in ("oil_pump_power", "hydromechanical_power", "mechanical_power"))
+    own = p.oil_drag_power + p.bearing_power
+    assert p.shaft_power == pytest.approx(p.indicated_power + p.oil_lift_power + losses + own, rel=1e-12)
+    assert p.electrical_power == pytest.approx(p.shaft_power + p.motor_loss, rel=1e-12)
+    assert p.indicated_power < p.shaft_power < p.electrical_power
+    assert p.electrical_isothermal_efficiency == pytest.approx(p.isothermal_efficiency * p.motor_efficiency, rel=1e-12)
+
+
+def test_bearings_under_gas_carry_the_gas_forces():
+    p = run(LOADED).performance
+    load = math.hypot(p.axial_gas_force, p.radial_gas_force)
+    assert p.bearing_power == pytest.approx(0.5 * 0.0018 * load * 0.06 * OMEGA * (1 + 4 / 6), rel=1e-9)
+
+
+def test_the_drag_is_dissipated_at_ambient_temperature_and_the_ledger_closes():
+    result = run(LOADED)
+    entries = ledger_entries(result.ledger)
+    for name, figure in (("oil_drag", "oil_drag_power"), ("bearings", "bearing_power")):
+        assert entries[name]["exergy_destroyed"] == pytest.approx(result.performance[figure], rel=1e-12)
+    assert abs(result.ledger.relative_residue) < 1e-3
+    assert not {"motor", "gas_torque"} & set(entries)  # beyond the shaft, and no power at all
+
+
+def test_the_cycle_is_that_without_them_bit_for_bit():
+    with_them, without = run(LOADED), run()
+    for name in ("indicated_power", "gas_mass_flow", "discharge_temperature", "peak_pressure"):
+        assert with_them.performance[name] == without.performance[name]
+    assert with_them.numerics.rhs_evaluations == without.numerics.rhs_evaluations
+    assert with_them.balance == {**without.balance, "entropy": with_them.balance.entropy}
+
+
+def test_what_is_not_simulated_is_null():
+    p = run().performance
+    names = ("oil_drag_power", "bearing_power", "electrical_power", "gas_torque_mean", "axial_gas_force_peak")
+    assert [p[name] for name in names] == [None] * 5
+
+
+def test_colder_films_drag_more():
+    named = {"oil.name": "POE_ACD100FY", "oil.density": DROP, "oil.heat_capacity": DROP, "oil.viscosity": DROP}
+    named |= {"oil_supply.temperature": "330 K", **LOADED}
+    cold, warm = (run({**named, "effects.oil_drag.film_temperature": T}) for T in ("320 K", "360 K"))
+    assert cold.performance.oil_drag_power > 4.0 * warm.performance.oil_drag_power  # (360/320)^12.96 = 4.6
+
+
+# ---- faults ----
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"oil.viscosity": DROP}, "oil.viscosity: is missing (effects.oil_drag needs it, or oil.name)"),
+        ({"effects.oil_drag.end_solidity": DROP}, "effects.oil_drag.end_solidity: is missing"),
+        ({"effects.bearings.load": "stated"}, "effects.bearings.radial_load: is missing (stated needs it"),
+        (
+            {"effects.bearings.radial_load": "8 kN"},
+            "effects.bearings.radial_load: belongs to stated, and gas is chosen",
+        ),
+        ({"effects.bearings.friction": "two_term"}, "effects.bearings.f_0: is missing (two_term needs it"),
+        ({"oil.name": "POE_ACD100FY"}, "oil.density: is given beside oil.name"),
+        ({"oil.density": DROP}, "oil.density: is missing (write e.g. density: 980 kg/m^3, or the name of a stored oil"),
+    ],
+)
+def test_a_fault_is_found_with_its_remedy(changes, words):
+    with pytest.raises(SceneError) as caught:
+        make({**LOADED, **changes})
+    assert words in str(caught.value)
+
+
+def test_a_stored_oil_is_supplied_inside_its_range():
+    named = {"oil": {"name": "POE_ACD100FY"}}
+    with pytest.raises(SceneError, match="293 K lies outside the range of POE_ACD100FY, 313 K to 387 K"):
+        make(named)
+
+
+def test_a_stored_oil_is_that_of_its_numbers():
+    """At 330 K: the same scene with the numbers written out is the same cycle, bit for bit."""
+    from screwsim.fluid.oils import OILS
+
+    oil = OILS["POE_ACD100FY"]
+    numbers = {
+        "density": f"{oil.density_at(330.0)!r} kg/m^3",
+        "heat_capacity": f"{oil.heat_capacity_at(330.0)!r} J/(kg K)",
+        "viscosity": f"{oil.viscosity_at(330.0)!r} Pa s",
+        "transport": "paper",
+    }
+    supply = {"oil_supply.temperature": "330 K"}
+    by_name = run({"oil": {"name": "POE_ACD100FY", "transport": "paper"}, **supply})
+    by_number = run({"oil": numbers, **supply})
+    assert by_name.performance == by_number.performance
+
+
+def test_the_figure_shows_the_harmonics_of_the_result(tmp_path):
+    from screwsim.report import torque
+    from screwsim.results import open_results, save
+
+    save(tmp_path / "run.h5", make(LOADED), run(LOADED))
+    ((name, draw),) = torque.plans(open_results(tmp_path / "run.h5"))
+    upper, lower = draw().axes
+    heights = [bar.get_height() for bar in lower.patches]
+    p = run(LOADED).performance
+    assert name == "gas_torque" and upper.get_xlim() == (0.0, 180.0)
+    assert heights[0] == pytest.approx(p.gas_torque_harmonic_1, rel=0.01)  # the trace has a point a degree
+    assert heights[3] == pytest.approx(p.gas_torque_harmonic_4, abs=0.01 * p.gas_torque_mean)
