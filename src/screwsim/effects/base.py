@@ -1,4 +1,4 @@
-"""What an effect is: a declaration of flow paths, heat rates and power losses, and their kernels.
+"""What an effect is: a declaration of flow paths, plenums, oil ports, heat rates and power losses, and their kernels.
 
 An effect adds to the rates of a chamber and never assigns. It is one file of this package, or of a user's own,
 with a module variable `EFFECT`. A kernel's argument names say what it needs: a parameter of the effect itself,
@@ -14,12 +14,15 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from screwsim.faults import Fault
+from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.kernel import Kernel
 
 
 @dataclass(frozen=True)
 class FlowPath:
     """An opening between a chamber and a plenum, or between two chambers `offset` lobe pitches apart.
+
+    `to` is 'suction', 'discharge', the name of a `Plenum` that an effect of the scene declares, or 'neighbour'.
 
     `area` returns the cross-section [m²] over the angle `phi` [rad] of the chamber; for two chambers, of the
     trailing one: one area function an interface, so that both sides see the same opening. Beyond the first
@@ -29,13 +32,73 @@ class FlowPath:
     the angles at which the area is not smooth; `tables` hold curves as (angle [rad], area [m²]).
     """
 
-    to: str  # 'suction' | 'discharge' | 'neighbour'
+    to: str
     area: Kernel
     values: Mapping[str, float]
     knots: Sequence[float] = ()
     offset: int = 0  # lobe pitches from the trailing to the leading chamber
     flow_coefficient: float = 1.0
     tables: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Site:
+    """What the state of a plenum can be made of (SI units).
+
+    `gas` is the gas model (`screwsim.fluid.real_gas`, `ideal_gas`), `fluid` its CoolProp name; `liquid_temperature` is
+    that of the liquid behind the condenser, None where the scene states no condensing temperature.
+    """
+
+    gas: Any
+    fluid: str
+    p_s: float
+    T_s: float
+    p_d: float
+    liquid_temperature: float | None
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What a plenum gave during the closed cycle: net mass flows [kg/s] from it and from the suction line."""
+
+    flow: float
+    suction_flow: float
+    reservoir: Reservoir
+    site: Site
+
+
+@dataclass(frozen=True)
+class Plenum:
+    """A reservoir of the working fluid beside the two lines; its state is held constant.
+
+    `state` makes that state, `figures` the effect's own figures of the closed cycle (names of `outputs.PERFORMANCE`),
+    both in plain Python, once a run.
+    """
+
+    name: str
+    state: Callable[[Site], Reservoir]
+    figures: Callable[[Drawn], Mapping[str, float | None]] | None = None
+
+
+@dataclass(frozen=True)
+class OilPort:
+    """Oil that enters a chamber continuously, in place of the injection at one angle.
+
+    `flow` returns oil [kg/s] into a chamber at angle `phi` [rad] and pressure `p` [Pa], 0 where it does not face the
+    port; `width` [Pa] is that below which pressure differences may be smoothed. `pressure_loss` [Pa] lies between the
+    oil's source and the bore, `closes` [rad] is where the injection ends. Needs oil.transport: carried.
+    """
+
+    flow: Kernel
+    values: Mapping[str, float]
+    closes: float
+    knots: Sequence[float] = ()
+    pressure_loss: float = 0.0
+
+
+@dataclass(frozen=True)
+class OilRoom:
+    """The oil takes room in the chambers (docs/model.md M110). Needs oil.transport: carried."""
 
 
 @dataclass(frozen=True)
@@ -62,12 +125,15 @@ class PowerLoss:
     kept: Callable[[Any], float] | None = None
 
 
+Part = FlowPath | Plenum | OilPort | OilRoom | HeatRate | PowerLoss
+
+
 @dataclass(frozen=True)
 class Effect:
     """One physical effect, named in a scene under `effects`.
 
-    `build(parameters, machine)` returns flow paths, heat rates and power losses; `check(parameters, facts)`
-    returns faults that only the whole scene shows.
+    `build(parameters, machine)` returns its parts; `check(parameters, facts)` returns faults that only the whole scene
+    shows.
     """
 
     name: str
@@ -75,7 +141,7 @@ class Effect:
     equations: tuple[str, ...]
     source: str
     parameters: type
-    build: Callable[[Any, Any], Sequence[FlowPath | HeatRate | PowerLoss]]
+    build: Callable[[Any, Any], Sequence[Part]]
     needs_oil: bool = False
     states: tuple[str, ...] = ()
     check: Callable[[Any, Any], list[Fault]] | None = None

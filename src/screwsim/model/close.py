@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_LIFE, P_OMEGA, P_PITCH, R_TRAPPED
+from screwsim.model.slots import BETWEEN, P_LIFE, P_OMEGA, P_PITCH, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
 from screwsim.numerics.rodas import dense_value
 
@@ -91,12 +91,12 @@ class Balances:
         self.width = 4 if machinery.composition.carried else 2
 
     def streams(self, q: Array) -> Array:
-        """Return the sums as rows: suction in, suction out, discharge in, discharge out, between chambers."""
-        return q[2:].reshape(5, self.width)
+        """Return the sums as rows, by the categories of slots: suction in, suction out, discharge in …"""
+        return q[2:].reshape(-1, self.width)
 
     def residues(self, q: Array, trapped: float, h_suction: float, pv: float) -> tuple[float, float, float]:
         """Return relative residues of gas mass, energy and oil mass over one life (M37–M39); pv is p/ρ at suction."""
-        flows = self.streams(q)[:4]
+        flows = np.delete(self.streams(q), BETWEEN, axis=0)
         mass = flows[:, 0]
         enthalpy = flows[:, 1] - h_suction * mass
         energy = enthalpy.sum() + q[0]
