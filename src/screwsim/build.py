@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from screwsim.effects.base import Plenum, Site
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -10,7 +11,7 @@ from screwsim.model import close as closing
 from screwsim.model.compose import OilPart, Parts
 from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, only
-from screwsim.scene.lines import lines, refrigerating_effect
+from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
 
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
@@ -43,21 +44,34 @@ def build_oil(scene: Scene) -> OilPart | None:
             "number": supply.orifice_count,
             "separator_pressure": lines(scene).p_d,
         }
-    return OilPart(oil.density, oil.heat_capacity, supply.temperature, oil.transport, numbers)
+    at = lines(scene)
+    source = at.p_s if supply.source == "suction" else at.p_d
+    return OilPart(oil.density, oil.heat_capacity, supply.temperature, oil.transport, numbers, source)
 
 
 def build_parts(scene: Scene) -> Parts:
     """Return what the scene names, built for the composer."""
     geometry = Geometry(scene.machine)
     suction, discharge, gaps = regularisation(scene)
+    gas = build_gas(scene)
+    effects = {name: active.effect.build(active.parameters, geometry) for name, active in scene.effects.items()}
+    plenums = [part for items in effects.values() for part in items if isinstance(part, Plenum)]
     return Parts(
         geometry=geometry,
-        gas=build_gas(scene),
+        gas=gas,
         omega=scene.operation.speed,
         widths=(suction, discharge, gaps),
-        effects={name: active.effect.build(active.parameters, geometry) for name, active in scene.effects.items()},
+        effects=effects,
         oil=build_oil(scene),
+        plenums={part.name: part.state(build_site(scene, gas)) for part in plenums},
     )
+
+
+def build_site(scene: Scene, gas: IdealGas | RealGas) -> Site:
+    """Return what the state of an effect's own plenum can be made of."""
+    at, effect = lines(scene), refrigerating_effect(scene)
+    liquid = None if effect is None else suction_enthalpy(scene) - effect
+    return Site(gas, scene.gas.fluid, at.p_s, at.T_s, at.p_d, liquid, effect)
 
 
 def regularisation(scene: Scene) -> tuple[float, float, float]:

@@ -177,6 +177,10 @@ def _paths(parts: Parts) -> Iterator[str]:
         for path in (part for part in built if isinstance(part, FlowPath)):
             if path.to in lines:
                 ends = f"chamber - {lines[path.to]}"
+            elif path.to in parts.plenums:
+                held = parts.plenums[path.to]
+                state = f"{held.p / 1e5:.6g} bar, {held.T:.6g} K, {held.rho:.6g} kg/m^3, {held.h / 1e3:.6g} kJ/kg"
+                ends = f"chamber - {path.to.replace('_', ' ')} plenum ({state})"
             else:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
@@ -216,10 +220,15 @@ def _oil(scene: Scene, parts: Parts) -> Iterator[str]:
         yield _row("none", "no oil is injected")
         return
     yield _row("oil", _parameters(oil, skip=("transport",)))
+    port = parts.oil_port
     at = f"{math.degrees(parts.geometry.injection_angle):g} deg"
+    if port is not None:
+        at = f"a port up to {math.degrees(port.closes):g} deg"
     equation = f"its ratio d at {at} is given" if supply.kind == "pump" else "the orifice decides (M30)"
     foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
     yield _row("supply", f"{supply.kind}: {equation}; {_parameters(supply, skip=foreign)}")
+    if parts.oil_room:
+        yield _row("room", "the oil takes room in the chambers (M110); the indicated work lifts it to discharge")
     heated = any("T_oil" in active.effect.states for active in scene.effects.values())
     text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
     yield _row("transport", text if heated else "oil exchanges no heat and is no part of the balances (no oil_heat)")

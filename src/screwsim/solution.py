@@ -9,7 +9,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from screwsim import performance
-from screwsim.build import build_parts, wanted_of
+from screwsim.build import build_parts, build_site, wanted_of
+from screwsim.effects.base import Drawn, Plenum
 from screwsim.faults import UsageError
 from screwsim.ledger import Cycle, ledger
 from screwsim.model import close as closing
@@ -20,10 +21,12 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
     ENTHALPY,
+    FIRST_OWN,
     OIL_RATIO,
     OIL_TEMPERATURE,
-    P_GAP_WIDTH,
-    P_PORT_WIDTH,
+    PLACE,
+    PLENUM_ENTROPY,
+    PORT_OIL,
     R_DISCHARGE,
     R_INJECTED,
     R_PRESSURE,
@@ -82,8 +85,20 @@ class Solution:
         return gas.place_of_enthalpy(at.p_s, suction_enthalpy(self.scene))
 
     def _oil_in(self) -> tuple[float, float]:
-        T_oil = self.parts.oil.temperature if self.parts.oil else 0.0
-        return float(self.machinery.R[R_INJECTED]), T_oil
+        """Return the oil [kg] injected at one angle, and its enthalpy over its heat capacity [K]."""
+        R, oil = self.machinery.R, self.parts.oil
+        if oil is None:
+            return 0.0, 0.0
+        return float(R[R_INJECTED]), oil.temperature + self._pressed(max(oil.source_pressure, float(R[R_PRESSURE])))
+
+    def _pressed(self, p: float) -> float:
+        """Return p/(ρ_oil c_oil) [K], by which a place's oil temperature is higher where the oil takes room (M112)."""
+        oil = self.parts.oil
+        return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
+
+    def _share(self, rho: float, ratio: float) -> float:
+        """Return the gas's share of a volume, 1 where the oil takes no room (M110)."""
+        return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
     def start(self) -> closing.Array:
         """Set the plenums and a first guess; return the state at 0°."""
@@ -98,7 +113,15 @@ class Solution:
         T_oil = self.parts.oil.temperature if self.parts.oil else self.lines.T_s
         R = self.machinery.R
         R[R_SUCTION : R_SUCTION + 8] = *self.suction, 0.0, T_oil
-        R[R_DISCHARGE : R_DISCHARGE + 8] = *self.parts.gas.place(self.lines.p_d, T_d), d, T_oil
+        R[R_DISCHARGE : R_DISCHARGE + 8] = (
+            *self.parts.gas.place(self.lines.p_d, T_d),
+            d,
+            T_oil + self._pressed(self.lines.p_d),
+        )
+        R[R_DISCHARGE + DENSITY] *= self._share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
+        for i, state in enumerate(self.parts.plenums.values(), FIRST_OWN):
+            R[i * PLACE : i * PLACE + 8] = *state.place, 0.0, T_oil
+            R[i * PLACE + PLENUM_ENTROPY] = state.s
 
     def _continued(self) -> Guess | None:
         """Set the plenums and a guess from the course of the cycles before; return it, None where there is none."""
@@ -141,7 +164,7 @@ class Solution:
     def tighten(self, factor: float) -> None:
         """Multiply the tolerances and the widths of the regularisation."""
         self.wanted = replace(self.wanted, rtol=factor * self.wanted.rtol, tolerance=factor * self.wanted.tolerance)
-        self.machinery.composition.P[P_PORT_WIDTH : P_GAP_WIDTH + 1] *= factor
+        self.machinery.composition.P[self.machinery.composition.widths] *= factor
 
     def plenum(self) -> closing.Array:
         """Return the discharge plenum's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
@@ -168,7 +191,8 @@ class Solution:
         if len(plenum) == 3:
             assert self.parts.oil is not None  # carried
             present = mean is not None and mean[2] > 0.0
-            plenum[1:] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else (1e-9, self.parts.oil.temperature)
+            dry = 1e-9, self.parts.oil.temperature + self._pressed(self.lines.p_d)
+            plenum[1:] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else dry
         return plenum
 
     def _h_isentropic(self) -> float:
@@ -192,6 +216,7 @@ class Solution:
         R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
         if len(plenum) == 3:
             R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:]
+            R[R_DISCHARGE + DENSITY] *= self._share(float(R[R_DISCHARGE + DENSITY]), float(plenum[1])) ** 2
 
     def residue(self, q: closing.Array) -> float:
         """Return the larger of the relative residues of mass and energy."""
@@ -209,9 +234,12 @@ class Solution:
         R, supply, oil = self.machinery.R, self.scene.oil_supply, self.scene.oil
         source = self.lines.p_s if supply is not None and supply.source == "suction" else self.lines.p_d
         viscosity = oil.viscosity if oil is not None else None
-        return performance.cycle_figures(
-            self.parts, float(q[0]), float(R[R_INJECTED]), float(R[R_PRESSURE]), viscosity, source
-        )
+        injected, p_injection = float(R[R_INJECTED]), float(R[R_PRESSURE])
+        if self.machinery.composition.ported:
+            injected = float(self.balances.streams(q)[PORT_OIL, 2])
+            mass, pressure = self.machinery.port_oil()
+            p_injection = pressure / mass if mass > 0.0 else p_injection
+        return performance.cycle_figures(self.parts, float(q[0]), injected, p_injection, viscosity, source)
 
     @cached_property
     def _effect(self) -> float | None:
@@ -230,12 +258,35 @@ class Solution:
             self._known(q),
             work=float(q[0]),
             trapped=float(R[R_TRAPPED]),
-            d=float(R[R_RATIO]),
+            d=self._oil_ratio(),
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
             oil_mean_temperature=self._oil_discharge_temperature(q),
         )
-        cooling, reasons = performance.refrigeration(found, self.inlet.density, self._effect)
+        own = self._own_figures(q)
+        found |= own
+        gain = own.get("economizer_capacity_gain") or 0.0
+        effect = None if self._effect is None else self._effect * (1.0 + gain)
+        cooling, reasons = performance.refrigeration(found, self.inlet.density, effect)
         return Figures(found | cooling), notes | reasons
+
+    def _oil_ratio(self) -> float:
+        """Return oil per gas at the injection angle, or where the injection through a port ends."""
+        port = self.parts.oil_port
+        if port is None:
+            return float(self.machinery.R[R_RATIO])
+        return float(self.machinery.states_at(np.array([port.closes]))[0, 3])
+
+    def _own_figures(self, q: closing.Array) -> dict[str, float | None]:
+        """Return what the effects say of the cycle by their own plenums."""
+        found: dict[str, float | None] = {}
+        if self.parts.plenums:
+            streams, rate = self.balances.streams(q)[:, 0], self.parts.omega / self.parts.geometry.pitch
+            site, suction = build_site(self.scene, self.parts.gas), float(streams[0] + streams[1]) * rate
+            for _, plenum in self.parts.all(Plenum):
+                i = 2 * self.parts.number(plenum.name)
+                drawn = Drawn(float(streams[i] + streams[i + 1]) * rate, suction, self.parts.plenums[plenum.name], site)
+                found |= plenum.figures(drawn) if plenum.figures is not None else {}
+        return found
 
     def ledger(self, q: closing.Array, shaft_power: float) -> Figures:
         """Return where the shaft power [W] goes (contract: ledger)."""
@@ -260,7 +311,7 @@ class Solution:
         if not c.carried:
             return self._paper_oil_temperature() if "T_oil" in c.states else None
         mean = closing.discharge_enthalpy(self.balances.streams(q))
-        return mean[2] if mean is not None and mean[2] > 0.0 else None
+        return mean[2] - self._pressed(self.lines.p_d) if mean is not None and mean[2] > 0.0 else None
 
     def _paper_oil_temperature(self) -> float | None:
         """Return the oil temperature weighted with the gas outflow, oil leaving at constant d (transport: paper)."""
@@ -303,6 +354,8 @@ class Solution:
         m.module.trace__sample(angles, *m.last(), m.context, c.n_E, out, flows)
         traces = {"angle": degrees, "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
         traces |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5] * out[:, 0]}
+        if c.oil_room and self.parts.oil is not None:
+            traces["gas_mass"] /= 1.0 + out[:, 7] * out[:, 5] / self.parts.oil.density
         if "T_oil" in c.states:
             present = c.carried | (degrees >= math.degrees(geometry.injection_angle))
             traces["oil_temperature"] = np.where(present, out[:, 6], np.nan)

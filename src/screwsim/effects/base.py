@@ -45,8 +45,9 @@ class FlowPath:
 class Site:
     """What the state of a plenum can be made of (SI units).
 
-    `gas` is the gas model (`screwsim.fluid.real_gas`, `ideal_gas`), `fluid` its CoolProp name; `liquid_temperature` is
-    that of the liquid behind the condenser, None where the scene states no condensing temperature.
+    `gas` is the gas model (`screwsim.fluid.real_gas`, `ideal_gas`), `fluid` its CoolProp name; `liquid_enthalpy` is
+    that of the real fluid's liquid behind the condenser, `refrigerating_effect` what it takes up in the evaporator
+    (M43): None where the scene does not state evaporating and condensing temperature.
     """
 
     gas: Any
@@ -54,7 +55,8 @@ class Site:
     p_s: float
     T_s: float
     p_d: float
-    liquid_temperature: float | None
+    liquid_enthalpy: float | None
+    refrigerating_effect: float | None
 
 
 @dataclass(frozen=True)

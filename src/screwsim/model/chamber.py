@@ -380,15 +380,15 @@ def conserve(y, y1, E, E_next, context, dq):
             port = PLENUM[i]
     defect = y1[1] * E_next[E_VOLUME] - y[1] * E[E_VOLUME]
     if VOLUMED == 1:
-        m1 = gas_mass(E_next[E_VOLUME], y1[1], y1[3], P)
-        defect = m1 - gas_mass(E[E_VOLUME], y[1], y[3], P)
+        defect = gas_mass(E_next[E_VOLUME], y1[1], y1[3], P) - gas_mass(E[E_VOLUME], y[1], y[3], P)
     for c in range(CATEGORIES):
         defect -= dq[Q_STREAMS + c * width]
     if widest == 0.0:
         if VOLUMED == 0:
             y1[1] -= defect / E_next[E_VOLUME]
         else:
-            y1[1] = density_of(m1 - defect, E_next[E_VOLUME], y1[3], P)
+            m = gas_mass(E_next[E_VOLUME], y1[1], y1[3], P) - defect
+            y1[1] = density_of(m, E_next[E_VOLUME], y1[3], P)
         return
     at = Q_STREAMS + (SUCTION_IN + 2 * port) * width
     if dq[at] + dq[at + width] >= 0.0:

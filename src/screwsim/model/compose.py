@@ -395,6 +395,8 @@ def _module_text(
     model |= flatten((trace.peak_pressure, trace.sample, trace.work_along, ledger.account), own, numbers=numbers)
     if constants["HEATED"] and not constants["CARRIED"]:
         model |= flatten((trace.oil_with_outflow,), own, numbers=numbers)
+    if numbers["PORTED"]:
+        model |= flatten((trace.port_oil,), own, numbers=numbers)
     blocks = flatten(kernels)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     blocks |= {name: text for name, text in model.items() if name not in blocks}

@@ -87,6 +87,7 @@ def displaced(y, at, m, V, before, injected, P, TAB, R):
         R[R_LOCK] = 1.0
         y[at + 1] = math.nan  # which no step gets past
         return
+    R[R_LOCK] = 0.0
     T = y[at]
     rho = y[at + 1]
     p, h, _c, _t, _a, _x, _f = phased_state(gas_phase(T, rho), T, rho, P, TAB)

@@ -160,6 +160,11 @@ class Machinery:
             )
         return paths, heats[: len(c.heats)], oil
 
+    def port_oil(self) -> tuple[float, float]:
+        """Return the oil [kg] that came through ports over the last life, and that times the chamber's pressure."""
+        times, dense, _, steps = self.last()
+        return self.module.trace__port_oil(times, dense, steps, self.composition.P, self.composition.TAB)
+
     def restore(self, times: Array, dense: Array, quads: Array) -> None:
         """Put back a whole history, places included, as the last turn's."""
         old, steps = self.histories[0], len(dense)

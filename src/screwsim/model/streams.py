@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from screwsim.fluid.nozzle import flow, flow_slopes
 from screwsim.model.balance import oil_temperature_slope, temperature_slope
-from screwsim.model.room import gas_share
+from screwsim.model.room import gas_mass
 from screwsim.model.slots import (
     BETWEEN,
     C_V,
@@ -131,8 +131,7 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
     rho = y[at + 1]
     m = rho * E[e + E_VOLUME]
     if VOLUMED == 1:
-        room = E[e + E_VOLUME] * gas_share(rho, y[at + 3], P)
-        m = rho * room
+        m = gas_mass(E[e + E_VOLUME], rho, y[at + 3], P)
     width = 4 if CARRIED == 1 else 2
     mass = 0.0
     enthalpy = 0.0
@@ -179,6 +178,6 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
         f[at] = temperature_slope(
             T, m, rho, place[row + ENTHALPY], place[row + C_V], place[row + TPT], mass, enthalpy, heat, slope, omega
         )
-        f[at + 1] = (mass / omega - rho * slope) / room
+        f[at + 1] = (mass / omega - rho * slope) * rho / m
     g[Q_WORK] -= place[row + PRESSURE] * E[e + E_SLOPE]
     g[Q_HEAT] += heat / omega

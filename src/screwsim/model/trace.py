@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import SIDE, path_flows, surroundings
+from screwsim.model.ledger import NODES, POINTS, WEIGHTS
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
     E_AREAS,
@@ -14,11 +15,13 @@ from screwsim.model.slots import (
     N_GAPS,
     N_PLENUM,
     P_INJECTION,
+    P_OMEGA,
     PLACE,
     PLENUM,
     VOLUMED,
     N,
     gas_state,
+    oil_inflow,
     volume_slope_at,
 )
 from screwsim.numerics.history import locate, read
@@ -124,3 +127,19 @@ def oil_with_outflow(times, dense, steps, context, n_e):
                         heat += 0.5 * h * flows[k] * y[2]
                         mass += 0.5 * h * flows[k]
     return heat, mass
+
+
+@kernel
+def port_oil(times, dense, steps, P, TAB):
+    """Return the oil [kg] that comes through ports over a life, and that times the chamber's pressure [kg Pa]."""
+    mass = 0.0
+    pressure = 0.0
+    for i in range(steps):
+        h = times[i + 1] - times[i]
+        for k in range(POINTS):
+            theta = NODES[k]
+            p = dense_value(theta, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N])
+            oil = WEIGHTS[k] * h / P[P_OMEGA] * oil_inflow(times[i] + theta * h, p, P, TAB)
+            mass += oil
+            pressure += oil * p
+    return mass, pressure
