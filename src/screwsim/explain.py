@@ -228,7 +228,7 @@ def _oil(scene: Scene, parts: Parts) -> Iterator[str]:
     foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
     yield _row("supply", f"{supply.kind}: {equation}; {_parameters(supply, skip=foreign)}")
     if parts.oil_room:
-        yield _row("room", "the oil takes room in the chambers (M110); the indicated work lifts it to discharge")
+        yield _row("room", "the oil takes room in the chambers (M106); the indicated work lifts it to discharge")
     heated = any("T_oil" in active.effect.states for active in scene.effects.values())
     text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
     yield _row("transport", text if heated else "oil exchanges no heat and is no part of the balances (no oil_heat)")

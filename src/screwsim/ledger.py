@@ -107,7 +107,7 @@ class Cycle:
     line_given: bool
 
     def pressed(self, p: float) -> float:
-        """Return p/(ρ_oil c_oil) [K] where the oil takes room, else 0 (M112)."""
+        """Return p/(ρ_oil c_oil) [K] where the oil takes room, else 0 (M108)."""
         oil = self.parts.oil
         return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
 
@@ -184,7 +184,7 @@ def _pressure(cycle: Cycle, end: str) -> float:
 
 
 def _at_their_lines(cycle: Cycle, paths: Array) -> None:
-    """Let oil that takes room have the temperature to which throttling to its line brings it, in place (M113)."""
+    """Let oil that takes room have the temperature to which throttling to its line brings it, in place (M109)."""
     if not cycle.parts.oil_room:
         return
     for row, end in zip(paths, _ends(cycle), strict=True):

@@ -85,7 +85,7 @@ def _failure(solution: Solution, closed: closing.Closed) -> str:
 
 
 def _hydraulic_lock(solution: Solution, closed: closing.Closed) -> str:
-    """Return that and where the oil fills the chamber; empty where it does not, or takes no room (M115)."""
+    """Return that and where the oil fills the chamber; empty where it does not, or takes no room (M111)."""
     parts, R, n = solution.parts, solution.machinery.R, solution.machinery.n
     if not parts.oil_room or parts.oil is None:
         return ""

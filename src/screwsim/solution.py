@@ -92,12 +92,12 @@ class Solution:
         return float(R[R_INJECTED]), oil.temperature + self._pressed(max(oil.source_pressure, float(R[R_PRESSURE])))
 
     def _pressed(self, p: float) -> float:
-        """Return p/(ρ_oil c_oil) [K], by which a place's oil temperature is higher where the oil takes room (M112)."""
+        """Return p/(ρ_oil c_oil) [K], by which a place's oil temperature is higher where the oil takes room (M108)."""
         oil = self.parts.oil
         return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
 
     def _share(self, rho: float, ratio: float) -> float:
-        """Return the gas's share of a volume, 1 where the oil takes no room (M110)."""
+        """Return the gas's share of a volume, 1 where the oil takes no room (M106)."""
         return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
     def start(self) -> closing.Array:

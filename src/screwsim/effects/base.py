@@ -100,7 +100,7 @@ class OilPort:
 
 @dataclass(frozen=True)
 class OilRoom:
-    """The oil takes room in the chambers (docs/model.md M110). Needs oil.transport: carried."""
+    """The oil takes room in the chambers (docs/model.md M106). Needs oil.transport: carried."""
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """Oil volume: the oil takes room in the chambers, V_gas = V − m_oil/ρ_oil.
 
-What: the gas has the room that the oil leaves (M110); the oil's flow work stands in its enthalpy (M112), so that the
+What: the gas has the room that the oil leaves (M106); the oil's flow work stands in its enthalpy (M108), so that the
 indicated work lifts the oil to discharge and P_lift is zero; gas flows through its share of an opening, oil with it
-(M111); oil that is injected at one angle displaces gas (M114). A chamber that the oil fills is locked: `failed`, with
-the angle (M115).
+(M107); oil that is injected at one angle displaces gas (M110). A chamber that the oil fills is locked: `failed`, with
+the angle (M111).
 Source: ours, from the first law; Chernov et al. 2015 leave the oil's volume out.
 Assumptions: incompressible oil; no slip: oil leaves a chamber in the ratio in which it lies there, at the gas's speed.
 Parameters: none.
@@ -35,7 +35,7 @@ def check(parameters: Parameters, facts) -> list[Fault]:
 EFFECT = Effect(
     name="oil_volume",
     title="oil takes room in the chambers",
-    equations=("M110", "M111", "M112", "M113", "M114", "M115"),
+    equations=("M106", "M107", "M108", "M109", "M110", "M111"),
     source="ours",
     parameters=Parameters,
     build=build,

@@ -142,7 +142,7 @@ def neighbours_entropy(phi, context, flows, E, s_discharge, entropies):
 
 @kernel
 def pressed_oil_arriving(m, source, b, own, T):
-    """Return what `oil_arriving` does for oil that takes room: its enthalpy holds its pressure (M113)."""
+    """Return what `oil_arriving` does for oil that takes room: its enthalpy holds its pressure (M109)."""
     per_pressure = (own[OIL_TEMPERATURE] - T) / own[PRESSURE]
     T_i = source[b + OIL_TEMPERATURE] - source[b + PRESSURE] * per_pressure
     if not (T_i > 0.0 and T > 0.0):
@@ -152,7 +152,7 @@ def pressed_oil_arriving(m, source, b, own, T):
 
 @kernel
 def add_port_oil(phi, own, T, P, TAB, dt, oil):
-    """Add the oil that comes through ports, and what it generates in a chamber whose oil has T (M103, M113)."""
+    """Add the oil that comes through ports, and what it generates in a chamber whose oil has T (M105, M109)."""
     m = oil_inflow(phi, own[PRESSURE], P, TAB)
     oil[PORT_MASS] += dt * m
     oil[PORT_PRESSURE] += dt * m * own[PRESSURE]

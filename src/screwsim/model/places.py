@@ -124,8 +124,16 @@ def places_of_step(step, dense, P, TAB, own):
         row = 0 if k == 0 else (2 if k == 1 else (3 if k == 2 else 1))
         for i in range(extra):
             dense[step, row, N + i] = own[i]
+    if VOLUMED == 1:  # oil that displaces gas makes it jump
+        p, h, _c_v, _tpt, exponent, choke, choked = gas_state(dense[step, 0, 0], dense[step, 0, 1], P, TAB)
+        dense[step, 0, N] = p
+        dense[step, 0, N + 1] = h
+        if VARIES == 1:
+            dense[step, 0, N + 2] = exponent
+            dense[step, 0, N + 3] = choke
+            dense[step, 0, N + 4] = choked
     for i in range(extra):
-        if step > 0:
+        if VOLUMED == 0 and step > 0:
             dense[step, 0, N + i] = dense[step - 1, 1, N + i]
         v0 = dense[step, 0, N + i]
         v3 = dense[step, 1, N + i]

@@ -1,6 +1,6 @@
 """Room that the oil takes: the gas's volume, what flows feel of it, and the injection of oil that displaces gas.
 
-Source: docs/model.md M110–M114. The oil is incompressible: V_gas = V − m_oil/ρ_oil, and its enthalpy is
+Source: docs/model.md M106–M110. The oil is incompressible: V_gas = V − m_oil/ρ_oil, and its enthalpy is
 c_oil T_oil + p/ρ_oil. In a place with room the density is that of the gas times the square of its share of the volume,
 so that a nozzle's flow, S √(ρ …), has the share as a factor; the oil temperature is enthalpy over heat capacity.
 """
@@ -31,13 +31,13 @@ PARTS = 24  # steps in which gas is displaced
 
 @kernel
 def gas_share(rho, x, P):
-    """Return the share of a volume that gas of density rho takes, with x oil per gas (M110)."""
+    """Return the share of a volume that gas of density rho takes, with x oil per gas (M106)."""
     return 1.0 / (1.0 + x * rho * P[P_ROOM])
 
 
 @kernel
 def gas_mass(V, rho, x, P):
-    """Return the gas [kg] in a chamber of volume V, rho in its own room, with x oil per gas (M110)."""
+    """Return the gas [kg] in a chamber of volume V, rho in its own room, with x oil per gas (M106)."""
     return V * rho * gas_share(rho, x, P)
 
 
@@ -62,7 +62,7 @@ def locked(y, at, P):
 
 @kernel
 def with_room(place, at, P):
-    """Let a place be felt as one where oil takes room (M111, M112)."""
+    """Let a place be felt as one where oil takes room (M107, M108)."""
     share = gas_share(place[at + DENSITY], place[at + OIL_RATIO], P)
     place[at + DENSITY] *= share * share
     place[at + OIL_TEMPERATURE] += place[at + PRESSURE] * P[P_ROOM] / P[P_C_OIL]
@@ -77,7 +77,7 @@ def entropic_slope(T, rho, P, TAB):
 
 @kernel
 def displaced(y, at, m, V, before, injected, P, TAB, R):
-    """Let oil [kg] into a chamber of fixed volume V that holds gas m and oil `before`: y changes (M114).
+    """Let oil [kg] into a chamber of fixed volume V that holds gas m and oil `before`: y changes (M110).
 
     The gas is compressed isentropically; what the oil brings as pressure beyond the work of that heats the oil. R_LOCK
     tells that there is no room.
