@@ -270,7 +270,7 @@ def by_coupling(
         end = y.copy()
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
-            return Closed("failed", q, y, pitch / c.chambers, "coupled", rtol, angle)
+            return Closed("failed", q, end, pitch / c.chambers, "coupled", rtol, angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
         image_plenum = task.outflow(q)
         image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), _plenum_logarithms(image_plenum)])
