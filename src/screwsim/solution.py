@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim import performance
 from screwsim.build import build_parts, build_site, wanted_of
-from screwsim.effects.base import Drawn, Plenum
+from screwsim.effects.base import Drawn, FlowPath, Plenum
 from screwsim.faults import UsageError
 from screwsim.ledger import Cycle, ledger
 from screwsim.model import close as closing
@@ -34,7 +34,7 @@ from screwsim.model.slots import (
     R_SUCTION,
     R_TRAPPED,
 )
-from screwsim.outputs import Figures
+from screwsim.outputs import PERFORMANCE, Figures
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
 
@@ -212,11 +212,13 @@ class Solution:
         try:
             place = self.parts.gas.place_of_enthalpy(self.lines.p_d, float(plenum[0]))
         except UsageError:
-            place = tuple(R[R_DISCHARGE : R_DISCHARGE + OIL_RATIO])
-        R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
+            place = None
+        if place is not None:
+            R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
         if len(plenum) == 3:
             R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:]
-            R[R_DISCHARGE + DENSITY] *= self._share(float(R[R_DISCHARGE + DENSITY]), float(plenum[1])) ** 2
+            if place is not None:
+                R[R_DISCHARGE + DENSITY] *= self._share(place[DENSITY], float(plenum[1])) ** 2
 
     def residue(self, q: closing.Array) -> float:
         """Return the larger of the relative residues of mass and energy."""
@@ -286,6 +288,9 @@ class Solution:
                 i = 2 * self.parts.number(plenum.name)
                 drawn = Drawn(float(streams[i] + streams[i + 1]) * rate, suction, self.parts.plenums[plenum.name], site)
                 found |= plenum.figures(drawn) if plenum.figures is not None else {}
+        unknown = sorted(set(found) - set(PERFORMANCE))
+        if unknown:
+            raise TypeError(f"a plenum gives {', '.join(unknown)}, which outputs.PERFORMANCE does not list")
         return found
 
     def ledger(self, q: closing.Array, shaft_power: float) -> Figures:
@@ -344,6 +349,10 @@ class Solution:
         carried = float(self.machinery.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
         return float(-q[1] - carried) * rate
 
+    def _plenum_paths(self) -> list[tuple[str, FlowPath]]:
+        """Return (effect, path) of the paths that lead to no neighbour, in the order of the composition."""
+        return [(name, path) for name, path in self.parts.all(FlowPath) if path.to != "neighbour"]
+
     def cycle(self) -> dict[str, np.ndarray]:
         """Return the traces over the angle (contract: cycle)."""
         m, c, geometry = self.machinery, self.machinery.composition, self.parts.geometry
@@ -361,7 +370,8 @@ class Solution:
             traces["oil_temperature"] = np.where(present, out[:, 6], np.nan)
             ratio = out[:, 7] if c.carried else np.where(present, float(m.R[R_RATIO]), 0.0)
             traces["oil_mass"] = ratio * traces["gas_mass"]
-        _smooth_plenum_flows(flows, len(c.plenum_paths), self.parts.omega * out[:, 3])
+        to_lines = [i for i, (_, path) in enumerate(self._plenum_paths()) if self.parts.number(path.to) < FIRST_OWN]
+        _smooth_plenum_flows(flows, to_lines, self.parts.omega * out[:, 3])
         for i, name in enumerate(c.plenum_paths):
             traces[f"mass_flow_{name}"] = traces.get(f"mass_flow_{name}", 0.0) + flows[:, i]
         for i, (name, _) in enumerate(c.gap_paths):
@@ -383,14 +393,14 @@ def _delivers(streams: closing.Array) -> bool:
     return bool(streams[2, 0] + streams[3, 0] < 0.0)
 
 
-def _smooth_plenum_flows(flows: np.ndarray, paths: int, mass_rate: np.ndarray) -> None:
-    """Where one port alone is open, take its flow from the mass balance, in place.
+def _smooth_plenum_flows(flows: np.ndarray, to_lines: list[int], mass_rate: np.ndarray) -> None:
+    """Where one port to a line alone is open, take its flow from the mass balance, in place.
 
     Between steps a wide port's tiny Δp carries the whole error of the interpolated pressure; dm/dφ does not.
     """
-    open_ports = np.abs(flows[:, :paths]) > 0.0
+    open_ports = np.abs(flows[:, to_lines]) > 0.0
     alone = np.count_nonzero(open_ports, axis=1) == 1
-    leaks = flows[:, paths:].sum(axis=1)
-    for i in range(paths):
-        mine = alone & open_ports[:, i]
-        flows[mine, i] = mass_rate[mine] - leaks[mine]
+    others = np.delete(flows, to_lines, axis=1).sum(axis=1)
+    for column, i in enumerate(to_lines):
+        mine = alone & open_ports[:, column]
+        flows[mine, i] = mass_rate[mine] - others[mine]
