@@ -14,7 +14,7 @@ from typing import Any
 from screwsim.build import build_parts, regularisation, wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
-from screwsim.effects.base import FlowPath, HeatRate, PowerLoss
+from screwsim.effects.base import FlowPath, HeatRate, Plenum, PowerLoss
 from screwsim.model.compose import Composition, Parts, compose
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.grid import case_count, dimensions
@@ -148,6 +148,7 @@ def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
     if parameters:
         yield parameters
     added = [f"state {name}" for name in effect.states]
+    added += [f"plenum {part.name}" for part in built if isinstance(part, Plenum)]
     added += [f"figure {part.figure}" for part in built if isinstance(part, PowerLoss)]
     added += ["heat to the gas" for part in built if isinstance(part, HeatRate)]
     if added:
@@ -168,7 +169,9 @@ def _chamber(parts: Parts, model: Composition) -> Iterator[str]:
     yield _row("life", f"{math.degrees(geometry.life):g} deg of the male rotor")
     pitch = math.degrees(geometry.pitch)
     yield _row("alive at once", f"{geometry.chambers} chambers, one lobe pitch of {pitch:.6g} deg apart")
-    yield _row("injection", f"at {math.degrees(geometry.injection_angle):g} deg")
+    port = parts.oil_port
+    at = f"at {math.degrees(geometry.injection_angle):g} deg"
+    yield _row("injection", at if port is None else f"through a port, up to {math.degrees(port.closes):g} deg")
 
 
 def _paths(parts: Parts) -> Iterator[str]:

@@ -102,7 +102,7 @@ def _hydraulic_lock(solution: Solution, closed: closing.Closed) -> str:
     return (
         f"hydraulic lock at {math.degrees(angle):.2f} deg: the oil fills the chamber ({share:.1%} of its volume where "
         "the integration stopped); use less oil (a lower oil_supply.ratio or a smaller orifice), open the discharge "
-        "port earlier, or leave out effects.oil_volume"
+        "port earlier or wider, or leave out effects.oil_volume"
     )
 
 

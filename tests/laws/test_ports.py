@@ -160,6 +160,8 @@ def test_nothing_flows_into_the_bore_when_the_chamber_is_above_it():
         ({**ECONOMIZER, "effects.economizer.closes": "390 deg"}, "effects.economizer.closes", "20 deg"),
         ({**ECONOMIZER, "effects.economizer.closes": "800 deg"}, "effects.economizer.closes", "720 deg"),
         ({**ECONOMIZER, "effects.economizer.temperature": "400 K"}, "effects.economizer.temperature", "374.21"),
+        ({**ECONOMIZER, "effects.economizer.temperature": "330 K"}, "effects.economizer.temperature", "between"),
+        ({**ECONOMIZER, "gas.fluid": "nothing"}, "gas.fluid", "no pure"),
         (
             {"effects.liquid_injection": {"opens": "380 deg", "closes": "480 deg", "area": "4 mm^2"}},
             "effects.liquid_injection",
@@ -173,6 +175,12 @@ def test_contradictions_are_faults_at_their_place(changes, path, words):
         make(changes)
     assert path in str(raised.value)
     assert words in str(raised.value)
+
+
+def test_an_economizer_must_find_liquid_to_cool(pytestconfig):
+    own = "effects.economizer={temperature: 43 degC, opens: 400 deg, closes: 500 deg, area: 1 cm^2}"
+    with pytest.raises(SceneError, match=r"is not warmer than the 321\.15 K"):
+        load(pytestconfig.rootpath / CONFIG, [own])
 
 
 def test_scene_texts_survive_a_round():

@@ -91,14 +91,39 @@ def _cold_liquid(parameters: Parameters, site: Site) -> float:
 def check(parameters: Parameters, facts) -> list[Fault]:
     faults = list(check_window(NAME, parameters, facts))
     limits = constants.limits(facts.gas.fluid)
-    if limits is not None and not limits.T_triple <= parameters.temperature < limits.T_critical:
+    if limits is None:
+        return faults
+    if not limits.T_triple <= parameters.temperature < limits.T_critical:
         what = f"{facts.gas.fluid} saturates between {limits.T_triple:.6g} K and {limits.T_critical:.6g} K"
         faults.append(Fault(f"effects.{NAME}.temperature", f"{parameters.temperature:.6g} K: {what} (choose another)"))
-    low, high = facts.operation.evaporating_temperature, facts.operation.condensing_temperature
-    if low is not None and high is not None and not low < parameters.temperature < high:
-        what = f"{parameters.temperature:.6g} K is not between evaporation, {low:.6g} K, and condensation, {high:.6g} K"
-        faults.append(Fault(f"effects.{NAME}.temperature", f"{what} (choose one between)"))
+    else:
+        faults += [*_between(parameters, facts), *_warm_enough(parameters, facts)]
     return faults
+
+
+def _warm_enough(parameters: Parameters, facts) -> list[Fault]:
+    """Return a fault where the liquid behind the condenser is colder than the economizer can make it."""
+    T_c, subcooling = facts.operation.condensing_temperature, facts.operation.subcooling or 0.0
+    coldest = parameters.temperature + (parameters.approach if parameters.kind == "heat_exchanger" else 0.0)
+    if T_c is None or T_c - subcooling > coldest:
+        return []
+    what = f"the liquid, {T_c - subcooling:.6g} K, is not warmer than the {coldest:.6g} K to which it would be cooled"
+    return [Fault(f"effects.{NAME}", f"{what} (choose a lower temperature, a smaller approach or less subcooling)")]
+
+
+def _between(parameters: Parameters, facts) -> list[Fault]:
+    """Return a fault where the economizer's pressure is not between those of the lines."""
+    operation = facts.operation
+    low, high = operation.evaporating_temperature, operation.condensing_temperature
+    what, T = "", parameters.temperature
+    if low is not None and high is not None and not low < T < high:
+        what = f"{T:.6g} K is not between evaporation, {low:.6g} K, and condensation, {high:.6g} K"
+    p_s, p_d = operation.suction.pressure, operation.discharge.pressure
+    if p_s is not None and p_d is not None:
+        p = constants.dew_pressure(facts.gas.fluid, T)
+        if not min(p_s, p_d) < p < max(p_s, p_d):
+            what = f"{T:.6g} K saturates at {p / 1e5:.4g} bar, not between {p_s / 1e5:.4g} bar and {p_d / 1e5:.4g} bar"
+    return [Fault(f"effects.{NAME}.temperature", f"{what} (choose one between)")] if what else []
 
 
 EFFECT = Effect(
