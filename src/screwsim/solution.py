@@ -38,6 +38,7 @@ from screwsim.outputs import PERFORMANCE, Figures
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
 
+NO_LIQUID = "known only where net gas is delivered in a scene that states evaporating and condensing temperature"
 TRACE_STEP = 1.0  # degree
 
 
@@ -266,6 +267,7 @@ class Solution:
         )
         own = self._own_figures(q)
         found |= own
+        notes |= dict.fromkeys((name for name, value in own.items() if value is None), NO_LIQUID)
         gain = own.get("economizer_capacity_gain") or 0.0
         effect = None if self._effect is None else self._effect * (1.0 + gain)
         cooling, reasons = performance.refrigeration(found, self.inlet.density, effect)
