@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import cached_property, lru_cache
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from screwsim import performance
 from screwsim.build import build_parts, build_site, wanted_of
-from screwsim.effects.base import Drawn, FlowPath, Plenum
+from screwsim.effects.base import Drawn, Plenum
 from screwsim.faults import UsageError
 from screwsim.ledger import Cycle, ledger
 from screwsim.model import close as closing
@@ -37,9 +36,9 @@ from screwsim.model.slots import (
 from screwsim.outputs import PERFORMANCE, Figures
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
+from screwsim.traces import traces
 
 NO_LIQUID = "known only where net gas is delivered in a scene that states evaporating and condensing temperature"
-TRACE_STEP = 1.0  # degree
 
 
 @lru_cache(maxsize=8)
@@ -351,58 +350,11 @@ class Solution:
         carried = float(self.machinery.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
         return float(-q[1] - carried) * rate
 
-    def _plenum_paths(self) -> list[tuple[str, FlowPath]]:
-        """Return (effect, path) of the paths that lead to no neighbour, in the order of the composition."""
-        return [(name, path) for name, path in self.parts.all(FlowPath) if path.to != "neighbour"]
-
     def cycle(self) -> dict[str, np.ndarray]:
         """Return the traces over the angle (contract: cycle)."""
-        m, c, geometry = self.machinery, self.machinery.composition, self.parts.geometry
-        degrees = trace_angles(geometry.life)
-        out = np.empty((len(degrees), 4 + len(c.states)))
-        flows = np.empty((len(degrees), len(c.plenum_paths) + 2 * len(c.gap_paths)))
-        angles = np.minimum(np.radians(degrees), geometry.life)
-        m.module.trace__sample(angles, *m.last(), m.context, c.n_E, out, flows)
-        traces = {"angle": degrees, "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
-        traces |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5] * out[:, 0]}
-        if c.oil_room and self.parts.oil is not None:
-            traces["gas_mass"] /= 1.0 + out[:, 7] * out[:, 5] / self.parts.oil.density
-        if "T_oil" in c.states:
-            present = c.carried | (degrees >= math.degrees(geometry.injection_angle))
-            traces["oil_temperature"] = np.where(present, out[:, 6], np.nan)
-            ratio = out[:, 7] if c.carried else np.where(present, float(m.R[R_RATIO]), 0.0)
-            traces["oil_mass"] = ratio * traces["gas_mass"]
-        to_lines = [i for i, (_, path) in enumerate(self._plenum_paths()) if self.parts.number(path.to) < FIRST_OWN]
-        _smooth_plenum_flows(flows, to_lines, self.parts.omega * out[:, 3])
-        for i, name in enumerate(c.plenum_paths):
-            traces[f"mass_flow_{name}"] = traces.get(f"mass_flow_{name}", 0.0) + flows[:, i]
-        for i, (name, _) in enumerate(c.gap_paths):
-            for side, word in enumerate(("leading", "trailing")):
-                key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
-                traces[key] = traces.get(key, 0.0) + flows[:, column]
-        return traces
-
-
-def trace_angles(life: float) -> np.ndarray:
-    """Return the angles of a trace [degree]: every degree of a life [rad], and its end."""
-    end = math.degrees(life)
-    degrees = np.arange(0.0, end + 1e-6, TRACE_STEP)
-    return degrees if end - degrees[-1] < 1e-6 else np.append(degrees, end)
+        return traces(self.parts, self.machinery)
 
 
 def _delivers(streams: closing.Array) -> bool:
     """Tell whether the net flow goes to the discharge line."""
     return bool(streams[2, 0] + streams[3, 0] < 0.0)
-
-
-def _smooth_plenum_flows(flows: np.ndarray, to_lines: list[int], mass_rate: np.ndarray) -> None:
-    """Where one port to a line alone is open, take its flow from the mass balance, in place.
-
-    Between steps a wide port's tiny Δp carries the whole error of the interpolated pressure; dm/dφ does not.
-    """
-    open_ports = np.abs(flows[:, to_lines]) > 0.0
-    alone = np.count_nonzero(open_ports, axis=1) == 1
-    others = np.delete(flows, to_lines, axis=1).sum(axis=1)
-    for column, i in enumerate(to_lines):
-        mine = alone & open_ports[:, column]
-        flows[mine, i] = mass_rate[mine] - others[mine]
