@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from screwsim.effects.base import Around, FlowPath, HeatRate
+from screwsim.effects.base import Around, FlowPath, HeatRate, Plenum, Site
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -15,7 +15,7 @@ from screwsim.model import close as closing
 from screwsim.model.compose import OilPart, Parts
 from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, only
-from screwsim.scene.lines import lines, refrigerating_effect
+from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import ActiveEffect, Scene
 
 WIDTH = 0.5  # of the regularisation over the wanted accuracy
@@ -50,20 +50,26 @@ def build_oil(scene: Scene) -> OilPart | None:
             "number": supply.orifice_count,
             "separator_pressure": lines(scene).p_d,
         }
-    return OilPart(known.density, known.heat_capacity, supply.temperature, oil.transport, numbers)
+    at = lines(scene)
+    source = at.p_s if supply.source == "suction" else at.p_d
+    return OilPart(known.density, known.heat_capacity, supply.temperature, oil.transport, numbers, source)
 
 
 def build_parts(scene: Scene) -> Parts:
     """Return what the scene names, built for the composer."""
     geometry = Geometry(scene.machine)
     suction, discharge, gaps = regularisation(scene)
+    gas = build_gas(scene)
+    effects = {name: _built(active, geometry, scene) for name, active in scene.effects.items()}
+    plenums = [part for items in effects.values() for part in items if isinstance(part, Plenum)]
     return Parts(
         geometry=geometry,
-        gas=build_gas(scene),
+        gas=gas,
         omega=scene.operation.speed,
         widths=(suction, discharge, gaps),
-        effects={name: _built(active, geometry, scene) for name, active in scene.effects.items()},
+        effects=effects,
         oil=build_oil(scene),
+        plenums={part.name: part.state(build_site(scene, gas)) for part in plenums},
     )
 
 
@@ -90,6 +96,13 @@ def _built(active: ActiveEffect, geometry: Geometry, scene: Scene) -> list[Any]:
 
 def _with(part: FlowPath | HeatRate, numbers: Mapping[str, float]) -> FlowPath | HeatRate:
     return replace(part, values={**part.values, **numbers})
+
+
+def build_site(scene: Scene, gas: IdealGas | RealGas) -> Site:
+    """Return what the state of an effect's own plenum can be made of."""
+    at, effect = lines(scene), refrigerating_effect(scene)
+    liquid = None if effect is None else suction_enthalpy(scene) - effect
+    return Site(gas, scene.gas.fluid, at.p_s, at.T_s, at.p_d, liquid, effect)
 
 
 def regularisation(scene: Scene) -> tuple[float, float, float]:

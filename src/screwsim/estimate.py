@@ -16,7 +16,6 @@ import numpy as np
 
 from screwsim.errors import relative_errors
 from screwsim.model import close as closing
-from screwsim.model.slots import P_GAP_WIDTH, P_PORT_WIDTH
 from screwsim.outputs import Figures
 
 FINER = 0.2  # tolerance of a step in the turn that estimates the error
@@ -148,7 +147,7 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> Figures:
     found, _ = solution.figures(closed.q)
     with _borrowed(solution.machinery):
         machinery = solution.machinery
-        machinery.composition.P[P_PORT_WIDTH : P_GAP_WIDTH + 1] *= NARROWER
+        machinery.composition.P[machinery.composition.widths] *= NARROWER
         status, q = _finer_turn(solution, closed)
         if status != 0:
             return Figures(dict.fromkeys(found))

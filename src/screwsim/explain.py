@@ -14,7 +14,7 @@ from typing import Any
 from screwsim.build import build_parts, regularisation, wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
-from screwsim.effects.base import FlowPath, HeatRate, Intake, PowerLoss, Reading
+from screwsim.effects.base import FlowPath, HeatRate, Intake, Plenum, PowerLoss, Reading
 from screwsim.model.compose import Composition, Parts, compose
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.grid import case_count, dimensions
@@ -152,6 +152,7 @@ def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
     if parameters:
         yield parameters
     added = [f"state {name}" for name in effect.states]
+    added += [f"plenum {part.name}" for part in built if isinstance(part, Plenum)]
     added += [f"figure {part.figure}" for part in built if isinstance(part, PowerLoss)]
     added += [f"figure {name}" for part in built if isinstance(part, Reading) for name in part.figures]
     added += ["another state of what is sucked in" for part in built if isinstance(part, Intake)]
@@ -174,7 +175,9 @@ def _chamber(parts: Parts, model: Composition) -> Iterator[str]:
     yield _row("life", f"{math.degrees(geometry.life):g} deg of the male rotor")
     pitch = math.degrees(geometry.pitch)
     yield _row("alive at once", f"{geometry.chambers} chambers, one lobe pitch of {pitch:.6g} deg apart")
-    yield _row("injection", f"at {math.degrees(geometry.injection_angle):g} deg")
+    port = parts.oil_port
+    at = f"at {math.degrees(geometry.injection_angle):g} deg"
+    yield _row("injection", at if port is None else f"through a port, up to {math.degrees(port.closes):g} deg")
 
 
 def _paths(parts: Parts) -> Iterator[str]:
@@ -183,6 +186,10 @@ def _paths(parts: Parts) -> Iterator[str]:
         for path in (part for part in built if isinstance(part, FlowPath)):
             if path.to in lines:
                 ends = f"chamber - {lines[path.to]}"
+            elif path.to in parts.plenums:
+                held = parts.plenums[path.to]
+                state = f"{held.p / 1e5:.6g} bar, {held.T:.6g} K, {held.rho:.6g} kg/m^3, {held.h / 1e3:.6g} kJ/kg"
+                ends = f"chamber - {path.to.replace('_', ' ')} plenum ({state})"
             else:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
@@ -222,10 +229,15 @@ def _oil(scene: Scene, parts: Parts) -> Iterator[str]:
         yield _row("none", "no oil is injected")
         return
     yield _row("oil", _parameters(oil, skip=("transport",)))
+    port = parts.oil_port
     at = f"{math.degrees(parts.geometry.injection_angle):g} deg"
+    if port is not None:
+        at = f"a port up to {math.degrees(port.closes):g} deg"
     equation = f"its ratio d at {at} is given" if supply.kind == "pump" else "the orifice decides (M30)"
     foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
     yield _row("supply", f"{supply.kind}: {equation}; {_parameters(supply, skip=foreign)}")
+    if parts.oil_room:
+        yield _row("room", "the oil takes room in the chambers (M106); the indicated work lifts it to discharge")
     heated = any("T_oil" in active.effect.states for active in scene.effects.values())
     text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
     yield _row("transport", text if heated else "oil exchanges no heat and is no part of the balances (no oil_heat)")

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.effects.base import FlowPath, Intake, PowerLoss, Reading
+from screwsim.fluid.reservoir import Reservoir
 from screwsim.intake import Suction
 from screwsim.model import ledger as kernels
 from screwsim.model.close import Array, discharge_enthalpy
@@ -22,6 +23,7 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
     ENTHALPY,
+    FIRST_OWN,
     OIL_TEMPERATURE,
     P_INJECTION,
     R_DISCHARGE,
@@ -31,7 +33,7 @@ from screwsim.model.slots import (
     R_SUCTION,
 )
 from screwsim.outputs import Figures
-from screwsim.performance import CycleFigures, Lines
+from screwsim.performance import CycleFigures, Lines, oil_lift
 
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
 SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"
@@ -106,6 +108,11 @@ class Cycle:
     line_given: bool
     intake: Suction
 
+    def pressed(self, p: float) -> float:
+        """Return p/(ρ_oil c_oil) [K] where the oil takes room, else 0 (M108)."""
+        oil = self.parts.oil
+        return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
+
     @property
     def rate(self) -> float:
         """Return chamber lives per second."""
@@ -132,6 +139,7 @@ def ledger(cycle: Cycle) -> Figures:
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at_discharge(mean[0])
     paths, heats, oil = (cycle.rate * sums for sums in cycle.machinery.account(suction.s, line.s))
+    _at_their_lines(cycle, paths)
     acting = [
         name
         for name, items in cycle.parts.effects.items()
@@ -171,9 +179,27 @@ def _names(cycle: Cycle) -> list[str]:
     return [*c.plenum_paths, *(name for name, _ in c.gap_paths)]
 
 
-def _to_suction(cycle: Cycle) -> list[bool]:
-    """Return of each path whether what leaves through it goes to the suction line."""
-    return [part.to == "suction" for part in _flow_paths(cycle)]
+def _ends(cycle: Cycle) -> list[str]:
+    """Return of each path where what leaves through it goes: a line, or a plenum."""
+    return [part.to if part.to != "neighbour" else "discharge" for part in _flow_paths(cycle)]
+
+
+def _to_discharge(cycle: Cycle) -> list[bool]:
+    return [end == "discharge" for end in _ends(cycle)]
+
+
+def _pressure(cycle: Cycle, end: str) -> float:
+    """Return the pressure [Pa] of a line or plenum."""
+    pressures = {"suction": cycle.lines.p_s, "discharge": cycle.lines.p_d}
+    return pressures[end] if end in pressures else cycle.parts.plenums[end].p
+
+
+def _at_their_lines(cycle: Cycle, paths: Array) -> None:
+    """Let oil that takes room have the temperature to which throttling to its line brings it, in place (M109)."""
+    if not cycle.parts.oil_room:
+        return
+    for row, end in zip(paths, _ends(cycle), strict=True):
+        row[kernels.OUT_OIL_T] -= row[kernels.OUT_OIL] * cycle.pressed(_pressure(cycle, end))
 
 
 def _flow_paths(cycle: Cycle) -> Iterator[FlowPath]:
@@ -185,16 +211,20 @@ def _flow_paths(cycle: Cycle) -> Iterator[FlowPath]:
 
 def _paths(book: _Book, cycle: Cycle, paths: Array, suction: State, discharge: State) -> None:
     """Enter every flow path: what its gas generates where it arrives, in a chamber or in a line (M50–M52)."""
-    for name, to_suction, row in zip(_names(cycle), _to_suction(cycle), paths, strict=True):
-        target = suction if to_suction else discharge
+    states = {"suction": suction, "discharge": discharge} | {
+        name: State(own.T, own.rho, own.h, own.s) for name, own in cycle.parts.plenums.items()
+    }
+    for name, end, row in zip(_names(cycle), _ends(cycle), paths, strict=True):
+        target = states[end]
         left = target.generated(row[kernels.OUT_MASS], row[kernels.OUT_ENTHALPY], row[kernels.OUT_ENTROPY])
         moved = float(row[kernels.MOVED])
         energy = float(row[kernels.CARRIES]) - moved * suction.h
         book.add(name, gas=moved, energy=energy, entropy=float(row[kernels.GENERATED] + left))
-        if to_suction and row[kernels.OUT_MASS] > 0.0:
+        if end != "discharge" and row[kernels.OUT_MASS] > 0.0:
             # the line stays at T_s: what the gas brings above that leaves as heat at T_s (M54)
-            heat = float(row[kernels.OUT_ENTHALPY] - row[kernels.OUT_MASS] * suction.h)
-            book.add(SUCTION_LINE, energy=heat, exergy=heat * (1.0 - cycle.T_0 / suction.T))
+            heat = float(row[kernels.OUT_ENTHALPY] - row[kernels.OUT_MASS] * target.h)
+            entry = SUCTION_LINE if end == "suction" else f"{end}_plenum"
+            book.add(entry, energy=heat, exergy=heat * (1.0 - cycle.T_0 / target.T))
 
 
 def _gas(book: _Book, cycle: Cycle, suction: State, line: State, discharge: State) -> float:
@@ -207,7 +237,15 @@ def _gas(book: _Book, cycle: Cycle, suction: State, line: State, discharge: Stat
     if cycle.line_given:
         heat = back * (discharge.h - line.h)
         book.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
-    return -(out + back) * exergy(discharge)
+    return -(out + back) * exergy(discharge) - sum(
+        net * exergy(State(own.T, own.rho, own.h, own.s)) for net, own in _drawn(cycle)
+    )
+
+
+def _drawn(cycle: Cycle) -> Iterator[tuple[float, Reservoir]]:
+    """Yield the net flow [kg/s] from each own plenum, and its state."""
+    for i, own in enumerate(cycle.parts.plenums.values(), FIRST_OWN):
+        yield float(cycle.streams[2 * i, 0] + cycle.streams[2 * i + 1, 0]) * cycle.rate, own
 
 
 def _intake(book: _Book, cycle: Cycle, gas_rise: float, discharge: State) -> float:
@@ -244,16 +282,28 @@ def _oil(book: _Book, cycle: Cycle, paths: Array, heats: Array, sums: Array) -> 
     c, known = cycle.machinery.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
         book.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
-    lift = known.oil_volume_flow * (cycle.lines.p_d - known.injection_pressure)
-    kept = _kept(cycle)
-    throttled = known.oil_volume_flow * (known.oil_source_pressure - known.injection_pressure) + kept
-    book.add(OIL_SUPPLY, energy=lift, exergy=throttled)
+    lift = oil_lift(cycle.parts, cycle.lines, known)
+    book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
+    if c.ported:
+        book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:
         return mechanical + _carried(book, cycle, paths)
     if c.heats:
         return mechanical + _not_carried(book, cycle, paths, sums)
     return mechanical
+
+
+def _throttled(cycle: Cycle) -> float:
+    """Return the pressure [Pa] that the oil loses between its source and the chamber, dissipated at T_0 (M58).
+
+    Where the oil takes room, what it loses in the chamber heats it instead: left is the loss of the line, and what
+    lifts oil from a source below the chamber's pressure.
+    """
+    known, port = cycle.known, cycle.parts.oil_port
+    if not cycle.parts.oil_room:
+        return known.oil_source_pressure - known.injection_pressure
+    return port.pressure_loss if port is not None else min(0.0, known.oil_source_pressure - known.injection_pressure)
 
 
 def _thermal(cycle: Cycle, mass: float, mass_T: float, mass_log: float) -> float:
@@ -271,9 +321,9 @@ def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
 def _mixing(book: _Book, cycle: Cycle, paths: Array, T_mean: float) -> None:
     """Enter the mixing of the oil that leaves to the discharge line to its mean temperature there (M53)."""
     c_oil = cycle.parts.oil.heat_capacity
-    for name, to_suction, row in zip(_names(cycle), _to_suction(cycle), paths, strict=True):
+    for name, to_discharge, row in zip(_names(cycle), _to_discharge(cycle), paths, strict=True):
         mass, mass_T, mass_log = (float(row[i]) for i in (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG))
-        if mass > 0.0 and not to_suction:
+        if mass > 0.0 and to_discharge:
             book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
 
 
@@ -281,19 +331,26 @@ def _carried(book: _Book, cycle: Cycle, paths: Array) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
     oil: OilPart = cycle.parts.oil
     out, out_T = (-float(cycle.streams[3, i]) * cycle.rate for i in (2, 3))
+    out_T -= out * cycle.pressed(cycle.lines.p_d)
     back = float(cycle.streams[2, 2]) * cycle.rate
     if out > 0.0:
         _mixing(book, cycle, paths, out_T / out)
-    to_suction = np.array(_to_suction(cycle), bool)
+    lost = 0.0
     columns = (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG)
-    taken = [float(paths[to_suction, column].sum()) for column in columns]
-    if taken[0] > 0.0:
-        pressure = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
-        energy = oil.heat_capacity * (taken[1] - taken[0] * oil.temperature)
-        book.add(SUCTION_LINE, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
-    book.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
-    T_line = float(cycle.machinery.R[R_DISCHARGE + OIL_TEMPERATURE])
-    lost = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
+    for end in dict.fromkeys(end for end in _ends(cycle) if end != "discharge"):
+        to_end = np.array([other == end for other in _ends(cycle)], bool)
+        taken = [float(paths[to_end, column].sum()) for column in columns]
+        rise = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
+        lost += rise
+        if taken[0] > 0.0:
+            p = _pressure(cycle, end) if cycle.parts.oil_room else cycle.lines.p_d
+            pressure = taken[0] / oil.density * (p - cycle.known.oil_source_pressure)
+            energy = oil.heat_capacity * (taken[1] - taken[0] * oil.temperature)
+            entry = SUCTION_LINE if end == "suction" else f"{end}_plenum"
+            book.add(entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
+    if not cycle.machinery.composition.ported:
+        book.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
+    T_line = float(cycle.machinery.R[R_DISCHARGE + OIL_TEMPERATURE]) - cycle.pressed(cycle.lines.p_d)
     return _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
 
 

@@ -29,7 +29,10 @@ PERFORMANCE = {
     "volumetric_efficiency": Variable("1", "volumetric efficiency"),
     "gas_mass_flow": Variable("kg s-1", "net gas mass flow from the suction line"),
     "oil_mass_flow": Variable("kg s-1", "injected oil mass flow"),
-    "oil_ratio": Variable("1", "oil to gas mass ratio in the chamber at 360 degrees (rotors: where suction closes)"),
+    "oil_ratio": Variable(
+        "1",
+        "oil to gas mass ratio in the chamber at 360 degrees (rotors: where suction closes; oil_injection: its end)",
+    ),
     "oil_flow_ratio": Variable("1", "injected oil over net suction gas"),
     "indicated_power": Variable("W", "indicated power"),
     "oil_lift_power": Variable("W", "power that lifts the oil to discharge pressure"),
@@ -45,7 +48,8 @@ PERFORMANCE = {
     "work_per_cycle": Variable("J", "work on the gas of one chamber per cycle, minus the integral of p dV"),
     "trapped_mass": Variable("kg", "gas mass in a chamber at 360 degrees (rotors: where suction closes)"),
     "injection_pressure": Variable(
-        "Pa", "chamber pressure where oil is injected: at 360 degrees (rotors: where suction closes)"
+        "Pa",
+        "chamber pressure where oil is injected: at 360 degrees (rotors: where suction closes; oil_injection: mean)",
     ),
     "suction_pressure": Variable("Pa", "pressure of the suction line"),
     "suction_temperature": Variable("K", "temperature of the suction line"),
@@ -79,6 +83,12 @@ PERFORMANCE = {
     "axial_gas_force_peak": Variable("N", "largest axial force of the gas on a rotor"),
     "radial_gas_force": Variable("N", "mean radial force of the gas on a rotor, by the stated area"),
     "radial_gas_force_peak": Variable("N", "largest radial force of the gas on a rotor"),
+    "economizer_mass_flow": Variable("kg s-1", "net mass flow from the economizer"),
+    "economizer_flow_ratio": Variable("1", "economizer flow over net suction flow"),
+    "economizer_draw_ratio": Variable("1", "vapour that the economizer's port draws over that which the liquid makes"),
+    "economizer_capacity_gain": Variable("1", "cooling capacity that the economizer adds, at the same suction flow"),
+    "liquid_injection_mass_flow": Variable("kg s-1", "net flow of injected liquid"),
+    "liquid_injection_flow_ratio": Variable("1", "injected liquid over net suction flow"),
 }
 
 BALANCE = {

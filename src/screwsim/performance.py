@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.effects.base import PowerLoss, Reading
+from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.close import Array, discharge_enthalpy
 from screwsim.model.compose import Parts
 from screwsim.model.pitch import Pitch
@@ -56,9 +57,18 @@ class Inlet(NamedTuple):
 
 
 def efficiencies(
-    gas: Any, lines: Lines, inlet: Inlet, flow: float, shaft_power: float
+    gas: Any,
+    lines: Lines,
+    inlet: Inlet,
+    flow: float,
+    shaft_power: float,
+    drawn: Sequence[tuple[float, Reservoir]] = (),
 ) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return isothermal and isentropic efficiency (M35, M36), or None with the reason."""
+    """Return isothermal and isentropic efficiency (M35, M36), or None with the reason.
+
+    `drawn` holds the net flow [kg/s] and the state of each own plenum: their ideal powers add to that of the suction
+    gas (M101).
+    """
     names = ("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency")
     if flow <= 0.0:
         reason = "no net gas is delivered: the machine leaks more than it takes in"
@@ -67,7 +77,12 @@ def efficiencies(
         reason = "the shaft power is not positive"
         return dict.fromkeys(names), dict.fromkeys(names, reason)
     works, obstacle = _ideal_works(gas, lines, inlet)
-    found = {name: None if work is None else flow * work / shaft_power for name, work in zip(names, works, strict=True)}
+    powers = [None if work is None else flow * work for work in works]
+    for net, state in drawn:
+        others, reason = _plenum_works(gas, lines.p_d, state)
+        powers = [None if a is None or b is None else a + net * b for a, b in zip(powers, others, strict=True)]
+        obstacle = obstacle or reason
+    found = {name: None if power is None else power / shaft_power for name, power in zip(names, powers, strict=True)}
     return found, {} if obstacle is None else {"isothermal_efficiency": obstacle}
 
 
@@ -80,6 +95,15 @@ def _ideal_works(gas: Any, lines: Lines, inlet: Inlet) -> tuple[tuple[float | No
         isentropic = gas.isentropic_work_of_enthalpy(lines.p_s, lines.p_d, inlet.enthalpy)
         return (None, ideal, isentropic), "what is sucked in is wet"
     return (gas.isothermal_work(*ends), ideal, gas.isentropic_work(*ends)), gas.isothermal_obstacle(*ends)
+
+
+@lru_cache(maxsize=8)
+def _plenum_works(gas: Any, p_d: float, state: Reservoir) -> tuple[tuple[float | None, float, float], str | None]:
+    """Return what `_ideal_works` does, of the fluid of a plenum."""
+    isentropic = gas.isentropic_work_of_enthalpy(state.p, p_d, state.h)
+    obstacle = gas.isothermal_obstacle(state.p, p_d, state.T)
+    isothermal = None if obstacle else gas.isothermal_work(state.p, p_d, state.T)
+    return (isothermal, gas.ideal_isothermal_work(state.p, p_d, state.T), isentropic), obstacle
 
 
 def cycle_figures(parts: Parts, work: float, injected: float, **others: Any) -> CycleFigures:
@@ -97,6 +121,11 @@ def cycle_figures(parts: Parts, work: float, injected: float, **others: Any) -> 
         oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
         **others,
     )
+
+
+def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
+    """Return the power [W] that lifts the oil to discharge (M28); none where ∮ p dV contains it, as oil takes room."""
+    return 0.0 if parts.oil_room else known.oil_volume_flow * (lines.p_d - known.injection_pressure)
 
 
 def figures(
@@ -120,10 +149,10 @@ def figures(
     rate = parts.omega / geometry.pitch  # chamber lives per second
     flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate)
     losses = _losses(parts.effects, known)
-    lift = known.oil_volume_flow * (lines.p_d - known.injection_pressure) if oil is not None else None
+    lift = oil_lift(parts, lines, known) if oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     found: dict[str, float | None] = dict.fromkeys(PERFORMANCE)
-    etas, notes = efficiencies(gas, lines, inlet, flow, shaft)
+    etas, notes = efficiencies(gas, lines, inlet, flow, shaft, _drawn(parts, streams, rate))
     swept = inlet.density * geometry.swept_volume * rate
     mean = discharge_enthalpy(streams)
     found |= (
@@ -157,6 +186,12 @@ def figures(
         if flow <= 0.0:
             notes["oil_flow_ratio"] = "no net gas is delivered"
     return Figures(found), notes
+
+
+def _drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
+    """Return the net flow [kg/s] from each own plenum, and its state."""
+    rows = ((2 * parts.number(name), state) for name, state in parts.plenums.items())
+    return [(float(streams[i, 0] + streams[i + 1, 0]) * rate, state) for i, state in rows]
 
 
 def refrigeration(

@@ -12,11 +12,13 @@ from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, 
 from screwsim.ledger import entropy_residue
 from screwsim.model import close as closing
 from screwsim.model.continuation import Course
-from screwsim.model.slots import R_OIL_BEFORE
+from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
 from screwsim.outputs import Figures, Result
 from screwsim.scene.types import Scene
 from screwsim.solution import Solution
 
+DRAWN_TOO_MUCH = 0.02  # share of the vapour that an economizer makes
+ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integration that stops there shows a lock
 REMEDIES = {  # of the limits of an equation of state, by a word of what the gas says of them
     "highest": "use more or cooler oil, a wider discharge port, a larger machine.volume.min or smaller leaks",
     "lowest": "use warmer suction gas or oil, or a wider suction port",
@@ -70,12 +72,37 @@ def _failure(solution: Solution, closed: closing.Closed) -> str:
     y = ", ".join(
         f"{name} = {value:.6g}" for name, value in zip(solution.machinery.composition.states, closed.y, strict=False)
     )
+    lock = _hydraulic_lock(solution, closed)
+    if lock:
+        return lock
     reason = solution.parts.gas.why_outside(float(closed.y[0]), float(closed.y[1]))
     if reason is not None:
         return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {_remedied(reason)}"
     return (
         f"the integration stopped at {math.degrees(closed.angle):.2f} deg ({y}); "
         "check port areas, clearances and pressures, or ask for a tighter numerics.accuracy"
+    )
+
+
+def _hydraulic_lock(solution: Solution, closed: closing.Closed) -> str:
+    """Return that and where the oil fills the chamber; empty where it does not, or takes no room (M111)."""
+    parts, R, n = solution.parts, solution.machinery.R, solution.machinery.n
+    if not parts.oil_room or parts.oil is None:
+        return ""
+    angle = closed.angle
+    rho, x = closed.y[1::n], closed.y[3::n]
+    shares = 1.0 - 1.0 / (1.0 + x * rho / parts.oil.density)
+    if R[R_LOCK] > 0.0:
+        angle, share = parts.geometry.injection_angle, 1.0
+    else:
+        fullest = int(np.argmax(np.nan_to_num(shares)))
+        angle, share = closed.angle + fullest * parts.geometry.pitch, float(shares[fullest])
+    if not share >= ALL_BUT_LOCKED:
+        return ""
+    return (
+        f"hydraulic lock at {math.degrees(angle):.2f} deg: the oil fills the chamber ({share:.1%} of its volume where "
+        "the integration stopped); use less oil (a lower oil_supply.ratio or a smaller orifice), open the discharge "
+        "port earlier or wider, or leave out effects.oil_volume"
     )
 
 
@@ -93,6 +120,11 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
             f"nothing is injected and the ratio is {found.oil_ratio:.4g}"
         )
     warnings += _drowned(solution, found)
+    if (found.economizer_draw_ratio or 0.0) > 1.0 + DRAWN_TOO_MUCH:
+        warnings.append(
+            f"the economizer's port draws {found.economizer_draw_ratio:.3g} times the vapour that the liquid makes: "
+            "its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
+        )
     if found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
         warnings.append(
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
@@ -104,7 +136,7 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
 def _drowned(solution: Solution, found: Figures) -> list[str]:
     """Return a warning where the oil of a chamber is more than its volume holds when the discharge port opens."""
     oil, port, geometry = solution.parts.oil, solution.scene.machine.discharge_port, solution.parts.geometry
-    if oil is None or port is None or not found.oil_ratio or not found.trapped_mass:
+    if oil is None or port is None or not found.oil_ratio or not found.trapped_mass or solution.parts.oil_room:
         return []
     c = solution.machinery.composition
     opens = geometry.discharge_law().knots[0]

@@ -9,7 +9,8 @@ from functools import cache, cached_property, lru_cache
 import numpy as np
 
 from screwsim import expander, performance
-from screwsim.build import build_parts, wanted_of
+from screwsim.build import build_parts, build_site, wanted_of
+from screwsim.effects.base import Drawn, Plenum
 from screwsim.faults import UsageError
 from screwsim.intake import suction_of
 from screwsim.ledger import Cycle, ledger
@@ -22,10 +23,12 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
     ENTHALPY,
+    FIRST_OWN,
     OIL_RATIO,
     OIL_TEMPERATURE,
-    P_GAP_WIDTH,
-    P_PORT_WIDTH,
+    PLACE,
+    PLENUM_ENTROPY,
+    PORT_OIL,
     PRESSURE,
     R_DISCHARGE,
     R_INJECTED,
@@ -34,11 +37,12 @@ from screwsim.model.slots import (
     R_SUCTION,
     R_TRAPPED,
 )
-from screwsim.outputs import Figures
+from screwsim.outputs import PERFORMANCE, Figures
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
+from screwsim.traces import traces
 
-TRACE_STEP = 1.0  # degree
+NO_LIQUID = "known only where net gas is delivered in a scene that states evaporating and condensing temperature"
 
 
 @lru_cache(maxsize=8)
@@ -87,8 +91,20 @@ class Solution:
         return gas.place_of_enthalpy(at.p_s, suction_enthalpy(self.scene))
 
     def _oil_in(self) -> tuple[float, float]:
-        T_oil = self.parts.oil.temperature if self.parts.oil else 0.0
-        return float(self.machinery.R[R_INJECTED]), T_oil
+        """Return the oil [kg] injected at one angle, and its enthalpy over its heat capacity [K]."""
+        R, oil = self.machinery.R, self.parts.oil
+        if oil is None:
+            return 0.0, 0.0
+        return float(R[R_INJECTED]), oil.temperature + self._pressed(max(oil.source_pressure, float(R[R_PRESSURE])))
+
+    def _pressed(self, p: float) -> float:
+        """Return p/(ρ_oil c_oil) [K], by which a place's oil temperature is higher where the oil takes room (M108)."""
+        oil = self.parts.oil
+        return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
+
+    def _share(self, rho: float, ratio: float) -> float:
+        """Return the gas's share of a volume, 1 where the oil takes no room (M106)."""
+        return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
     def start(self) -> closing.Array:
         """Set the plenums and a first guess; return the state at 0°."""
@@ -106,7 +122,11 @@ class Solution:
         R = self.machinery.R
         discharge = self.parts.gas.place(self.lines.p_d, T_d)
         R[R_SUCTION : R_SUCTION + 8] = *self.suction.place(discharge[ENTHALPY]), 0.0, T_oil
-        R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil
+        R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil + self._pressed(self.lines.p_d)
+        R[R_DISCHARGE + DENSITY] *= self._share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
+        for i, state in enumerate(self.parts.plenums.values(), FIRST_OWN):
+            R[i * PLACE : i * PLACE + 8] = *state.place, 0.0, T_oil
+            R[i * PLACE + PLENUM_ENTROPY] = state.s
 
     def _continued(self) -> Guess | None:
         """Set the plenums and a guess from the course of the cycles before; return it, None where there is none."""
@@ -149,7 +169,7 @@ class Solution:
     def tighten(self, factor: float) -> None:
         """Multiply the tolerances and the widths of the regularisation."""
         self.wanted = replace(self.wanted, rtol=factor * self.wanted.rtol, tolerance=factor * self.wanted.tolerance)
-        self.machinery.composition.P[P_PORT_WIDTH : P_GAP_WIDTH + 1] *= factor
+        self.machinery.composition.P[self.machinery.composition.widths] *= factor
 
     def plenum(self) -> closing.Array:
         """Return the discharge plenum's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
@@ -176,7 +196,8 @@ class Solution:
         if len(plenum) == 3:
             assert self.parts.oil is not None  # carried
             present = mean is not None and mean[2] > 0.0
-            plenum[1:] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else (1e-9, self.parts.oil.temperature)
+            dry = 1e-9, self.parts.oil.temperature + self._pressed(self.lines.p_d)
+            plenum[1:] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else dry
         return plenum
 
     def _h_isentropic(self) -> float:
@@ -198,10 +219,13 @@ class Solution:
             if self.suction.returned > 0.0:
                 R[R_SUCTION : R_SUCTION + OIL_RATIO] = self.suction.place(float(plenum[0]))
         except UsageError:
-            place = tuple(R[R_DISCHARGE : R_DISCHARGE + OIL_RATIO])
-        R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
+            place = None
+        if place is not None:
+            R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
         if len(plenum) == 3:
             R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:]
+            if place is not None:
+                R[R_DISCHARGE + DENSITY] *= self._share(place[DENSITY], float(plenum[1])) ** 2
 
     def residue(self, q: closing.Array) -> float:
         """Return the larger of the relative residues of mass and energy."""
@@ -219,12 +243,17 @@ class Solution:
         R, supply, oil, parts = self.machinery.R, self.scene.oil_supply, self.scene.oil, self.parts
         source = self.lines.p_s if supply is not None and supply.source == "suction" else self.lines.p_d
         T_oil = parts.oil.temperature if parts.oil is not None else None
+        injected, p_injection = float(R[R_INJECTED]), float(R[R_PRESSURE])
+        if self.machinery.composition.ported:
+            injected = float(self.balances.streams(q)[PORT_OIL, 2])
+            mass, pressure = self.machinery.port_oil()
+            p_injection = pressure / mass if mass > 0.0 else p_injection
         return performance.cycle_figures(
             parts,
             float(q[0]),
-            float(R[R_INJECTED]),
+            injected,
             oil_viscosity=oil.at(T_oil).viscosity if oil is not None and T_oil is not None else None,
-            injection_pressure=float(R[R_PRESSURE]),
+            injection_pressure=p_injection,
             oil_source_pressure=source,
             oil_temperature=T_oil,
             oil_discharge_temperature=self._oil_discharge_temperature(q) if oil is not None else None,
@@ -258,10 +287,15 @@ class Solution:
             delivered=1.0 - self.suction.returned,
             work=float(q[0]),
             trapped=float(R[R_TRAPPED]),
-            d=float(R[R_RATIO]),
+            d=self._oil_ratio(),
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
         )
-        cooling, reasons = performance.refrigeration(found, self.inlet.density, self._effect)
+        own = self._own_figures(q)
+        found |= own
+        notes |= dict.fromkeys((name for name, value in own.items() if value is None), NO_LIQUID)
+        gain = own.get("economizer_capacity_gain") or 0.0
+        effect = None if self._effect is None else self._effect * (1.0 + gain)
+        cooling, reasons = performance.refrigeration(found, self.inlet.density, effect)
         found, notes = found | cooling, notes | reasons
         if self.suction.changed:
             place = self.suction.place(float(R[R_DISCHARGE + ENTHALPY]))
@@ -280,6 +314,28 @@ class Solution:
             return None
         volume = float(self.machinery.module.volume_at(closes, c.P, c.TAB))
         return self.inlet.density * volume * self.parts.omega / geometry.pitch
+
+    def _oil_ratio(self) -> float:
+        """Return oil per gas at the injection angle, or where the injection through a port ends."""
+        port = self.parts.oil_port
+        if port is None:
+            return float(self.machinery.R[R_RATIO])
+        return float(self.machinery.states_at(np.array([port.closes]))[0, 3])
+
+    def _own_figures(self, q: closing.Array) -> dict[str, float | None]:
+        """Return what the effects say of the cycle by their own plenums."""
+        found: dict[str, float | None] = {}
+        if self.parts.plenums:
+            streams, rate = self.balances.streams(q)[:, 0], self.parts.omega / self.parts.geometry.pitch
+            site, suction = build_site(self.scene, self.parts.gas), float(streams[0] + streams[1]) * rate
+            for _, plenum in self.parts.all(Plenum):
+                i = 2 * self.parts.number(plenum.name)
+                drawn = Drawn(float(streams[i] + streams[i + 1]) * rate, suction, self.parts.plenums[plenum.name], site)
+                found |= plenum.figures(drawn) if plenum.figures is not None else {}
+        unknown = sorted(set(found) - set(PERFORMANCE))
+        if unknown:
+            raise TypeError(f"a plenum gives {', '.join(unknown)}, which outputs.PERFORMANCE does not list")
+        return found
 
     def ledger(self, q: closing.Array, shaft_power: float) -> Figures:
         """Return where the shaft power [W] goes (contract: ledger)."""
@@ -305,7 +361,7 @@ class Solution:
         if not c.carried:
             return self._paper_oil_temperature() if "T_oil" in c.states else None
         mean = closing.discharge_enthalpy(self.balances.streams(q))
-        return mean[2] if mean is not None and mean[2] > 0.0 else None
+        return mean[2] - self._pressed(self.lines.p_d) if mean is not None and mean[2] > 0.0 else None
 
     def _paper_oil_temperature(self) -> float | None:
         """Return the oil temperature weighted with the gas outflow, oil leaving at constant d (transport: paper)."""
@@ -340,52 +396,14 @@ class Solution:
 
     def cycle(self, q: closing.Array) -> dict[str, np.ndarray]:
         """Return the traces over the angle (contract: cycle); `q` are the quadratures of the last history."""
-        m, c, geometry = self.machinery, self.machinery.composition, self.parts.geometry
-        degrees = trace_angles(geometry.life)
-        out = np.empty((len(degrees), 4 + len(c.states)))
-        flows = np.empty((len(degrees), len(c.plenum_paths) + 2 * len(c.gap_paths)))
-        angles = np.minimum(np.radians(degrees), geometry.life)
-        m.module.trace__sample(angles, *m.last(), m.context, c.n_E, out, flows)
-        traces = {"angle": degrees, "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
-        traces |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5] * out[:, 0]}
-        if "T_oil" in c.states:
-            present = c.carried | (degrees >= math.degrees(geometry.injection_angle))
-            traces["oil_temperature"] = np.where(present, out[:, 6], np.nan)
-            ratio = out[:, 7] if c.carried else np.where(present, float(m.R[R_RATIO]), 0.0)
-            traces["oil_mass"] = ratio * traces["gas_mass"]
-        _smooth_plenum_flows(flows, len(c.plenum_paths), self.parts.omega * out[:, 3])
-        for i, name in enumerate(c.plenum_paths):
-            traces[f"mass_flow_{name}"] = traces.get(f"mass_flow_{name}", 0.0) + flows[:, i]
-        for i, (name, _) in enumerate(c.gap_paths):
-            for side, word in enumerate(("leading", "trailing")):
-                key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
-                traces[key] = traces.get(key, 0.0) + flows[:, column]
+        found = traces(self.parts, self.machinery)
+        degrees, pitch = found["angle"], math.degrees(self.parts.geometry.pitch)
         for name, values in performance.pitch_traces(self.parts.effects, self._known(q)).items():
-            grid = np.linspace(0.0, math.degrees(geometry.pitch), len(values) + 1)
-            traces[name] = np.interp(degrees, grid, np.append(values, values[0]), period=grid[-1])
-        return traces
-
-
-def trace_angles(life: float) -> np.ndarray:
-    """Return the angles of a trace [degree]: every degree of a life [rad], and its end."""
-    end = math.degrees(life)
-    degrees = np.arange(0.0, end + 1e-6, TRACE_STEP)
-    return degrees if end - degrees[-1] < 1e-6 else np.append(degrees, end)
+            grid = np.linspace(0.0, pitch, len(values) + 1)
+            found[name] = np.interp(degrees, grid, np.append(values, values[0]), period=pitch)
+        return found
 
 
 def _delivers(streams: closing.Array) -> bool:
     """Tell whether the net flow goes to the discharge line."""
     return bool(streams[2, 0] + streams[3, 0] < 0.0)
-
-
-def _smooth_plenum_flows(flows: np.ndarray, paths: int, mass_rate: np.ndarray) -> None:
-    """Where one port alone is open, take its flow from the mass balance, in place.
-
-    Between steps a wide port's tiny Δp carries the whole error of the interpolated pressure; dm/dφ does not.
-    """
-    open_ports = np.abs(flows[:, :paths]) > 0.0
-    alone = np.count_nonzero(open_ports, axis=1) == 1
-    leaks = flows[:, paths:].sum(axis=1)
-    for i in range(paths):
-        mine = alone & open_ports[:, i]
-        flows[mine, i] = mass_rate[mine] - leaks[mine]

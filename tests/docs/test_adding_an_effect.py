@@ -11,6 +11,7 @@ from screwsim import scene as scenes
 from screwsim.build import build_parts
 from screwsim.explain import explain
 from screwsim.model.compose import compose
+from screwsim.simulate import simulate
 
 PAGE = (Path(__file__).parents[2] / "docs" / "adding-an-effect.md").read_text(encoding="utf-8")
 NAME = "my_effects.suction_leak"
@@ -38,9 +39,10 @@ def folder(tmp_path_factory):
     """Lay out what the page shows: the effect, a scene that names it, its test."""
     folder = tmp_path_factory.mktemp("page")
     (folder / "my_effects").mkdir()
-    effect, test = blocks("python")
+    effect, vessel, test = blocks("python")
     (yaml,) = blocks("yaml")
     (folder / "my_effects" / "suction_leak.py").write_text(effect, encoding="utf-8")
+    (folder / "my_effects" / "vessel.py").write_text(vessel, encoding="utf-8")
     scene = f"{MACHINE}{yaml.rstrip()}\n  suction_port:\n  discharge_port:\n"
     (folder / "scene.yaml").write_text(scene, encoding="utf-8")
     (folder / "page_test.py").write_text(test, encoding="utf-8")
@@ -94,6 +96,19 @@ def test_scene_without_the_effect_has_no_kernel_of_it(folder):
     ]
     assert "suction_leak__area" in texts[0]
     assert "suction_leak" not in texts[1]
+
+
+def test_a_vessel_of_ones_own_gives_gas_and_the_balances_close(folder):
+    name = "my_effects.vessel"
+    own = {"opens": "400 deg", "closes": "500 deg", "area": "1 cm^2", "temperature": "300 K"}
+    sets = [f"effects.{name}={own}", f"effects.{NAME}=off"]
+    scene = scenes.load(folder / "scene.yaml", sets)
+    result = simulate(scene)
+    assert result.status == "ok"
+    assert max(result.balance.mass, result.balance.energy, result.balance.entropy) <= result.balance.bound
+    assert result.performance.economizer_mass_flow > 0.0
+    assert result.ledger[f"gas_moved_{name}"] >= result.performance.economizer_mass_flow
+    assert "my vessel plenum (5 bar, 300 K" in " ".join(str(explain(scene)).split())
 
 
 def test_schema_allows_it_by_its_dotted_name():

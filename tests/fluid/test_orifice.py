@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from screwsim.fluid.orifice import discharge_coefficient, orifice_flow
+from screwsim.fluid.orifice import discharge_coefficient, orifice_flow, smooth_orifice_flow
 
 OIL = {"density": 1000.0, "viscosity": 0.02, "diameter": 3e-3, "length": 6e-3, "number": 1.0}
 
@@ -51,3 +51,15 @@ def test_two_bores_give_twice_the_flow():
 
 def test_flow_vanishes_with_the_pressure_difference():
     assert orifice_flow(1e-9, *OIL.values()) < 1e-9 * orifice_flow(1e5, *OIL.values())
+
+
+def test_the_smoothed_flow_differs_by_a_quarter_of_the_squared_width():
+    full, smoothed = orifice_flow(1e5, *OIL.values()), smooth_orifice_flow(1e5, 1e4, *OIL.values())
+    # to first order; C_d falls with Re by some percent of that
+    assert 1.0 - smoothed / full == pytest.approx(0.25 * 0.1**2, rel=0.1)
+
+
+def test_the_smoothed_flow_begins_with_no_slope():
+    assert smooth_orifice_flow(0.0, 100.0, *OIL.values()) == smooth_orifice_flow(-1e5, 100.0, *OIL.values()) == 0.0
+    slopes = [smooth_orifice_flow(dp, 100.0, *OIL.values()) / dp for dp in (1.0, 1e-2, 1e-4)]
+    assert slopes[2] < 1e-2 * slopes[0]

@@ -358,3 +358,26 @@ def test_an_unknown_term_is_refused_by_name(monkeypatch):
 def test_the_kernels_are_written_anew_for_another_equation():
     one, other = RealGas("R134a").state, RealGas("R22").state
     assert isinstance(one, Kernel) and one.flat_name != other.flat_name and one.flat_name.startswith("r134a_")
+
+
+def test_a_reservoir_of_saturated_liquid_or_vapour_flows_as_one_phase():
+    """k = ρ w²/p of either phase: R134a at 45 °C, CoolProp's speeds of sound at saturation."""
+    import CoolProp.CoolProp as coolprop
+
+    gas, T = RealGas("R134a"), 318.15
+    p = gas.saturation_pressure(T)
+    for quality, reservoir in (
+        (1, gas.vapour(p, T)),
+        (0, gas.liquid(p, coolprop.PropsSI("H", "T", T, "Q", 0, "R134a"))),
+    ):
+        known = {name: coolprop.PropsSI(name, "T", T, "Q", quality, "R134a") for name in ("D", "H", "A", "S")}
+        assert reservoir.rho == pytest.approx(known["D"], rel=1e-6)
+        assert reservoir.h == pytest.approx(known["H"], rel=1e-8)
+        assert reservoir.s == pytest.approx(known["S"], rel=1e-7)
+        assert 1.0 / reservoir.exponent == pytest.approx(known["D"] * known["A"] ** 2 / p, rel=1e-4)
+
+
+def test_a_reservoir_of_liquid_refuses_what_is_wet():
+    gas = RealGas("R134a")
+    with pytest.raises(UsageError, match="no liquid"):
+        gas.liquid(5e5, 300e3)

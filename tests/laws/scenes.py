@@ -47,8 +47,20 @@ BASE: dict[str, Any] = {
         "mechanical": {"fraction": 0.05},
     },
 }
+ECONOMIZER = {
+    "oil.transport": "carried",
+    "effects.economizer": {"temperature": "278 K", "opens": "380 deg", "closes": "480 deg", "area": "1 cm^2"},
+}
+OIL_PORT = {
+    "oil.transport": "carried",
+    "oil_supply": {"kind": "displacement", "temperature": "293 K", "orifice_diameter": "6 mm"},
+    "effects.oil_injection": {"opens": "365 deg", "closes": "455 deg"},
+}
+OIL_VOLUME: dict[str, Any] = {"oil.transport": "carried", "effects.oil_volume": {}}
 SPEEDS = (5000, 3000, 1000, 500, 250)
 DROP = object()  # as a value: the field is left out
+OIL_PORT["effects.oil_pump"] = DROP
+TOGETHER = {**ECONOMIZER, **OIL_PORT, **OIL_VOLUME}
 
 
 def scene_dict(changes: dict[str, Any] | None = None) -> dict[str, Any]:

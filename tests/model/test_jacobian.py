@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from scenes import TOGETHER as PORTS_AND_ROOM
 from scenes import make
 
 from screwsim.solution import Solution
@@ -30,9 +31,12 @@ class Driver(NamedTuple):
     nq: int
 
 
-@pytest.fixture(scope="module", params=["paper", "carried"])
+CASES = {"paper": {"oil.transport": "paper"}, "carried": {"oil.transport": "carried"}, "ports and room": PORTS_AND_ROOM}
+
+
+@pytest.fixture(scope="module", params=CASES)
 def machinery(request):
-    scene = make({"operation.speed": "1000 rpm", "oil.transport": request.param, "numerics": {"closing": "coupled"}})
+    scene = make({"operation.speed": "1000 rpm", "numerics": {"closing": "coupled"}, **CASES[request.param]})
     solution = Solution(scene)
     solution.machinery.warm_up(solution.start)
     assert solution.close().status == "ok"

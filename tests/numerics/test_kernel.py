@@ -7,11 +7,12 @@ from types import FunctionType
 import numpy as np
 import pytest
 
-from screwsim.numerics.kernel import HEADER, Slot, flatten, kernel, written
+from screwsim.numerics.kernel import HEADER, Slot, Structure, flatten, kernel, written
 
 FACTOR = 2.5
 TABLE = np.array((1.0, 2.0))
 law = Slot("law")
+EXTRA = Structure("EXTRA")
 
 
 @kernel
@@ -151,3 +152,32 @@ def test_only_written_kernels_let_multiplications_and_additions_join():
     item = written("def once(x):\n    return 2.0 * x + 1.0\n", "gas")
     assert "contract" in flatten((item,))[item.flat_name]
     assert "contract" not in flatten((inner,))[HERE + "inner"]
+
+
+@kernel
+def structured(x):
+    y = x
+    if EXTRA == 0:
+        y *= 3.0
+    else:
+        y = inner(x)
+    if EXTRA > 0 and x > 0.0:
+        y += EXTRA
+    return y
+
+
+def test_branches_that_the_structure_rules_out_are_not_pasted():
+    without, with_it = (flatten((structured,), numbers={"EXTRA": number}) for number in (0, 2))
+    assert not any(name.endswith("__inner") for name in without)
+    assert not any("EXTRA" in text for text in without.values())
+    assert any(name.endswith("__inner") for name in with_it)
+    assert any(text.endswith("__EXTRA = 2") for text in with_it.values())
+    text = next(text for name, text in with_it.items() if name.endswith("__structured"))
+    assert "if x > 0.0:" in text
+    assert "else" not in text
+
+
+def test_what_stays_of_a_structured_kernel_is_the_text_of_one_without_structure():
+    (text,) = (text for name, text in flatten((structured,), numbers={"EXTRA": 0}).items() if "structured" in name)
+    body = [line.strip() for line in text.splitlines()]
+    assert body[-3:] == ["y = x", "y *= 3.0", "return y"]

@@ -1,4 +1,4 @@
-"""What an effect is: a declaration of flow paths, heat rates, power losses and readings, and their kernels.
+"""What an effect is: a declaration of flow paths, plenums, oil ports, heat rates, power losses and readings; kernels.
 
 An effect adds to the rates of a chamber and never assigns. It is one file of this package, or of a user's own,
 with a module variable `EFFECT`. A kernel's argument names say what it needs: a parameter of the effect itself,
@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from screwsim.faults import Fault
+from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.settings import OilProperties
 from screwsim.numerics.kernel import Kernel
 
@@ -21,6 +22,8 @@ from screwsim.numerics.kernel import Kernel
 @dataclass(frozen=True)
 class FlowPath:
     """An opening between a chamber and a plenum, or between two chambers `offset` lobe pitches apart.
+
+    `to` is 'suction', 'discharge', the name of a `Plenum` that an effect of the scene declares, or 'neighbour'.
 
     `area` returns the cross-section [m²] over the angle `phi` [rad] of the chamber; for two chambers, of the
     trailing one: one area function an interface, so that both sides see the same opening. Beyond the first
@@ -31,7 +34,7 @@ class FlowPath:
     is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150).
     """
 
-    to: str  # 'suction' | 'discharge' | 'neighbour'
+    to: str
     area: Kernel
     values: Mapping[str, float]
     knots: Sequence[float] = ()
@@ -45,6 +48,68 @@ class FlowPath:
         mirror = life - self.offset * pitch
         to = {"suction": "discharge", "discharge": "suction"}.get(self.to, self.to)
         return replace(self, to=to, mirror=mirror, knots=tuple(mirror - knot for knot in self.knots))
+
+
+@dataclass(frozen=True)
+class Site:
+    """What the state of a plenum can be made of (SI units).
+
+    `gas` is the gas model (`screwsim.fluid.real_gas`, `ideal_gas`), `fluid` its CoolProp name; `liquid_enthalpy` is
+    that of the real fluid's liquid behind the condenser, `refrigerating_effect` what it takes up in the evaporator
+    (M43): None where the scene does not state evaporating and condensing temperature.
+    """
+
+    gas: Any
+    fluid: str
+    p_s: float
+    T_s: float
+    p_d: float
+    liquid_enthalpy: float | None
+    refrigerating_effect: float | None
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What a plenum gave during the closed cycle: net mass flows [kg/s] from it and from the suction line."""
+
+    flow: float
+    suction_flow: float
+    reservoir: Reservoir
+    site: Site
+
+
+@dataclass(frozen=True)
+class Plenum:
+    """A reservoir of the working fluid beside the two lines; its state is held constant.
+
+    `state` makes that state, `figures` the effect's own figures of the closed cycle (names of `outputs.PERFORMANCE`),
+    both in plain Python, once a run.
+    """
+
+    name: str
+    state: Callable[[Site], Reservoir]
+    figures: Callable[[Drawn], Mapping[str, float | None]] | None = None
+
+
+@dataclass(frozen=True)
+class OilPort:
+    """Oil that enters a chamber continuously, in place of the injection at one angle.
+
+    `flow` returns oil [kg/s] into a chamber at angle `phi` [rad] and pressure `p` [Pa], 0 where it does not face the
+    port; `width` [Pa] is that below which pressure differences may be smoothed. `pressure_loss` [Pa] lies between the
+    oil's source and the bore, `closes` [rad] is where the injection ends. Needs oil.transport: carried.
+    """
+
+    flow: Kernel
+    values: Mapping[str, float]
+    closes: float
+    knots: Sequence[float] = ()
+    pressure_loss: float = 0.0
+
+
+@dataclass(frozen=True)
+class OilRoom:
+    """The oil takes room in the chambers (docs/model.md M106). Needs oil.transport: carried."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +160,9 @@ class Intake:
     returned: float = 0.0
 
 
+Part = FlowPath | Plenum | OilPort | OilRoom | HeatRate | PowerLoss | Reading | Intake
+
+
 class Around(NamedTuple):
     """What an effect can ask of a scene before it is composed; SI units. `oil` has density and viscosity."""
 
@@ -111,9 +179,9 @@ class Around(NamedTuple):
 class Effect:
     """One physical effect, named in a scene under `effects`.
 
-    `build(parameters, machine)` returns flow paths, heat rates, power losses and readings; `check(parameters, facts)`
-    returns faults that only the whole scene shows. `numbers(parameters, around)` returns numbers behind argument names
-    of its kernels that follow from the scene.
+    `build(parameters, machine)` returns its parts; `check(parameters, facts)` returns faults that only the whole scene
+    shows. `numbers(parameters, around)` returns numbers behind argument names of its kernels that follow from the
+    scene.
     """
 
     name: str
@@ -121,7 +189,7 @@ class Effect:
     equations: tuple[str, ...]
     source: str
     parameters: type
-    build: Callable[[Any, Any], Sequence[FlowPath | HeatRate | PowerLoss | Reading | Intake]]
+    build: Callable[[Any, Any], Sequence[Part]]
     needs_oil: bool = False
     states: tuple[str, ...] = ()
     check: Callable[[Any, Any], list[Fault]] | None = None

@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass
 
 from screwsim.fluid.nozzle import choking
+from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.kernel import kernel
 
 T_ZERO = 273.15  # [K] where the entropy's reference is
@@ -98,6 +99,11 @@ class IdealGas:
     def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
         """Return what `place` does, at pressure [Pa] and specific enthalpy [J/kg]."""
         return self.place(p, self.temperature(p, h))
+
+    def vapour(self, p: float, T: float) -> Reservoir:
+        """Return a reservoir of gas at p [Pa] and T [K]."""
+        p, rho, h, exponent, choke, choked = self.place(p, T)
+        return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
 
     def first_outside(self, T: object, rho: object) -> int | None:
         """Return None: no state is outside."""

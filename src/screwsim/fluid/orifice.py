@@ -35,3 +35,12 @@ def orifice_flow(dp, density, viscosity, diameter, length, number):
     reynolds = density * velocity * diameter / viscosity
     area = number * 0.25 * math.pi * diameter * diameter
     return discharge_coefficient(reynolds, length / diameter) * area * density * velocity
+
+
+@kernel
+def smooth_orifice_flow(dp, width, density, viscosity, diameter, length, number):
+    """Return what `orifice_flow` does, with a continuous slope where it ends: Δp → Δp² (Δp² + ε²)^(−1/2), ε = width."""
+    if dp <= 0.0:
+        return 0.0
+    smooth = dp * dp / math.sqrt(dp * dp + width * width)
+    return orifice_flow(smooth, density, viscosity, diameter, length, number)

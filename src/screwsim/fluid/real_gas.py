@@ -22,11 +22,13 @@ from screwsim.fluid import isobar, limits
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.dome import equilibrium_kernels, margin_kernel, saturation_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
+from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 from screwsim.numerics.modules import load
 
 AT_SATURATION = 1e-9  # relative excess of p over p_sat(T) that still counts as saturated vapour
+LIQUID = 1e-6  # relative deficit of density at which a liquid still counts as saturated
 TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
 
@@ -198,6 +200,25 @@ class RealGas:
         T, rho = self._at(p, h, False)
         _p, h, _c_v, _tpt, a, choke, choked = self._run("state")(T, rho)
         return p, rho, h, a, choke, choked
+
+    def vapour(self, p: float, T: float) -> Reservoir:
+        """Return a reservoir of vapour at p [Pa] and T [K], saturated or not. Raises UsageError for a liquid."""
+        return self._reservoir(p, T, self.density(p, T))
+
+    def liquid(self, p: float, h: float) -> Reservoir:
+        """Return a reservoir of liquid at p [Pa] and h [J/kg], saturated or colder: it flows as a liquid, unflashed.
+
+        Raises UsageError where that is wet or vapour.
+        """
+        T, rho = self._at(p, h, False)
+        if T >= saturation(self.fluid).T_c or rho < self._run("liquid")(T) * (1.0 - LIQUID):
+            raise UsageError(f"{self.known.name} at {p:.6g} Pa, h = {h:.6g} J/kg is no liquid; give a colder state")
+        return self._reservoir(p, T, rho)
+
+    def _reservoir(self, p: float, T: float, rho: float) -> Reservoir:
+        """Return a reservoir of one phase, on the border of two as well."""
+        _p, h, _c_v, _tpt, exponent, choke, choked = self._run("single state")(T, rho)
+        return Reservoir(p, T, rho, h, float(self._run("entropy")(T, rho)), exponent, choke, choked)
 
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
         """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium.

@@ -11,6 +11,8 @@ own[PLACE] is the phase that the gas is held in during a step (`slots.FREE`: non
 from __future__ import annotations
 
 from screwsim.model.places import (
+    IMPOSSIBLE,
+    STEP,
     angle_terms,
     fill_place,
     neighbour,
@@ -19,12 +21,15 @@ from screwsim.model.places import (
     relative_error,
     share_before_border,
 )
+from screwsim.model.room import density_of, displaced, gas_mass, locked, with_room
 from screwsim.model.slots import (
     CARRIED,
     CATEGORIES,
     DENSITY,
+    E_ANGLE,
     E_AREAS,
     E_VOLUME,
+    FIRST_OWN,
     FREE,
     GAP_OFFSET,
     HEATED,
@@ -33,7 +38,9 @@ from screwsim.model.slots import (
     N_PLENUM,
     OFFSETS,
     OILED,
+    OWN_PLENUMS,
     P_GAP_WIDTH,
+    P_H_PORT,
     P_INJECTION,
     P_LIFE,
     P_OMEGA,
@@ -43,6 +50,8 @@ from screwsim.model.slots import (
     P_TO_RATIO,
     PLACE,
     PLENUM,
+    PORT_OIL,
+    PORTED,
     PRESSURE,
     Q_HEAT,
     Q_STREAMS,
@@ -55,11 +64,13 @@ from screwsim.model.slots import (
     R_TRAPPED,
     SUCTION_IN,
     TPT,
+    VOLUMED,
     N,
     gap_area,
     gas_phase,
     gas_state,
     injected_oil,
+    oil_inflow,
     volume_at,
 )
 from screwsim.model.streams import (
@@ -102,12 +113,16 @@ def surroundings(phi, middle, context, E):
                 E[at + PLACE] = 1.0
             else:
                 neighbour(phi + shift, middle + shift, t_old, d_old, kept[1], hints, 2 * o, R, state, E, at)
+                if VOLUMED == 1:
+                    with_room(E, at, P)
         at += SIDE
         if behind > 0.0:
             if kept[0] > 0 and t_new[kept[0]] >= phi - shift:
                 neighbour(phi - shift, middle - shift, t_new, d_new, kept[0], hints, 2 * o + 1, R, state, E, at)
             else:
                 neighbour(phi - shift, middle - shift, t_old, d_old, kept[1], hints, 2 * o + 1, R, state, E, at)
+            if VOLUMED == 1:
+                with_room(E, at, P)
 
 
 @kernel
@@ -135,6 +150,10 @@ def rates(y, E, context, f, g):
                 add_stream(work, gap_category(E, b, m) * width, m, E, b)
             else:
                 add_stream(work, gap_category(E, b, m) * width, m, own, 0)
+    if PORTED == 1:
+        oil = oil_inflow(E[E_ANGLE], own[PRESSURE], P, TAB)
+        work[PORT_OIL * width + 2] = oil
+        work[PORT_OIL * width + 3] = oil * P[P_H_PORT]
     g[Q_WORK] = 0.0
     g[Q_HEAT] = 0.0
     finish(y, 0, E, 0, own, 0, R, P, work, 0, f, g)
@@ -217,6 +236,9 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                     add_stream_slope(work, ds + j * n_sums + at, m, dm, own, 0, work, row)
                 else:
                     add_stream(work, ds + j * n_sums + at, dm, source, b)
+    if PORTED == 1:
+        at = PORT_OIL * width + 2
+        oil_slopes(E, E_next, 0, delta, own, 0, P, TAB, work, at, d, ds + at, n_sums, ds + N * n_sums + at)
     g[Q_WORK] = 0.0
     g[Q_HEAT] = 0.0
     finish(y, 0, E, 0, own, 0, R, P, work, 0, f, g)
@@ -225,6 +247,21 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     for j in range(N):
         own_column(y, j, E, own, state, work, d, other, n_sums, P, R, f, g, J, Jq)
     angle_column(y, E_next, delta, own, work, ds + N * n_sums, n_sums, P, R, f, g, f_phi, g_phi)
+
+
+@kernel
+def oil_slopes(E, E_next, e, delta, place, row, P, TAB, work, at, d, ds, stride, over_phi):
+    """Set the oil that comes through ports, work[at …], and its derivatives by the own states and by the angle."""
+    p = place[row + PRESSURE]
+    oil = oil_inflow(E[e + E_ANGLE], p, P, TAB)
+    by_p = (oil_inflow(E[e + E_ANGLE], p * (1.0 + STEP), P, TAB) - oil) / (p * STEP)
+    by_phi = (oil_inflow(E_next[e + E_ANGLE], p, P, TAB) - oil) / delta
+    for i in range(2):
+        factor = 1.0 if i == 0 else P[P_H_PORT]
+        work[at + i] = factor * oil
+        work[over_phi + i] = factor * by_phi
+        for j in range(N):
+            work[ds + j * stride + i] = factor * by_p * work[d + j * PLACE + PRESSURE]
 
 
 @kernel
@@ -270,16 +307,26 @@ def angle_column(y, E_next, delta, own, work, sums, n_sums, P, R, f, g, f_phi, g
 def inject(y, at, P, TAB, R):
     """Let the oil in at the injection angle, and note what is there: trapped mass, pressure, oil (M9, M30)."""
     m = y[at + 1] * volume_at(P[P_INJECTION], P, TAB)
+    if VOLUMED == 1:
+        m = gas_mass(volume_at(P[P_INJECTION], P, TAB), y[at + 1], y[at + 3], P)
     p, _h, _c, _t, _a, _x, _f = gas_state(y[at], y[at + 1], P, TAB)
     R[R_TRAPPED] = m
     R[R_PRESSURE] = p
     if OILED == 0:
+        return
+    if PORTED == 1:
+        R[R_RATIO] = y[at + 3]
+        R[R_OIL_BEFORE] = y[at + 3] * m
         return
     offered = injected_oil(p, m, P)
     before = y[at + 3] * m if CARRIED == 1 else 0.0
     R[R_OIL_BEFORE] = before
     R[R_INJECTED] = max(0.0, offered - before) if P[P_TO_RATIO] > 0.0 else offered
     R[R_RATIO] = (before + R[R_INJECTED]) / m
+    if VOLUMED == 1:
+        displaced(y, at, m, volume_at(P[P_INJECTION], P, TAB), before, R[R_INJECTED], P, TAB, R)
+        y[at + 3] = (before + R[R_INJECTED]) / m
+        return
     if CARRIED == 1:
         total = before + R[R_INJECTED]
         if total > 0.0:
@@ -301,6 +348,8 @@ def at_knot(phi, y, context):
 def error_size(y0, y1, error, context):
     """Return the size of a step's error; the place of the last stage is that of y1 all but for the error itself."""
     _P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    if VOLUMED == 1 and locked(y1, 0, _P):
+        return IMPOSSIBLE
     return relative_error(y0, y1, error, 0, own, 0)
 
 
@@ -324,14 +373,22 @@ def conserve(y, y1, E, E_next, context, dq):
     port = 0
     for i in range(N_PLENUM):
         area = E[E_AREAS + i] + E_next[E_AREAS + i]
+        if OWN_PLENUMS > 0 and PLENUM[i] >= FIRST_OWN:  # such ports are narrow: they do not hold the pressure
+            area = 0.0
         if area > widest:
             widest = area
             port = PLENUM[i]
     defect = y1[1] * E_next[E_VOLUME] - y[1] * E[E_VOLUME]
+    if VOLUMED == 1:
+        defect = gas_mass(E_next[E_VOLUME], y1[1], y1[3], P) - gas_mass(E[E_VOLUME], y[1], y[3], P)
     for c in range(CATEGORIES):
         defect -= dq[Q_STREAMS + c * width]
     if widest == 0.0:
-        y1[1] -= defect / E_next[E_VOLUME]
+        if VOLUMED == 0:
+            y1[1] -= defect / E_next[E_VOLUME]
+        else:
+            m = gas_mass(E_next[E_VOLUME], y1[1], y1[3], P) - defect
+            y1[1] = density_of(m, E_next[E_VOLUME], y1[3], P)
         return
     at = Q_STREAMS + (SUCTION_IN + 2 * port) * width
     if dq[at] + dq[at + width] >= 0.0:

@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_LIFE, P_OMEGA, P_PITCH, R_TRAPPED
+from screwsim.model.slots import BETWEEN, P_LIFE, P_OMEGA, P_PITCH, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
 from screwsim.numerics.rodas import dense_value
 
@@ -92,12 +92,12 @@ class Balances:
         self.width = 4 if machinery.composition.carried else 2
 
     def streams(self, q: Array) -> Array:
-        """Return the sums as rows: suction in, suction out, discharge in, discharge out, between chambers."""
-        return q[2:].reshape(5, self.width)
+        """Return the sums as rows, by the categories of slots: suction in, suction out, discharge in …"""
+        return q[2:].reshape(-1, self.width)
 
     def residues(self, q: Array, trapped: float, h_suction: float, pv: float) -> tuple[float, float, float]:
         """Return relative residues of gas mass, energy and oil mass over one life (M37–M39); pv is p/ρ at suction."""
-        flows = self.streams(q)[:4]
+        flows = np.delete(self.streams(q), BETWEEN, axis=0)
         mass = flows[:, 0]
         enthalpy = flows[:, 1] - h_suction * mass
         energy = enthalpy.sum() + q[0]
@@ -273,7 +273,7 @@ def by_coupling(
         end = y.copy()
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
-            return Closed("failed", q, y, pitch / c.chambers, "coupled", rtol, angle)
+            return Closed("failed", q, end, pitch / c.chambers, "coupled", rtol, angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
         image_plenum = task.outflow(q)
         image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), _plenum_logarithms(image_plenum)])

@@ -13,10 +13,21 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath, HeatRate
+from screwsim.effects.base import FlowPath, HeatRate, OilPort
 from screwsim.fluid.orifice import orifice_flow
 from screwsim.model import chamber, coupled, ledger, places, trace
-from screwsim.model.slots import FIRST_FREE
+from screwsim.model.parts import OilPart, Parts
+from screwsim.model.slots import (
+    FEWEST,
+    FIRST_OWN,
+    OIL_NUMBERS,
+    P_DISCHARGE_WIDTH,
+    P_FIRST_OIL,
+    P_PORT_WIDTH,
+    PLACE,
+    PORT_OIL,
+    R_SIZE,
+)
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kernel import HEADER, Kernel, decorate, flatten, without_wrapper
 from screwsim.numerics.spline import pack_curve
@@ -30,43 +41,21 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 
 # what a composition writes itself (slots.py)
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
-OWN += ("gap_area", "heat_rates", "heat_part", "injected_oil")
+OWN += ("gap_area", "heat_rates", "heat_part", "injected_oil", "oil_inflow")
+
+# names that a kernel has for the numbers of the injection orifice
+BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
+BORE |= {"separator_pressure": "separator_pressure"}
 
 # symbols that a kernel can ask for and that are not numbers of the scene
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 
 
-@dataclass(frozen=True)
-class OilPart:
-    """The oil in the model: properties [SI], transport ('paper' or 'carried') and supply.
-
-    `supply` is {'ratio': d} for a pump, or the orifice's density, viscosity, diameter, length, number, p_separator.
-    """
-
-    density: float
-    heat_capacity: float
-    temperature: float
-    transport: str
-    supply: Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class Parts:
-    """What a scene names, built: the machine's geometry, the gas, operation, oil, and every effect's parts."""
-
-    geometry: Any
-    gas: Any
-    omega: float
-    widths: tuple[float, float, float]  # regularisation [Pa]: suction port, discharge port, gaps
-    effects: Mapping[str, Sequence[Any]]
-    oil: OilPart | None
-
-
 @dataclass
 class _Numbers:
-    """P and TAB while they are being laid out."""
+    """P and TAB while they are being laid out; the head of P is filled in last."""
 
-    values: list[float] = field(default_factory=lambda: [0.0] * FIRST_FREE)
+    values: list[float]
     tables: list[np.ndarray] = field(default_factory=list)
 
     def add(self, value: float) -> str:
@@ -97,6 +86,15 @@ class Composition:
     n_E_all: int
     chambers: int
     carried: bool
+    n_widths: int = 3  # of the regularisation, from P_PORT_WIDTH on
+    n_R: int = R_SIZE
+    ported: bool = False
+    oil_room: bool = False
+
+    @property
+    def widths(self) -> slice:
+        """Where the widths of the regularisation stand in P."""
+        return slice(P_PORT_WIDTH, P_PORT_WIDTH + self.n_widths)
 
     @property
     def n_quadratures(self) -> int:
@@ -107,8 +105,8 @@ class Composition:
 class _Writer:
     """Writes the composition's own small functions and collects the kernels they call."""
 
-    def __init__(self, symbols: Mapping[str, float]) -> None:
-        self.numbers = _Numbers()
+    def __init__(self, symbols: Mapping[str, float], head: Sequence[float]) -> None:
+        self.numbers = _Numbers(list(head))
         self.symbols = symbols
         self.kernels: list[Kernel] = []
         self.text: list[str] = []
@@ -149,11 +147,8 @@ def symbols_of(parts: Parts) -> dict[str, float]:
     if parts.oil is not None:
         found["oil_density"] = parts.oil.density
         found["oil_heat_capacity"] = parts.oil.heat_capacity
+        found |= {BORE[name]: value for name, value in parts.oil.supply.items() if name in BORE}
     return found
-
-
-def _flow_paths(parts: Parts) -> list[tuple[str, FlowPath]]:
-    return [(name, part) for name, items in parts.effects.items() for part in items if isinstance(part, FlowPath)]
 
 
 def _write_areas(writer: _Writer, name: str, paths: Sequence[FlowPath]) -> None:
@@ -205,10 +200,15 @@ def _write_supply(writer: _Writer, oil: OilPart | None, pitch: float, omega: flo
     writer.function("injected_oil(p, m, P)", body)
 
 
-def _knots(parts: Parts, volume_knots: Sequence[float], paths: Sequence[FlowPath]) -> np.ndarray:
+def _write_ports(writer: _Writer, port: OilPort) -> None:
+    call = writer.call(port.flow, port.values, {}, ("phi", "p", "width"))
+    writer.function("oil_inflow(phi, p, P, TAB)", [f"width = P[{P_DISCHARGE_WIDTH}]", f"return {call}"])
+
+
+def _knots(parts: Parts, volume_knots: Sequence[float], paths: Sequence[FlowPath], more: Sequence[float]) -> np.ndarray:
     """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
     geometry = parts.geometry
-    own = {geometry.injection_angle, *volume_knots}
+    own = {geometry.injection_angle, *volume_knots, *more}
     for path in paths:
         own.update(path.knots)
     shifts = {0}
@@ -228,15 +228,18 @@ def _knots(parts: Parts, volume_knots: Sequence[float], paths: Sequence[FlowPath
 
 def compose(parts: Parts) -> Composition:
     """Return the composition of what a scene names."""
-    writer = _Writer(symbols_of(parts))
-    geometry, gas, oil = parts.geometry, parts.gas, parts.oil
-    named = _flow_paths(parts)
+    writer = _Writer(symbols_of(parts), _fixed_numbers(parts))
+    geometry, gas, oil, port = parts.geometry, parts.gas, parts.oil, parts.oil_port
+    named = parts.all(FlowPath)
     plenum = [(name, path) for name, path in named if path.to != "neighbour"]
     gaps = [(name, path) for name, path in named if path.to == "neighbour"]
-    heating = [(name, part) for name, items in parts.effects.items() for part in items if isinstance(part, HeatRate)]
+    heating = parts.all(HeatRate)
     heats = [part for _, part in heating]
-    carried = bool(heats) and oil is not None and oil.transport == "carried"
-    states = ("T", "rho", *(("T_oil",) if heats else ()), *(("x_oil",) if carried else ()))
+    heated = bool(heats) or port is not None or parts.oil_room
+    carried = heated and oil is not None and oil.transport == "carried"
+    if not carried and (port is not None or parts.oil_room):
+        raise TypeError("oil that enters through ports or takes room needs oil, and oil.transport: carried")
+    states = ("T", "rho", *(("T_oil",) if heated else ()), *(("x_oil",) if carried else ()))
     law = geometry.volume_law()
     _write_gas(writer, gas)
     for name, kernel, sign in (("volume_at", law.volume, ""), ("volume_slope_at", law.slope, "-")):
@@ -248,59 +251,84 @@ def compose(parts: Parts) -> Composition:
     _write_areas(writer, "plenum_area", [path for _, path in plenum])
     _write_areas(writer, "gap_area", [path for _, path in gaps])
     _write_heat(writer, heats)
-    _write_supply(writer, oil, geometry.pitch, parts.omega)
+    _write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
+    if port is not None:
+        _write_ports(writer, port)
     offsets = sorted({path.offset for _, path in gaps})
     constants = {
         "N": len(states),
         "VARIES": int(gas.varies),
         "PHASES": int(gas.phased_state is not None),
         "N_HEATS": len(heats),
-        "HEATED": int(bool(heats)),
+        "HEATED": int(heated),
         "CARRIED": int(carried),
         "OILED": int(oil is not None),
         "N_PLENUM": len(plenum),
-        "PLENUM": f"np.array({[int(path.to == 'discharge') for _, path in plenum] or [0]})",
+        "PLENUM": f"np.array({[parts.number(path.to) for _, path in plenum] or [0]})",
         "N_GAPS": len(gaps),
         "GAP_OFFSET": f"np.array({[offsets.index(path.offset) for _, path in gaps] or [0]})",
         "N_OFFSETS": len(offsets),
         "OFFSETS": f"np.array({offsets or [0]})",
         "CHAMBERS": geometry.chambers,
     }
+    structure = _structure(parts)
     n_areas = 4 + len(plenum)
     return Composition(
-        text=_module_text(tuple(writer.text), tuple(writer.kernels), tuple(constants.items())),
-        P=_fixed_numbers(writer, parts),
+        text=_module_text(
+            tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())
+        ),
+        P=np.array(writer.numbers.values),
         TAB=np.concatenate([*writer.numbers.tables, np.zeros(1)]),
-        knots=_knots(parts, law.knots, [path for _, path in named]),
+        knots=_knots(parts, law.knots, [path for _, path in named], port.knots if port is not None else ()),
         states=states,
         plenum_paths=tuple(name for name, _ in plenum),
         gap_paths=tuple((name, path.offset) for name, path in gaps),
         heats=tuple(name for name, _ in heating),
         n_place=5 if gas.varies else 2,
-        n_sums=5 * (4 if carried else 2),
+        n_sums=structure["CATEGORIES"] * (4 if carried else 2),
         n_E=n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets),
         n_E_all=geometry.chambers * (n_areas + len(gaps)),
         chambers=geometry.chambers,
         carried=carried,
+        n_widths=3 + len(parts.plenums),
+        n_R=(FIRST_OWN + len(parts.plenums)) * PLACE if parts.plenums else R_SIZE,
+        ported=port is not None,
+        oil_room=parts.oil_room,
     )
 
 
-def _fixed_numbers(writer: _Writer, parts: Parts) -> np.ndarray:
-    """Return P with its fixed head filled in (slots.P_OMEGA …)."""
+def _structure(parts: Parts) -> dict[str, int]:
+    """Return the numbers that decide what is pasted, and those that move with them (slots.Structure)."""
+    own, ported = len(parts.plenums), parts.oil_port is not None
+    found = {"OWN_PLENUMS": own, "PORTED": int(ported), "VOLUMED": int(parts.oil_room)}
+    found["CATEGORIES"] = PORT_OIL + 1 + 2 * own if own or ported else FEWEST
+    return found | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}
+
+
+def _fixed_numbers(parts: Parts) -> list[float]:
+    """Return the head of P (slots.P_OMEGA …); each own plenum has its width of the regularisation."""
     oil, geometry = parts.oil, parts.geometry
     head = [parts.omega, geometry.pitch, geometry.life, geometry.injection_angle]
     head += parts.widths
+    head += [parts.widths[2] for _ in parts.plenums]
     head += [oil.heat_capacity, oil.temperature, float("ratio" in oil.supply)] if oil is not None else [1.0, 0.0, 0.0]
-    writer.numbers.values[:FIRST_FREE] = head
-    return np.array(writer.numbers.values)
+    if oil is not None and (parts.oil_room or parts.oil_port is not None):
+        room = 1.0 / oil.density if parts.oil_room else 0.0
+        loss = parts.oil_port.pressure_loss if parts.oil_port is not None else 0.0
+        at_port = oil.temperature + room * (oil.source_pressure - loss) / oil.heat_capacity
+        head += [room, oil.source_pressure, at_port]
+    return head
 
 
 @lru_cache(maxsize=64)
 def _module_text(
-    own_functions: tuple[str, ...], kernels: tuple[Kernel, ...], named: tuple[tuple[str, Any], ...]
+    own_functions: tuple[str, ...],
+    kernels: tuple[Kernel, ...],
+    named: tuple[tuple[str, Any], ...],
+    structure: tuple[tuple[str, int], ...],
 ) -> str:
     """Return the flat module: constants, pasted kernels, the composition's functions, the drivers."""
-    constants = dict(named)
+    constants, numbers = dict(named), dict(structure)
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
     own = {name: name for name in (*constants, *OWN)}
     rooms = (
@@ -311,11 +339,13 @@ def _module_text(
         places.keep_places,
         places.places_along,
     )
-    model = flatten(rooms, own)
+    model = flatten(rooms, own, numbers=numbers)
     model |= flatten((history.add_history, history.states_at))
-    model |= flatten((trace.peak_pressure, trace.sample, trace.work_along, ledger.account), own)
+    model |= flatten((trace.peak_pressure, trace.sample, trace.work_along, ledger.account), own, numbers=numbers)
     if constants["HEATED"] and not constants["CARRIED"]:
-        model |= flatten((trace.oil_with_outflow,), own)
+        model |= flatten((trace.oil_with_outflow,), own, numbers=numbers)
+    if numbers["PORTED"]:
+        model |= flatten((trace.port_oil,), own, numbers=numbers)
     blocks = flatten(kernels)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     blocks |= {name: text for name, text in model.items() if name not in blocks}

@@ -10,7 +10,9 @@ working memory for sums and derivatives.
 
 from __future__ import annotations
 
+from screwsim.model.chamber import oil_slopes
 from screwsim.model.places import (
+    IMPOSSIBLE,
     angle_terms,
     fill_place,
     perturbation,
@@ -18,6 +20,7 @@ from screwsim.model.places import (
     relative_error,
     share_before_border,
 )
+from screwsim.model.room import gas_mass, locked
 from screwsim.model.slots import (
     BETWEEN,
     CARRIED,
@@ -25,19 +28,25 @@ from screwsim.model.slots import (
     CHAMBERS,
     DENSITY,
     DISCHARGE_IN,
+    E_ANGLE,
     E_AREAS,
     E_VOLUME,
+    FIRST_OWN,
     GAP_OFFSET,
     N_GAPS,
     N_PLENUM,
     OFFSETS,
+    OWN_PLENUMS,
     P_GAP_WIDTH,
+    P_H_PORT,
     P_INJECTION,
     P_OMEGA,
     P_PITCH,
     P_PORT_WIDTH,
     PLACE,
     PLENUM,
+    PORT_OIL,
+    PORTED,
     PRESSURE,
     Q_HEAT,
     Q_STREAMS,
@@ -45,9 +54,11 @@ from screwsim.model.slots import (
     R_DISCHARGE,
     SUCTION_IN,
     TPT,
+    VOLUMED,
     N,
     gap_area,
     gas_phase,
+    oil_inflow,
 )
 from screwsim.model.streams import (
     add_stream,
@@ -113,6 +124,11 @@ def all_rates(y, E, context, f, g):
                         add_stream(work, j * n_sums + DISCHARGE_IN * width, m, R, R_DISCHARGE)
                     else:
                         add_stream(work, j * n_sums + (DISCHARGE_IN + 1) * width, m, places, j * PLACE)
+    if PORTED == 1:
+        for j in range(CHAMBERS):
+            oil = oil_inflow(E[j * size + E_ANGLE], places[j * PLACE + PRESSURE], P, TAB)
+            work[j * n_sums + PORT_OIL * width + 2] = oil
+            work[j * n_sums + PORT_OIL * width + 3] = oil * P[P_H_PORT]
     total_rates(y, E, P, R, places, work, f, g)
 
 
@@ -130,6 +146,9 @@ def total_rates(y, E, P, R, places, work, f, g):
             g[Q_STREAMS + i] += work[j * n_sums + i] / P[P_OMEGA]
         if side_of(j, P) == 0:
             g[Q_STREAMS + n_sums] += work[j * n_sums + BETWEEN * width] / P[P_OMEGA]
+            if OWN_PLENUMS > 0:
+                for c in range(2 * FIRST_OWN, CATEGORIES):
+                    g[Q_STREAMS + n_sums] += work[j * n_sums + c * width] / P[P_OMEGA]
 
 
 @kernel
@@ -236,6 +255,14 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                     gap_slopes(area, darea, j, ahead, BETWEEN * width, context, d, ds)
                 else:
                     opening_slopes(area, darea, j, 1, P[P_GAP_WIDTH], context, d, ds)
+    if PORTED == 1:
+        n_cols = n_all + 1
+        for j in range(CHAMBERS):
+            at = j * n_sums + PORT_OIL * width + 2
+            own = ds + (j * n_cols + j * N) * n_sums + PORT_OIL * width + 2
+            over_phi = ds + (j * n_cols + n_all) * n_sums + PORT_OIL * width + 2
+            first = d + j * N * PLACE
+            oil_slopes(E, E_next, j * size, delta, places, j * PLACE, P, TAB, work, at, first, own, n_sums, over_phi)
     total_rates(y, E, P, R, places, work, f, g)
     for c in range(CHAMBERS):
         for k in range(N):
@@ -280,6 +307,8 @@ def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
         Jq[Q_STREAMS + i, col] = total / P[P_OMEGA]
         if i == BETWEEN * width:
             Jq[Q_STREAMS + n_sums, col] = crossing / P[P_OMEGA]
+        if OWN_PLENUMS > 0 and i >= 2 * FIRST_OWN * width and i % width == 0:
+            Jq[Q_STREAMS + n_sums, col] += crossing / P[P_OMEGA]
     base = work[spare : spare + N + 2]
     new = work[spare + N + 2 : spare + 2 * N + 4]
     row = places[CHAMBERS * PLACE :]
@@ -327,6 +356,10 @@ def all_error_size(y0, y1, error, context):
     """Return the size of a step's error, the largest of all chambers."""
     _P, _TAB, _R, places, _changed, _work = context
     worst = 0.0
+    if VOLUMED == 1:
+        for j in range(CHAMBERS):
+            if locked(y1, j * N, _P):
+                return IMPOSSIBLE
     for j in range(CHAMBERS):
         worst = max(worst, relative_error(y0, y1, error, j * N, places, j * PLACE))
     return worst
@@ -357,12 +390,19 @@ def all_conserve(y, y1, E, E_next, context, dq):
     for side in range(2):
         at = Q_STREAMS + (SUCTION_IN + 2 * side) * width
         defect = -dq[at] - dq[at + width] - (crossing if side == 0 else -crossing)
+        if OWN_PLENUMS > 0 and side == 1:  # what crosses holds what comes from own plenums to the suction side
+            for c in range(2 * FIRST_OWN, CATEGORIES):
+                defect -= dq[Q_STREAMS + c * width]
         widest = 0.0
         open_one = 0
         for j in range(CHAMBERS):
             if side_of(j, P) == side:
                 e = j * size
-                defect += y1[j * N + 1] * E_next[e + E_VOLUME] - y[j * N + 1] * E[e + E_VOLUME]
+                if VOLUMED == 0:
+                    defect += y1[j * N + 1] * E_next[e + E_VOLUME] - y[j * N + 1] * E[e + E_VOLUME]
+                else:
+                    defect += gas_mass(E_next[e + E_VOLUME], y1[j * N + 1], y1[j * N + 3], P)
+                    defect -= gas_mass(E[e + E_VOLUME], y[j * N + 1], y[j * N + 3], P)
                 for i in range(N_PLENUM):
                     area = E[e + E_AREAS + i] + E_next[e + E_AREAS + i]
                     if PLENUM[i] == side and area > widest:

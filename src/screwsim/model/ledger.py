@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from screwsim.model.chamber import SIDE, path_flows, surroundings
+from screwsim.model.room import gas_mass, gas_mass_slope
 from screwsim.model.slots import (
     CARRIED,
     DENSITY,
@@ -20,6 +21,7 @@ from screwsim.model.slots import (
     E_SLOPE,
     E_VOLUME,
     ENTHALPY,
+    FIRST_OWN,
     GAP_OFFSET,
     HEATED,
     N_GAPS,
@@ -29,22 +31,29 @@ from screwsim.model.slots import (
     OFFSETS,
     OIL_RATIO,
     OIL_TEMPERATURE,
+    OWN_PLENUMS,
     P_C_OIL,
+    P_H_PORT,
     P_OMEGA,
     P_PITCH,
     P_PORT_WIDTH,
+    P_T_OIL,
     PLACE,
     PLENUM,
+    PLENUM_ENTROPY,
+    PORTED,
     PRESSURE,
     R_DISCHARGE,
     R_RATIO,
+    VOLUMED,
     N,
     gas_entropy,
     heat_part,
+    oil_inflow,
 )
 from screwsim.numerics.history import read
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.rodas import dense_value
+from screwsim.numerics.rodas import dense_slope, dense_value
 
 # of one path: |flow| [kg], the enthalpy it carries [J] and the entropy generated where it arrives [J/K] in a chamber;
 # of what leaves to the path's line: mass, enthalpy, entropy, oil [kg], oil × T_oil, oil × ln T_oil
@@ -55,7 +64,9 @@ HEAT, HEAT_GENERATED = range(2)
 HEAT_SUMS = 2
 # of oil that is not conserved: oil made [kg], × T_oil, × ln T_oil; heat the oil loses beyond the gas's, and over T_oil
 MADE, MADE_T, MADE_LOG, LOST, LOST_OVER_T = range(5)
-OIL_SUMS = 5
+# of the oil that comes through ports: mass [kg], × chamber pressure [kg Pa], entropy generated in the chamber [J/K]
+PORT_MASS, PORT_PRESSURE, PORT_GENERATED = range(5, 8)
+OIL_SUMS = 8
 
 NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
 POINTS = 3
@@ -92,6 +103,8 @@ def balanced(flows, mass_rate, E, own, R, P):
     total = 0.0
     for i in range(N_PLENUM):
         total += flows[i]
+        if OWN_PLENUMS > 0 and PLENUM[i] >= FIRST_OWN:
+            continue
         if E[E_AREAS + i] > widest:
             widest = E[E_AREAS + i]
             port = i
@@ -120,7 +133,32 @@ def neighbours_entropy(phi, context, flows, E, s_discharge, entropies):
             there = phi + (1 - 2 * (side % 2)) * OFFSETS[side // 2] * P[P_PITCH]
             theta = (there - times[i]) / (times[i + 1] - times[i])
             T = dense_value(theta, dense[i, 0, 0], dense[i, 1, 0], dense[i, 2, 0], dense[i, 3, 0])
-            entropies[side] = gas_entropy(T, E[at + DENSITY], P, TAB)
+            if VOLUMED == 0:
+                entropies[side] = gas_entropy(T, E[at + DENSITY], P, TAB)
+            else:
+                rho = dense_value(theta, dense[i, 0, 1], dense[i, 1, 1], dense[i, 2, 1], dense[i, 3, 1])
+                entropies[side] = gas_entropy(T, rho, P, TAB)
+
+
+@kernel
+def pressed_oil_arriving(m, source, b, own, T):
+    """Return what `oil_arriving` does for oil that takes room: its enthalpy holds its pressure (M109)."""
+    per_pressure = (own[OIL_TEMPERATURE] - T) / own[PRESSURE]
+    T_i = source[b + OIL_TEMPERATURE] - source[b + PRESSURE] * per_pressure
+    if not (T_i > 0.0 and T > 0.0):
+        return 0.0
+    return m * ((source[b + OIL_TEMPERATURE] - own[OIL_TEMPERATURE]) / T - math.log(T_i / T))
+
+
+@kernel
+def add_port_oil(phi, own, T, P, TAB, dt, oil):
+    """Add the oil that comes through ports, and what it generates in a chamber whose oil has T (M105, M109)."""
+    m = oil_inflow(phi, own[PRESSURE], P, TAB)
+    oil[PORT_MASS] += dt * m
+    oil[PORT_PRESSURE] += dt * m * own[PRESSURE]
+    if T > 0.0:
+        rise = (P[P_H_PORT] - own[OIL_TEMPERATURE]) / T
+        oil[PORT_GENERATED] += dt * m * P[P_C_OIL] * (rise - math.log(P[P_T_OIL] / T))
 
 
 @kernel
@@ -131,7 +169,10 @@ def add_arrival(sums, m, source, b, s_i, own, T, s, T_oil, dt, c_oil):
     sums[GENERATED] += dt * arriving(m, source[b + ENTHALPY], s_i, own[ENTHALPY], s, T)
     if CARRIED == 1 and source[b + OIL_RATIO] > 0.0:
         oil = m * source[b + OIL_RATIO]
-        sums[GENERATED] += dt * c_oil * oil_arriving(oil, source[b + OIL_TEMPERATURE], T_oil)
+        if VOLUMED == 0:
+            sums[GENERATED] += dt * c_oil * oil_arriving(oil, source[b + OIL_TEMPERATURE], T_oil)
+        else:
+            sums[GENERATED] += dt * c_oil * pressed_oil_arriving(oil, source, b, own, T_oil)
 
 
 @kernel
@@ -144,7 +185,10 @@ def add_departure(sums, m, own, s, ratio, T_oil, dt):
     sums[OUT_ENTROPY] += dt * m * s
     if ratio > 0.0 and T_oil > 0.0:
         sums[OUT_OIL] += dt * m * ratio
-        sums[OUT_OIL_T] += dt * m * ratio * T_oil
+        if VOLUMED == 0:
+            sums[OUT_OIL_T] += dt * m * ratio * T_oil
+        else:
+            sums[OUT_OIL_T] += dt * m * ratio * own[OIL_TEMPERATURE]
         sums[OUT_OIL_LOG] += dt * m * ratio * math.log(T_oil)
 
 
@@ -170,6 +214,8 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
         b = R_DISCHARGE * PLENUM[i]
         if m >= 0.0:
             s_i = s_discharge if PLENUM[i] == 1 else s_suction
+            if OWN_PLENUMS > 0 and PLENUM[i] >= FIRST_OWN:
+                s_i = R[b + PLENUM_ENTROPY]
             add_arrival(paths[i], m, R, b, s_i, own, T, s, T_oil, dt, P[P_C_OIL])
         else:
             ratio = leaving if PLENUM[i] == 1 or CARRIED == 1 else 0.0
@@ -186,6 +232,8 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
             discharged -= leaving * m
     if HEATED == 1:
         m_gas = y[1] * E[E_VOLUME]
+        if VOLUMED == 1:
+            m_gas = gas_mass(E[E_VOLUME], y[1], y[3], P)
         m_oil = m_gas * leaving
         for i in range(N_HEATS):
             heat, lost = heat_part(
@@ -227,7 +275,12 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
             rise = dense[step, 1, 1] - dense[step, 0, 1]
             bend = (1.0 - 2.0 * theta) * dense[step, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[step, 3, 1]
             mass_rate = P[P_OMEGA] * (E[E_VOLUME] * (rise + bend) / h + E[E_SLOPE] * y[1])
+            if VOLUMED == 1:
+                dx = dense_slope(theta, dense[step, 0, 3], dense[step, 1, 3], dense[step, 2, 3], dense[step, 3, 3]) / h
+                mass_rate = P[P_OMEGA] * gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[1], (rise + bend) / h, y[3], dx, P)
             balanced(flows, mass_rate, E, own, R, P)
             neighbours_entropy(phi, context, flows, E, s_discharge, entropies)
             dt = WEIGHTS[k] * h / P[P_OMEGA]
             add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharge, dt, paths, heats, oil)
+            if PORTED == 1:
+                add_port_oil(phi, own, y[2], P, context[1], dt, oil)

@@ -6,6 +6,7 @@ histories, whose columns beyond the states hold their places.
 
 from __future__ import annotations
 
+from screwsim.model.room import with_room
 from screwsim.model.slots import (
     C_V,
     CARRIED,
@@ -31,6 +32,7 @@ from screwsim.model.slots import (
     R_SUCTION,
     TPT,
     VARIES,
+    VOLUMED,
     N,
     gas_phase,
     gas_state,
@@ -72,6 +74,8 @@ def fill_place(held, y, at, P, TAB, place, row):
         place[row + OIL_TEMPERATURE] = y[at + 2]
     if CARRIED == 1:
         place[row + OIL_RATIO] = y[at + 3]
+    if VOLUMED == 1:
+        with_room(place, row, P)
 
 
 @kernel
@@ -120,8 +124,16 @@ def places_of_step(step, dense, P, TAB, own):
         row = 0 if k == 0 else (2 if k == 1 else (3 if k == 2 else 1))
         for i in range(extra):
             dense[step, row, N + i] = own[i]
+    if VOLUMED == 1:  # oil that displaces gas makes it jump
+        p, h, _c_v, _tpt, exponent, choke, choked = gas_state(dense[step, 0, 0], dense[step, 0, 1], P, TAB)
+        dense[step, 0, N] = p
+        dense[step, 0, N + 1] = h
+        if VARIES == 1:
+            dense[step, 0, N + 2] = exponent
+            dense[step, 0, N + 3] = choke
+            dense[step, 0, N + 4] = choked
     for i in range(extra):
-        if step > 0:
+        if VOLUMED == 0 and step > 0:
             dense[step, 0, N + i] = dense[step - 1, 1, N + i]
         v0 = dense[step, 0, N + i]
         v3 = dense[step, 1, N + i]
@@ -232,3 +244,11 @@ def place_derivatives(held, y, at, P, TAB, place, row, changed, d):
         d[2 * PLACE + OIL_TEMPERATURE] = 1.0
     if CARRIED == 1:
         d[3 * PLACE + OIL_RATIO] = 1.0
+    if VOLUMED == 1:
+        for i in range(N):
+            changed[i] = y[at + i]
+        delta = perturbation(y, at, 3)
+        changed[3] += delta
+        fill_place(held, changed, 0, P, TAB, d, 3 * PLACE)
+        for i in range(PLACE):
+            d[3 * PLACE + i] = (d[3 * PLACE + i] - place[row + i]) / delta

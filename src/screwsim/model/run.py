@@ -15,7 +15,7 @@ import numpy as np
 
 from screwsim.model import compiled, ledger
 from screwsim.model.compose import Composition
-from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PLACE, R_SIZE
+from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PLACE
 from screwsim.numerics.scipy_integrators import METHODS, integrate
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
@@ -32,7 +32,7 @@ class Machinery:
         n, n_sums = len(composition.states), composition.n_sums
         self.n = n
         self.nq = composition.n_quadratures
-        self.R = np.zeros(R_SIZE)
+        self.R = np.zeros(composition.n_R)
         self.max_steps = max_steps
         self.columns = n + composition.n_place
         self.histories = [self._history(max_steps, self.columns, self.nq) for _ in range(2)]
@@ -160,6 +160,11 @@ class Machinery:
             )
         return paths, heats[: len(c.heats)], oil
 
+    def port_oil(self) -> tuple[float, float]:
+        """Return the oil [kg] that came through ports over the last life, and that times the chamber's pressure."""
+        times, dense, _, steps = self.last()
+        return self.module.trace__port_oil(times, dense, steps, self.composition.P, self.composition.TAB)
+
     def restore(self, times: Array, dense: Array, quads: Array) -> None:
         """Put back a whole history, places included, as the last turn's."""
         old, steps = self.histories[0], len(dense)
@@ -261,8 +266,8 @@ class Machinery:
 
     def _scales(self, q: Array) -> Array:
         """Return the scale of each quadrature: the largest of its kind, so that an idle path demands no accuracy."""
-        streams = np.abs(q[2:]).reshape(5, -1)
-        return np.concatenate([np.full(2, np.max(np.abs(q[:2]))), np.tile(streams.max(axis=0), 5)])
+        streams = np.abs(q[2:]).reshape(-1, 4 if self.composition.carried else 2)
+        return np.concatenate([np.full(2, np.max(np.abs(q[:2]))), np.tile(streams.max(axis=0), len(streams))])
 
     def inject(self, y: Array) -> None:
         """Let the oil into the chamber that stands at the injection angle."""

@@ -5,12 +5,16 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `volume_slope_at(phi, P, TAB)`, `plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
 `heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W],
 `heat_part(i, …)`: the same of one heat rate,
-`injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg].
+`injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
+`oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p.
 
 Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), PHASES (0 or
 1: can it have two phases), N_HEATS (heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass),
-OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge), N_GAPS and GAP_OFFSET (gap → index in
-OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
+OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge, from 3 on an effect's own plenum), N_GAPS
+and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
+
+Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
+ports), VOLUMED (1: oil takes room), CATEGORIES, and the indices into P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -19,7 +23,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from screwsim.numerics.kernel import Slot
+from screwsim.numerics.kernel import Slot, Structure
 
 gas_state: Any = Slot("gas_state")
 gas_phase: Any = Slot("gas_phase")
@@ -32,6 +36,7 @@ gap_area: Any = Slot("gap_area")
 heat_rates: Any = Slot("heat_rates")
 heat_part: Any = Slot("heat_part")
 injected_oil: Any = Slot("injected_oil")
+oil_inflow: Any = Slot("oil_inflow")
 
 N: Any = Slot("N")
 VARIES: Any = Slot("VARIES")
@@ -48,26 +53,44 @@ N_OFFSETS: Any = Slot("N_OFFSETS")
 OFFSETS: Any = Slot("OFFSETS")
 CHAMBERS: Any = Slot("CHAMBERS")
 
+OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
+PORTED: Any = Structure("PORTED")
+VOLUMED: Any = Structure("VOLUMED")
+
 # P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
 P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)
-P_C_OIL, P_T_OIL, P_TO_RATIO, FIRST_FREE = range(7, 11)
+P_FIRST_OIL = 7  # without own plenums, whose widths stand before
+P_C_OIL: Any = Structure("P_C_OIL")
+P_T_OIL: Any = Structure("P_T_OIL")
+P_TO_RATIO: Any = Structure("P_TO_RATIO")
+P_ROOM: Any = Structure("P_ROOM")  # specific volume of the oil; 0 where it takes no room
+P_P_SOURCE: Any = Structure("P_P_SOURCE")  # pressure of the oil's source
+P_H_PORT: Any = Structure("P_H_PORT")  # enthalpy over heat capacity of the oil that comes through ports
+OIL_NUMBERS = ("P_C_OIL", "P_T_OIL", "P_TO_RATIO", "P_ROOM", "P_P_SOURCE", "P_H_PORT")
 
-# a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T
+# a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T.
+# Where oil takes room the density is that which the flow feels, and the temperature is enthalpy over heat capacity of
+# the oil (room.with_room).
 PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT = range(10)
 PLACE = 10
+PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
 FREE = -1.0  # phase of a chamber whose state tells it; else it is held until the integrator's step is accepted
 
-# R: what changes while the cycle is closed: the two plenums (places), then what happens at the injection angle
+# R: what changes while the cycle is closed: the two plenums (places), then what happens at the injection angle;
+# plenum i of the effects' own (i = 3, 4, …) is the place at i · PLACE
 R_SUCTION = 0
 R_DISCHARGE = PLACE
-R_RATIO, R_TRAPPED, R_PRESSURE, R_INJECTED, R_OIL_BEFORE, R_SIZE = range(2 * PLACE, 2 * PLACE + 6)
+R_RATIO, R_TRAPPED, R_PRESSURE, R_INJECTED, R_OIL_BEFORE, R_LOCK, R_SIZE = range(2 * PLACE, 2 * PLACE + 7)
+FIRST_OWN = 3  # number of the first of the effects' own plenums
 
 # E: what depends on the angle alone: volume, dV/dφ, oil present, angle, then areas and places of neighbours
 E_VOLUME, E_SLOPE, E_OILED, E_ANGLE, E_AREAS = range(5)
 
-# categories of streams: suction in, suction out, discharge in, discharge out, between chambers (net)
-SUCTION_IN, SUCTION_OUT, DISCHARGE_IN, DISCHARGE_OUT, BETWEEN = range(5)
-CATEGORIES = 5
+# categories of streams: suction in, suction out, discharge in, discharge out, between chambers (net); with own plenums
+# or oil ports also the oil that comes through ports, then in and out of each own plenum: 2 i and 2 i + 1 of plenum i
+SUCTION_IN, SUCTION_OUT, DISCHARGE_IN, DISCHARGE_OUT, BETWEEN, PORT_OIL = range(6)
+CATEGORIES: Any = Structure("CATEGORIES")
+FEWEST = 5  # categories
 
 # quadratures: work on the gas, heat from the oil, then per category mass, enthalpy (oil mass, oil mass × T_oil)
 Q_WORK, Q_HEAT, Q_STREAMS = range(3)

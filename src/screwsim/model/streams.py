@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from screwsim.fluid.nozzle import flow, flow_slopes
 from screwsim.model.balance import oil_temperature_slope, temperature_slope
+from screwsim.model.room import gas_mass
 from screwsim.model.slots import (
     BETWEEN,
     C_V,
@@ -27,6 +28,7 @@ from screwsim.model.slots import (
     OIL_TEMPERATURE,
     P_C_OIL,
     P_OMEGA,
+    P_ROOM,
     PLACE,
     PRESSURE,
     Q_HEAT,
@@ -34,6 +36,7 @@ from screwsim.model.slots import (
     R_RATIO,
     SUCTION_IN,
     TPT,
+    VOLUMED,
     heat_rates,
 )
 from screwsim.numerics.kernel import kernel
@@ -127,6 +130,8 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
     T = y[at]
     rho = y[at + 1]
     m = rho * E[e + E_VOLUME]
+    if VOLUMED == 1:
+        m = gas_mass(E[e + E_VOLUME], rho, y[at + 3], P)
     width = 4 if CARRIED == 1 else 2
     mass = 0.0
     enthalpy = 0.0
@@ -146,22 +151,33 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
         heat, lost = heat_rates(
             T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], y[at + 2], m_oil, R[R_RATIO], P
         )
-        f[at + 2] = oil_temperature_slope(y[at + 2], m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
+        if VOLUMED == 0:
+            f[at + 2] = oil_temperature_slope(y[at + 2], m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
+        else:
+            own = place[row + OIL_TEMPERATURE]
+            f[at + 2] = oil_temperature_slope(own, m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
         if CARRIED == 1:
             f[at + 3] = (oil - y[at + 3] * mass) / (m * omega)
-    f[at] = temperature_slope(
-        T,
-        m,
-        rho,
-        place[row + ENTHALPY],
-        place[row + C_V],
-        place[row + TPT],
-        mass,
-        enthalpy,
-        heat,
-        E[e + E_SLOPE],
-        omega,
-    )
-    f[at + 1] = (mass / omega - rho * E[e + E_SLOPE]) / E[e + E_VOLUME]
+    if VOLUMED == 0:
+        f[at] = temperature_slope(
+            T,
+            m,
+            rho,
+            place[row + ENTHALPY],
+            place[row + C_V],
+            place[row + TPT],
+            mass,
+            enthalpy,
+            heat,
+            E[e + E_SLOPE],
+            omega,
+        )
+        f[at + 1] = (mass / omega - rho * E[e + E_SLOPE]) / E[e + E_VOLUME]
+    else:
+        slope = E[e + E_SLOPE] - oil * P[P_ROOM] / omega
+        f[at] = temperature_slope(
+            T, m, rho, place[row + ENTHALPY], place[row + C_V], place[row + TPT], mass, enthalpy, heat, slope, omega
+        )
+        f[at + 1] = (mass / omega - rho * slope) * rho / m
     g[Q_WORK] -= place[row + PRESSURE] * E[e + E_SLOPE]
     g[Q_HEAT] += heat / omega

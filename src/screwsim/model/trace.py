@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import SIDE, path_flows, surroundings
+from screwsim.model.ledger import NODES, POINTS, WEIGHTS
+from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
     E_AREAS,
     E_SLOPE,
@@ -13,15 +15,18 @@ from screwsim.model.slots import (
     N_GAPS,
     N_PLENUM,
     P_INJECTION,
+    P_OMEGA,
     PLACE,
     PLENUM,
+    VOLUMED,
     N,
     gas_state,
+    oil_inflow,
     volume_slope_at,
 )
 from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.rodas import dense_value
+from screwsim.numerics.rodas import dense_slope, dense_value
 
 
 @kernel
@@ -66,7 +71,12 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         out[a, 2] = before + theta * (quads[i, 0] - before)
         rise = dense[i, 1, 1] - dense[i, 0, 1]
         bend = (1.0 - 2.0 * theta) * dense[i, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[i, 3, 1]
-        out[a, 3] = E[E_VOLUME] * (rise + bend) / (times[i + 1] - times[i]) + E[E_SLOPE] * y[1]
+        if VOLUMED == 0:
+            out[a, 3] = E[E_VOLUME] * (rise + bend) / (times[i + 1] - times[i]) + E[E_SLOPE] * y[1]
+        else:
+            h = times[i + 1] - times[i]
+            dx = dense_slope(theta, dense[i, 0, 3], dense[i, 1, 3], dense[i, 2, 3], dense[i, 3, 3]) / h
+            out[a, 3] = gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[1], (rise + bend) / h, y[3], dx, P)
         for j in range(N):
             out[a, 4 + j] = y[j]
         path_flows(y, E, context, flows[a])
@@ -117,3 +127,19 @@ def oil_with_outflow(times, dense, steps, context, n_e):
                         heat += 0.5 * h * flows[k] * y[2]
                         mass += 0.5 * h * flows[k]
     return heat, mass
+
+
+@kernel
+def port_oil(times, dense, steps, P, TAB):
+    """Return the oil [kg] that comes through ports over a life, and that times the chamber's pressure [kg Pa]."""
+    mass = 0.0
+    pressure = 0.0
+    for i in range(steps):
+        h = times[i + 1] - times[i]
+        for k in range(POINTS):
+            theta = NODES[k]
+            p = dense_value(theta, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N])
+            oil = WEIGHTS[k] * h / P[P_OMEGA] * oil_inflow(times[i] + theta * h, p, P, TAB)
+            mass += oil
+            pressure += oil * p
+    return mass, pressure

@@ -2,7 +2,8 @@
 
 A kernel takes and returns floats (or small tuples, or arrays that its caller owns), allocates nothing and keeps
 no state. `flatten` collects kernels with everything that they call or read, renames each to a name of its own
-(`file__function`) and returns the source text. A `Slot` is a name that the generated module must define itself.
+(`file__function`) and returns the source text. A `Slot` is a name that the generated module must define itself, a
+`Structure` a number of the composition that becomes a constant, and decides which branches are pasted at all.
 `written` makes a kernel from generated text, such as the equation of one fluid.
 """
 
@@ -60,6 +61,17 @@ class Slot:
         raise RuntimeError(f"{self.name} exists only inside a generated module")
 
 
+class Structure:
+    """A number of what is composed: a constant of the text.
+
+    `if NAME == 1`, `if NAME == 0`, `if NAME > 0`, and the same with `and` behind, are decided when a kernel is pasted:
+    what cannot run is left out.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+
 def kernel(function: Callable[..., Any]) -> Kernel:
     """Mark a function as a kernel."""
     return Kernel(function)
@@ -115,15 +127,58 @@ class _Rename(ast.NodeTransformer):
         return node
 
 
-def flatten(kernels: Iterable[Kernel], slots: Mapping[str, str] | None = None, instance: str = "") -> dict[str, str]:
+class _Prune(ast.NodeTransformer):
+    """Leaves out the branches that a composition's numbers rule out."""
+
+    def __init__(self, names: Mapping[str, Any], numbers: Mapping[str, int]) -> None:
+        self.names, self.numbers = names, numbers
+
+    def visit_If(self, node: ast.If) -> ast.AST | list[ast.stmt]:
+        self.generic_visit(node)
+        tests = node.test.values if isinstance(node.test, ast.BoolOp) else [node.test]
+        holds = self._holds(tests[0])
+        if holds is None or (isinstance(node.test, ast.BoolOp) and isinstance(node.test.op, ast.Or)):
+            return node
+        if not holds:
+            return node.orelse
+        if len(tests) == 1:
+            return node.body
+        node.test = tests[1] if len(tests) == 2 else ast.BoolOp(ast.And(), tests[1:])
+        return node
+
+    def _holds(self, test: ast.expr) -> bool | None:
+        """Return whether a test of a structure holds; None of any other test."""
+        match test:
+            case ast.Compare(ast.Name(id=name), [ast.Eq() | ast.Gt() as how], [ast.Constant(value=int(limit))]):
+                structure = self.names.get(name)
+                if isinstance(structure, Structure):
+                    number = self.numbers[structure.name]
+                    return number == limit if isinstance(how, ast.Eq) else number > limit
+        return None
+
+
+def _names(tree: ast.Module) -> tuple[str, ...]:
+    """Return the global names and attributes of the one function of a text, in the order of their first use."""
+    codes = compile(ast.fix_missing_locations(tree), "<kernel>", "exec").co_consts
+    return next(code.co_names for code in codes if isinstance(code, types.CodeType))
+
+
+def flatten(
+    kernels: Iterable[Kernel],
+    slots: Mapping[str, str] | None = None,
+    instance: str = "",
+    numbers: Mapping[str, int] | None = None,
+) -> dict[str, str]:
     """Return {flat name: source} of kernels and all they use, callees first.
 
     `slots` maps a slot's name to the function that fills it; `instance` is added to the names of the kernels
-    that use a slot, so that one method can be compiled for several models in one module.
+    that use a slot, so that one method can be compiled for several models in one module. `numbers` are those of the
+    kernels' structure.
     """
     found: dict[str, str] = {}
     seen: dict[str, Kernel] = {}
     slots = slots or {}
+    numbers = numbers or {}
 
     def uses_slot(item: Kernel) -> bool:
         names = item.function.__globals__
@@ -144,8 +199,11 @@ def flatten(kernels: Iterable[Kernel], slots: Mapping[str, str] | None = None, i
         seen[name] = item
         found[name] = ""  # holds its place; callees come before it
         renames = {item.__name__: name}
-        for used in item.function.__code__.co_names:
+        pruned = _Prune(item.function.__globals__, numbers).visit(ast.parse(item.source))
+        for used in _names(pruned):
             value = item.function.__globals__.get(used)
+            if isinstance(value, Structure):
+                value = numbers[value.name]
             if isinstance(value, Kernel):
                 visit(value)
                 renames[used] = emitted_name(value)
@@ -161,7 +219,7 @@ def flatten(kernels: Iterable[Kernel], slots: Mapping[str, str] | None = None, i
                 constant = f"{flat_module(item.function)}__{used}"
                 found[constant] = f"{constant} = {text}"
                 renames[used] = constant
-        tree = _Rename(renames).visit(ast.parse(item.source))
+        tree = _Rename(renames).visit(pruned)
         del found[name]
         found[name] = decorate(ast.unparse(tree), item.fused)
 

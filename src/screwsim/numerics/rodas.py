@@ -243,3 +243,9 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
 def dense_value(theta, y0, y1, c3, c4):
     """Return the dense output at the share theta of a step."""
     return y0 * (1.0 - theta) + theta * (y1 + (1.0 - theta) * (c3 + theta * c4))
+
+
+@kernel
+def dense_slope(theta, y0, y1, c3, c4):
+    """Return the derivative by theta of the dense output."""
+    return y1 - y0 + (1.0 - 2.0 * theta) * c3 + (2.0 - 3.0 * theta) * theta * c4

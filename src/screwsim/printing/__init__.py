@@ -128,7 +128,9 @@ def _right_table(first: str, *others: str) -> Any:
 
 def _knock_out(costs: Iterable[Mapping[str, Any]]) -> Any:
     """Return what leaving each effect out changes; the changes need not add up."""
-    table = _right_table("left out", "shaft power", "change", "specific work", "change")
+    costs = list(costs)
+    cooled = any(cost["cop"] is not None for cost in costs)
+    table = _right_table("left out", "shaft power", "change", "specific work", "change", *(["COP", "change"] * cooled))
     for cost in costs:
         if cost["shaft_power"] is None:
             table.add_row(cost["effect"].replace("_", " "), cost["status"].replace("_", " "))
@@ -139,6 +141,7 @@ def _knock_out(costs: Iterable[Mapping[str, Any]]) -> Any:
             quantity("W", cost["shaft_power"]),
             quantity("W", cost["change_of_shaft_power"]),
             *("" if value is None else f"{1e-3 * value:.4g} kJ/kg" for value in specific),
+            *("" if cost[name] is None else f"{cost[name]:.4g}" for name in ("cop", "change_of_cop") if cooled),
         )
     return table
 

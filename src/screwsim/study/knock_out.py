@@ -13,9 +13,13 @@ from screwsim.scene import loads
 from screwsim.scene.types import Scene
 from screwsim.study.progress import Progress, Silent
 
+REFRIGERATION = ("cooling_capacity", "cop")
+
 
 def knock_out(scene: Scene, result: Result, progress: Progress | None = None) -> Result:
     """Return the result with `knock_out`: for each of its effects the change of shaft power and of specific work.
+
+    Where they are known, of cooling capacity and COP too.
 
     An effect that the scene cannot do without has the status `needed`, with the reason as its message; one without
     which the cycle does not close has the status of that solution, and no figures.
@@ -44,6 +48,7 @@ def _without(scene: Scene, name: str, result: Result) -> Figures:
         change_of_shaft_power=None,
         specific_work=None,
         change_of_specific_work=None,
+        **{f"{word}{name}": None for name in REFRIGERATION for word in ("", "change_of_")},
     )
     try:
         other = simulate(loads(scene.text, folder=scene.folder, without=[name]), trace=False)
@@ -57,6 +62,9 @@ def _without(scene: Scene, name: str, result: Result) -> Figures:
     before, after = (specific_work(each) for each in (result, other))
     power = other.performance.shaft_power
     found |= {"shaft_power": power, "change_of_shaft_power": power - result.performance.shaft_power}
+    for name in REFRIGERATION:
+        value, full = other.performance[name], result.performance[name]
+        found |= {name: value, f"change_of_{name}": None if value is None or full is None else value - full}
     if after is None:
         found["message"] = "no net gas is delivered without it"
     elif before is not None:

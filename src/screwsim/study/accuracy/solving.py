@@ -18,7 +18,7 @@ import numpy as np
 from screwsim.build import WIDTH
 from screwsim.estimate import Watch
 from screwsim.model import close as closing
-from screwsim.model.slots import P_GAP_WIDTH, P_INJECTION, P_LIFE, P_PITCH, P_PORT_WIDTH
+from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.scipy_integrators import METHODS
 from screwsim.outputs import Figures
 from screwsim.scene import Scene
@@ -103,12 +103,14 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, solution: Solution | 
     machinery.warm_up(solution.rehearse)
     composition = machinery.composition
     machinery.composition = replace(composition, P=composition.P.copy(), knots=_knots(composition, how.landing))
-    pressures = (solution.lines.p_s, solution.lines.p_d, max(solution.lines.p_s, solution.lines.p_d))
-    widths = max(how.regularised, NARROWEST) * np.array(pressures)
+    at = solution.lines
+    gaps = max(at.p_s, at.p_d)  # of gaps and of ports to plenums of effects
+    pressures = np.array([at.p_s, at.p_d, *(gaps for _ in range(composition.n_widths - 2))])
+    widths = max(how.regularised, NARROWEST) * pressures
     wanted = closing.Wanted(how.rtol, how.tolerance, how.bound, how.closing)
     scipys = how.integrator in METHODS
     solution.wanted = closing.Wanted(0.3 * START, 0.2 * START, START, "auto") if scipys else wanted
-    machinery.composition.P[P_PORT_WIDTH : P_GAP_WIDTH + 1] = START * np.array(pressures) if scipys else widths
+    machinery.composition.P[composition.widths] = START * pressures if scipys else widths
     watch = Watch(machinery)
     with limited(machinery, limit), warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # explicit methods overflow on their way to a shorter step
@@ -116,7 +118,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, solution: Solution | 
             closed = closing.close(solution, solution.start())
             if scipys and closed.status != "failed":
                 solution.wanted = wanted
-                machinery.composition.P[P_PORT_WIDTH : P_GAP_WIDTH + 1] = widths
+                machinery.composition.P[composition.widths] = widths
                 machinery.integrator = how.integrator
                 closed = closing.by_coupling(solution, closing.chambers_at_pitches(machinery))
         finally:

@@ -1,0 +1,194 @@
+"""Print what effects change on a shipped machine, beside what their sources say (docs/effects.md).
+
+Run: .venv/bin/python scripts/effects.py [NAME]… Each entry is a scene with the effect and the same without it.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from screwsim.build import build_gas
+from screwsim.outputs import Result
+from screwsim.scene import load
+from screwsim.scene.lines import lines
+from screwsim.simulate import simulate
+
+ROOT = Path(__file__).resolve().parent.parent
+PAPER, REAL = ROOT / "configs" / "paper" / "point.yaml", ROOT / "configs" / "r134a" / "point.yaml"
+
+
+class Entry(NamedTuple):
+    """One line of the table: scene, what it sets, the effect left out for comparison, source and its words, ours."""
+
+    scene: Path
+    sets: tuple[str, ...]
+    without: tuple[str, ...]
+    source: str
+    says: str
+    ours: Callable[[Result, Result], str]
+
+
+def percent(one: Result, other: Result, name: str) -> str:
+    """Return by how much a figure changes."""
+    return f"{100.0 * (one.performance[name] / other.performance[name] - 1.0):+.1f} %"
+
+
+OIL_DENSITY = 960.0  # of configs/r134a [kg/m³]
+
+# ---- ports ---------------------------------------------------------------------------------------------------------
+
+ECONOMIZER = "opens: 385 deg, closes: 485 deg, area: 1 cm^2"
+YANG = "Yang, Wang, Bai 2010"
+
+
+def economizer_change(one: Result, other: Result) -> str:
+    """Return capacity, COP and what the port draws."""
+    p = one.performance
+    return (
+        f"capacity {percent(one, other, 'cooling_capacity')}, COP {percent(one, other, 'cop')}, "
+        f"flow {100.0 * p.economizer_flow_ratio:.1f} % of suction, draw ratio {p.economizer_draw_ratio:.2f}"
+    )
+
+
+def economizer(condition: str, temperature: float, port: str = ECONOMIZER) -> tuple[Path, tuple[str, ...]]:
+    """Return scene and changes of an economizer at a condition."""
+    path = ROOT / "configs" / "r134a" / f"{condition}.yaml"
+    return path, (f"effects.economizer={{temperature: {temperature} degC, {port}}}",)
+
+
+def oil_change(one: Result, other: Result) -> str:
+    """Return powers and flows."""
+    names = ("oil_mass_flow", "indicated_power", "shaft_power", "gas_mass_flow")
+    return ", ".join(f"{name.replace('_', ' ')} {percent(one, other, name)}" for name in names)
+
+
+def room_change(one: Result, other: Result) -> str:
+    """Return the oil's share of the chamber where suction closes and at discharge, and powers."""
+    cycle, shares = one.cycle, []
+    for angle in (361, 670):  # after the injection; while the discharge port is open
+        share = cycle["oil_mass"][angle] / OIL_DENSITY / cycle["volume"][angle]
+        shares.append(f"{100.0 * share:.1f} % at {angle}°")
+    lift = other.performance.oil_lift_power
+    rise = one.performance.indicated_power - other.performance.indicated_power
+    lifted = f"indicated power {rise:+.0f} W for {lift:.0f} W of lift"
+    return f"oil fills {', '.join(shares)}; {lifted}; {oil_change(one, other)}"
+
+
+def room_says(d: float) -> str:
+    """Return what the densities of suction gas and of saturated vapour at discharge pressure make of a ratio d."""
+    scene = load(REAL)
+    gas, at = build_gas(scene), lines(scene)
+    T_d = scene.operation.condensing_temperature or at.T_s
+    shares = (d * rho / (OIL_DENSITY + d * rho) for rho in (gas.density(at.p_s, at.T_s), gas.density(at.p_d, T_d)))
+    return "oil fills {:.1%} of suction, {:.1%} of discharge volume".format(*shares).replace("%", " %")
+
+
+def liquid_change(one: Result, other: Result) -> str:
+    """Return temperature and powers."""
+    fall = one.performance.discharge_temperature - other.performance.discharge_temperature
+    ratio = 100.0 * one.performance.liquid_injection_flow_ratio
+    return f"{ratio:.1f} % liquid: discharge {fall:+.1f} K, shaft power {percent(one, other, 'shaft_power')}"
+
+
+BORE = (
+    "oil_supply.kind=displacement",
+    "oil_supply.ratio=null",
+    "oil_supply.orifice_diameter=8 mm",
+    "effects.oil_pump=off",
+)
+effects_ports = {
+    "economizer": Entry(
+        *economizer("point", 20.0), ("economizer",), "textbook", "capacity and COP rise", economizer_change
+    ),
+    "economizer, colder": Entry(
+        *economizer("te-10_tc40", 12.0), ("economizer",), YANG, "gains more at lower evaporation", economizer_change
+    ),
+    "economizer, later port": Entry(
+        *economizer("point", 20.0, "opens: 425 deg, closes: 525 deg, area: 1 cm^2"),
+        ("economizer",),
+        YANG,
+        "a best position of the port exists",
+        economizer_change,
+    ),
+    "economizer, early port": Entry(
+        *economizer("point", 20.0, "opens: 330 deg, closes: 430 deg, area: 1 cm^2"),
+        ("economizer",),
+        YANG,
+        "a best position of the port exists",
+        economizer_change,
+    ),
+    "economizer, last port": Entry(
+        *economizer("point", 20.0, "opens: 465 deg, closes: 565 deg, area: 1 cm^2"),
+        ("economizer",),
+        YANG,
+        "a best position of the port exists",
+        economizer_change,
+    ),
+    "liquid_injection": Entry(
+        REAL,
+        ("gas.two_phase=equilibrium", "effects.liquid_injection={opens: 500 deg, closes: 600 deg, area: 4 mm^2}"),
+        ("liquid_injection",),
+        "textbook",
+        "discharge cools, power rises",
+        liquid_change,
+    ),
+    "oil_injection": Entry(
+        REAL,
+        (*BORE, "effects.oil_injection={opens: 365 deg, closes: 455 deg}"),
+        ("oil_injection",),
+        "J & E Hall, manual 2-119",
+        "oil after sealing, by the pressure difference, no pump",
+        oil_change,
+    ),
+    "oil_injection, early": Entry(
+        REAL,
+        (*BORE, "effects.oil_injection={opens: 250 deg, closes: 340 deg}"),
+        ("oil_injection",),
+        "",
+        "before sealing the suction line gets gas and oil back",
+        oil_change,
+    ),
+    "oil_volume": Entry(
+        REAL,
+        ("oil_supply.ratio=3", "effects.oil_volume={}"),
+        ("oil_volume",),
+        "M106, densities of the lines",
+        room_says(3.0),
+        room_change,
+    ),
+    "oil_volume, d = 8": Entry(
+        REAL,
+        ("oil_supply.ratio=8", "effects.oil_volume={}"),
+        ("oil_volume",),
+        "M106, densities of the lines",
+        room_says(8.0),
+        room_change,
+    ),
+}
+ENTRIES: dict[str, Entry] = effects_ports
+
+
+def line(name: str, entry: Entry) -> str:
+    """Return an entry's row of the table."""
+    with_it = simulate(load(entry.scene, entry.sets))
+    without = simulate(load(entry.scene, entry.sets, entry.without))
+    bad = next((result for result in (with_it, without) if result.status != "ok"), None)
+    ours = entry.ours(with_it, without) if bad is None else f"{bad.status}: {bad.message}"
+    price = with_it.numerics.rhs_evaluations / max(without.numerics.rhs_evaluations, 1) - 1.0
+    return f"| {name} | {entry.says} | {entry.source} | {ours} | {100.0 * price:+.0f} % |"
+
+
+def main() -> None:
+    """Print the table of the entries whose names begin with those asked for, or of all."""
+    asked = sys.argv[1:] or [""]
+    print("| effect | its source says | source | ours | evaluations |\n|---|---|---|---|---|")
+    for name, entry in ENTRIES.items():
+        if any(name.startswith(each) for each in asked):
+            print(line(name, entry), flush=True)
+
+
+if __name__ == "__main__":
+    main()

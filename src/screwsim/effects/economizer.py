@@ -1,0 +1,137 @@
+"""Economizer: vapour from an intermediate pressure enters the closed chamber through a port (superfeed).
+
+What: nozzle flow (M12, M100) between the chamber and a plenum of vapour at the economizer's saturation temperature; the
+vapour comes from the liquid of the condenser, which it subcools in a heat exchanger, or from a flash tank (M102).
+Source: port: ours; cycle: textbook (two-stage expansion with one compressor).
+Assumptions: the plenum keeps its state, whatever the port draws; gas that is pushed back into it gives its heat away
+there; what the port draws and what the exchanger evaporates need not agree: economizer_draw_ratio tells, and it is 1
+at the temperature to which the economizer settles.
+Parameters: temperature (saturation), superheat, opens, closes, area, flow_coefficient, kind, approach.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import choice, number, quantity
+from screwsim.effects.base import Drawn, Effect, FlowPath, Plenum, Site
+from screwsim.effects.port_window import WindowParameters, check_window, window_area, window_knots
+from screwsim.faults import Fault
+from screwsim.fluid import constants
+from screwsim.fluid.reservoir import Reservoir
+
+NAME = "economizer"
+
+
+@dataclass(frozen=True)
+class Parameters(WindowParameters):
+    """The port, and the economizer behind it."""
+
+    area: float = quantity("area", "area of the port", gt=0.0)
+    flow_coefficient: float = number("flow coefficient of the port", 1.0, ge=0.0)
+    temperature: float = quantity("temperature", "saturation temperature in the economizer", gt=0.0)
+    superheat: float = quantity("temperature_difference", "of the vapour over temperature", 0.0, ge=0.0)
+    kind: str = choice(
+        "heat_exchanger: the liquid is subcooled at its pressure; flash_tank: it boils down to the economizer's",
+        ("heat_exchanger", "flash_tank"),
+        "heat_exchanger",
+    )
+    approach: float = quantity(
+        "temperature_difference", "of the subcooled liquid over temperature (heat_exchanger)", 5.0, ge=0.0
+    )
+
+
+def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
+    def state(site: Site) -> Reservoir:
+        """Return the vapour in the economizer; of the ideal gas, at the real fluid's saturation pressure."""
+        p = constants.dew_pressure(site.fluid, parameters.temperature)
+        return site.gas.vapour(p, parameters.temperature + parameters.superheat)
+
+    def figures(drawn: Drawn) -> dict[str, float | None]:
+        return economizer_figures(parameters, drawn)
+
+    path = FlowPath(
+        to=NAME,
+        area=window_area,
+        values={"size": parameters.area, "opens": parameters.opens, "closes": parameters.closes},
+        knots=window_knots(parameters),
+        flow_coefficient=parameters.flow_coefficient,
+    )
+    return [path, Plenum(NAME, state, figures)]
+
+
+def economizer_figures(parameters: Parameters, drawn: Drawn) -> dict[str, float | None]:
+    """Return the vapour drawn, and what it does for the cooling capacity (M102)."""
+    site = drawn.site
+    found: dict[str, float | None] = {
+        "economizer_mass_flow": drawn.flow,
+        "economizer_flow_ratio": drawn.flow / drawn.suction_flow if drawn.suction_flow > 0.0 else None,
+        "economizer_draw_ratio": None,
+        "economizer_capacity_gain": None,
+    }
+    h_c, q_0, ratio = site.liquid_enthalpy, site.refrigerating_effect, found["economizer_flow_ratio"]
+    if h_c is None or q_0 is None or ratio is None:
+        return found
+    wanted = h_c - _cold_liquid(parameters, site)
+    p, T = drawn.reservoir.p, parameters.temperature + parameters.superheat
+    evaporating = max(ratio, 0.0) * (constants.vapour_enthalpy(site.fluid, p, T) - h_c)
+    if wanted > 0.0:
+        found["economizer_draw_ratio"] = evaporating / wanted
+    found["economizer_capacity_gain"] = max(0.0, min(evaporating, wanted)) / q_0
+    return found
+
+
+def _cold_liquid(parameters: Parameters, site: Site) -> float:
+    """Return the enthalpy [J/kg] of the liquid as cold as the economizer can make it."""
+    if parameters.kind == "flash_tank":
+        return constants.saturated_liquid_enthalpy(site.fluid, parameters.temperature)
+    return constants.liquid_enthalpy(site.fluid, site.p_d, parameters.temperature + parameters.approach)
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults = list(check_window(NAME, parameters, facts))
+    limits = constants.limits(facts.gas.fluid)
+    if limits is None:
+        return faults
+    if not limits.T_triple <= parameters.temperature < limits.T_critical:
+        what = f"{facts.gas.fluid} saturates between {limits.T_triple:.6g} K and {limits.T_critical:.6g} K"
+        faults.append(Fault(f"effects.{NAME}.temperature", f"{parameters.temperature:.6g} K: {what} (choose another)"))
+    else:
+        faults += [*_between(parameters, facts), *_warm_enough(parameters, facts)]
+    return faults
+
+
+def _warm_enough(parameters: Parameters, facts) -> list[Fault]:
+    """Return a fault where the liquid behind the condenser is colder than the economizer can make it."""
+    T_c, subcooling = facts.operation.condensing_temperature, facts.operation.subcooling or 0.0
+    coldest = parameters.temperature + (parameters.approach if parameters.kind == "heat_exchanger" else 0.0)
+    if T_c is None or T_c - subcooling > coldest:
+        return []
+    what = f"the liquid, {T_c - subcooling:.6g} K, is not warmer than the {coldest:.6g} K to which it would be cooled"
+    return [Fault(f"effects.{NAME}", f"{what} (choose a lower temperature, a smaller approach or less subcooling)")]
+
+
+def _between(parameters: Parameters, facts) -> list[Fault]:
+    """Return a fault where the economizer's pressure is not between those of the lines."""
+    operation = facts.operation
+    low, high = operation.evaporating_temperature, operation.condensing_temperature
+    what, T = "", parameters.temperature
+    if low is not None and high is not None and not low < T < high:
+        what = f"{T:.6g} K is not between evaporation, {low:.6g} K, and condensation, {high:.6g} K"
+    p_s, p_d = operation.suction.pressure, operation.discharge.pressure
+    if p_s is not None and p_d is not None:
+        p = constants.dew_pressure(facts.gas.fluid, T)
+        if not min(p_s, p_d) < p < max(p_s, p_d):
+            what = f"{T:.6g} K saturates at {p / 1e5:.4g} bar, not between {p_s / 1e5:.4g} bar and {p_d / 1e5:.4g} bar"
+    return [Fault(f"effects.{NAME}.temperature", f"{what} (choose one between)")] if what else []
+
+
+EFFECT = Effect(
+    name=NAME,
+    title="vapour from an economizer, through a port into the closed chamber",
+    equations=("M12", "M13", "M100", "M101", "M102"),
+    source="ours; cycle: textbook",
+    parameters=Parameters,
+    build=build,
+    check=check,
+)

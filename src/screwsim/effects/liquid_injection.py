@@ -1,0 +1,70 @@
+"""Liquid injection: condensate enters the closed chamber through a bore and cools the gas by evaporating.
+
+What: flow of liquid (M12 with the liquid's stiffness, which is √(2 ρ Δp); M100) from the condenser's liquid line into
+the chamber; its enthalpy mixes with the chamber's gas in equilibrium at once (M103).
+Source: ours; orifice coefficient 0.61 of a sharp edge: textbook.
+Assumptions: the liquid does not flash inside the bore; in the chamber it evaporates without delay. With gas.two_phase:
+refuse the chamber has to stay dry, else the result is `failed` with the angle; equilibrium follows it wet.
+Parameters: opens, closes, area, flow_coefficient.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import Drawn, Effect, FlowPath, Plenum, Site
+from screwsim.effects.port_window import WindowParameters, check_window, window_area, window_knots
+from screwsim.faults import Fault
+from screwsim.fluid.reservoir import Reservoir
+
+NAME = "liquid_injection"
+SHARP_EDGE = 0.61
+
+
+@dataclass(frozen=True)
+class Parameters(WindowParameters):
+    """The bore."""
+
+    area: float = quantity("area", "area of the bore", gt=0.0)
+    flow_coefficient: float = number("flow coefficient of the bore (sharp edge: 0.61)", SHARP_EDGE, ge=0.0)
+
+
+def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
+    def state(site: Site) -> Reservoir:
+        """Return the liquid behind the condenser."""
+        return site.gas.liquid(site.p_d, site.liquid_enthalpy)
+
+    def figures(drawn: Drawn) -> dict[str, float | None]:
+        ratio = drawn.flow / drawn.suction_flow if drawn.suction_flow > 0.0 else None
+        return {"liquid_injection_mass_flow": drawn.flow, "liquid_injection_flow_ratio": ratio}
+
+    path = FlowPath(
+        to=NAME,
+        area=window_area,
+        values={"size": parameters.area, "opens": parameters.opens, "closes": parameters.closes},
+        knots=window_knots(parameters),
+        flow_coefficient=parameters.flow_coefficient,
+    )
+    return [path, Plenum(NAME, state, figures)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults = list(check_window(NAME, parameters, facts))
+    if facts.gas.model != "real":
+        faults.append(Fault(f"effects.{NAME}", "an ideal gas has no liquid (write gas.model: real, or remove it)"))
+    if facts.operation.condensing_temperature is None or facts.machine.mode == "expander":
+        what = "needs the liquid of a condenser (state a compressor's lines by evaporating and condensing temperature)"
+        faults.append(Fault(f"effects.{NAME}", what))
+    return faults
+
+
+EFFECT = Effect(
+    name=NAME,
+    title="condensate, through a bore into the closed chamber",
+    equations=("M12", "M13", "M100", "M101", "M103"),
+    source="ours",
+    parameters=Parameters,
+    build=build,
+    check=check,
+)

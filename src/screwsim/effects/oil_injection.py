@@ -1,0 +1,87 @@
+"""Oil injection: the displaced oil enters through a bore while the chamber faces it, not all at 360°.
+
+What: orifice flow (M30) of the oil supply's bore under the pressure difference between the separator, less the loss of
+the line, and the chamber at that angle (M104); the oil mixes into the chamber continuously (M105).
+Source: orifice: Lichtarowicz et al. 1965; the window and its ramps are ours.
+Assumptions: quasi-steady; a check valve keeps gas out of the oil line, so nothing flows back; one bore sees one chamber
+while it passes, so a window is as long as a lobe pitch of the rotor on whose side the bore lies.
+Parameters: opens, closes, pressure_loss; diameter, length and number of bores, temperature of the oil: oil_supply.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import quantity
+from screwsim.effects.base import Effect, OilPort
+from screwsim.effects.gap import ramp
+from screwsim.effects.port_window import RAMP, WindowParameters, check_window, window_knots
+from screwsim.faults import Fault
+from screwsim.fluid.orifice import smooth_orifice_flow
+from screwsim.numerics.kernel import kernel
+
+NAME = "oil_injection"
+
+
+@dataclass(frozen=True)
+class Parameters(WindowParameters):
+    """Where the bore lies, and what the oil loses on its way there."""
+
+    pressure_loss: float = quantity(
+        "pressure_difference", "pressure loss of the oil line from the separator to the bore", 0.0, ge=0.0
+    )
+
+
+@kernel
+def flow(
+    phi,
+    p,
+    width,
+    opens,
+    closes,
+    pressure_loss,
+    separator_pressure,
+    oil_density,
+    oil_viscosity,
+    bore_diameter,
+    bore_length,
+    bore_count,
+):
+    """Return the oil [kg/s] into a chamber at phi [rad] and pressure p [Pa] (M104)."""
+    share = ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
+    if share == 0.0:
+        return 0.0
+    dp = separator_pressure - pressure_loss - p
+    return share * smooth_orifice_flow(dp, width, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count)
+
+
+def build(parameters: Parameters, machine) -> list[OilPort]:
+    values = {
+        "opens": parameters.opens,
+        "closes": parameters.closes,
+        "pressure_loss": parameters.pressure_loss,
+    }
+    return [OilPort(flow, values, parameters.closes, window_knots(parameters), parameters.pressure_loss)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults = list(check_window(NAME, parameters, facts))
+    if facts.oil_supply.kind != "displacement":
+        what = "takes the bore of oil_supply.kind: displacement; a pump's ratio is injected at one angle"
+        faults.append(Fault(f"effects.{NAME}", f"{what} (write kind: displacement and a bore, or remove the effect)"))
+    if facts.oil.transport != "carried":
+        faults.append(Fault(f"effects.{NAME}", "needs oil.transport: carried (write that, or remove the effect)"))
+    return faults
+
+
+EFFECT = Effect(
+    name=NAME,
+    title="oil enters through a bore while the chamber faces it",
+    equations=("M30", "M104", "M105"),
+    source="Lichtarowicz et al. 1965; window: ours",
+    parameters=Parameters,
+    build=build,
+    needs_oil=True,
+    states=("T_oil", "x_oil"),
+    check=check,
+)

@@ -1,0 +1,45 @@
+"""Oil volume: the oil takes room in the chambers, V_gas = V − m_oil/ρ_oil.
+
+What: the gas has the room that the oil leaves (M106); the oil's flow work stands in its enthalpy (M108), so that the
+indicated work lifts the oil to discharge and P_lift is zero; gas flows through its share of an opening, oil with it
+(M107); oil that is injected at one angle displaces gas (M110). A chamber that the oil fills is locked: `failed`, with
+the angle (M111).
+Source: ours, from the first law; Chernov et al. 2015 leave the oil's volume out.
+Assumptions: incompressible oil; no slip: oil leaves a chamber in the ratio in which it lies there, at the gas's speed.
+Parameters: none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.effects.base import Effect, OilRoom
+from screwsim.faults import Fault
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """None."""
+
+
+def build(parameters: Parameters, machine) -> list[OilRoom]:
+    return [OilRoom()]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    if facts.oil.transport != "carried":
+        return [Fault("effects.oil_volume", "needs oil.transport: carried (write that, or remove the effect)")]
+    return []
+
+
+EFFECT = Effect(
+    name="oil_volume",
+    title="oil takes room in the chambers",
+    equations=("M106", "M107", "M108", "M109", "M110", "M111"),
+    source="ours",
+    parameters=Parameters,
+    build=build,
+    needs_oil=True,
+    states=("T_oil", "x_oil"),
+    check=check,
+)

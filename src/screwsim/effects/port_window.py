@@ -1,0 +1,47 @@
+"""The window of angles in which a chamber faces a hole in the housing, with C1 ramps at both ends.
+
+Source: ours; docs/model.md M100.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi
+
+from screwsim.declare import quantity
+from screwsim.effects.gap import ramp
+from screwsim.faults import Fault
+from screwsim.numerics.kernel import kernel
+
+DEGREE = pi / 180.0
+RAMP = 10.0 * DEGREE
+
+
+@dataclass(frozen=True)
+class WindowParameters:
+    """The angles of a chamber between which it faces the hole."""
+
+    opens: float = quantity("angle", "angle of the chamber at which it reaches the port", ge=0.0)
+    closes: float = quantity("angle", "angle of the chamber at which it leaves the port", gt=0.0)
+
+
+@kernel
+def window_area(phi, size, opens, closes):
+    """Return the open area [m²] of a hole of area `size` for a chamber at phi [rad] (M100)."""
+    return size * ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
+
+
+def window_knots(parameters) -> tuple[float, ...]:
+    """Return the angles [rad] at which the window is not smooth."""
+    return parameters.opens, parameters.opens + RAMP, parameters.closes - RAMP, parameters.closes
+
+
+def check_window(name: str, parameters, facts) -> Iterator[Fault]:
+    """Yield what is wrong with a window."""
+    if parameters.closes - parameters.opens < 2.0 * RAMP:
+        yield Fault(f"effects.{name}.closes", "must lie at least 20 deg after opens (choose a later angle)")
+    life = facts.machine.volume.life or 4.0 * pi
+    if facts.machine.volume.law != "profile" and parameters.closes > life + 1e-9:
+        what = f"lies beyond the chamber's life of {life / DEGREE:g} deg (choose an earlier angle)"
+        yield Fault(f"effects.{name}.closes", what)

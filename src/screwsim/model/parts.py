@@ -1,0 +1,66 @@
+"""What a scene names, built: what the composer takes, and everything that asks what is simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from screwsim.effects.base import OilPort, OilRoom
+from screwsim.fluid.reservoir import Reservoir
+from screwsim.model.slots import FIRST_OWN
+
+
+@dataclass(frozen=True)
+class OilPart:
+    """The oil in the model: properties [SI], transport ('paper' or 'carried') and supply.
+
+    `supply` is {'ratio': d} for a pump, or the orifice's density, viscosity, diameter, length, number, p_separator.
+    """
+
+    density: float
+    heat_capacity: float
+    temperature: float
+    transport: str
+    supply: Mapping[str, float]
+    source_pressure: float = 0.0
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a scene names, built: the machine's geometry, the gas, operation, oil, and every effect's parts.
+
+    `plenums` are the reservoirs of the effects' own plenums by name.
+    """
+
+    geometry: Any
+    gas: Any
+    omega: float
+    widths: tuple[float, float, float]  # regularisation [Pa]: suction port, discharge port, gaps
+    effects: Mapping[str, Sequence[Any]]
+    oil: OilPart | None
+    plenums: Mapping[str, Reservoir] = field(default_factory=dict)
+
+    def all(self, kind: type) -> list[tuple[str, Any]]:
+        """Return (effect, part) of all parts of a kind, in the order of the effects."""
+        return [(name, part) for name, items in self.effects.items() for part in items if isinstance(part, kind)]
+
+    def number(self, to: str) -> int:
+        """Return the number of the plenum to which a flow path leads (slots.PLENUM)."""
+        numbers = {"suction": 0, "discharge": 1} | {name: FIRST_OWN + i for i, name in enumerate(self.plenums)}
+        if to not in numbers:
+            raise TypeError(f"a flow path leads to {to!r}, which no effect declares; known: {', '.join(numbers)}")
+        return numbers[to]
+
+    @property
+    def oil_port(self) -> OilPort | None:
+        """The port through which the oil comes; None where it is injected at one angle."""
+        ports = [part for _, part in self.all(OilPort)]
+        if len(ports) > 1:
+            raise TypeError("two effects declare an oil port; a scene has one")
+        return ports[0] if ports else None
+
+    @property
+    def oil_room(self) -> bool:
+        """Does the oil take room?"""
+        return bool(self.all(OilRoom))

@@ -1,0 +1,114 @@
+"""Room that the oil takes: the gas's volume, what flows feel of it, and the injection of oil that displaces gas.
+
+Source: docs/model.md M106–M110. The oil is incompressible: V_gas = V − m_oil/ρ_oil, and its enthalpy is
+c_oil T_oil + p/ρ_oil. In a place with room the density is that of the gas times the square of its share of the volume,
+so that a nozzle's flow, S √(ρ …), has the share as a factor; the oil temperature is enthalpy over heat capacity.
+"""
+
+from __future__ import annotations
+
+import math
+
+from screwsim.model.slots import (
+    DENSITY,
+    OIL_RATIO,
+    OIL_TEMPERATURE,
+    P_C_OIL,
+    P_P_SOURCE,
+    P_ROOM,
+    P_T_OIL,
+    PRESSURE,
+    R_LOCK,
+    R_PRESSURE,
+    gas_phase,
+    phased_state,
+)
+from screwsim.numerics.kernel import kernel
+
+FULL = 0.99  # share of a chamber's volume that oil may take: beyond it the chamber is locked
+PARTS = 24  # steps in which gas is displaced
+
+
+@kernel
+def gas_share(rho, x, P):
+    """Return the share of a volume that gas of density rho takes, with x oil per gas (M106)."""
+    return 1.0 / (1.0 + x * rho * P[P_ROOM])
+
+
+@kernel
+def gas_mass(V, rho, x, P):
+    """Return the gas [kg] in a chamber of volume V, rho in its own room, with x oil per gas (M106)."""
+    return V * rho * gas_share(rho, x, P)
+
+
+@kernel
+def gas_mass_slope(V, dV, rho, drho, x, dx, P):
+    """Return the derivative of `gas_mass`."""
+    share = gas_share(rho, x, P)
+    return share * (rho * dV + V * drho) - V * rho * share * share * P[P_ROOM] * (dx * rho + x * drho)
+
+
+@kernel
+def density_of(m, V, x, P):
+    """Return the density of gas m [kg] in a chamber of volume V with x oil per gas: the inverse of `gas_mass`."""
+    return m / (V - x * m * P[P_ROOM])
+
+
+@kernel
+def locked(y, at, P):
+    """Tell whether oil takes more than the share FULL of a chamber's volume."""
+    return gas_share(y[at + 1], y[at + 3], P) < 1.0 - FULL
+
+
+@kernel
+def with_room(place, at, P):
+    """Let a place be felt as one where oil takes room (M107, M108)."""
+    share = gas_share(place[at + DENSITY], place[at + OIL_RATIO], P)
+    place[at + DENSITY] *= share * share
+    place[at + OIL_TEMPERATURE] += place[at + PRESSURE] * P[P_ROOM] / P[P_C_OIL]
+
+
+@kernel
+def entropic_slope(T, rho, P, TAB):
+    """Return dT/d(ln ρ) [K] along an isentrope, and the pressure [Pa]."""
+    p, _h, c_v, tpt, _a, _x, _f = phased_state(gas_phase(T, rho), T, rho, P, TAB)
+    return tpt / (rho * c_v), p
+
+
+@kernel
+def displaced(y, at, m, V, before, injected, P, TAB, R):
+    """Let oil [kg] into a chamber of fixed volume V that holds gas m and oil `before`: y changes (M110).
+
+    The gas is compressed isentropically; what the oil brings as pressure beyond the work of that heats the oil. R_LOCK
+    tells that there is no room.
+    """
+    free = V - (before + injected) * P[P_ROOM]
+    if not free > (1.0 - FULL) * V:
+        R[R_LOCK] = 1.0
+        y[at + 1] = math.nan  # which no step gets past
+        return
+    R[R_LOCK] = 0.0
+    T = y[at]
+    rho = y[at + 1]
+    p, h, _c, _t, _a, _x, _f = phased_state(gas_phase(T, rho), T, rho, P, TAB)
+    energy = h - p / rho
+    step = math.log(m / (free * rho)) / PARTS
+    for _ in range(PARTS):
+        a, _p = entropic_slope(T, rho, P, TAB)
+        b, _p = entropic_slope(T + 0.5 * step * a, rho * math.exp(0.5 * step), P, TAB)
+        c, _p = entropic_slope(T + 0.5 * step * b, rho * math.exp(0.5 * step), P, TAB)
+        rho *= math.exp(step)
+        e, _p = entropic_slope(T + step * c, rho, P, TAB)
+        T += step * (a + 2.0 * b + 2.0 * c + e) / 6.0
+    rho = m / free
+    end, h, _c, _t, _a, _x, _f = phased_state(gas_phase(T, rho), T, rho, P, TAB)
+    work = m * (h - end / rho - energy)
+    volume = injected * P[P_ROOM]
+    R[R_PRESSURE] = work / volume if volume > 1e-9 * V else p
+    pressure = max(P[P_P_SOURCE], R[R_PRESSURE])
+    total = before + injected
+    if total > 0.0:
+        heat = (pressure - R[R_PRESSURE]) * volume / P[P_C_OIL]
+        y[at + 2] = (before * y[at + 2] + injected * P[P_T_OIL] + heat) / total
+    y[at] = T
+    y[at + 1] = rho

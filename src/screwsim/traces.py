@@ -1,0 +1,63 @@
+"""Traces over the angle of a closed cycle, read from its history."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from screwsim.effects.base import FlowPath
+from screwsim.model.parts import Parts
+from screwsim.model.run import Machinery
+from screwsim.model.slots import FIRST_OWN, R_RATIO
+
+TRACE_STEP = 1.0  # degree
+
+
+def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
+    """Return the traces of the machinery's last history (contract: cycle)."""
+    m, c, geometry = machinery, machinery.composition, parts.geometry
+    degrees = trace_angles(geometry.life)
+    out = np.empty((len(degrees), 4 + len(c.states)))
+    flows = np.empty((len(degrees), len(c.plenum_paths) + 2 * len(c.gap_paths)))
+    angles = np.minimum(np.radians(degrees), geometry.life)
+    m.module.trace__sample(angles, *m.last(), m.context, c.n_E, out, flows)
+    found = {"angle": degrees, "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
+    found |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5] * out[:, 0]}
+    if c.oil_room and parts.oil is not None:
+        found["gas_mass"] /= 1.0 + out[:, 7] * out[:, 5] / parts.oil.density
+    if "T_oil" in c.states:
+        present = c.carried | (degrees >= math.degrees(geometry.injection_angle))
+        found["oil_temperature"] = np.where(present, out[:, 6], np.nan)
+        ratio = out[:, 7] if c.carried else np.where(present, float(m.R[R_RATIO]), 0.0)
+        found["oil_mass"] = ratio * found["gas_mass"]
+    plenum_paths = [path for _, path in parts.all(FlowPath) if path.to != "neighbour"]
+    to_lines = [i for i, path in enumerate(plenum_paths) if parts.number(path.to) < FIRST_OWN]
+    _smooth_plenum_flows(flows, to_lines, parts.omega * out[:, 3])
+    for i, name in enumerate(c.plenum_paths):
+        found[f"mass_flow_{name}"] = found.get(f"mass_flow_{name}", 0.0) + flows[:, i]
+    for i, (name, _) in enumerate(c.gap_paths):
+        for side, word in enumerate(("leading", "trailing")):
+            key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
+            found[key] = found.get(key, 0.0) + flows[:, column]
+    return found
+
+
+def trace_angles(life: float) -> np.ndarray:
+    """Return the angles of a trace [degree]: every degree of a life [rad], and its end."""
+    end = math.degrees(life)
+    degrees = np.arange(0.0, end + 1e-6, TRACE_STEP)
+    return degrees if end - degrees[-1] < 1e-6 else np.append(degrees, end)
+
+
+def _smooth_plenum_flows(flows: np.ndarray, to_lines: list[int], mass_rate: np.ndarray) -> None:
+    """Where one port to a line alone is open, take its flow from the mass balance, in place.
+
+    Between steps a wide port's tiny Δp carries the whole error of the interpolated pressure; dm/dφ does not.
+    """
+    open_ports = np.abs(flows[:, to_lines]) > 0.0
+    alone = np.count_nonzero(open_ports, axis=1) == 1
+    others = np.delete(flows, to_lines, axis=1).sum(axis=1)
+    for column, i in enumerate(to_lines):
+        mine = alone & open_ports[:, column]
+        flows[mine, i] = mass_rate[mine] - others[mine]
