@@ -19,7 +19,8 @@ from scipy.optimize import least_squares
 
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.paper_law import discharge_area, suction_area, volume
-from screwsim.machine.profile_law import Table, lay
+from screwsim.machine.profile_law import lay
+from screwsim.machine.profile_tables import Table
 from screwsim.machine.settings import LIFE, TURN, DischargePort, SuctionPort, VolumeLaw
 from screwsim.outputs import Result
 from screwsim.scene import Scene, load

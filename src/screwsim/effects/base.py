@@ -26,13 +26,15 @@ class FlowPath:
     chamber there is no interface, beyond the last one lies the discharge plenum.
 
     `values` are the numbers [SI] behind the kernel's argument names that are not symbols; `knots` [rad] are
-    the angles at which the area is not smooth; `tables` hold curves as (angle [rad], area [m²]).
+    the angles at which the area is not smooth; `own_knots` those of them that only the chambers of this path feel, and
+    not their neighbours; `tables` hold curves as (angle [rad], area [m²]), or with slopes (`numerics.spline`).
     """
 
     to: str  # 'suction' | 'discharge' | 'neighbour'
     area: Kernel
     values: Mapping[str, float]
     knots: Sequence[float] = ()
+    own_knots: Sequence[float] = ()
     offset: int = 0  # lobe pitches from the trailing to the leading chamber
     flow_coefficient: float = 1.0
     tables: Mapping[str, Any] = field(default_factory=dict)

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.machine.profile_law import Interface, Laid, Table, lay
+from screwsim.machine.profile_law import Interface, Laid, lay
+from screwsim.machine.profile_tables import Table
 from screwsim.machine.rotors.curves import Curve
 from screwsim.machine.rotors.export import curve_csv
 from screwsim.report.rotors import draw_rotors
