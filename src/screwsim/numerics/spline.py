@@ -87,10 +87,7 @@ def differences(x: Array, y: Array, knots: Sequence[float]) -> Array:
     secant = np.diff(y) / step
     rate = np.diff(secant) / (step[:-1] + step[1:])  # half the second derivative at each inner row
     rate = np.concatenate([rate[:1], rate, rate[-1:]]) if len(rate) else np.zeros(2)
-    border = np.zeros(len(x), bool)
-    border[[0, -1]] = True
-    rows = np.searchsorted(x, np.asarray(knots) - 1e-9)
-    border[rows[rows < len(x)]] = True
+    border = _borders(x, knots)
     lone = border[:-1] & border[1:]
     before, after = np.where(border[:-1], rate[1:], rate[:-1]), np.where(border[1:], rate[:-1], rate[1:])
     first, last = secant - step * before, secant + step * after
@@ -100,10 +97,24 @@ def differences(x: Array, y: Array, knots: Sequence[float]) -> Array:
 def side_slopes(x: Array, y: Array, knots: Sequence[float]) -> Array:
     """Return `differences`, limited so that Hermite's cubics rise and fall with the rows and nowhere else.
 
-    Source: Fritsch & Carlson 1980.
+    Source: Fritsch & Carlson 1980. Off the knots the slopes on both sides of a row are the same.
     """
     found, secant = differences(x, y, knots), (np.diff(y) / np.diff(x))[:, None]
-    return np.where(found * secant > 0.0, np.sign(secant) * np.minimum(np.abs(found), 3.0 * np.abs(secant)), 0.0)
+    found = np.where(found * secant > 0.0, np.sign(secant) * np.minimum(np.abs(found), 3.0 * np.abs(secant)), 0.0)
+    left, right = found[:-1, 1], found[1:, 0]
+    both = np.where(left * right > 0.0, np.sign(left) * np.minimum(np.abs(left), np.abs(right)), 0.0)
+    smooth = ~_borders(x, knots)[1:-1]
+    found[:-1, 1], found[1:, 0] = np.where(smooth, both, left), np.where(smooth, both, right)
+    return found
+
+
+def _borders(x: Array, knots: Sequence[float]) -> np.ndarray:
+    """Return which rows lie on a knot or at an end."""
+    border = np.zeros(len(x), bool)
+    border[[0, -1]] = True
+    rows = np.searchsorted(x, np.asarray(knots) - 1e-9)
+    border[rows[rows < len(x)]] = True
+    return border
 
 
 @kernel

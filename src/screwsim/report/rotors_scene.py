@@ -133,8 +133,7 @@ def _csv(table: Table, unit: str) -> str:
 
 
 def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
-    table = interfaces[0].table
-    return _csv(Table(table.angle, (gap or 1.0) * table.value, ()), "m^2")
+    return _csv(interfaces[0].table.times(gap or 1.0), "m^2")
 
 
 def _tabled(scene: Scene, laid: Laid, folder: Path) -> Any:

@@ -92,7 +92,7 @@ def section_knots(rotors: Rotors) -> list[float]:
     pair, S = rotors.pair, float(rotors.chain.psi[rotors.chain.trail])
     p = pair.pitch
     mesh = contact_knots(rotors)
-    return [*(m - TURN for m in mesh), *mesh, -pair.beta1 - p, -pair.beta1, S]
+    return [*(m - TURN for m in mesh), mesh[-1] - TURN - p, *mesh, -pair.beta1 - p, -pair.beta1, S]
 
 
 def contact_knots(rotors: Rotors) -> list[float]:
