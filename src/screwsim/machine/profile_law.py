@@ -17,7 +17,7 @@ import numpy as np
 
 from screwsim.faults import Fault, UsageError
 from screwsim.machine.profile_tables import LEAST, Table, area_table, volume_table
-from screwsim.machine.rotors.curves import Curve, Curves, Path, make_curves
+from screwsim.machine.rotors.curves import OVERLAP, Curve, Curves, Path, make_curves
 from screwsim.machine.rotors.rotors import Rotors, make_rotors
 from screwsim.machine.settings import TwinScrew
 
@@ -28,12 +28,12 @@ AFTER_OPENING = np.radians((2.0, 5.0, 10.0, 20.0))  # and there, beside the cham
 _NO_SUCTION = "machine.profile.wrap_angle: leaves the suction port no opening (choose another)"
 _SHUT = "machine.built_in_volume_ratio: {:.4g} leaves the discharge port no opening (choose a smaller ratio)"
 
-# the paths of each effect; the blow-hole at the suction cusp lies between filling chambers and is left out
+# the paths of each effect: those of one group and of one offset make one interface
 EFFECTS = {
-    "tip_leakage": ("male_tip", "female_tip"),
-    "interlobe_leakage": ("sealing_line", "sealing_line_over_tip"),
-    "blow_hole": ("blow_hole",),
-    "end_face_leakage": ("end_face",),
+    "tip_leakage": (("male_tip", "female_tip"),),
+    "interlobe_leakage": (("sealing_line", "sealing_line_over_tip"),),
+    "blow_hole": (("blow_hole",), ("suction_blow_hole",)),
+    "end_face_leakage": (("end_face", "suction_face"),),
 }
 
 
@@ -116,27 +116,34 @@ def _summed(curves: Sequence[Curve]) -> Curve:
     return replace(first, value=np.maximum(np.sum([curve.value for curve in curves], axis=0), 0.0))
 
 
-def _interfaces(curves: Curves, kinds: Sequence[str], born: float) -> tuple[Interface, ...]:
-    """Return the paths of an effect, those of one offset together, as far as both chambers live."""
-    by_offset: dict[int, list[Path]] = {}
+def _interfaces(curves: Curves, groups: Sequence[Sequence[str]], born: float) -> tuple[Interface, ...]:
+    """Return the paths of an effect, those of one group and offset together, as far as both chambers live."""
+    by_offset: dict[tuple[int, int], list[Path]] = {}
     for path in curves.paths:
-        if path.name in kinds or path.name.rpartition("_")[0] in kinds:
-            by_offset.setdefault(path.offset, []).append(path)
+        for i, kinds in enumerate(groups):
+            if path.name in kinds or path.name.rpartition("_")[0] in kinds:
+                by_offset.setdefault((i, path.offset), []).append(path)
     found = []
-    for offset, paths in sorted(by_offset.items()):
-        whole = _summed([_alive(path.behind) for path in paths])
+    for (_, offset), paths in sorted(by_offset.items()):
+        whole = _summed([_alive(path, curves.suction_closes) for path in paths])
         if whole.value.max() > 0.0:
             table = area_table(whole, born)
             found.append(Interface(offset, table.landing(born + curves.discharge_opens + AFTER_OPENING)))
     return tuple(found)
 
 
-def _alive(curve: Curve) -> Curve:
-    """Return the part of a path from the birth of its trailing chamber on, where it opens from nothing."""
+def _alive(path: Path, closes: float) -> Curve:
+    """Return a path from the birth of its trailing chamber on; if it is longer than nothing there, it opens over 20°.
+
+    A path on the suction side opens over the 20° before the suction of the leading chamber closes: until then it lies
+    between two chambers at suction pressure.
+    """
+    curve = path.behind
+    first = max(0.0, closes - OVERLAP - path.offset * path.pitch) if path.name.startswith("suction") else 0.0
     living = curve.angle > -1e-9
     angle, value = curve.angle[living], curve.value[living]
-    if value[0] > LEAST * value.max():
-        x = np.clip(angle / BIRTH, 0.0, 1.0)
+    if np.interp(first, angle, value) > LEAST * value.max():
+        x = np.clip((angle - first) / BIRTH, 0.0, 1.0)
         value = value * x * x * (3.0 - 2.0 * x)
     return replace(curve, angle=angle, value=value, knots=tuple(knot for knot in curve.knots if knot > -1e-9))
 

@@ -20,6 +20,7 @@ from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.sections import TURN
 
 STEP = np.radians(0.5)  # of the tables, between knots, at most
+OVERLAP = np.radians(20.0)  # before suction closes: from there on paths on the suction side count (`profile_law`)
 TOGETHER = 1e-6  # rad: knots as close as that are one
 
 
@@ -139,7 +140,7 @@ def _discharge_curves(rotors: Rotors, opens: float) -> dict[str, Curve]:
     return {name: _curve(rotors, knots, "m^2", lambda _, area=area: area) for name, area in parts.items()}
 
 
-def _paths(rotors: Rotors) -> tuple[Path, ...]:
+def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
     pair, chain, h, wrap = rotors.pair, rotors.chain, rotors.h, rotors.wrap
     z1, S, p = pair.male_lobes, float(chain.psi[chain.trail]), pair.pitch
     line, tips = sealing_line(pair, chain, h), (male_tip(pair, h), female_tip(pair, chain, h))
@@ -148,7 +149,10 @@ def _paths(rotors: Rotors) -> tuple[Path, ...]:
     hole, back = rotors.blow_hole, rotors.suction_blow_hole
     angles = [float(x) for x in (hole.psi_male[0], S, hole.psi_female[0])]
     early = [-TURN - float(x) for x in (back.psi_male[0], back.psi_male[-1], back.psi_female[0])]
-    face = _both_ends(rotors, [*section_knots(rotors), S - p, S])
+    births = [rotors.start + offset * p for offset in end_face.offsets(pair)]
+    face = [*_both_ends(rotors, [*section_knots(rotors), S - p, S]), closes - OVERLAP, *births]
+    phi = _grid(rotors, face)[0]
+    faces = {"end": end_face.face_lengths(pair, chain, phi - wrap), "suction": end_face.face_lengths(pair, chain, phi)}
     made = [
         ("sealing_line", z1, contact, "m", lambda phi: line.lengths_at(phi, wrap)[0]),
         ("sealing_line_over_tip", z1 + 1, contact, "m", lambda phi: line.lengths_at(phi, wrap)[1]),
@@ -160,19 +164,14 @@ def _paths(rotors: Rotors) -> tuple[Path, ...]:
         (
             "suction_blow_hole",
             1,
-            _both_ends(rotors, early),
+            [*_both_ends(rotors, early), closes - OVERLAP],
             "m^2",
             lambda phi: back.area_at(wrap - phi - TURN, wrap, h),
         ),
         *(
-            (
-                f"end_face_{offset}",
-                offset,
-                face,
-                "m",
-                lambda phi, o=offset: end_face.face_lengths(pair, chain, phi - wrap)[o],
-            )
-            for offset in end_face.offsets(pair)
+            (f"{side}_face_{offset}", offset, face, "m", lambda _, values=values: values)
+            for side, lengths in faces.items()
+            for offset, values in lengths.items()
         ),
     ]
     return tuple(
@@ -191,7 +190,7 @@ def make_curves(rotors: Rotors, volume_ratio: float, suction_closes: float | Non
         *_volume_curves(rotors),
         _suction_curves(rotors, closes),
         _discharge_curves(rotors, opens),
-        _paths(rotors),
+        _paths(rotors, closes),
         closes - rotors.start,
         opens - rotors.start,
     )
