@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from screwsim.faults import UsageError
 from screwsim.machine.profile_law import lay
 from screwsim.report.rotors_scene import table_files
 from screwsim.scene import load
 from screwsim.simulate import simulate
+from screwsim.study.sweep import run_sweep
 
 CONFIGS = Path(__file__).parents[2] / "configs" / "rotors"
 IDEAL = (  # one small compiled model for what needs no real gas
@@ -90,3 +92,18 @@ def test_a_finer_accuracy_changes_figures_by_less_than_the_coarse_one(cycle):
 def test_longer_or_wider_gaps_fill_less(path, low, high):
     one, two = (simulate(ideal(f"{path}={value}")).performance["volumetric_efficiency"] for value in (low, high))
     assert two < one
+
+
+def test_a_sweep_over_lives_keeps_figures_and_refuses_cycles_in_one_line(tmp_path):
+    """At 180° of wrap a chamber lives 720°, at 300° it lives 900°."""
+    text = f"base: {CONFIGS / 'b.yaml'}\nsweep: {{machine.profile.wrap_angle: [180 deg, 300 deg]}}\n"
+    text += "output: {keep: KEPT}\n"
+    scenes = {}
+    for keep in ("performance", "cycle"):
+        path = tmp_path / f"{keep}.yaml"
+        path.write_text(text.replace("KEPT", keep))
+        scenes[keep] = load(path, IDEAL)
+    summary = run_sweep(scenes["performance"], tmp_path / "performance.h5", jobs=1)
+    assert (summary.ok, summary.cases) == (2, 2)
+    with pytest.raises(UsageError, match=r"^output.keep: chambers live 720 and 900 deg"):
+        run_sweep(scenes["cycle"], tmp_path / "cycle.h5", jobs=1)
