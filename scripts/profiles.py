@@ -217,7 +217,8 @@ def main() -> None:
         for value, scene in cases:
             text = figures(scene)
             print(f"{value:>8} {text}")
-            studies.setdefault(name, []).append((float(value), *(float(x) for x in text.split()[:2])))
+            filling, efficiency = (float(x) for x in text.split()[:2])
+            studies.setdefault(name, []).append((float(value), filling, efficiency))
     if folder is not None:
         draw(results, studies, folder)
     paths(with_values(b, {"numerics.accuracy": 1e-4}))
