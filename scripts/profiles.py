@@ -1,27 +1,27 @@
 """Print what rotor profiles decide: the machines of configs/rotors, wrap, length, built-in ratio, clearance, speed.
 
-Run: .venv/bin/python scripts/profiles.py. Machines are compared at the displacement of (b) a male revolution: all
-lengths of a machine are scaled together, the clearances stay. Published: the mean of Bitzer's compact screws
-(validation/bitzer). Last the paper's laws, fitted to the curves of (b), beside them.
+Run: .venv/bin/python scripts/profiles.py [-o DIR]; -o draws the figures profiles and profile_studies there. Machines
+are compared at the displacement of (b) a male revolution: all lengths of a machine are scaled together, the clearances
+stay. Published: the mean of Bitzer's compact screws (validation/bitzer).
 """
 
 from __future__ import annotations
 
+import argparse
 import csv
 import math
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from screwsim.machine.geometry import Geometry
-from screwsim.machine.paper_law import discharge_area, suction_area, volume
-from screwsim.machine.profile_law import Table, lay
-from screwsim.machine.settings import LIFE, TURN, DischargePort, SuctionPort, VolumeLaw
+from screwsim.machine.profile_law import lay
 from screwsim.outputs import Result
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, SMALL, journal, new_figure, plain_ticks, write
 from screwsim.scene import Scene, load
 from screwsim.scene.grid import with_values
 from screwsim.simulate import simulate
@@ -32,6 +32,14 @@ NAMES = {"a": "symmetric 4/6", "b": "asymmetric 4/6", "c": "asymmetric 5/6"}
 GAPS = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
 LOSSES = (*GAPS[:2], "blow_hole", GAPS[2], "suction_port", "discharge_port", "oil_heat")
 MM, DEG = 1e-3, math.pi / 180.0
+SHADES = ("#3b2a8c", "#c2561a", "#9dc9e6", "#e8e8e8")
+AXES = {
+    "wrap angle": "wrap angle [°]",
+    "L/D": "length over diameter",
+    "female tip radius mm": "female tip radius [mm]",
+    "clearance um, all gaps": "all clearances [µm]",
+    "tip speed m/s": "tip speed [m/s]",
+}
 
 
 def scaled(scene: Scene, factor: float) -> Scene:
@@ -69,20 +77,22 @@ def figures(scene: Scene) -> str:
     return text if result.status == "ok" else f"{text} {result.status}"
 
 
-def compare(scenes: dict[str, Scene]) -> None:
-    """Print the profiles at one displacement, with what their effects destroy."""
+def compare(scenes: dict[str, Scene]) -> dict[str, Result]:
+    """Print the profiles at one displacement, with what their effects destroy; return their results."""
+    results = {}
     print("Profiles at one displacement and one set of clearances, R134a 2/45 degC")
     head = "".join(f"{name.replace('_leakage', '').replace('_', ' '):>16}" for name in LOSSES)
     print(f"{'':<44} destroyed, % of shaft power")
     print(f"{'':<16}{'D mm':>6}{'lambda':>8}{'eta_s':>8}{'kW':>7}{head}")
     for name, scene in scenes.items():
-        result = simulate(scene)
+        result = results[name] = simulate(scene)
         found = result.performance
         parts = "".join(f"{_share(result, loss):16.2f}" for loss in LOSSES)
         print(
             f"{NAMES[name]:<16}{scene.machine.rotor_diameter / MM:6.1f}{found.volumetric_efficiency:8.4f}"
             f"{found.isentropic_efficiency:8.4f}{found.shaft_power / 1e3:7.2f}{parts}   {result.status}"
         )
+    return results
 
 
 def _share(result: Result, name: str) -> float:
@@ -106,98 +116,13 @@ def variations(b: Scene) -> Iterator[tuple[str, list[tuple[str, Scene]]]]:
     yield "tip speed m/s", [(text, with_values(b, values)) for text, values in speeds]
 
 
-def fitted(b: Scene, by_ratio: bool) -> Scene:
-    """Return (b) with the paper's laws fitted to its curves, suction closing at 360°, and the built-in gaps' sizes.
-
-    by_ratio: the port opens where the law has the built-in ratio, and not at the angle at which the rotors' opens.
-    """
-    laid = lay(b.machine)
-    shift = laid.injection - TURN
-    phi, V = _paper_axis(laid.volume, shift)
-    phi_A = _fit(lambda x: [volume(p, laid.swept, 0.0, x[0]) for p in phi], V, [60 * DEG], [(1 * DEG, TURN)])[0]
-    phi, S = _paper_axis(laid.suction, shift)
-    area, phi_B = _fit(
-        lambda x: [suction_area(p, x[0], x[1]) for p in phi], S, [S.max(), 90 * DEG], [(0.0, 1.0), (1 * DEG, TURN / 2)]
-    )
-    suction = SuctionPort(law="paper", area=area, phi_B=phi_B)
-    opens = laid.opens - shift
-    if by_ratio:
-        opens = _where(
-            lambda p: volume(p, laid.swept, 0.0, phi_A), laid.swept / float(b.machine.built_in_volume_ratio or 1.0)
-        )
-    part_of_life = (laid.discharge.angle - laid.opens) / (laid.ends - laid.opens)
-    phi, S = opens + part_of_life * (LIFE - opens), laid.discharge.value
-    half = 0.5 * (LIFE - opens)
-    area, part = _fit(
-        lambda x: [discharge_area(p, x[0], opens, opens + x[1] * half) for p in phi],
-        S,
-        [S.max(), 0.5],
-        [(0.0, 1.0), (0.01, 1.0)],
-    )
-    discharge = DischargePort(law="paper", area=area, opens=opens, phi_C=opens + part * half)
-    lines = [one.table.value.max() for one in laid.interfaces["interlobe_leakage"]]
-    faces = {one.offset: one.table.value.max() for one in laid.interfaces["end_face_leakage"]}
-    near, far = faces[1], sum(length for offset, length in faces.items() if offset > 1)
-    angles = " ".join(
-        f"{name} {angle / DEG:.1f}" for name, angle in (("phi_A", phi_A), ("phi_B", phi_B), ("opens", opens))
-    )
-    areas = f"{(suction.area or 0.0) * 1e4:.1f} and {area * 1e4:.1f} cm^2"
-    print(f"paper's laws: {angles} phi_C {(discharge.phi_C or 0.0) / DEG:.1f} deg; areas {areas}")
-    return with_values(
-        b,
-        {
-            "machine.profile": None,
-            "machine.built_in_volume_ratio": None,
-            "machine.volume": VolumeLaw(law="paper", max=laid.swept, phi_A=phi_A),
-            "machine.suction_port": suction,
-            "machine.discharge_port": discharge,
-            "effects.interlobe_leakage.length": float(max(lines)),
-            "effects.blow_hole.area": float(laid.interfaces["blow_hole"][0].table.value.max()),
-            "effects.end_face_leakage.length": float(near + far),
-            "effects.end_face_leakage.suction_share": float(far / (near + far)),
-        },
-    )
-
-
-def _where(law, wanted: float) -> float:
-    """Return the angle after 360° [rad] at which a falling volume is the wanted one."""
-    low, high = TURN, LIFE
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if law(middle) > wanted else (low, middle)
-    return 0.5 * (low + high)
-
-
-def _deviation(paper: Scene, b: Scene) -> float:
-    """Return the largest deviation of a paper's volume from the rotors', over the swept volume."""
-    laid, law = lay(b.machine), paper.machine.volume
-    phi, V = _paper_axis(laid.volume, laid.injection - TURN)
-    own = np.array([volume(p, laid.swept, 0.0, float(law.phi_A or 0.0)) for p in phi])
-    return float(np.max(np.abs(own - V)) / laid.swept)
-
-
-def _paper_axis(table: Table, shift: float) -> tuple[np.ndarray, np.ndarray]:
-    return table.angle - shift, table.value
-
-
-def _fit(law, curve: np.ndarray, start: list[float], bounds: list[tuple[float, float]]) -> list[float]:
-    """Return the parameters of a law closest to a curve, in the mean of squares over its largest value."""
-    found = least_squares(lambda x: (np.array(law(x)) - curve) / curve.max(), start, bounds=np.transpose(bounds))
-    return [float(value) for value in found.x]
-
-
-def without(scene: Scene, *names: str) -> Scene:
-    """Return the scene without some effects."""
-    return replace(scene, effects={name: active for name, active in scene.effects.items() if name not in names})
-
-
 def paths(b: Scene) -> None:
     """Print what each leakage path of (b) takes, by its effect and the pitches between its chambers."""
     laid, whole = lay(b.machine), simulate(b, trace=False).performance
     print("\nWhat a path takes of profile (b), path by path: lambda, eta_s")
     for effect, interfaces in laid.interfaces.items():
         for one in interfaces:
-            closed = replace(one, table=replace(one.table, value=1e-9 * one.table.value))  # the same model compiled
+            closed = replace(one, table=one.table.times(1e-9))  # the same model compiled
             others = tuple(closed if other is one else other for other in interfaces)
             changed = replace(laid, interfaces={**laid.interfaces, effect: others})
             with patch("screwsim.machine.geometry.lay", return_value=changed):
@@ -222,24 +147,81 @@ def published(scenes: dict[str, Scene]) -> None:
         print(line + "".join(f"   {figures(with_values(scene, T))}" for scene in scenes.values()))
 
 
+def draw(results: dict[str, Result], studies: dict[str, list[tuple[float, float, float]]], folder: Path) -> None:
+    """Draw the profiles' figures and losses, and the studies of (b)."""
+    with journal():
+        write(_profiles_figure(results), folder, "profiles")
+        write(_studies_figure(studies), folder, "profile_studies")
+
+
+def _profiles_figure(results: dict[str, Result]) -> Any:
+    figure = new_figure(DOUBLE, 66.0)
+    left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.9))
+    places = np.arange(len(results))
+    for j, (name, text) in enumerate(
+        (("volumetric_efficiency", "volumetric"), ("isentropic_efficiency", "isentropic"))
+    ):
+        heights = [100.0 * result.performance[name] for result in results.values()]
+        bars = left.bar(places + 0.4 * (j - 0.5), heights, 0.38, color=SHADES[2 * j], edgecolor="black", label=text)
+        left.bar_label(bars, [f"{height:.1f}" for height in heights], fontsize=SMALL)
+    left.set_xticks(places, [f"({name})" for name in results])
+    left.set_ylim(70.0, 106.0)
+    left.set_ylabel("efficiency [%]")
+    left.legend(loc="upper left")
+    base = np.zeros(len(results))
+    for j, loss in enumerate(LOSSES):
+        shares = np.array([_share(result, loss) for result in results.values()])
+        name = loss.replace("_leakage", "").replace("_", " ")
+        right.barh(
+            places, shares, 0.6, base, color=SHADES[j % 4], hatch=("", "////")[j // 4], edgecolor="black", label=name
+        )
+        base += shares
+    right.set_yticks(places, [f"({name}) {NAMES[name]}" for name in results])
+    right.set_ylim(len(results) - 0.5, -2.0)
+    right.set_xlim(0.0, 1.04 * base.max())
+    right.set_xlabel("exergy destroyed [% of the shaft power]")
+    right.legend(loc="upper center", ncols=3)
+    return figure
+
+
+def _studies_figure(studies: dict[str, list[tuple[float, float, float]]]) -> Any:
+    figure = new_figure(DOUBLE, 104.0)
+    panels = figure.subplots(2, 3, sharey=True).ravel()
+    for axes, (name, rows) in zip(panels, studies.items(), strict=True):
+        value, filling, efficiency = np.array(rows).T
+        axes.plot(value, 100.0 * filling, color=COLOURS[1], linestyle=DASHES[1], marker="s", label="volumetric")
+        axes.plot(value, 100.0 * efficiency, color=COLOURS[0], marker="o", label="isentropic")
+        axes.set_xlabel(AXES.get(name, name))
+        plain_ticks(axes.xaxis, 5)
+        plain_ticks(axes.yaxis, 6)
+        axes.set_ylim(70.0, 100.0)
+    for row in (panels[0], panels[3]):
+        row.set_ylabel("efficiency [%]")
+    panels[0].legend(loc="lower left")
+    return figure
+
+
 def main() -> None:
-    """Print all tables."""
+    """Print all tables, and draw them where -o says."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("-o", type=Path, metavar="DIR", help="where the figures go")
+    folder = parser.parse_args().o
     scenes = {name: load(ROOT / "configs" / "rotors" / f"{name}.yaml") for name in NAMES}
     b = scenes["b"]
     alike = {name: matched(scene, displacement(b)) for name, scene in scenes.items()}
-    compare(alike)
+    results = compare(alike)
     print("\nProfile (b), one displacement: lambda, eta_s")
+    studies: dict[str, list[tuple[float, float, float]]] = {}
     for name, cases in variations(b):
         print(name)
         for value, scene in cases:
-            print(f"{value:>8} {figures(scene)}")
+            text = figures(scene)
+            print(f"{value:>8} {text}")
+            filling, efficiency = (float(x) for x in text.split()[:2])
+            studies.setdefault(name, []).append((float(value), filling, efficiency))
+    if folder is not None:
+        draw(results, studies, folder)
     paths(with_values(b, {"numerics.accuracy": 1e-4}))
-    print()
-    laws = {"profile (b)": b, "fitted curves": fitted(b, False), "opens at the ratio": fitted(b, True)}
-    leaks = (*GAPS, "blow_hole")
-    for name, scene in laws.items():
-        off = "" if scene is b else f"   volume off by {_deviation(scene, b):.3f} V_max"
-        print(f"{name:<20} all {figures(scene)}   ports only {figures(without(scene, *leaks))}{off}")
     published(alike)
 
 

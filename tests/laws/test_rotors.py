@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from screwsim.faults import UsageError
 from screwsim.machine.profile_law import lay
 from screwsim.report.rotors_scene import table_files
 from screwsim.scene import load
 from screwsim.simulate import simulate
+from screwsim.study.sweep import run_sweep
 
 CONFIGS = Path(__file__).parents[2] / "configs" / "rotors"
 IDEAL = (  # one small compiled model for what needs no real gas
@@ -43,6 +45,7 @@ def test_the_shipped_machines_close_and_keep_their_balances(name):
     assert result.balance.energy <= result.balance.bound
     assert result.balance.oil_mass <= 10 * result.balance.bound  # not part of the bound itself
     assert abs(result.ledger["relative_residue"]) < 1e-3
+    assert result.numerics["rhs_evaluations"] < 20_000  # the paper's laws: 12 000; rows that jump in slope: 28 000
     assert result.cycle["angle"][-1] == pytest.approx(900.0 if name != "c" else 864.0)
 
 
@@ -89,3 +92,18 @@ def test_a_finer_accuracy_changes_figures_by_less_than_the_coarse_one(cycle):
 def test_longer_or_wider_gaps_fill_less(path, low, high):
     one, two = (simulate(ideal(f"{path}={value}")).performance["volumetric_efficiency"] for value in (low, high))
     assert two < one
+
+
+def test_a_sweep_over_lives_keeps_figures_and_refuses_cycles_in_one_line(tmp_path):
+    """At 180° of wrap a chamber lives 720°, at 300° it lives 900°."""
+    text = f"base: {CONFIGS / 'b.yaml'}\nsweep: {{machine.profile.wrap_angle: [180 deg, 300 deg]}}\n"
+    text += "output: {keep: KEPT}\n"
+    scenes = {}
+    for keep in ("performance", "cycle"):
+        path = tmp_path / f"{keep}.yaml"
+        path.write_text(text.replace("KEPT", keep))
+        scenes[keep] = load(path, IDEAL)
+    summary = run_sweep(scenes["performance"], tmp_path / "performance.h5", jobs=1)
+    assert (summary.ok, summary.cases) == (2, 2)
+    with pytest.raises(UsageError, match=r"^output.keep: chambers live 720 and 900 deg"):
+        run_sweep(scenes["cycle"], tmp_path / "cycle.h5", jobs=1)

@@ -1,11 +1,11 @@
-"""Packed curves: the shape-preserving spline of scipy, its derivative, and what read_curve says of bad files."""
+"""Packed curves: the shape-preserving spline of scipy, cubics of given slopes, what read_curve says of bad files."""
 
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
 from screwsim.faults import UsageError
-from screwsim.numerics.spline import pack_curve, read_curve, table_slope, table_value
+from screwsim.numerics.spline import differences, pack_curve, read_curve, side_slopes, table_slope, table_value
 
 ROUNDING = 1e-13
 
@@ -101,3 +101,37 @@ def test_a_missing_file_is_refused_in_one_line(tmp_path):
     with pytest.raises(UsageError, match="cannot be read") as caught:
         read_curve(str(tmp_path / "none.csv"), "area_m2")
     assert "\n" not in str(caught.value)
+
+
+KINK = 0.4
+
+
+def bent(x):
+    """Return a curve of two parabolas that meet at a kink, and its derivatives on the left and on the right of x."""
+    left, right = 1.0 + 2.0 * x - 3.0 * x * x, 1.0 + 2.0 * KINK - 3.0 * KINK**2 + 5.0 * (x - KINK) + (x - KINK) ** 2
+    before, after = 2.0 - 6.0 * x, 5.0 + 2.0 * (x - KINK)
+    return np.where(x < KINK, left, right), np.where(x <= KINK, before, after), np.where(x < KINK, before, after)
+
+
+def test_differences_of_parabolas_are_exact_on_both_sides_of_a_kink():
+    x = np.sort(np.append(np.random.default_rng(3).random(30), KINK))
+    y, left, right = bent(x)
+    assert differences(x, y, [KINK]) == pytest.approx(np.column_stack([right[:-1], left[1:]]), abs=1e-9)
+
+
+def test_cubics_with_given_slopes_are_exact_for_cubics_and_keep_their_kinks():
+    x = np.sort(np.append(np.random.default_rng(4).random(30), KINK))
+    y, left, right = bent(x)
+    packed = pack_curve(x, y, np.column_stack([right[:-1], left[1:]]))
+    at = np.linspace(x[0], x[-1], 333)
+    assert [table_value(a, packed, 0) for a in at] == pytest.approx(bent(at)[0], rel=1e-12)
+    inside = at[(np.abs(at - KINK) > 1e-9) & (at < x[-1])]
+    assert [table_slope(a, packed, 0) for a in inside] == pytest.approx(bent(inside)[1], rel=1e-9)
+
+
+def test_limited_slopes_make_no_new_extremes():
+    x = np.linspace(0.0, 1.0, 21)
+    y = np.where(x < 0.5, 0.0, 1.0) + 0.1 * x
+    packed = pack_curve(x, y, side_slopes(x, y, []))
+    values = [table_value(a, packed, 0) for a in np.linspace(0.0, 1.0, 2001)]
+    assert np.all(np.diff(values) > 0.0)

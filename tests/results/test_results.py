@@ -282,7 +282,7 @@ def test_traces_over_different_angles_are_refused(tmp_path):
     grid = scene(SCENE + "sweep: {oil_supply.ratio: [1, 2]}\n" + CYCLE)
     one, two = results_of(grid)
     other = replace(two, cycle={**two.cycle, "angle": two.cycle["angle"] * 0.5})
-    with pytest.raises(ValueError, match="must share their angles"):
+    with pytest.raises(UsageError, match=r"^output.keep: chambers live 720 and 360 deg .* share no angles \(write"):
         save(tmp_path / "x.h5", grid, [one, other])
 
 

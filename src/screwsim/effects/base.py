@@ -30,14 +30,16 @@ class FlowPath:
     chamber there is no interface, beyond the last one lies the discharge plenum.
 
     `values` are the numbers [SI] behind the kernel's argument names that are not symbols; `knots` [rad] are
-    the angles at which the area is not smooth; `tables` hold curves as (angle [rad], area [m²]). Where `mirror` [rad]
-    is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150).
+    the angles at which the area is not smooth; `own_knots` those of them that only the chambers of this path feel, and
+    not their neighbours; `tables` hold curves as (angle [rad], area [m²]), or with slopes (`numerics.spline`). Where
+    `mirror` [rad] is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150).
     """
 
     to: str
     area: Kernel
     values: Mapping[str, float]
     knots: Sequence[float] = ()
+    own_knots: Sequence[float] = ()
     offset: int = 0  # lobe pitches from the trailing to the leading chamber
     flow_coefficient: float = 1.0
     tables: Mapping[str, Any] = field(default_factory=dict)
@@ -47,7 +49,8 @@ class FlowPath:
         """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""
         mirror = life - self.offset * pitch
         to = {"suction": "discharge", "discharge": "suction"}.get(self.to, self.to)
-        return replace(self, to=to, mirror=mirror, knots=tuple(mirror - knot for knot in self.knots))
+        knots, own = (tuple(mirror - knot for knot in each) for each in (self.knots, self.own_knots))
+        return replace(self, to=to, mirror=mirror, knots=knots, own_knots=own)
 
 
 @dataclass(frozen=True)

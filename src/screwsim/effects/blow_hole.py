@@ -4,7 +4,8 @@ What: nozzle flow through a constant area while the separating lobe crosses the 
 Source: ours. By geometry (4/6 asymmetric profile, 300° wrap) the lobe behind a chamber crosses the cusp from about
 383° to 683° of that chamber's angle; the area is constant between, with cubic ramps of 20° at both ends.
 With machine.volume.law: profile the area by angle is the profile's; a given `area` scales its largest value to that.
-Assumptions: quasi-steady nozzle; compression-side blow-hole only: the other lies between filling chambers.
+There the blow-hole at the suction cusp counts, too: it is still open when suction closes (docs/rotors.md).
+Assumptions: quasi-steady nozzle; without a profile the compression-side blow-hole only.
 Parameters: area (one blow-hole), opens, closes (angles of the leading chamber, not with a profile), flow_coefficient;
 area_file.
 """
@@ -43,10 +44,10 @@ def area(phi, size, pitch, opens, closes):
 def build(parameters: Parameters, machine) -> list[FlowPath]:
     interfaces = machine.interfaces("blow_hole")
     if interfaces is not None and parameters.area_file is None:
-        largest = max((float(one.table.value.max()) for one in interfaces), default=1.0)
-        return profile_paths(
-            parameters, interfaces, factor=1.0 if parameters.area is None else parameters.area / largest
-        )
+        compressing, filling = interfaces[:1], interfaces[1:]
+        largest = max((float(one.table.value.max()) for one in compressing), default=1.0)
+        factor = 1.0 if parameters.area is None else parameters.area / largest
+        return [*profile_paths(parameters, compressing, factor=factor), *profile_paths(parameters, filling)]
     opens, closes = parameters.opens, parameters.closes
     values = {"size": parameters.area or 0.0, "opens": opens, "closes": closes}
     return [gap_path(parameters, area, values, knots=(), offset=1)]  # smooth enough without knots

@@ -98,8 +98,8 @@ def profile_paths(parameters, interfaces, gap=None, factor=1.0) -> list[FlowPath
             to="neighbour",
             area=table_area if gap is None else length_area,
             values={} if gap is None else {"gap": gap},
-            knots=interface.table.knots,
-            tables={"curve": (interface.table.angle, factor * interface.table.value)},
+            own_knots=interface.table.knots,
+            tables={"curve": interface.table.times(factor).curve},
             offset=interface.offset,
             flow_coefficient=parameters.flow_coefficient,
         )
@@ -135,6 +135,7 @@ def port_path(parameters, law, to) -> FlowPath:
         area=law.area,
         values=law.values,
         knots=law.knots,
+        own_knots=law.own_knots,
         tables=law.tables,
         flow_coefficient=parameters.flow_coefficient,
     )

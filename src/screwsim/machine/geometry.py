@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from screwsim.machine import paper_law, table_law
-from screwsim.machine.profile_law import Interface, Laid, Table, lay
+from screwsim.machine.profile_law import Interface, Laid, lay
+from screwsim.machine.profile_tables import Table
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.spline import read_curve
@@ -25,6 +26,7 @@ class AreaLaw:
     values: Mapping[str, float]
     knots: tuple[float, ...]
     tables: Mapping[str, Any] = field(default_factory=dict)
+    own_knots: tuple[float, ...] = ()  # that the chambers beside this one do not feel
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,7 @@ class VolumeKernels:
     values: Mapping[str, float]
     knots: tuple[float, ...]
     tables: Mapping[str, Any] = field(default_factory=dict)
+    own_knots: tuple[float, ...] = ()  # that the chambers beside this one do not feel
     mirror: float | None = None
 
 
@@ -46,7 +49,7 @@ def table_knots(angles: np.ndarray) -> tuple[float, ...]:
 
 
 def _area(table: Table) -> AreaLaw:
-    return AreaLaw(table_law.area, {}, table.knots, {"curve": (table.angle, table.value)})
+    return AreaLaw(table_law.area, {}, table.ends, {"curve": table.curve}, table.knots)
 
 
 @dataclass(frozen=True)
@@ -115,15 +118,16 @@ class Geometry:
         law = self._volume_law()
         if not self.expands:
             return law
-        return replace(law, mirror=self.life, knots=tuple(self.life - knot for knot in law.knots))
+        knots, own = (tuple(self.life - knot for knot in each) for each in (law.knots, law.own_knots))
+        return replace(law, mirror=self.life, knots=knots, own_knots=own)
 
     def _volume_law(self) -> VolumeKernels:
         """Return the volume law (M16, or M14 from a table, scaled so that its maximum is the swept volume)."""
         law, profile = self.settings.volume, self.profile
         if profile is not None:
             table, values = profile.volume, {"V_min": law.dead_of(profile.swept)}
-            tables = {"volume_curve": (table.angle, table.value)}
-            return VolumeKernels(table_law.volume, table_law.volume_slope, values, table.knots, tables)
+            tables = {"volume_curve": table.curve}
+            return VolumeKernels(table_law.volume, table_law.volume_slope, values, table.ends, tables, table.knots)
         if law.law == "table":
             angles, volumes = read_curve(str(law.file), "volume_m3")
             tables = {"volume_curve": (angles, volumes * (self.swept_volume / np.max(volumes)))}

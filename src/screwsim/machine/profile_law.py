@@ -10,40 +10,31 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from screwsim.faults import Fault, UsageError
-from screwsim.machine.rotors.curves import Curve, Curves, Path, make_curves
-from screwsim.machine.rotors.pair import Array
+from screwsim.machine.profile_tables import LEAST, Table, area_table, volume_table
+from screwsim.machine.rotors.curves import OVERLAP, Curve, Curves, Path, make_curves
 from screwsim.machine.rotors.rotors import Rotors, make_rotors
 from screwsim.machine.settings import TwinScrew
 
 BIRTH = math.radians(20.0)  # over which a path opens that is longer than nothing at the birth of a chamber
-EVERY = 2  # row of the curves' 0.5° that the tables keep: steps see each row, and finer ones change no figure by 1e-4
-BEYOND = math.radians(1.0)  # a last interval of zeros: at the end of a cubic its rounding would be left open
-LEAST = 1e-9  # of its largest value: a curve that stays below it is nothing
+BEFORE_CLOSING = np.radians((2.0, 0.5, 0.1))  # steps end there: a port that shuts leaves a layer that no error shows
+AFTER_OPENING = np.radians((2.0, 5.0, 10.0, 20.0))  # and there, beside the chamber behind whose pressure leaps
 
+_NO_SUCTION = "machine.profile.wrap_angle: leaves the suction port no opening (choose another)"
 _SHUT = "machine.built_in_volume_ratio: {:.4g} leaves the discharge port no opening (choose a smaller ratio)"
 
-# the paths of each effect; the blow-hole at the suction cusp lies between filling chambers and is left out
+# the paths of each effect: those of one group and of one offset make one interface
 EFFECTS = {
-    "tip_leakage": ("male_tip", "female_tip"),
-    "interlobe_leakage": ("sealing_line", "sealing_line_over_tip"),
-    "blow_hole": ("blow_hole",),
-    "end_face_leakage": ("end_face",),
+    "tip_leakage": (("male_tip", "female_tip"),),
+    "interlobe_leakage": (("sealing_line", "sealing_line_over_tip"),),
+    "blow_hole": (("blow_hole",), ("suction_blow_hole",)),
+    "end_face_leakage": (("end_face", "suction_face"),),
 }
-
-
-@dataclass(frozen=True, eq=False)
-class Table:
-    """A curve over the scene's angle [rad], and the angles at which it begins, ends or jumps."""
-
-    angle: Array
-    value: Array
-    knots: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +89,6 @@ def _laid(rotors: Rotors, ratio: float) -> Laid:
     before = math.ceil(curves.suction_closes / pitch - 1e-9)
     after = math.ceil((curves.life - curves.suction_closes) / pitch - 1e-9)
     born = before * pitch - curves.suction_closes
-    volume = _with_row(curves.volume.angle, curves.volume.value, curves.suction_closes, rotors.largest[1])
     return Laid(
         rotors,
         curves,
@@ -106,70 +96,56 @@ def _laid(rotors: Rotors, ratio: float) -> Laid:
         before * pitch,
         born,
         rotors.largest[1],
-        _table(volume[0] + born, volume[1]),
-        _port(curves.suction, born, "machine.profile.wrap_angle: leaves the suction port no opening (choose another)"),
+        volume_table(curves, rotors, born),
+        _port(curves.suction, born, _NO_SUCTION).landing(before * pitch - BEFORE_CLOSING),
         _port(curves.discharge, born, _SHUT.format(ratio)),
         {effect: _interfaces(curves, kinds, born) for effect, kinds in EFFECTS.items()},
     )
 
 
 def _port(parts: Mapping[str, Curve], born: float, shut: str) -> Table:
-    angle, value = _summed([(curve.angle, curve.value) for curve in parts.values()], born)
-    if value.max() <= 0.0:
+    total = _summed(list(parts.values()))
+    if total.value.max() <= 0.0:
         raise UsageError(shut)
-    return _table(angle, value)
+    return area_table(total, born)
 
 
-def _with_row(angle: Array, value: Array, at: float, largest: float) -> tuple[Array, Array]:
-    """Return a curve with one more row, or with its value at the row that is there."""
-    i = int(np.searchsorted(angle, at - 1e-9))
-    if angle[i] < at + 1e-9:
-        return angle, np.where(np.arange(len(angle)) == i, largest, value)
-    return np.insert(angle, i, at), np.insert(value, i, largest)
+def _summed(curves: Sequence[Curve]) -> Curve:
+    """Return the sum of curves of the same rows, nothing below zero."""
+    first = curves[0]
+    return replace(first, value=np.maximum(np.sum([curve.value for curve in curves], axis=0), 0.0))
 
 
-def _summed(parts: Sequence[tuple[Array, Array]], shift: float) -> tuple[Array, Array]:
-    """Return the sum of curves on the rows of all of them, nothing below zero, shifted by an angle [rad]."""
-    rows = np.unique(np.concatenate([angle for angle, _ in parts]).round(12))
-    rows = rows[np.concatenate([[True], np.diff(rows) > 1e-9])]
-    total = sum(np.interp(rows, angle, value, left=0.0, right=0.0) for angle, value in parts)
-    return rows + shift, np.maximum(total, 0.0)
-
-
-def _table(angle: Array, value: Array) -> Table:
-    """Return a table of every second row and the largest one, exactly zero before the first and after the last."""
-    some = np.flatnonzero(value > LEAST * value.max())
-    first, last = max(int(some[0]) - 1, 0), min(int(some[-1]) + 1, len(value) - 1)
-    kept = np.unique([*range(first, last, EVERY), int(np.argmax(value)), last])
-    rows, values = angle[kept], value[kept]
-    values[[0, -1]] = 0.0
-    end = float(rows[-1])
-    return Table(np.append(rows, end + BEYOND), np.append(values, 0.0), (float(rows[0]), end))
-
-
-def _interfaces(curves: Curves, kinds: Sequence[str], born: float) -> tuple[Interface, ...]:
-    """Return the paths of an effect, those of one offset together, as far as both chambers live."""
-    by_offset: dict[int, list[Path]] = {}
+def _interfaces(curves: Curves, groups: Sequence[Sequence[str]], born: float) -> tuple[Interface, ...]:
+    """Return the paths of an effect, those of one group and offset together, as far as both chambers live."""
+    by_offset: dict[tuple[int, int], list[Path]] = {}
     for path in curves.paths:
-        if path.name in kinds or path.name.rpartition("_")[0] in kinds:
-            by_offset.setdefault(path.offset, []).append(path)
+        for i, kinds in enumerate(groups):
+            if path.name in kinds or path.name.rpartition("_")[0] in kinds:
+                by_offset.setdefault((i, path.offset), []).append(path)
     found = []
-    for offset, paths in sorted(by_offset.items()):
-        angle, value = _summed([_alive(path.behind) for path in paths], born)
-        if value.max() > 0.0:
-            found.append(Interface(offset, _table(angle, value)))
+    for (_, offset), paths in sorted(by_offset.items()):
+        whole = _summed([_alive(path, curves.suction_closes) for path in paths])
+        if whole.value.max() > 0.0:
+            table = area_table(whole, born)
+            found.append(Interface(offset, table.landing(born + curves.discharge_opens + AFTER_OPENING)))
     return tuple(found)
 
 
-def _alive(curve: Curve) -> tuple[Array, Array]:
-    """Return the part of a path from the birth of its trailing chamber on, where it opens from nothing."""
-    angle, value = _with_row(curve.angle, curve.value, 0.0, float(np.interp(0.0, curve.angle, curve.value)))
-    living = angle >= 0.0
-    angle, value = angle[living], value[living]
-    if value[0] <= LEAST * value.max():
-        return angle, value
-    x = np.clip(angle / BIRTH, 0.0, 1.0)
-    return angle, value * x * x * (3.0 - 2.0 * x)
+def _alive(path: Path, closes: float) -> Curve:
+    """Return a path from the birth of its trailing chamber on; if it is longer than nothing there, it opens over 20°.
+
+    A path on the suction side opens over the 20° before the suction of the leading chamber closes: until then it lies
+    between two chambers at suction pressure.
+    """
+    curve = path.behind
+    first = max(0.0, closes - OVERLAP - path.offset * path.pitch) if path.name.startswith("suction") else 0.0
+    living = curve.angle > -1e-9
+    angle, value = curve.angle[living], curve.value[living]
+    if np.interp(first, angle, value) > LEAST * value.max():
+        x = np.clip((angle - first) / BIRTH, 0.0, 1.0)
+        value = value * x * x * (3.0 - 2.0 * x)
+    return replace(curve, angle=angle, value=value, knots=tuple(knot for knot in curve.knots if knot > -1e-9))
 
 
 def _missing(machine: TwinScrew) -> list[Fault]:

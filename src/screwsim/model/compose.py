@@ -62,7 +62,7 @@ class _Numbers:
         self.values.append(float(value))
         return f"P[{len(self.values) - 1}]"
 
-    def add_table(self, curve: tuple[np.ndarray, np.ndarray]) -> str:
+    def add_table(self, curve: tuple[np.ndarray, ...]) -> str:
         start = sum(len(table) for table in self.tables)
         self.tables.append(pack_curve(*curve))
         return self.add(float(start))
@@ -205,16 +205,19 @@ def _write_ports(writer: _Writer, port: OilPort) -> None:
     writer.function("oil_inflow(phi, p, P, TAB)", [f"width = P[{P_DISCHARGE_WIDTH}]", f"return {call}"])
 
 
-def _knots(parts: Parts, volume_knots: Sequence[float], paths: Sequence[FlowPath], more: Sequence[float]) -> np.ndarray:
+def _knots(parts: Parts, law: Any, paths: Sequence[FlowPath], more: Sequence[float]) -> np.ndarray:
     """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
     geometry = parts.geometry
-    own = {geometry.injection_angle, *volume_knots, *more}
+    own = {geometry.injection_angle, *law.knots, *more}
     for path in paths:
         own.update(path.knots)
     shifts = {0}
     for path in paths:
         shifts |= {path.offset, -path.offset}
     found = [knot + shift * geometry.pitch for knot in own for shift in shifts]
+    found += law.own_knots
+    for path in paths:
+        found += [knot + shift * geometry.pitch for knot in path.own_knots for shift in {0, path.offset}]
     # where a neighbour is born or ends
     found += [shift * geometry.pitch + edge for shift in shifts for edge in (0.0, geometry.life)]
     inside = sorted({0.0, geometry.life, *(knot for knot in found if 0.0 < knot < geometry.life)})
@@ -279,7 +282,7 @@ def compose(parts: Parts) -> Composition:
         ),
         P=np.array(writer.numbers.values),
         TAB=np.concatenate([*writer.numbers.tables, np.zeros(1)]),
-        knots=_knots(parts, law.knots, [path for _, path in named], port.knots if port is not None else ()),
+        knots=_knots(parts, law, [path for _, path in named], port.knots if port is not None else ()),
         states=states,
         plenum_paths=tuple(name for name, _ in plenum),
         gap_paths=tuple((name, path.offset) for name, path in gaps),

@@ -1,5 +1,7 @@
 """Curves from tables: a shape-preserving C1 cubic (PCHIP, Fritsch & Carlson 1980, as in scipy), packed flat.
 
+Where slopes are known the cubics are Hermite's through values and slopes, which may differ on both sides of a row.
+
 A curve is packed into one array as [n, x_0 … x_{n-1}, c_0 … c_{4(n-1)-1}], where interval i has the polynomial
 c[4i] + c[4i+1] s + c[4i+2] s² + c[4i+3] s³ in s = x − x_i. Outside the table the curve is constant.
 """
@@ -8,6 +10,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -54,12 +57,64 @@ def read_curve(path: str, column: str) -> tuple[Array, Array]:
     return np.array(angles), np.array(values)
 
 
-def pack_curve(x: Array, y: Array) -> Array:
-    """Return the packed shape-preserving C1 spline through (x, y)."""
-    from scipy.interpolate import PchipInterpolator
+def pack_curve(x: Array, y: Array, slope: Array | None = None) -> Array:
+    """Return the packed shape-preserving C1 spline through (x, y); with slopes, the cubics that have them.
 
-    coefficients = PchipInterpolator(x, y).c[::-1].T  # one row an interval, constant term first
+    slope: derivatives at both ends of each interval, shape (n − 1, 2); a curve with kinks has two at a row.
+    """
+    if slope is None:
+        from scipy.interpolate import PchipInterpolator
+
+        coefficients = PchipInterpolator(x, y).c[::-1].T  # one row an interval, constant term first
+    else:
+        coefficients = _hermite(x, y, slope)
     return np.concatenate([[float(len(x))], x, coefficients.ravel()])
+
+
+def _hermite(x: Array, y: Array, slope: Array) -> Array:
+    step, (first, last) = np.diff(x), slope.T
+    secant = np.diff(y) / step
+    square, cube = (3.0 * secant - 2.0 * first - last) / step, (first + last - 2.0 * secant) / step**2
+    return np.column_stack([y[:-1], first, square, cube])
+
+
+def differences(x: Array, y: Array, knots: Sequence[float]) -> Array:
+    """Return the derivatives at both ends of each interval, shape (n − 1, 2), of a curve that is smooth between knots.
+
+    Differences of second order, one-sided at the rows that lie on a knot (within 1e-9).
+    """
+    step = np.diff(x)
+    secant = np.diff(y) / step
+    rate = np.diff(secant) / (step[:-1] + step[1:])  # half the second derivative at each inner row
+    rate = np.concatenate([rate[:1], rate, rate[-1:]]) if len(rate) else np.zeros(2)
+    border = _borders(x, knots)
+    lone = border[:-1] & border[1:]
+    before, after = np.where(border[:-1], rate[1:], rate[:-1]), np.where(border[1:], rate[:-1], rate[1:])
+    first, last = secant - step * before, secant + step * after
+    return np.column_stack([np.where(lone, secant, first), np.where(lone, secant, last)])
+
+
+def side_slopes(x: Array, y: Array, knots: Sequence[float]) -> Array:
+    """Return `differences`, limited so that Hermite's cubics rise and fall with the rows and nowhere else.
+
+    Source: Fritsch & Carlson 1980. Off the knots the slopes on both sides of a row are the same.
+    """
+    found, secant = differences(x, y, knots), (np.diff(y) / np.diff(x))[:, None]
+    found = np.where(found * secant > 0.0, np.sign(secant) * np.minimum(np.abs(found), 3.0 * np.abs(secant)), 0.0)
+    left, right = found[:-1, 1], found[1:, 0]
+    both = np.where(left * right > 0.0, np.sign(left) * np.minimum(np.abs(left), np.abs(right)), 0.0)
+    smooth = ~_borders(x, knots)[1:-1]
+    found[:-1, 1], found[1:, 0] = np.where(smooth, both, left), np.where(smooth, both, right)
+    return found
+
+
+def _borders(x: Array, knots: Sequence[float]) -> np.ndarray:
+    """Return which rows lie on a knot or at an end."""
+    border = np.zeros(len(x), bool)
+    border[[0, -1]] = True
+    rows = np.searchsorted(x, np.asarray(knots) - 1e-9)
+    border[rows[rows < len(x)]] = True
+    return border
 
 
 @kernel

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.machine.profile_law import Interface, Laid, Table, lay
+from screwsim.machine.profile_law import Interface, Laid, lay
+from screwsim.machine.profile_tables import Table
 from screwsim.machine.rotors.curves import Curve
 from screwsim.machine.rotors.export import curve_csv
 from screwsim.report.rotors import draw_rotors
@@ -132,8 +133,11 @@ def _csv(table: Table, unit: str) -> str:
 
 
 def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
-    table = interfaces[0].table
-    return _csv(Table(table.angle, (gap or 1.0) * table.value, ()), "m^2")
+    """Return the first interface with all others of its offset (the blow-holes at both cusps) as one table."""
+    tables = [one.table for one in interfaces if one.offset == interfaces[0].offset]
+    angle = np.unique(np.concatenate([table.angle for table in tables]).round(9))
+    value = np.sum([np.interp(angle, table.angle, table.value, left=0.0, right=0.0) for table in tables], axis=0)
+    return curve_csv(Curve(angle, (gap or 1.0) * value, "m^2", ()))
 
 
 def _tabled(scene: Scene, laid: Laid, folder: Path) -> Any:

@@ -8,6 +8,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from screwsim.faults import UsageError
 from screwsim.outputs import BALANCE, CYCLE, LEDGER, NUMERICS, NUMERICS_TEXT, PERFORMANCE, STATUSES, Result
 
 GROUPS: Mapping[str, tuple[str, ...]] = {
@@ -175,9 +176,11 @@ def _ledgers(results: Sequence[Result]) -> dict[str, np.ndarray]:
 
 
 def same_angles(angle: np.ndarray, other: np.ndarray) -> None:
-    """Raise ValueError unless both are one grid (1e-9 degree): the traces of a sweep share one coordinate."""
+    """Raise UsageError unless both are one grid (1e-9 degree): the traces of a sweep share one coordinate."""
     if angle.shape != other.shape or not np.allclose(angle, other, rtol=0.0, atol=1e-9):
-        raise ValueError("the cycles of one sweep must share their angles")
+        lives = f"{angle[-1]:g} and {other[-1]:g} deg"
+        what = f"chambers live {lives} in these cases, and their traces share no angles"
+        raise UsageError(f"output.keep: {what} (write output.keep: performance)")
 
 
 def join(tables: Sequence[Table]) -> Table:

@@ -7,6 +7,7 @@ properties. For studies of cost and accuracy, not for work: nothing of it is kep
 from __future__ import annotations
 
 import ctypes
+import math
 import re
 from types import ModuleType, SimpleNamespace
 from typing import Any, cast
@@ -25,7 +26,10 @@ def phased_state(phase, T, rho, P, TAB):
 
 
 def state_function(fluid: str) -> Any:
-    """Return a C function (T, ρ, out) that fills out with p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
+    """Return a C function (T, ρ, out) that fills out with p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking.
+
+    With NaN where CoolProp refuses a state: the step that tried it is made again, shorter.
+    """
     import CoolProp.CoolProp as coolprop
 
     state = coolprop.AbstractState("HEOS", fluid)
@@ -33,11 +37,14 @@ def state_function(fluid: str) -> Any:
 
     def fill(T: float, rho: float, address: int) -> None:
         out = (ctypes.c_double * 7).from_address(address)
-        state.update(coolprop.DmassT_INPUTS, rho, T)
-        p = state.p()
-        k = rho * state.speed_sound() ** 2 / p
-        slope = state.first_partial_deriv(coolprop.iP, coolprop.iT, coolprop.iDmass)
-        out[:] = (p, state.hmass(), state.cvmass(), T * slope, 1.0 / k, *choking(k))
+        try:
+            state.update(coolprop.DmassT_INPUTS, rho, T)
+            p = state.p()
+            k = rho * state.speed_sound() ** 2 / p
+            slope = state.first_partial_deriv(coolprop.iP, coolprop.iT, coolprop.iDmass)
+            out[:] = (p, state.hmass(), state.cvmass(), T * slope, 1.0 / k, *choking(k))
+        except ValueError:
+            out[:] = (math.nan,) * 7
 
     return ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)(fill)
 

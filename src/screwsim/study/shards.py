@@ -188,10 +188,5 @@ class AngleGuard:
         if not angle.size:
             return
         first = self._angle if self._angle.size else angle
-        try:
-            same_angles(first, angle)
-        except ValueError:
-            lives = f"{first[-1]:g} and {angle[-1]:g} deg"
-            what = f"chambers live {lives} in these cases, and their traces share no angles"
-            raise UsageError(f"output.keep: {what} (write output.keep: performance)") from None
+        same_angles(first, angle)
         self._angle = first

@@ -36,7 +36,10 @@ def test_curves_live_as_long_as_the_chamber_and_begin_and_end_with_nothing(curve
         assert np.isfinite(curve.value).all()
         if label not in ("volume_slope", "male_slope"):
             assert curve.value.min() > -1e-15
-            assert max(curve.value[0], curve.value[-1]) <= 1e-9 * curve.value.max()
+            first = (
+                0.0 if label.startswith("suction_face") else curve.value[0]
+            )  # lobes stand there before a chamber does
+            assert max(first, curve.value[-1]) <= 1e-9 * curve.value.max()
 
 
 @pytest.mark.parametrize("name", ["a", "b", "c"])

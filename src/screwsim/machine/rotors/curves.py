@@ -7,6 +7,8 @@ chamber's; `behind` is the same table over the trailing chamber's angle, as the 
 
 from __future__ import annotations
 
+import itertools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +19,9 @@ from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.sections import TURN
 
-STEP = np.radians(0.5)  # of the tables, between knots
+STEP = np.radians(0.5)  # of the tables, between knots, at most
+OVERLAP = np.radians(20.0)  # before suction closes: from there on paths on the suction side count (`profile_law`)
+TOGETHER = 1e-6  # rad: knots as close as that are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +67,20 @@ class Curves:
 
 
 def _grid(rotors: Rotors, knots: list[float]) -> tuple[Array, tuple[float, ...]]:
-    """Return angles φ over the life with all knots that lie in it [rad], and these knots as own angles."""
+    """Return angles φ over the life [rad], evenly spaced between knots that lie in it, and these knots as own angles.
+
+    The number of intervals between knots is even, so that every second angle has all of them, too.
+    """
     start, end = rotors.start, rotors.wrap
-    inside = np.array(sorted({round(k, 12) for k in knots if start + 1e-9 < k < end - 1e-9}))
-    count = round((end - start) / STEP)
-    grid = np.linspace(start, end, count + 1)
-    near = np.min(np.abs(grid[:, None] - inside), axis=1) > 0.1 * STEP if len(inside) else np.ones(len(grid), bool)
-    near[[0, -1]] = True
-    phi = np.sort(np.concatenate([grid[near], inside]))
-    return phi, tuple(inside - start)
+    inside = [start]
+    for knot in sorted(knots):
+        if inside[-1] + TOGETHER < knot < end - TOGETHER:
+            inside.append(knot)
+    parts = [
+        np.linspace(low, high, 2 * math.ceil(0.5 * (high - low) / STEP) + 1)[:-1]
+        for low, high in itertools.pairwise([*inside, end])
+    ]
+    return np.concatenate([*parts, [end]]), tuple(np.array(inside[1:]) - start)
 
 
 def _curve(rotors: Rotors, knots: list[float], unit: str, function) -> Curve:
@@ -81,11 +90,17 @@ def _curve(rotors: Rotors, knots: list[float], unit: str, function) -> Curve:
 
 def section_knots(rotors: Rotors) -> list[float]:
     """Return the angles ψ at which the slope of the section area jumps [rad]."""
-    chain, pair = rotors.chain, rotors.pair
-    p, S, lead = pair.pitch, float(chain.psi[chain.trail]), float(chain.psi[chain.lead])
-    joints = [float(chain.psi[j]) for j in (chain.edges[0], chain.edges[1])]
-    mesh = [S - p, joints[1] - p, joints[0], lead]
-    return [*(m - TURN for m in mesh), *mesh, -pair.beta1 - p, -pair.beta1, S]
+    pair, S = rotors.pair, float(rotors.chain.psi[rotors.chain.trail])
+    p = pair.pitch
+    mesh = contact_knots(rotors)
+    return [*(m - TURN for m in mesh), mesh[-1] - TURN - p, *mesh, -pair.beta1 - p, -pair.beta1, S]
+
+
+def contact_knots(rotors: Rotors) -> list[float]:
+    """Return the angles ψ at which the contact line begins, ends, or runs along the flat [rad]."""
+    chain, p = rotors.chain, rotors.pair.pitch
+    S, lead = float(chain.psi[chain.trail]), float(chain.psi[chain.lead])
+    return [S - p, chain.land_start - p, chain.land_end, lead]
 
 
 def _both_ends(rotors: Rotors, psi: list[float]) -> list[float]:
@@ -93,7 +108,7 @@ def _both_ends(rotors: Rotors, psi: list[float]) -> list[float]:
 
 
 def _volume_curves(rotors: Rotors) -> tuple[Curve, Curve, Curve]:
-    knots = _both_ends(rotors, section_knots(rotors))
+    knots = [*_both_ends(rotors, section_knots(rotors)), rotors.largest[0]]
     cut, wrap, length = rotors.sections, rotors.wrap, rotors.length
     return (
         _curve(rotors, knots, "m^3", rotors.volume),
@@ -125,35 +140,43 @@ def _discharge_curves(rotors: Rotors, opens: float) -> dict[str, Curve]:
     return {name: _curve(rotors, knots, "m^2", lambda _, area=area: area) for name, area in parts.items()}
 
 
-def _paths(rotors: Rotors) -> tuple[Path, ...]:
+def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
     pair, chain, h, wrap = rotors.pair, rotors.chain, rotors.h, rotors.wrap
     z1, S, p = pair.male_lobes, float(chain.psi[chain.trail]), pair.pitch
     line, tips = sealing_line(pair, chain, h), (male_tip(pair, h), female_tip(pair, chain, h))
-    contact = _both_ends(rotors, [S - p, S, float(chain.psi[chain.lead])])
+    bores = _both_ends(rotors, [edge for tip in tips for edge in (tip.start, tip.end)])
+    contact = _both_ends(rotors, [*contact_knots(rotors), S])
     hole, back = rotors.blow_hole, rotors.suction_blow_hole
     angles = [float(x) for x in (hole.psi_male[0], S, hole.psi_female[0])]
     early = [-TURN - float(x) for x in (back.psi_male[0], back.psi_male[-1], back.psi_female[0])]
-    face = _both_ends(rotors, [*section_knots(rotors), S - p, S])
-    lengths = end_face.face_lengths(pair, chain, _grid(rotors, face)[0] - wrap)
+    births = [rotors.start + offset * p for offset in end_face.offsets(pair)]
+    face = [*_both_ends(rotors, [*section_knots(rotors), S - p, S]), closes - OVERLAP, *births]
+    phi = _grid(rotors, face)[0]
+    faces = {"end": end_face.face_lengths(pair, chain, phi - wrap), "suction": end_face.face_lengths(pair, chain, phi)}
     made = [
         ("sealing_line", z1, contact, "m", lambda phi: line.lengths_at(phi, wrap)[0]),
         ("sealing_line_over_tip", z1 + 1, contact, "m", lambda phi: line.lengths_at(phi, wrap)[1]),
         *(
-            (f"{name}_tip", 1, _both_ends(rotors, [tip.start, tip.end]), "m", lambda phi, t=tip: t.length_at(phi, wrap))
+            (f"{name}_tip", 1, bores, "m", lambda phi, t=tip: t.length_at(phi, wrap))
             for name, tip in zip(("male", "female"), tips, strict=True)
         ),
         ("blow_hole", 1, _both_ends(rotors, angles), "m^2", lambda phi: hole.area_at(phi, wrap, h)),
         (
             "suction_blow_hole",
             1,
-            _both_ends(rotors, early),
+            [*_both_ends(rotors, early), closes - OVERLAP],
             "m^2",
             lambda phi: back.area_at(wrap - phi - TURN, wrap, h),
         ),
-        *((f"end_face_{offset}", offset, face, "m", lambda _, v=value: v) for offset, value in lengths.items()),
+        *(
+            (f"{side}_face_{offset}", offset, face, "m", lambda _, values=values: values)
+            for side, lengths in faces.items()
+            for offset, values in lengths.items()
+        ),
     ]
     return tuple(
-        Path(name, offset, p, _curve(rotors, knots, unit, function)) for name, offset, knots, unit, function in made
+        Path(name, offset, p, _curve(rotors, [*knots, rotors.start + offset * p], unit, function))
+        for name, offset, knots, unit, function in made
     )
 
 
@@ -167,7 +190,7 @@ def make_curves(rotors: Rotors, volume_ratio: float, suction_closes: float | Non
         *_volume_curves(rotors),
         _suction_curves(rotors, closes),
         _discharge_curves(rotors, opens),
-        _paths(rotors),
+        _paths(rotors, closes),
         closes - rotors.start,
         opens - rotors.start,
     )

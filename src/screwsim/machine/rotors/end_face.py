@@ -99,6 +99,12 @@ def mean_widths(pair: Pair, chain: Chain) -> tuple[float, float]:
     return one, two
 
 
+def offsets(pair: Pair) -> tuple[int, ...]:
+    """Return the pitches that lie between the chambers of each interface."""
+    z1 = pair.male_lobes
+    return tuple(sorted({1, z1 - 1, z1, z1 + 1}))
+
+
 def face_lengths(pair: Pair, chain: Chain, psi: Array) -> dict[int, Array]:
     """Return {offset: length [m]} across both rotors' lobes at one end face."""
     total: dict[int, Array] = {}

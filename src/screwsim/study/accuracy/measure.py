@@ -78,19 +78,29 @@ def trace_errors(found: Traces, better: Traces, least: float = FILLED) -> tuple[
     return pressure, temperature
 
 
+def _reference(scene: Any, extent: Extent, wanted: float) -> tuple[Solved, float]:
+    """Return the finest solution that closes, and its accuracy."""
+    reasons = []
+    for fine in (wanted, 10.0 * wanted, 100.0 * wanted):
+        try:
+            first = solve(scene, way(fine, regularised=1e-2 * fine), extent.check_limit)
+        except WorkLimit as error:
+            reasons.append(f"the reference (coupled, {fine:g}) {error}")
+            continue
+        if first.closed.status == "ok":
+            return first, fine
+        reasons.append(f"the reference (coupled, {fine:g}) ended {first.closed.status.replace('_', ' ')}")
+    raise NoReference(reasons[0])
+
+
 def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
     """Return the reference of a scene: coupled chambers, hardly any regularisation, checked by scipy's Radau.
 
-    Raises NoReference where none closes.
+    As accurate as `extent` says, or up to a hundred times less where that takes too long. Raises NoReference where
+    none closes.
     """
     started = time.perf_counter()
-    fine = extent.reference if checked else 1e2 * extent.reference
-    try:
-        first = solve(scene, way(fine, regularised=1e-2 * fine), extent.check_limit)
-    except WorkLimit as error:
-        raise NoReference(f"the reference (coupled, {fine:g}) {error}") from error
-    if first.closed.status != "ok":
-        raise NoReference(f"the reference (coupled, {fine:g}) ended {first.closed.status.replace('_', ' ')}")
+    first, fine = _reference(scene, extent, extent.reference if checked else 1e2 * extent.reference)
     figures, traces = first.figures(), first.traces()
     how = f"rodas4, coupled, accuracy {fine:g}, regularisation {1e-2 * fine:g} of the pressures"
     if not checked:

@@ -1,0 +1,89 @@
+"""Curves of rotors as the tables that the cycle is solved with: smooth between knots, and knots where steps shall end.
+
+V is the cubic that has V and dV/dφ of the rotors at its rows; an area has differences of its rows on each side of a
+kink. So what the integrator meets between two knots is smooth, and dV/dφ is the derivative of V. A step ends at each
+knot where a curve bends enough to be seen (docs/rotors.md). Units SI, angles in rad.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from screwsim.machine.rotors.curves import Curve, Curves
+from screwsim.machine.rotors.pair import Array
+from screwsim.machine.rotors.rotors import Rotors
+from screwsim.numerics.spline import differences, side_slopes
+
+DEG = math.radians(1.0)
+EVERY = 2  # row of the curves' 0.5° that the tables keep
+BEYOND = 1.0 * DEG  # a last interval of zeros: at the end of a cubic its rounding would be left open
+LEAST = 1e-9  # of its largest value: a curve that stays below it is nothing
+BEND = 0.02  # jump of d²V/dφ² over V_max [1/rad²] below which steps go on across it
+KINK = 0.2  # the same of an area's slope over its largest value [1/rad]
+STEEP = 8.0  # change of an area's slope from row to row over its largest value [1/rad]: where a jump begins and ends
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A curve over the scene's angle [rad], its slopes at both ends of each interval, and where steps shall end."""
+
+    angle: Array
+    value: Array
+    slope: Array
+    knots: tuple[float, ...]
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Where the curve begins and ends [rad]."""
+        return self.knots[0], self.knots[-1]
+
+    @property
+    def curve(self) -> tuple[Array, Array, Array]:
+        """The table as `numerics.spline.pack_curve` takes it."""
+        return self.angle, self.value, self.slope
+
+    def times(self, factor: float) -> Table:
+        """Return the table multiplied."""
+        return replace(self, value=factor * self.value, slope=factor * self.slope)
+
+    def landing(self, angles: Iterable[float]) -> Table:
+        """Return the table with steps that end at some more angles [rad], as far as they lie between its ends."""
+        first, last = self.ends
+        return replace(self, knots=tuple(sorted({*self.knots, *(x for x in angles if first < x < last)})))
+
+
+def volume_table(curves: Curves, rotors: Rotors, born: float) -> Table:
+    """Return V over the scene's angle: cubics that have V and dV/dφ of the rotors at every row."""
+    rows, value = curves.volume.angle[::EVERY], curves.volume.value[::EVERY].copy()
+    slope = rotors.volume_slope(rows + rotors.start)
+    value[[0, -1]] = slope[[0, -1]] = 0.0
+    seen = _bent(rows, differences(rows, slope, curves.volume.knots), curves.volume.knots, BEND * value.max())
+    knots = born, *(knot + born for knot in seen), born + curves.life
+    return Table(rows + born, value, np.column_stack([slope[:-1], slope[1:]]), knots)
+
+
+def area_table(curve: Curve, born: float) -> Table:
+    """Return an area (or length) over the scene's angle, exactly zero before its first row and after its last."""
+    rows, value = curve.angle[::EVERY], curve.value[::EVERY]
+    some = np.flatnonzero(value > LEAST * value.max())
+    part = slice(max(int(some[0]) - 1, 0), min(int(some[-1]) + 2, len(value)))
+    rows, value = rows[part], value[part].copy()
+    value[[0, -1]] = 0.0
+    end = float(rows[-1])
+    inside = [knot for knot in curve.knots if rows[0] < knot < end - 1e-9]
+    angle, value = np.append(rows, end + BEYOND), np.append(value, 0.0)
+    slope, largest = side_slopes(angle, value, [*inside, end]), float(value.max())
+    secant = np.diff(value) / np.diff(angle)
+    jumps = rows[1:-1][np.abs(np.diff(secant[:-1])) > STEEP * largest]
+    seen = sorted({*_bent(angle, slope, inside, KINK * largest), *(float(x) for x in jumps)})
+    return Table(angle + born, value, slope, (float(rows[0]) + born, *(x + born for x in seen), end + born))
+
+
+def _bent(x: Array, slope: Array, knots: Sequence[float], least: float) -> list[float]:
+    """Return the knots between the ends at which the slope of a curve jumps by more than `least`."""
+    rows = [int(i) for i in np.searchsorted(x, np.sort(knots) - 1e-9) if 0 < i < len(x) - 1]
+    return [float(x[i]) for i in rows if abs(slope[i, 0] - slope[i - 1, 1]) > least]
