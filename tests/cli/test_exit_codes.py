@@ -114,14 +114,18 @@ def test_debugging_shows_the_traceback(folder, command, monkeypatch):
     assert answer.err.startswith("Traceback")
 
 
-def test_interrupt_has_its_own_code(folder, command, monkeypatch):
+@pytest.mark.parametrize(
+    ("verb", "scene", "hint"),
+    [("sweep", "swept.yaml", "; the sweep resumes when it is started again"), ("explain", "small.yaml", "")],
+)
+def test_interrupt_has_its_own_code(folder, command, monkeypatch, verb, scene, hint):
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(cli, "_loaded", interrupt)
-    answer = command("sweep", "swept.yaml")
+    answer = command(verb, scene)
     assert (answer.code, answer.out) == (130, "")
-    assert answer.err == "interrupted; a sweep resumes when it is started again\n"
+    assert answer.err == f"interrupted{hint}\n"
 
 
 def test_file_of_another_scene_is_refused(folder, command):

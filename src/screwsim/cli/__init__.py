@@ -299,7 +299,8 @@ def exit_code(arguments: Sequence[str]) -> int:
     except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
         return _internal(error)
     if outcome == INTERRUPTED:
-        return _complain("interrupted; a sweep resumes when it is started again", INTERRUPTED)
+        resumes = "; the sweep resumes when it is started again" if "sweep" in arguments[:1] else ""
+        return _complain(f"interrupted{resumes}", INTERRUPTED)
     return outcome if isinstance(outcome, int) else OK
 
 
