@@ -35,8 +35,12 @@ HISTORY_DEPTH = 5  # of Anderson's method for histories
 PITCH_DEPTH = 10  # and for coupled chambers
 LEAST_GAP = 1e-4  # of the tolerance: below it a balance that is not closed shows the steps' error, not the change's
 MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
-DAMPED_DEPTH = 2  # of Anderson's method where closing is damped
-DAMPING = 0.5  # share of the way to the image that damped closing goes
+PITCHES_OF_A_TRY = 2000  # and pitches: what contracts slowly but surely is waited for
+DAMPED_DEPTH = 5  # of Anderson's method where closing is damped
+DAMPING = 0.3  # share of the way to the mixed image that damped closing goes
+NEAR_DAMPED = 0.05  # change of a pitch below which damped closing goes all the way
+NEAR_PLAIN = 1e-3  # change of a pitch below which closing without acceleration is accelerated
+THROWN = 0.5  # change of a pitch above which either goes back to its own pace
 FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
 MAX_TURNS = 40
 MAX_PITCHES = 400
@@ -77,6 +81,41 @@ class Hope(NamedTuple):
 
 
 NO_HOPE = Hope((0.0, 0.0), 1.0)
+
+
+class Pace(NamedTuple):
+    """Depth of Anderson's method and share of the way to go; `FULL` where a pitch changes less than `near`."""
+
+    depth: int
+    damping: float = 1.0
+    near: float = 0.0
+
+
+FULL = Pace(PITCH_DEPTH)
+
+
+class Mixing:
+    """The next point of a fixed-point iteration at a pace; at full pace while a pitch changes less than `near`."""
+
+    def __init__(self, pace: Pace) -> None:
+        self.own = self.pace = pace
+        self.accelerate = Anderson(pace.depth)
+
+    def next(self, point: Array, image: Array, gap: float) -> Array:
+        """Return the next point after `point` was mapped to `image`, which is `gap` away."""
+        if self.pace is self.own and gap < self.own.near:
+            self._go_at(FULL)
+        elif self.pace is not self.own and gap > THROWN:
+            self._go_at(self.own)
+        _, mixed = self.accelerate.mix(point, image)
+        if np.max(np.abs(mixed - image)) > 1.0:
+            mixed = image
+        if self.pace.damping < 1.0:
+            mixed = point + self.pace.damping * (mixed - point)
+        return mixed
+
+    def _go_at(self, pace: Pace) -> None:
+        self.pace, self.accelerate = pace, Anderson(pace.depth)
 
 
 class Balances:
@@ -249,21 +288,18 @@ def _too_slow(gaps: list[float], tolerance: float) -> bool:
 
 
 def by_coupling(
-    task: Task, y: Array, depth: int = PITCH_DEPTH, damping: float = 1.0, most: int = MAX_EVALUATIONS
+    task: Task, y: Array, pace: Pace = FULL, most: int = MAX_EVALUATIONS, pitches: int = MAX_PITCHES
 ) -> Closed:
-    """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated.
-
-    `damping` is the share of the way to the image that an iterate goes.
-    """
+    """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated."""
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
-    accelerate = Anderson(depth)
+    mixing = Mixing(pace)
     plenum = task.plenum()
     seen: list[tuple[float, float]] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
     rtol = wanted.rtol
     budget = int(machinery.counts[2]) + most
-    for pitch in range(1, MAX_PITCHES + 1):
+    for pitch in range(1, pitches + 1):
         if machinery.counts[2] > budget:
             break
         point = np.concatenate([_logarithms(y, machinery.n), _plenum_logarithms(plenum)])
@@ -283,11 +319,7 @@ def by_coupling(
                 return Closed("ok", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
             if gap <= wanted.tolerance * max(LEAST_GAP, min(1.0, wanted.bound / max(residue, 1e-300))):
                 rtol = _finer(rtol)
-        _, mixed = accelerate.mix(point, image)
-        if np.max(np.abs(mixed - image)) > 1.0:
-            mixed = image
-        if damping < 1.0:
-            mixed = point + damping * (mixed - point)
+        mixed = mixing.next(point, image, gap)
         y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), _plenum_of(mixed[n:], image_plenum)
         task.set_plenum(plenum)
     machinery.install_coupled()
@@ -360,30 +392,31 @@ def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str,
     machinery, wanted = task.machinery, task.wanted
     P = machinery.composition.P
 
+    def coupled(pace: Pace = FULL) -> Closed:
+        return by_coupling(task, chambers_at_pitches(machinery), pace, MOST_OF_A_TRY, PITCHES_OF_A_TRY)
+
     def tighter() -> Closed:
         start()
         task.wanted = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
         try:
-            return by_coupling(task, chambers_at_pitches(machinery), most=MOST_OF_A_TRY)
+            return coupled()
         finally:
             task.wanted = wanted
 
     def damped() -> Closed:
         start()
-        return by_coupling(
-            task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING, most=MOST_OF_A_TRY
-        )
+        return coupled(Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED))
 
     def plain() -> Closed:
         start()
-        return by_coupling(task, chambers_at_pitches(machinery), depth=0, most=MOST_OF_A_TRY)
+        return coupled(Pace(0, near=NEAR_PLAIN))
 
     def faster() -> Closed:
         start()
         omega = P[P_OMEGA]
         P[P_OMEGA] = FASTER * omega
         try:
-            easier = by_coupling(task, chambers_at_pitches(machinery), most=MOST_OF_A_TRY)
+            easier = coupled()
         finally:
             P[P_OMEGA] = omega
         return easier if easier.status == "failed" else by_coupling(task, easier.y, most=MOST_OF_A_TRY)
