@@ -392,8 +392,8 @@ def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str,
     machinery, wanted = task.machinery, task.wanted
     P = machinery.composition.P
 
-    def coupled(pace: Pace = FULL) -> Closed:
-        return by_coupling(task, chambers_at_pitches(machinery), pace, MOST_OF_A_TRY, PITCHES_OF_A_TRY)
+    def coupled(pace: Pace = FULL, most: int = MOST_OF_A_TRY) -> Closed:
+        return by_coupling(task, chambers_at_pitches(machinery), pace, most, PITCHES_OF_A_TRY)
 
     def tighter() -> Closed:
         start()
@@ -409,7 +409,7 @@ def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str,
 
     def plain() -> Closed:
         start()
-        return coupled(Pace(0, near=NEAR_PLAIN))
+        return coupled(Pace(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY)
 
     def faster() -> Closed:
         start()
