@@ -114,6 +114,10 @@ class Mixing:
             mixed = point + self.pace.damping * (mixed - point)
         return mixed
 
+    def restart(self) -> None:
+        """Forget what was seen: the map is another one."""
+        self.accelerate.restart()
+
     def _go_at(self, pace: Pace) -> None:
         self.pace, self.accelerate = pace, Anderson(pace.depth)
 
@@ -303,7 +307,7 @@ def by_coupling(
         if machinery.counts[2] > budget:
             break
         point = np.concatenate([_logarithms(y, machinery.n), _plenum_logarithms(plenum)])
-        end = y.copy()
+        end, used = y.copy(), rtol
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, pitch / c.chambers, "coupled", rtol, angle)
@@ -320,6 +324,8 @@ def by_coupling(
             if gap <= wanted.tolerance * max(LEAST_GAP, min(1.0, wanted.bound / max(residue, 1e-300))):
                 rtol = _finer(rtol)
         mixed = mixing.next(point, image, gap)
+        if rtol < used:
+            mixing.restart()
         y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), _plenum_of(mixed[n:], image_plenum)
         task.set_plenum(plenum)
     machinery.install_coupled()
