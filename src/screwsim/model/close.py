@@ -34,6 +34,7 @@ GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm t
 HISTORY_DEPTH = 5  # of Anderson's method for histories
 PITCH_DEPTH = 10  # and for coupled chambers
 LEAST_GAP = 1e-4  # of the tolerance: below it a balance that is not closed shows the steps' error, not the change's
+OF_NO_AVAIL = 0.25  # of the change of a pitch at which steps are refined, after a time that was of no avail
 MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
 PITCHES_OF_A_TRY = 2000  # and pitches: what contracts slowly but surely is waited for
 DAMPED_DEPTH = 5  # of Anderson's method where closing is damped
@@ -120,6 +121,23 @@ class Mixing:
 
     def _go_at(self, pace: Pace) -> None:
         self.pace, self.accelerate = pace, Anderson(pace.depth)
+
+
+class Refining:
+    """The tolerance of a step, refined where a pitch changes too little to be what keeps a balance from closing."""
+
+    def __init__(self, wanted: Wanted) -> None:
+        self.wanted, self.rtol = wanted, wanted.rtol
+        self.residue, self.share = np.inf, 1.0
+
+    def consider(self, gap: float, residue: float) -> None:
+        """Refine, or not; where the last time did not halve the residue, pitches must change less before the next."""
+        explained = self.share * min(1.0, self.wanted.bound / max(residue, 1e-300))
+        if gap > self.wanted.tolerance * max(LEAST_GAP, explained):
+            return
+        if residue > 0.5 * self.residue:
+            self.share *= OF_NO_AVAIL
+        self.residue, self.rtol = residue, _finer(self.rtol)
 
 
 class Balances:
@@ -297,7 +315,7 @@ def by_coupling(
     """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated."""
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
-    mixing = Mixing(pace)
+    mixing, refining = Mixing(pace), Refining(wanted)
     plenum = task.plenum()
     seen: list[tuple[float, float]] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
@@ -307,7 +325,7 @@ def by_coupling(
         if machinery.counts[2] > budget:
             break
         point = np.concatenate([_logarithms(y, machinery.n), _plenum_logarithms(plenum)])
-        end, used = y.copy(), rtol
+        end, rtol = y.copy(), refining.rtol
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, pitch / c.chambers, "coupled", rtol, angle)
@@ -321,10 +339,9 @@ def by_coupling(
             if residue <= ENOUGH * wanted.bound:
                 machinery.install_coupled()
                 return Closed("ok", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
-            if gap <= wanted.tolerance * max(LEAST_GAP, min(1.0, wanted.bound / max(residue, 1e-300))):
-                rtol = _finer(rtol)
+            refining.consider(gap, residue)
         mixed = mixing.next(point, image, gap)
-        if rtol < used:
+        if refining.rtol < rtol:
             mixing.restart()
         y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), _plenum_of(mixed[n:], image_plenum)
         task.set_plenum(plenum)
