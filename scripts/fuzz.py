@@ -244,6 +244,7 @@ def outcome(rows: list[dict[str, Any]], seed: int) -> dict[str, Any]:
             "within_accuracy": sum(row["share"] <= 1.0 for row in shares),
             "within_three_times": sum(row["share"] <= 3.0 for row in shares),
             "beyond_accuracy_unwarned": sum(row["share"] > 1.0 for row in unwarned),
+            "beyond_three_times_unwarned": [row["index"] for row in unwarned if row["share"] > 3.0],
             "worst_unwarned_over_accuracy": largest(unwarned, "share"),
             "worst_over_accuracy": largest(shares, "share"),
         },
