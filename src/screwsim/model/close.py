@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from screwsim.model.pace import FULL, Mixing, Pace, Refining, finer
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_LIFE, P_OMEGA, P_PITCH, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
@@ -23,7 +24,6 @@ Array = np.ndarray
 PATIENCE = 6  # turns before the histories may give way to coupled chambers
 DEAR = 18.0  # turns ahead that cost as much as coupled chambers
 ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
-FINEST_RTOL = 1e-11  # of a step, below which it is rounding that keeps a balance from closing
 NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
 LEAST = 1e-300  # of what must be positive for its logarithm
 LEAST_OIL = 1e-4  # oil per gas below which its change does not count
@@ -32,16 +32,12 @@ FIRST_RTOL = 1e-3  # of the first turn; later ones follow the gap
 AHEAD = 0.05  # tolerance of a turn over the gap of the one before: what it is hoped to contract by
 GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 HISTORY_DEPTH = 5  # of Anderson's method for histories
-PITCH_DEPTH = 10  # and for coupled chambers
-LEAST_GAP = 1e-4  # of the tolerance: below it a balance that is not closed shows the steps' error, not the change's
-OF_NO_AVAIL = 0.25  # of the change of a pitch at which steps are refined, after a time that was of no avail
 MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
 PITCHES_OF_A_TRY = 2000  # and pitches: what contracts slowly but surely is waited for
 DAMPED_DEPTH = 5  # of Anderson's method where closing is damped
 DAMPING = 0.3  # share of the way to the mixed image that damped closing goes
 NEAR_DAMPED = 0.05  # change of a pitch below which damped closing goes all the way
 NEAR_PLAIN = 1e-3  # change of a pitch below which closing without acceleration is accelerated
-THROWN = 0.5  # change of a pitch above which either goes back to its own pace
 FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
 MAX_TURNS = 40
 MAX_PITCHES = 400
@@ -82,62 +78,6 @@ class Hope(NamedTuple):
 
 
 NO_HOPE = Hope((0.0, 0.0), 1.0)
-
-
-class Pace(NamedTuple):
-    """Depth of Anderson's method and share of the way to go; `FULL` where a pitch changes less than `near`."""
-
-    depth: int
-    damping: float = 1.0
-    near: float = 0.0
-
-
-FULL = Pace(PITCH_DEPTH)
-
-
-class Mixing:
-    """The next point of a fixed-point iteration at a pace; at full pace while a pitch changes less than `near`."""
-
-    def __init__(self, pace: Pace) -> None:
-        self.own = self.pace = pace
-        self.accelerate = Anderson(pace.depth)
-
-    def next(self, point: Array, image: Array, gap: float) -> Array:
-        """Return the next point after `point` was mapped to `image`, which is `gap` away."""
-        if self.pace is self.own and gap < self.own.near:
-            self._go_at(FULL)
-        elif self.pace is not self.own and gap > THROWN:
-            self._go_at(self.own)
-        _, mixed = self.accelerate.mix(point, image)
-        if np.max(np.abs(mixed - image)) > 1.0:
-            mixed = image
-        if self.pace.damping < 1.0:
-            mixed = point + self.pace.damping * (mixed - point)
-        return mixed
-
-    def restart(self) -> None:
-        """Forget what was seen: the map is another one."""
-        self.accelerate.restart()
-
-    def _go_at(self, pace: Pace) -> None:
-        self.pace, self.accelerate = pace, Anderson(pace.depth)
-
-
-class Refining:
-    """The tolerance of a step, refined where a pitch changes too little to be what keeps a balance from closing."""
-
-    def __init__(self, wanted: Wanted) -> None:
-        self.wanted, self.rtol = wanted, wanted.rtol
-        self.residue, self.share = np.inf, 1.0
-
-    def consider(self, gap: float, residue: float) -> None:
-        """Refine, or not; where the last time did not halve the residue, pitches must change less before the next."""
-        explained = self.share * min(1.0, self.wanted.bound / max(residue, 1e-300))
-        if gap > self.wanted.tolerance * max(LEAST_GAP, explained):
-            return
-        if residue > 0.5 * self.residue:
-            self.share *= OF_NO_AVAIL
-        self.residue, self.rtol = residue, _finer(self.rtol)
 
 
 class Balances:
@@ -262,7 +202,7 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
         if gap <= wanted.tolerance and rtol <= finest:
             if task.residue(q) <= ENOUGH * wanted.bound:
                 return Closed("ok", q, y, turn, "histories", finest, change=gap, first_gap=first_gap)
-            finest = _finer(finest)
+            finest = finer(finest)
             gaps.clear()
         if not last and _too_slow(gaps, wanted.tolerance):
             return None
@@ -315,7 +255,7 @@ def by_coupling(
     """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated."""
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
-    mixing, refining = Mixing(pace), Refining(wanted)
+    mixing, refining = Mixing(pace), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
     plenum = task.plenum()
     seen: list[tuple[float, float]] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
@@ -347,11 +287,6 @@ def by_coupling(
         task.set_plenum(plenum)
     machinery.install_coupled()
     return Closed("not_closed", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
-
-
-def _finer(rtol: float) -> float:
-    """Return the next tolerance where the cycle stands but its balances show the error of the integration."""
-    return max(0.25 * rtol, min(rtol, FINEST_RTOL))
 
 
 def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
