@@ -22,7 +22,7 @@ REMEDIES = {  # of the limits of an equation of state, by a word of what the gas
     "lowest": "use warmer suction gas or oil, or a wider suction port",
 }
 
-UNSETTLED = 0.1  # change of the states in a pitch above which a cycle is far from closed
+UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
 
 
 def _numerics(solution: Solution, accurate: Accurate) -> Figures:
