@@ -6,6 +6,7 @@ from case import Case
 from found_scenes import (
     BETWEEN,
     BLOWN,
+    COLD_OIL,
     DRENCHED,
     FAINT,
     FLOODED,
@@ -101,6 +102,14 @@ def found_cases() -> list[Case]:
             "mass and energy close at once where next to no gas goes through; entropy asks for two tighter closings",
         ),
         Case("found: oil all at once", FLOODED, at_once),
+        Case(
+            "found: oil all at once, cold",
+            COLD_OIL,
+            "as the case before, and the smallest step is still too long",
+            "failed",
+            "ok",
+            says=("deg", "x_oil"),
+        ),
         Case("found: tiny work, many turns", FAINT, finer, says=("no net gas is delivered",), slow=True),
         Case("found: tiny work, much oil", DRENCHED, new_map, says=("the oil would fill",), slow=True),
     ]

@@ -337,6 +337,7 @@ MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice
     "found: heats without end": 40_000_000,
     "found: closes only damped, at hardly any pressure ratio": 40_000_000,
     "found: oil all at once": 250_000,
+    "found: oil all at once, cold": 2_300_000,
     "found: a step along a closing port": 100_000,
     "found: closes only damped, carried": 20_000_000,
     "found: closes only from an easier scene": 20_000_000,
