@@ -212,7 +212,7 @@ def largest(rows: Iterable[dict[str, Any]], key: str) -> dict[str, Any]:
     return {"value": row[key], "index": row["index"]} if row else {}
 
 
-def outcome(rows: list[dict[str, Any]], seed: int) -> dict[str, Any]:
+def outcome(rows: list[dict[str, Any]], seed: int, check: int) -> dict[str, Any]:
     """Return the summary of all rows."""
     by_structure: dict[str, Counter[str]] = defaultdict(Counter)
     for row in rows:
@@ -223,7 +223,7 @@ def outcome(rows: list[dict[str, Any]], seed: int) -> dict[str, Any]:
     unwarned = [row for row in shares if row["error"] <= row["accuracy"]]
     balances = [row | {"over": max(row["mass"], row["energy"]) / row["accuracy"]} for row in closed]
     return {
-        "command": f"scripts/fuzz.py --seed {seed} --count {len(rows)}",
+        "command": f"scripts/fuzz.py --seed {seed} --count {len(rows)} --check {check}",
         "seed": seed,
         "space": space(),
         "versions": {name: importlib.metadata.version(name) for name in ("screwsim", *PACKAGES)}
@@ -244,6 +244,7 @@ def outcome(rows: list[dict[str, Any]], seed: int) -> dict[str, Any]:
             "within_accuracy": sum(row["share"] <= 1.0 for row in shares),
             "within_three_times": sum(row["share"] <= 3.0 for row in shares),
             "beyond_accuracy_unwarned": sum(row["share"] > 1.0 for row in unwarned),
+            "beyond_three_times_unwarned": [row["index"] for row in unwarned if row["share"] > 3.0],
             "worst_unwarned_over_accuracy": largest(unwarned, "share"),
             "worst_over_accuracy": largest(shares, "share"),
         },
@@ -291,7 +292,7 @@ def main() -> None:
             if seen.total() % 100 == 0:
                 print(f"{seen.total()} scenes, {time.monotonic() - started:.0f} s: {dict(seen)}", file=sys.stderr)
     rows = sorted((row for row in read(table) if row["index"] < options.count), key=lambda row: row["index"])
-    summary = outcome(rows, options.seed)
+    summary = outcome(rows, options.seed, options.check)
     if options.outcome:
         options.outcome.write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
     print(json.dumps({name: summary[name] for name in ("scenes", "status", "structure", "radau")}, indent=1))

@@ -102,7 +102,7 @@ def _close_somehow(solution: Any) -> closing.Closed:
     A gas outside its equation stays there, whatever is tried. What no try closes is left as the first left it.
     """
     closed, numerics = solution.close(), solution.scene.numerics
-    if closed.status == "ok" or numerics.integrator != "rodas4" or numerics.closing != "auto":
+    if closed.status == "ok" or numerics.integrator != "rodas4" or numerics.closing == "histories":
         return closed
     if solution.outside(closed):
         return closed

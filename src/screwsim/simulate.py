@@ -24,6 +24,8 @@ REMEDIES = {  # of the limits of an equation of state, by a word of what the gas
     "lowest": "use warmer suction gas or oil, or a wider suction port",
 }
 
+UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
+
 
 def _numerics(solution: Solution, accurate: Accurate) -> Figures:
     counts, closed = accurate.counts, accurate.closed
@@ -57,15 +59,19 @@ def _remedied(reason: str) -> str:
     return f"{reason}; {remedy}" if remedy else reason
 
 
-def _unclosed(scene: Scene, closed: closing.Closed) -> str:
+def _unclosed(solution: Solution, closed: closing.Closed) -> str:
     """Return what may help a cycle that did not close."""
-    tried = scene.numerics.closing == "auto" and scene.numerics.integrator == "rodas4"
-    if tried and closed.status == "not_closed":
-        return (
-            "no further try closed it either: the gas that leaks back may heat without end "
-            "(a wider discharge port or smaller leaks), or the accuracy be too fine (a larger numerics.accuracy)"
-        )
-    return "try numerics.closing: coupled, or a tighter numerics.accuracy"
+    numerics = solution.scene.numerics
+    if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
+        return "try numerics.closing: coupled, or a tighter numerics.accuracy"
+    if closed.change < UNSETTLED:
+        return "no further try closed it either: the accuracy may be too fine (a larger numerics.accuracy)"
+    _, dense, _, steps = solution.machinery.last()
+    return (
+        f"no further try closed it either: its turns do not settle, with gas at up to {dense[:steps, 1, 0].max():.2g} "
+        "K; gas that all but cannot get out heats, empties and fills the chambers anew without end (a wider discharge "
+        "port, smaller leaks or a lower speed)"
+    )
 
 
 def _failure(solution: Solution, closed: closing.Closed) -> str:
@@ -232,7 +238,7 @@ def _solved(solution: Solution, trace: bool) -> Result:
         shown = ", ".join(f"{name} {size:.2g}" for name, size in residues.items())
         message = (
             f"{shown} against the bound {balance.bound:.2g}, last change {closed.change:.2g}; "
-            f"{_unclosed(scene, closed)}"
+            f"{_unclosed(solution, closed)}"
         )
     cycle, kept = (solution.cycle(closed.q), book) if trace else ({}, Figures())
     tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()

@@ -19,6 +19,7 @@ from screwsim.model.compose import Parts, compose
 from screwsim.model.continuation import Course, Guess
 from screwsim.model.guess import first_guess
 from screwsim.model.pitch import Pitch, pitch_of
+from screwsim.model.places import SOME_OIL
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
@@ -356,12 +357,17 @@ class Solution:
         )
 
     def _oil_discharge_temperature(self, q: closing.Array) -> float | None:
-        """Return the oil's flow-weighted mean temperature at discharge; None without an oil temperature."""
+        """Return the oil's flow-weighted mean temperature at discharge; None without an oil temperature.
+
+        Oil of less than `SOME_OIL` of the gas has none that the solver would answer for.
+        """
         c = self.machinery.composition
         if not c.carried:
             return self._paper_oil_temperature() if "T_oil" in c.states else None
         mean = closing.discharge_enthalpy(self.balances.streams(q))
-        return mean[2] - self._pressed(self.lines.p_d) if mean is not None and mean[2] > 0.0 else None
+        if mean is None or not mean[2] > 0.0 or mean[1] < SOME_OIL:
+            return None
+        return mean[2] - self._pressed(self.lines.p_d)
 
     def _paper_oil_temperature(self) -> float | None:
         """Return the oil temperature weighted with the gas outflow, oil leaving at constant d (transport: paper)."""

@@ -331,13 +331,20 @@ MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice
     "dead volume 1e-09": 30_000,
     "found: closes only damped": 30_000_000,
     "found: throttled suction": 1_000_000,
-    "found: closes only with tighter steps": 90_000,
+    "found: closes only with tighter steps": 500_000,
+    "found: held to the lines": 90_000,
     "found: entropy closes last": 500_000,
     "found: heats without end": 40_000_000,
-    "found: heats without end, carried": 40_000_000,
-    "found: oil all at once": 600_000,
-    "found: tiny work, many turns": 2_000_000,
-    "found: tiny work, much oil": 30_000_000,
+    "found: closes only damped, at hardly any pressure ratio": 40_000_000,
+    "found: oil all at once": 250_000,
+    "found: oil all at once, cold": 2_300_000,
+    "found: a step along a closing port": 100_000,
+    "found: closes only damped, carried": 20_000_000,
+    "found: closes only from an easier scene": 20_000_000,
+    "found: closes only without acceleration": 30_000_000,
+    "found: heats and empties in a swing": 60_000_000,
+    "found: tiny work, many turns": 1_300_000,
+    "found: tiny work, much oil": 1_700_000,
     "gaps 1 mm": 200_000,
     "gaps 1 mm, 250 rpm": 200_000,
     "gaps 1 um": 20_000,
@@ -419,6 +426,6 @@ AGAINST_RADAU = (  # compared with coupled chambers under a tight Radau
     "a heavy gas",
 )
 CASES = [
-    replace(case, most=MOST.get(case.name, case.most), radau=case.name in AGAINST_RADAU)
+    replace(case, most=MOST.get(case.name, case.most), radau=case.radau or case.name in AGAINST_RADAU)
     for case in (*_speeds(), *_pressures(), *_oil(), *_geometry(), *_gases(), *_shut(), *_starts(), *found_cases())
 ]

@@ -1,12 +1,13 @@
 """Floors of the model: what each one changes is stated and bounded."""
 
+import numpy as np
 import pytest
 from scenes import DROP, make, run
 
 from screwsim import errors
 from screwsim.errors import relative_errors
 from screwsim.estimate import worst
-from screwsim.model import close
+from screwsim.model import close, places
 from screwsim.model.balance import oil_temperature_slope
 from screwsim.simulate import simulate
 
@@ -87,6 +88,53 @@ def test_the_floor_of_the_oils_mass_is_a_share_of_it(x):
     exact = (1e-6 * (310.0 - 300.0) - heat / c) / (x * m * omega)
     assert (exact - slope) / exact == pytest.approx(1e-12 / x, rel=1e-3, abs=1e-15)  # next order of the floor; rounding
     assert abs(exact - slope) <= 1e-3 * abs(exact)
+
+
+def size_of(y0, y1, error, monkeypatch):
+    """Return the size of a step's error of one chamber with carried oil, an ideal gas."""
+    for name, value in {"N": 4, "HEATED": 1, "CARRIED": 1}.items():
+        monkeypatch.setattr(places, name, value)
+    place = np.zeros(places.PLACE)
+    place[[places.PRESSURE, places.TPT]] = 1e5
+    return places.relative_error(np.array(y0), np.array(y1), np.array(error), 0, place, 0)
+
+
+@pytest.mark.parametrize(("x", "possible"), [(0.0, True), (-0.9, True), (-1.1, False), (-100.0, False)])
+def test_oil_below_none_is_rounding_or_impossible(x, possible, monkeypatch):
+    """`places.NO_OIL`: oil per gas of -1e-13 passes, less makes the step smaller."""
+    y = [300.0, 1.0, 310.0, x * places.NO_OIL]
+    size = size_of(y, y, [0.0, 0.0, 0.0, 0.0], monkeypatch)
+    assert size == (0.0 if possible else places.IMPOSSIBLE)
+
+
+@pytest.mark.parametrize("x", [-1.0, 1.0])
+def test_oil_that_is_rounding_changes_no_sign(x):
+    """The floor of the oil's mass is ten times NO_OIL: the oil's temperature goes the same way, off by a tenth."""
+    m, omega = 2e-4, 300.0
+    found, none = (
+        oil_temperature_slope(300.0, share * m, m, 2000.0, 1e-6, 1e-6 * 310.0, 0.0, omega)
+        for share in (x * places.NO_OIL, 0.0)
+    )
+    assert none > 0.0
+    assert found / none == pytest.approx(1.0, abs=0.12)
+
+
+@pytest.mark.parametrize("speed", ["1000 rpm", "3000 rpm"])
+def test_a_chamber_without_oil_makes_none(speed):
+    """What `places.NO_OIL` lets pass does not grow: no more oil, of either sign, goes through than a step tells."""
+    found = run({**CARRIED, "oil_supply.ratio": 0, "operation.speed": speed})
+    assert found.status == "ok"
+    assert abs(found.performance.oil_ratio) <= 0.1 * places.SOME_OIL
+    assert abs(found.performance.oil_flow_ratio) <= 0.1 * places.SOME_OIL
+    assert found.performance.oil_discharge_temperature is None  # that of nothing
+
+
+@pytest.mark.parametrize(("x", "share"), [(1e-9, 1e-3), (1e-7, 0.1), (1e-6, 1.0), (1e-3, 1.0), (3.0, 1.0)])
+def test_the_temperature_of_next_to_no_oil_counts_as_little(x, share, monkeypatch):
+    """`places.SOME_OIL`: below 1e-6 of the gas, oil holds less than 1e-5 of the heat; its temperature counts so."""
+    y = [300.0, 1.0, 310.0, x]
+    assert size_of(y, y, [0.0, 0.0, 31.0, 0.0], monkeypatch) == pytest.approx(0.1 * share, rel=1e-12)
+    assert size_of(y, y, [0.0, 0.0, 0.0, 1e-7], monkeypatch) == pytest.approx(1e-7 / max(x, places.SOME_OIL), rel=1e-9)
 
 
 def test_without_oil_the_slope_of_its_temperature_is_finite():

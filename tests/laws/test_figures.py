@@ -102,6 +102,14 @@ def test_figures_of_absent_effects_are_none():
     assert p.oil_discharge_temperature is None
 
 
+def test_peak_pressure_where_it_still_rises_at_the_widest_opening():
+    found = run({"machine.discharge_port.area": "0.5 cm^2"})
+    p, angle = found.cycle["pressure"], found.cycle["angle"]
+    seen = (angle >= 360.0) & (angle <= 660.0)
+    assert np.argmax(np.where(seen, p, 0.0)) == np.flatnonzero(angle == 660.0)[0]  # it does rise up to there
+    assert found.performance.peak_pressure == pytest.approx(p[angle == 660.0][0], rel=3e-5)
+
+
 def test_peak_pressure_is_the_traces_from_injection_to_the_widest_opening(result):
     c = result.cycle
     seen = (c["angle"] >= 360.0) & (c["angle"] <= 660.0)

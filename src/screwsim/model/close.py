@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from screwsim.model.pace import FULL, Mixing, Pace, Refining, finer
 from screwsim.model.run import Machinery
 from screwsim.model.slots import BETWEEN, P_LIFE, P_OMEGA, P_PITCH, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
@@ -23,7 +24,6 @@ Array = np.ndarray
 PATIENCE = 6  # turns before the histories may give way to coupled chambers
 DEAR = 18.0  # turns ahead that cost as much as coupled chambers
 ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
-FINEST_RTOL = 1e-11  # of a step, below which it is rounding that keeps a balance from closing
 STALL = 3  # pitches without progress of the states
 NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
 LEAST = 1e-300  # of what must be positive for its logarithm
@@ -33,11 +33,12 @@ FIRST_RTOL = 1e-3  # of the first turn; later ones follow the gap
 AHEAD = 0.05  # tolerance of a turn over the gap of the one before: what it is hoped to contract by
 GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 HISTORY_DEPTH = 5  # of Anderson's method for histories
-PITCH_DEPTH = 10  # and for coupled chambers
-LEAST_GAP = 1e-4  # of the tolerance: below it a balance that is not closed shows the steps' error, not the change's
 MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
-DAMPED_DEPTH = 2  # of Anderson's method where closing is damped
-DAMPING = 0.5  # share of the way to the image that damped closing goes
+PITCHES_OF_A_TRY = 2000  # and pitches: what contracts slowly but surely is waited for
+DAMPED_DEPTH = 5  # of Anderson's method where closing is damped
+DAMPING = 0.3  # share of the way to the mixed image that damped closing goes
+NEAR_DAMPED = 0.05  # change of a pitch below which damped closing goes all the way
+NEAR_PLAIN = 1e-3  # change of a pitch below which closing without acceleration is accelerated
 FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
 MAX_TURNS = 40
 MAX_PITCHES = 400
@@ -203,7 +204,7 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
             if task.residue(q) <= ENOUGH * wanted.bound:
                 return Closed("ok", q, y, turn, "histories", finest, change=gap, first_gap=first_gap)
             if NEAR * float(np.max(np.abs(image - point))) <= wanted.tolerance:  # else it is no matter of the steps yet
-                finest = _finer(finest, task.residue(q) / wanted.bound)
+                finest = finer(finest, task.residue(q) / wanted.bound)
                 gaps.clear()
         if not last and _too_slow(gaps, wanted.tolerance):
             return None
@@ -251,26 +252,23 @@ def _too_slow(gaps: list[float], tolerance: float) -> bool:
 
 
 def by_coupling(
-    task: Task, y: Array, depth: int = PITCH_DEPTH, damping: float = 1.0, most: int = MAX_EVALUATIONS
+    task: Task, y: Array, pace: Pace = FULL, most: int = MAX_EVALUATIONS, pitches: int = MAX_PITCHES
 ) -> Closed:
-    """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated.
-
-    `damping` is the share of the way to the image that an iterate goes.
-    """
+    """Close all chambers over one pitch; the fixed point in logarithms of the states, accelerated."""
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
-    accelerate = Anderson(depth)
+    mixing, refining = Mixing(pace), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
     plenum = task.plenum()
     seen: list[tuple[float, float]] = []
     gaps: list[float] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
     rtol = wanted.rtol
     budget = int(machinery.counts[2]) + most
-    for pitch in range(1, MAX_PITCHES + 1):
+    for pitch in range(1, pitches + 1):
         if machinery.counts[2] > budget:
             break
         point = np.concatenate([_logarithms(y, machinery.n), _plenum_logarithms(plenum)])
-        end = y.copy()
+        end, rtol = y.copy(), refining.rtol
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, end, pitch / c.chambers, "coupled", rtol, angle)
@@ -285,25 +283,14 @@ def by_coupling(
             if residue <= ENOUGH * wanted.bound:
                 machinery.install_coupled()
                 return Closed("ok", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
-            if gap <= wanted.tolerance * max(LEAST_GAP, min(1.0, wanted.bound / max(residue, 1e-300))):
-                rtol = _finer(rtol, residue / wanted.bound)
-        _, mixed = accelerate.mix(point, image)
-        if np.max(np.abs(mixed - image)) > 1.0:
-            mixed = image
-        if damping < 1.0:
-            mixed = point + damping * (mixed - point)
+            refining.consider(gap, residue)
+        mixed = mixing.next(point, image, gap)
+        if refining.rtol < rtol:
+            mixing.restart()
         y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), _plenum_of(mixed[n:], image_plenum)
         task.set_plenum(plenum)
     machinery.install_coupled()
     return Closed("not_closed", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
-
-
-def _finer(rtol: float, residue: float) -> float:
-    """Return the next tolerance where the cycle stands but its balances show the error of the integration.
-
-    `residue` is the larger one over the bound.
-    """
-    return max(min(0.7, max(0.25, 0.5 / residue)) * rtol, min(rtol, FINEST_RTOL))
 
 
 def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
@@ -375,30 +362,31 @@ def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str,
     machinery, wanted = task.machinery, task.wanted
     P = machinery.composition.P
 
+    def coupled(pace: Pace = FULL, most: int = MOST_OF_A_TRY) -> Closed:
+        return by_coupling(task, chambers_at_pitches(machinery), pace, most, PITCHES_OF_A_TRY)
+
     def tighter() -> Closed:
         start()
         task.wanted = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
         try:
-            return by_coupling(task, chambers_at_pitches(machinery), most=MOST_OF_A_TRY)
+            return coupled()
         finally:
             task.wanted = wanted
 
     def damped() -> Closed:
         start()
-        return by_coupling(
-            task, chambers_at_pitches(machinery), depth=DAMPED_DEPTH, damping=DAMPING, most=MOST_OF_A_TRY
-        )
+        return coupled(Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED))
 
     def plain() -> Closed:
         start()
-        return by_coupling(task, chambers_at_pitches(machinery), depth=0, most=MOST_OF_A_TRY)
+        return coupled(Pace(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY)
 
     def faster() -> Closed:
         start()
         omega = P[P_OMEGA]
         P[P_OMEGA] = FASTER * omega
         try:
-            easier = by_coupling(task, chambers_at_pitches(machinery), most=MOST_OF_A_TRY)
+            easier = coupled()
         finally:
             P[P_OMEGA] = omega
         return easier if easier.status == "failed" else by_coupling(task, easier.y, most=MOST_OF_A_TRY)

@@ -175,6 +175,8 @@ def relative_error(y0, y1, error, at, place, row):
         e = abs(error[at + i]) / max(abs(y0[at + i]), abs(y1[at + i]), least)
         if i == 0:
             e *= max(1.0, place[row + TPT] / place[row + PRESSURE])
+        if CARRIED == 1 and i == 2:
+            e *= min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL)
         if not (e <= worst):
             worst = e
         if e != e:

@@ -48,6 +48,9 @@ def peak_pressure(times, dense, steps, limit, context):
             if P[P_INJECTION] < phi <= limit + 1e-9:
                 p = dense_value(k / 50.0, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N])
                 peak = max(peak, p)
+        if P[P_INJECTION] < limit and times[i] < limit < times[i + 1]:
+            share = (limit - times[i]) / (times[i + 1] - times[i])
+            peak = max(peak, dense_value(share, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N]))
     return peak
 
 

@@ -83,6 +83,7 @@ STEP_TOO_SMALL = 1
 TOO_MANY_STEPS = 2
 ANGLE_STEP = 1e-6  # rad, for differences of what is smooth over the angle
 GROWTH = 2.5  # of a step over the last: faster growth jumps into regions that no error estimate has seen
+LONGEST = math.pi / 3.0  # a step: a stiff one that a port closes along sees neither its area nor its error
 SMALLEST = 1e-13  # a step below this share of the angle means that the rates are not finite or not solvable
 
 
@@ -228,7 +229,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
             kept[0] = step
             counts[0] += 1
             factor = min(GROWTH, 0.85 * max(error, 1e-8) ** (-0.25))
-            h = max(h, trial * factor) if factor >= GROWTH else trial * factor
+            h = min(LONGEST, max(h, trial * factor) if factor >= GROWTH else trial * factor)
             for i in range(n):
                 y[i] = y1[i]
             for i in range(n_e):

@@ -1,0 +1,84 @@
+"""How closing of coupled chambers goes on from one pitch to the next: its acceleration, the tolerance of its steps.
+
+Source: docs/numerics.md, closing the cycle.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.numerics.periodic import Anderson
+
+Array = np.ndarray
+PITCH_DEPTH = 10  # of Anderson's method for coupled chambers
+THROWN = 0.5  # change of a pitch above which damped or plain closing goes back to its own pace
+LEAST_GAP = 1e-4  # of the tolerance: below it a balance that is not closed shows the steps' error, not the change's
+OF_NO_AVAIL = 0.25  # of the change of a pitch at which steps are refined, after a time that was of no avail
+FINEST_RTOL = 1e-11  # of a step, below which it is rounding that keeps a balance from closing
+
+
+class Pace(NamedTuple):
+    """Depth of Anderson's method and share of the way to go; `FULL` where a pitch changes less than `near`."""
+
+    depth: int
+    damping: float = 1.0
+    near: float = 0.0
+
+
+FULL = Pace(PITCH_DEPTH)
+
+
+class Mixing:
+    """The next point of a fixed-point iteration at a pace; at full pace while a pitch changes less than `near`."""
+
+    def __init__(self, pace: Pace) -> None:
+        self.own = self.pace = pace
+        self.accelerate = Anderson(pace.depth)
+
+    def next(self, point: Array, image: Array, gap: float) -> Array:
+        """Return the next point after `point` was mapped to `image`, which is `gap` away."""
+        if self.pace is self.own and gap < self.own.near:
+            self._go_at(FULL)
+        elif self.pace is not self.own and gap > THROWN:
+            self._go_at(self.own)
+        _, mixed = self.accelerate.mix(point, image)
+        if np.max(np.abs(mixed - image)) > 1.0:
+            mixed = image
+        if self.pace.damping < 1.0:
+            mixed = point + self.pace.damping * (mixed - point)
+        return mixed
+
+    def restart(self) -> None:
+        """Forget what was seen: the map is another one."""
+        self.accelerate.restart()
+
+    def _go_at(self, pace: Pace) -> None:
+        self.pace, self.accelerate = pace, Anderson(pace.depth)
+
+
+class Refining:
+    """The tolerance of a step, refined where a pitch changes too little to be what keeps a balance from closing."""
+
+    def __init__(self, rtol: float, tolerance: float, bound: float) -> None:
+        self.rtol, self.tolerance, self.bound = rtol, tolerance, bound
+        self.hoped, self.share = np.inf, 1.0
+
+    def consider(self, gap: float, residue: float) -> None:
+        """Refine, or not; where the last time was of no avail, pitches must change less before the next."""
+        explained = self.share * min(1.0, self.bound / max(residue, 1e-300))
+        if gap > self.tolerance * max(LEAST_GAP, explained):
+            return
+        if residue > self.hoped:
+            self.share *= OF_NO_AVAIL
+        refined = finer(self.rtol, residue / self.bound)
+        self.hoped, self.rtol = residue * (refined / self.rtol) ** 0.5, refined
+
+
+def finer(rtol: float, residue: float) -> float:
+    """Return the next tolerance where the cycle stands but its balances show the error of the integration.
+
+    `residue` is the larger one over its bound.
+    """
+    return max(min(0.7, max(0.25, 0.5 / residue)) * rtol, min(rtol, FINEST_RTOL))
