@@ -55,7 +55,7 @@ def departure(p_s):
 def test_low_pressure_makes_a_real_gas_ideal_at_first_order():
     one, tenth, hundredth = departure(1.0), departure(0.1), departure(0.01)
     # B p/(R T) is the first term of the virial series: a tenth of the pressure, a tenth of the departure, the second
-    # term being 1e-3 of the first at 1 bar; any charge of a closed chamber is periodic, so the closing may shift it a little
+    # term being 1e-3 of the first at 1 bar; any charge of a closed chamber is periodic: closing may shift it a little
     assert one / tenth == pytest.approx(10.0, rel=0.01)
     assert tenth / hundredth == pytest.approx(10.0, rel=0.01)
 
