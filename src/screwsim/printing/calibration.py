@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -25,7 +26,7 @@ def calibration_document(found: Calibration) -> dict[str, Any]:
     known = found.certainty
     return {
         "title": found.fit.title,
-        "scene": found.fit.scene_file,
+        "scene": os.path.relpath(found.fit.scene_file),
         "status": found.status,
         "message": found.message,
         "accuracy": found.fit.scene.numerics.accuracy,
