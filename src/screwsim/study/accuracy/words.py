@@ -93,12 +93,17 @@ def _asked(study: Study) -> list[str]:
             str(each.evaluations),
             _number(each.estimated, ".1e"),
             _number(each.error, ".1e"),
-            each.figure.replace("_", " "),
+            _short(each.figure),
         )
         for each in study.asked
     ]
     heads = ("asked", "status", "closing", "ms", "+ ms", "RHS", "estimate", "true", "of")
     return ["What asking for an accuracy gives (+ ms: the estimate)", *_lines(heads, rows, (1, 2, 8))]
+
+
+def _short(figure: str) -> str:
+    """Return a figure's name for a narrow column."""
+    return figure.replace("_", " ").replace("efficiency", "eff.").replace("capacity", "cap.")
 
 
 _TITLES = {
@@ -123,7 +128,7 @@ def _part(study: Study, part: str, best: Sequence[Measured]) -> list[str]:
             f"{1e3 * each.time:.3g}",
             str(each.evaluations),
             _number(each.error, ".1e"),
-            each.figure.replace("_", " ") if each.status == "ok" else each.status.replace("_", " "),
+            _short(each.figure) if each.status == "ok" else each.status.replace("_", " "),
             _number(each.pressure_error, ".0e"),
             _number(each.temperature_error, ".0e"),
         ]
