@@ -18,7 +18,8 @@ ABOUT = (
     "are the source plain."
 )
 ACCURACY = 1e-6
-INTEGRATORS = ("scipy-radau", "scipy-bdf", "scipy-lsoda")
+# tolerance of a step where that of the accuracy does not close the balances
+INTEGRATORS = {"scipy-radau": None, "scipy-bdf": None, "scipy-lsoda": 1e-9}
 PROPERTIES = (("pressure", "P"), ("enthalpy", "H"), ("entropy", "S"))
 
 
@@ -26,7 +27,8 @@ def integrator_row(scene_file: Path, name: str, integrator: str) -> Row:
     """Return the largest difference of a figure between Rodas4 and one of scipy's integrators."""
     own = solved(scene_file, (f"numerics.accuracy={ACCURACY}",)).performance
     asked = (f"numerics.accuracy={ACCURACY}", "numerics.error=none", f"numerics.integrator={integrator}")
-    other = solved(scene_file, asked).performance
+    rtol = INTEGRATORS[integrator]
+    other = solved(scene_file, asked if rtol is None else (*asked, f"numerics.rtol={rtol}")).performance
     errors = {figure: size for figure, size in relative_errors(own, other).items() if size is not None}
     worst = max(errors, key=lambda figure: errors[figure])
     return equal(
