@@ -241,8 +241,7 @@ class Solution:
 
     def _known(self, q: closing.Array) -> performance.CycleFigures:
         """Return what a power loss or a reading can ask of the cycle."""
-        R, supply, oil, parts = self.machinery.R, self.scene.oil_supply, self.scene.oil, self.parts
-        source = self.lines.p_s if supply is not None and supply.source == "suction" else self.lines.p_d
+        R, oil, parts = self.machinery.R, self.scene.oil, self.parts
         T_oil = parts.oil.temperature if parts.oil is not None else None
         injected, p_injection = float(R[R_INJECTED]), float(R[R_PRESSURE])
         if self.machinery.composition.ported:
@@ -255,7 +254,7 @@ class Solution:
             injected,
             oil_viscosity=oil.at(T_oil).viscosity if oil is not None and T_oil is not None else None,
             injection_pressure=p_injection,
-            oil_source_pressure=source,
+            oil_source_pressure=parts.oil.source_pressure if parts.oil is not None else self.lines.p_d,
             oil_temperature=T_oil,
             oil_discharge_temperature=self._oil_discharge_temperature(q) if oil is not None else None,
             oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,

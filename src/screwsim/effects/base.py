@@ -80,6 +80,11 @@ class Drawn:
     reservoir: Reservoir
     site: Site
 
+    @property
+    def ratio(self) -> float | None:
+        """Flow from the plenum over suction flow; None where nothing is sucked in."""
+        return self.flow / self.suction_flow if self.suction_flow > 0.0 else None
+
 
 @dataclass(frozen=True)
 class Plenum:

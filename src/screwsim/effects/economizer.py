@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Drawn, Effect, FlowPath, Plenum, Site
-from screwsim.effects.port_window import WindowParameters, check_window, window_area, window_knots
+from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.reservoir import Reservoir
@@ -50,14 +50,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
     def figures(drawn: Drawn) -> dict[str, float | None]:
         return economizer_figures(parameters, drawn)
 
-    path = FlowPath(
-        to=NAME,
-        area=window_area,
-        values={"size": parameters.area, "opens": parameters.opens, "closes": parameters.closes},
-        knots=window_knots(parameters),
-        flow_coefficient=parameters.flow_coefficient,
-    )
-    return [path, Plenum(NAME, state, figures)]
+    return [window_path(NAME, parameters), Plenum(NAME, state, figures)]
 
 
 def economizer_figures(parameters: Parameters, drawn: Drawn) -> dict[str, float | None]:
@@ -65,7 +58,7 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> dict[str, float 
     site = drawn.site
     found: dict[str, float | None] = {
         "economizer_mass_flow": drawn.flow,
-        "economizer_flow_ratio": drawn.flow / drawn.suction_flow if drawn.suction_flow > 0.0 else None,
+        "economizer_flow_ratio": drawn.ratio,
         "economizer_draw_ratio": None,
         "economizer_capacity_gain": None,
     }

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Drawn, Effect, FlowPath, Plenum, Site
-from screwsim.effects.port_window import WindowParameters, check_window, window_area, window_knots
+from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.faults import Fault
 from screwsim.fluid.reservoir import Reservoir
 
@@ -36,17 +36,9 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
         return site.gas.liquid(site.p_d, site.liquid_enthalpy)
 
     def figures(drawn: Drawn) -> dict[str, float | None]:
-        ratio = drawn.flow / drawn.suction_flow if drawn.suction_flow > 0.0 else None
-        return {"liquid_injection_mass_flow": drawn.flow, "liquid_injection_flow_ratio": ratio}
+        return {"liquid_injection_mass_flow": drawn.flow, "liquid_injection_flow_ratio": drawn.ratio}
 
-    path = FlowPath(
-        to=NAME,
-        area=window_area,
-        values={"size": parameters.area, "opens": parameters.opens, "closes": parameters.closes},
-        knots=window_knots(parameters),
-        flow_coefficient=parameters.flow_coefficient,
-    )
-    return [path, Plenum(NAME, state, figures)]
+    return [window_path(NAME, parameters), Plenum(NAME, state, figures)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.declare import quantity
+from screwsim.effects.base import FlowPath
 from screwsim.effects.gap import ramp
 from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
@@ -35,6 +36,17 @@ def window_area(phi, size, opens, closes):
 def window_knots(parameters) -> tuple[float, ...]:
     """Return the angles [rad] at which the window is not smooth."""
     return parameters.opens, parameters.opens + RAMP, parameters.closes - RAMP, parameters.closes
+
+
+def window_path(name: str, parameters) -> FlowPath:
+    """Return the flow path of an effect's window to its own plenum, which has the effect's name."""
+    return FlowPath(
+        to=name,
+        area=window_area,
+        values={"size": parameters.area, "opens": parameters.opens, "closes": parameters.closes},
+        knots=window_knots(parameters),
+        flow_coefficient=parameters.flow_coefficient,
+    )
 
 
 def check_window(name: str, parameters, facts) -> Iterator[Fault]:

@@ -197,14 +197,16 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
         now = (float(machinery.R[R_TRAPPED]), float(q[0]))
         least = LEAST_WORK * now[0] * task.pv
         gap, before = max(_change(now, before, least), _plenum_change(image_plenum, plenum)), now
+        states = NEAR * float(np.max(np.abs(image - point)))
         if turn == 1:  # what was expected of mass and work may agree by chance: the states must, too
-            gap = first_gap = max(gap, NEAR * float(np.max(np.abs(image - point))))
+            gap = first_gap = max(gap, states)
         gaps.append(gap)
         if gap <= wanted.tolerance and rtol <= finest:
-            if task.residue(q) <= ENOUGH * wanted.bound:
+            residue = task.residue(q)
+            if residue <= ENOUGH * wanted.bound:
                 return Closed("ok", q, y, turn, "histories", finest, change=gap, first_gap=first_gap)
-            if NEAR * float(np.max(np.abs(image - point))) <= wanted.tolerance:  # else it is no matter of the steps yet
-                finest = finer(finest, task.residue(q) / wanted.bound)
+            if states <= wanted.tolerance:  # else it is no matter of the steps yet
+                finest = finer(finest, residue / wanted.bound)
                 gaps.clear()
         if not last and _too_slow(gaps, wanted.tolerance):
             return None
