@@ -8,7 +8,9 @@ from typing import Any
 from screwsim.outputs import PERFORMANCE, Figures
 
 NET = ("gas_mass_flow", "oil_flow_ratio")  # of the net gas flow, which passes through zero where leakage takes all
-
+DELIVERED = ("isothermal", "ideal_isothermal", "isentropic", "volumetric")  # efficiencies of what is delivered
+BY_FLOW = (*NET, *(f"{name}_efficiency" for name in DELIVERED))
+BY_FLOW += ("specific_power", "cooling_capacity", "cop", "electrical_cop")
 
 TORQUE, FORCE = "gas_torque", "_gas_force"  # over what they swing by: their means pass through zero
 OIL = ("oil_ratio", "oil_flow_ratio", "oil_mass_flow")
@@ -34,6 +36,18 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
             scale = max(scale, least_work)
         errors[name] = abs(value - reference) / scale
     return Figures(errors)
+
+
+def flow_errors(found: Figures, lost: float) -> Figures:
+    """Return what a relative error of the net gas flow, `lost`, makes of the figures that go with it."""
+    known = {name: 0.0 if value is None else value for name, value in found.items()}
+    return Figures(
+        {
+            name: lost * abs(known[name]) / max(error_scale(name, known), 1e-300)
+            for name in BY_FLOW
+            if found.get(name) is not None
+        }
+    )
 
 
 def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any], Any] = max) -> Any:

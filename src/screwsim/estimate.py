@@ -1,7 +1,8 @@
 """How accurate the figures of a closed cycle are, and closing it again more tightly until they are accurate enough.
 
 The estimate is one more life from the closed cycle with a finer tolerance and a narrower regularisation: what that
-changes in the figures (docs/model.md M41).
+changes in the figures, and in those that go with the net gas flow what the unclosed mass balance leaves open in it
+(docs/model.md M41).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.errors import relative_errors
+from screwsim.errors import flow_errors, relative_errors
 from screwsim.model import close as closing
 from screwsim.outputs import Figures
 
@@ -27,6 +28,7 @@ EASY = 0.3  # of the wanted accuracy: an estimate below it lets the next scene o
 TIGHTEST = 0.05  # factor of the tolerances with which a scene of a course may begin
 TRIES = 7
 MUCH = 1e-4  # wanted accuracy from which on two turns estimate
+TIGHT = 0.75  # volumetric efficiency below which leaks rule, and two turns estimate
 
 
 class Accurate(NamedTuple):
@@ -148,24 +150,35 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> Figures:
     with _borrowed(solution.machinery):
         machinery = solution.machinery
         machinery.composition.P[machinery.composition.widths] *= NARROWER
-        status, q = _finer_turn(solution, closed)
+        status, q = _finer_turn(solution, closed, 2 if _much_asked(solution, found) else 1)
         if status != 0:
             return Figures(dict.fromkeys(found))
         better, _ = solution.figures(q)
     shown = relative_errors(found, better, *solution.least(closed.q))
-    return Figures({name: None if size is None else WHOLE * size for name, size in shown.items()})
+    errors = Figures({name: None if size is None else WHOLE * size for name, size in shown.items()})
+    flow = found["gas_mass_flow"]
+    lost = abs(solution.balances.mass_in(closed.q) * solution.lives_per_second / flow) if flow else 0.0
+    for name, size in flow_errors(found, lost).items():
+        errors[name] = (errors[name] or 0.0) + (size or 0.0)
+    return errors
 
 
-def _finer_turn(solution: Any, closed: closing.Closed) -> tuple[int, np.ndarray]:
-    """Install one more life, finer than the closed one's; return how it ended, and its quadratures.
+def _much_asked(solution: Any, found: Figures) -> bool:
+    """Tell whether one finer life is not enough for an estimate: it still meets the coarser life of its neighbours."""
+    filling = found.get("volumetric_efficiency")
+    leaky = filling is not None and filling < TIGHT
+    return leaky or solution.scene.numerics.accuracy <= MUCH
 
-    One more still where much is asked: the first still meets the coarser life of its neighbours.
-    """
+
+def _finer_turn(solution: Any, closed: closing.Closed, turns: int) -> tuple[int, np.ndarray]:
+    """Install as many lives more, finer than the closed one's; return how it ended, and its quadratures."""
     machinery, rtol, y = solution.machinery, FINER * closed.rtol, closed.y.copy()
     if closed.how == "histories":
         status, _, _, q = machinery.turn(y, rtol, 1e-3)
         machinery.swap()
-        if status == 0 and solution.scene.numerics.accuracy <= MUCH:
+        for _ in range(turns - 1):
+            if status != 0:
+                break
             solution.set_plenum(np.maximum(solution.outflow(q), closing.LEAST))
             status, _, _, q = machinery.turn(y, rtol, 1e-3)
             machinery.swap()

@@ -235,7 +235,12 @@ class Solution:
     def least(self, q: closing.Array) -> tuple[float, float]:
         """Return the power [W] and the work of a cycle [J] below which they are rounding."""
         work = closing.LEAST_WORK * max(float(self.machinery.R[R_TRAPPED]), 0.0) * self.pv
-        return work * self.parts.omega / self.parts.geometry.pitch, work
+        return work * self.lives_per_second, work
+
+    @property
+    def lives_per_second(self) -> float:
+        """Return how many chambers are born a second [1/s]."""
+        return self.parts.omega / self.parts.geometry.pitch
 
     # ---- taking the figures ----------------------------------------------------------------------------------
 
@@ -326,7 +331,7 @@ class Solution:
         """Return what the effects say of the cycle by their own plenums."""
         found: dict[str, float | None] = {}
         if self.parts.plenums:
-            streams, rate = self.balances.streams(q)[:, 0], self.parts.omega / self.parts.geometry.pitch
+            streams, rate = self.balances.streams(q)[:, 0], self.lives_per_second
             site, suction = build_site(self.scene, self.parts.gas), float(streams[0] + streams[1]) * rate
             for _, plenum in self.parts.all(Plenum):
                 i = 2 * self.parts.number(plenum.name)
@@ -395,9 +400,8 @@ class Solution:
         oil, T_out = self.parts.oil, self._paper_oil_temperature()
         if oil is None or T_out is None:
             return None
-        rate = self.parts.omega / self.parts.geometry.pitch
         carried = float(self.machinery.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
-        return float(-q[1] - carried) * rate
+        return float(-q[1] - carried) * self.lives_per_second
 
     def cycle(self, q: closing.Array) -> dict[str, np.ndarray]:
         """Return the traces over the angle (contract: cycle); `q` are the quadratures of the last history."""

@@ -13,6 +13,7 @@ from found_scenes import (
     HELIUM,
     HOT,
     LEAPT_OVER,
+    SHUT_IN,
     SLOW_TO_HEAT,
     STARVED,
     STILL,
@@ -87,6 +88,13 @@ def found_cases() -> list[Case]:
             "found: a step along a closing port",
             LEAPT_OVER,
             "no knot for 125° along which a wide port closes: so long a step saw nothing of it and was off by 0.7 %",
+            radau=True,
+        ),
+        Case(
+            "found: shut in by a closing port",
+            SHUT_IN,
+            "a wide port holds p to the line's until its last degrees: one step over them saw no flow at its end, and "
+            "no error, and shut in 3e-4 too much whatever the tolerance",
             radau=True,
         ),
         Case(

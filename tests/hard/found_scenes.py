@@ -174,6 +174,22 @@ LEAPT_OVER = {  # scene 840 of seed 1
     "machine.discharge_port.phi_C": "634.31 deg",
     "numerics.accuracy": 4.2229e-05,
 }
+SHUT_IN = {  # scene 5040 of seed 1
+    **BARE,
+    "gas.fluid": "Helium",
+    "gas.isentropic_exponent": 1.38027,
+    "operation.suction": {"pressure": "0.26964 bar", "temperature": "272.35 K"},
+    "operation.discharge": {"pressure": "0.31665 bar"},
+    "operation.speed": "699.2 rpm",
+    "machine.volume.min": "0.016743 cm^3",
+    "machine.volume.phi_A": "295.7 deg",
+    "machine.suction_port.area": "1609.5 cm^2",
+    "machine.suction_port.phi_B": "164.88 deg",
+    "machine.discharge_port.area": "0.37252 cm^2",
+    "machine.discharge_port.opens": "632.65 deg",
+    "machine.discharge_port.phi_C": "662.12 deg",
+    "numerics.accuracy": 1.3459e-04,
+}
 HOT = {  # scene 664 of seed 1
     **CARRIED,
     "gas.fluid": "Helium",

@@ -11,7 +11,8 @@ from screwsim.numerics import rodas
 from screwsim.numerics.kernel import flatten
 
 Array = np.ndarray
-SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "error_size", "share_in_phase", "conserve", "keep_places")
+SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "lands", "error_size", "share_in_phase", "conserve")
+SLOTS += ("keep_places",)
 
 
 class Path(NamedTuple):
@@ -35,6 +36,7 @@ class Problem(NamedTuple):
     jump: Callable[[float, Array], None] = lambda phi, y: None
     correct: Callable[[Array, Array, Array], None] = lambda y, y1, dq: None
     share: Callable[[Array, Array, Array, float], float] = lambda y, y1, u, rtol: 1.0
+    lands: Callable[[float, Array], bool] = lambda h, J: True
 
 
 def emitted(problem: Problem) -> dict[str, Any]:
@@ -71,7 +73,7 @@ def emitted(problem: Problem) -> dict[str, Any]:
     names: dict[str, Any] = {"np": np, "math": __import__("math"), "njit": lambda **_: lambda function: function}
     names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian, "p_at_knot": at_knot}
     names |= {"p_error_size": error_size, "p_conserve": conserve, "p_keep_places": lambda step, dense, context: None}
-    names["p_share_in_phase"] = share_in_phase
+    names["p_share_in_phase"], names["p_lands"] = share_in_phase, lambda h, J, *_: problem.lands(h, J)
     text = flatten((rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p")
     exec("\n\n".join(text.values()), names)
     return names

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from flat import Problem, integrate
+from scipy.integrate import solve_ivp
 
 from screwsim.numerics import rodas
 
@@ -115,6 +116,24 @@ def test_growth_of_a_decaying_mode_never_exceeds_one():
         decay = Problem(lambda phi, y, z=z: ((-z * y[0],), (0.0,)), lambda phi, y, z=z: (((-z,),), ((0.0,),)))
         ratios.append(abs(integrate(decay, (0.0, 1.0), (1.0,)).y[0]))
     assert max(ratios) <= 1.0
+
+
+def test_a_bond_that_loosens_within_a_step_is_followed_once_landing_is_refused():
+    """y is held to cos φ ever more loosely until 1, where nothing holds it: what it keeps is set just before."""
+
+    def stiffness(phi):
+        return 1e6 * (1.0 - phi) ** 2
+
+    def rates(phi, y):
+        return (-stiffness(phi) * (y[0] - math.cos(phi)),), (0.0,)
+
+    def error(lands):
+        problem = Problem(rates, lambda phi, y: (((-stiffness(phi),),), ((0.0,),)), lands=lands)
+        return abs(integrate(problem, (0.0, 1.0), (1.0,), rtol=1e-6, h=1.0).y[0] - exact)
+
+    exact = solve_ivp(lambda phi, y: rates(phi, y)[0], (0, 1), [1.0], method="Radau", rtol=1e-11, atol=1e-13).y[0, -1]
+    blind, seeing = error(lambda h, J: True), error(lambda h, J: -h * J[0, 0] <= 10.0)
+    assert seeing < 1e-5 < 0.1 * blind
 
 
 def test_steps_land_on_every_knot_exactly():

@@ -96,6 +96,10 @@ class Balances:
         """Return the sums as rows, by the categories of slots: suction in, suction out, discharge in …"""
         return q[2:].reshape(-1, self.width)
 
+    def mass_in(self, q: Array) -> float:
+        """Return the gas [kg] that a life takes in beyond what it gives back: nothing, where the cycle is closed."""
+        return float(np.delete(self.streams(q)[:, 0], BETWEEN).sum())
+
     def residues(self, q: Array, trapped: float, h_suction: float, pv: float) -> tuple[float, float, float]:
         """Return relative residues of gas mass, energy and oil mass over one life (M37–M39); pv is p/ρ at suction."""
         flows = np.delete(self.streams(q), BETWEEN, axis=0)

@@ -15,7 +15,7 @@ import numpy as np
 
 from screwsim.effects.base import FlowPath, HeatRate, OilPort
 from screwsim.fluid.orifice import orifice_flow
-from screwsim.model import chamber, coupled, ledger, places, trace
+from screwsim.model import chamber, coupled, landing, ledger, places, trace
 from screwsim.model.parts import OilPart, Parts
 from screwsim.model.slots import (
     FEWEST,
@@ -339,6 +339,8 @@ def _module_text(
         *(getattr(coupled, f"all_{name}") for name in DRIVEN),
         coupled.no_knot,
         coupled.no_places,
+        landing.lands,
+        landing.all_lands,
         places.keep_places,
         places.places_along,
     )
@@ -352,12 +354,12 @@ def _module_text(
     blocks = flatten(kernels)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     blocks |= {name: text for name, text in model.items() if name not in blocks}
-    for kind, room, prefix, knot, keep in (
-        ("_one", chamber, "", chamber.at_knot, places.keep_places),
-        ("_all", coupled, "all_", coupled.no_knot, coupled.no_places),
+    for kind, room, prefix, knot, keep, lands in (
+        ("_one", chamber, "", chamber.at_knot, places.keep_places, landing.lands),
+        ("_all", coupled, "all_", coupled.no_knot, coupled.no_places, landing.all_lands),
     ):
         slots = {name: getattr(room, prefix + name).flat_name for name in DRIVEN}
-        slots |= {"at_knot": knot.flat_name, "keep_places": keep.flat_name}
+        slots |= {"at_knot": knot.flat_name, "keep_places": keep.flat_name, "lands": lands.flat_name}
         driver = flatten((rodas.integrate,), slots, kind)
         blocks |= {name: text for name, text in driver.items() if name not in blocks}
     texts = [text if name.startswith(CALLED) else without_wrapper(text) for name, text in blocks.items()]

@@ -8,9 +8,9 @@ Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they red
 q += h [Σ β_i g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for
 the system enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
 
-The model is reached by eight slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
-derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state),
-`error_size` (the size of a step's error; huge for a state that cannot be, which is then tried again with a smaller
+The model is reached by nine slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
+derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state), `lands`
+(whether one step may take all that is left of a segment, from the surroundings at both ends), `error_size` (the size of a step's error; huge for a state that cannot be, which is then tried again with a smaller
 step), `share_in_phase` (the share of a step after which the equations change their form, 1 where they do not: the step
 is made again that long), `conserve` (closes the balances of an accepted step, in its end and its quadratures),
 `keep_places` (fills columns of the dense output beyond the states). Steps land on knots and keep their size across
@@ -30,6 +30,7 @@ surroundings = Slot("surroundings")
 rates = Slot("rates")
 jacobian = Slot("jacobian")
 at_knot = Slot("at_knot")
+lands = Slot("lands")
 error_size = Slot("error_size")
 share_in_phase = Slot("share_in_phase")
 conserve = Slot("conserve")
@@ -165,6 +166,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
     nq = q.shape[0]
     E = np.empty(n_e)
     E_next = np.empty(n_e)
+    E_end = np.empty(n_e)
     f = np.empty(n)
     f_phi = np.empty(n)
     g = np.empty(nq)
@@ -188,6 +190,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
         end = knots[segment + 1]
         middle = 0.5 * (phi + end)
         at_knot(phi, y, context)
+        surroundings(end, middle, context, E_end)
         surroundings(phi, middle, context, E)
         fresh = True
         while phi < end:
@@ -205,6 +208,9 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
                 jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)
                 counts[3] += 1
                 fresh = False
+            if landing and not lands(trial, J, E, E_end, context):
+                landing = False
+                trial *= 0.5
             attempt(phi, trial, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq)
             counts[2] += STAGES - 1
             error = error_size(y, y1, u[5], context) / rtol
