@@ -166,7 +166,7 @@ def _finer_turn(solution: Any, closed: closing.Closed) -> tuple[int, np.ndarray]
         status, _, _, q = machinery.turn(y, rtol, 1e-3)
         machinery.swap()
         if status == 0 and solution.scene.numerics.accuracy <= MUCH:
-            solution.set_plenum(np.maximum(solution.outflow(q), closing.LEAST))
+            solution.set_made(solution.entries.possible(solution.image(q)))
             status, _, _, q = machinery.turn(y, rtol, 1e-3)
             machinery.swap()
         return status, q
