@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from screwsim.effects.base import Around, FlowPath, HeatRate, Plenum, Site
+from screwsim.effects.base import Around, FlowPath, HeatRate, Made, Plenum, Site, Wall
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -62,6 +62,10 @@ def build_parts(scene: Scene) -> Parts:
     gas = build_gas(scene)
     effects = {name: _built(active, geometry, scene) for name, active in scene.effects.items()}
     plenums = [part for items in effects.values() for part in items if isinstance(part, Plenum)]
+    made = [part for items in effects.values() for part in items if isinstance(part, Made)]
+    names = [part.entry.name for part in made]
+    if len(set(names)) < len(names):
+        raise TypeError(f"two effects declare the same of {', '.join(sorted(names))} as made by the cycle")
     return Parts(
         geometry=geometry,
         gas=gas,
@@ -70,6 +74,7 @@ def build_parts(scene: Scene) -> Parts:
         effects=effects,
         oil=build_oil(scene),
         plenums={part.name: part.state(build_site(scene, gas)) for part in plenums},
+        made={part.entry.name: part.guess(build_site(scene, gas)) for part in made},
     )
 
 
@@ -87,14 +92,14 @@ def _built(active: ActiveEffect, geometry: Geometry, scene: Scene) -> list[Any]:
     built = list(active.effect.build(active.parameters, geometry))
     if active.effect.numbers is not None:
         found = active.effect.numbers(active.parameters, _around(scene))
-        built = [_with(part, found) if isinstance(part, FlowPath | HeatRate) else part for part in built]
+        built = [_with(part, found) if isinstance(part, FlowPath | HeatRate | Wall) else part for part in built]
     if not geometry.expands:
         return built
     life, pitch = geometry.life, geometry.pitch
     return [part.mirrored(life, pitch) if isinstance(part, FlowPath) else part for part in built]
 
 
-def _with(part: FlowPath | HeatRate, numbers: Mapping[str, float]) -> FlowPath | HeatRate:
+def _with(part: FlowPath | HeatRate | Wall, numbers: Mapping[str, float]) -> FlowPath | HeatRate | Wall:
     return replace(part, values={**part.values, **numbers})
 
 

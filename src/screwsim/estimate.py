@@ -179,7 +179,7 @@ def _finer_turn(solution: Any, closed: closing.Closed, turns: int) -> tuple[int,
         for _ in range(turns - 1):
             if status != 0:
                 break
-            solution.set_plenum(np.maximum(solution.outflow(q), closing.LEAST))
+            solution.set_made(solution.entries.possible(solution.image(q)))
             status, _, _, q = machinery.turn(y, rtol, 1e-3)
             machinery.swap()
         return status, q

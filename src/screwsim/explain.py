@@ -14,7 +14,7 @@ from typing import Any
 from screwsim.build import build_parts, regularisation, wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
-from screwsim.effects.base import FlowPath, HeatRate, Intake, Plenum, PowerLoss, Reading
+from screwsim.effects.base import FlowPath, HeatRate, Intake, Made, Plenum, PowerLoss, Reading, Scaled, Wall
 from screwsim.model.compose import Composition, Parts, compose
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.grid import case_count, dimensions
@@ -157,8 +157,15 @@ def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
     added += [f"figure {name}" for part in built if isinstance(part, Reading) for name in part.figures]
     added += ["another state of what is sucked in" for part in built if isinstance(part, Intake)]
     added += ["heat to the gas" for part in built if isinstance(part, HeatRate)]
+    added += [f"heat between gas and {part.name}" for part in built if isinstance(part, Wall)]
+    added += [f"{_words(part.entry.name)}, made by the cycle" for part in built if isinstance(part, Made)]
+    added += [f"areas of {part.effect} times {_words(part.by)}" for part in built if isinstance(part, Scaled)]
     if added:
         yield f"adds: {', '.join(added)}"
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
 
 
 def _left_out(names: tuple[str, ...]) -> Iterator[str]:
@@ -257,6 +264,10 @@ def _numerics(scene: Scene) -> Iterator[str]:
 def _size(model: Composition) -> Iterator[str]:
     n = len(model.states)
     yield _row("one chamber", f"{n} states, {len(model.plenum_paths) + len(model.gap_paths)} flow paths")
+    if model.made:
+        yield _row(
+            "the cycle makes", f"{len(model.made)} numbers of effects beside the discharge line (docs/numerics.md)"
+        )
     yield _row("coupled", f"{n} states x {model.chambers} chambers = {n * model.chambers}")
     yield _row("knots", f"{len(model.knots)} angles of one life at which a law is not smooth; steps end there")
 

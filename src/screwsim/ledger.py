@@ -150,9 +150,11 @@ def ledger(cycle: Cycle) -> Figures:
     gas_rise = _gas(book, cycle, suction, line, discharge)
     if cycle.intake.changed:
         gas_rise = _intake(book, cycle, gas_rise, discharge)
+    warmed = len(cycle.machinery.composition.heats)
+    _walls(book, cycle, heats[warmed:])
     oil_rise = None
     if cycle.parts.oil is not None:
-        oil_rise = _oil(book, cycle, paths, heats, oil)
+        oil_rise = _oil(book, cycle, paths, heats[:warmed], oil)
     _losses(book, cycle)
     return _figures(book, cycle, gas_rise, oil_rise)
 
@@ -272,6 +274,15 @@ def _intake(book: _Book, cycle: Cycle, gas_rise: float, discharge: State) -> flo
             if part.pressure_ratio < 1.0:
                 book.add(name, gas=flow, exergy=gas_rise - delivered - returned)
     return delivered
+
+
+def _walls(book: _Book, cycle: Cycle, heats: Array) -> None:
+    """Enter the heat between walls and gas, and what leaves the walls at their temperature (M171)."""
+    c = cycle.machinery.composition
+    for (name, wall), (heat, generated) in zip(cycle.parts.walls, heats.tolist(), strict=True):
+        held = wall.temperature
+        T = float(c.P[c.made[list(cycle.parts.made).index(held)]]) if isinstance(held, str) else held
+        book.add(name, energy=heat, exergy=cycle.T_0 * generated - heat * (1.0 - cycle.T_0 / T))
 
 
 # ---- oil ---------------------------------------------------------------------------------------------------------

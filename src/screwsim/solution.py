@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim import expander, performance
 from screwsim.build import build_parts, build_site, wanted_of
-from screwsim.effects.base import Drawn, Plenum
+from screwsim.effects.base import Drawn, Made, Plenum, Turn
 from screwsim.faults import UsageError
 from screwsim.intake import suction_of
 from screwsim.ledger import Cycle, ledger
@@ -38,6 +38,7 @@ from screwsim.model.slots import (
     R_SUCTION,
     R_TRAPPED,
 )
+from screwsim.numerics.made import Entries
 from screwsim.outputs import PERFORMANCE, Figures
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
@@ -83,6 +84,8 @@ class Solution:
         )
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
+        line_entries = closing.discharge_line(self.machinery.composition.carried)
+        self.entries = Entries([*line_entries, *(part.entry for _, part in self.parts.all(Made))])
 
     def _suction_place(self) -> tuple[float, ...]:
         """Return the place of the suction line; wet where the scene gives a quality."""
@@ -116,6 +119,7 @@ class Solution:
         y = first_guess(self.parts, machinery.composition, machinery, place[PRESSURE], T_s, lines.p_d)
         T_d = self.scene.operation.discharge.temperature or float(y[0])
         self._set_lines(T_d, float(y[3]) if machinery.composition.carried else 0.0)
+        machinery.composition.P[list(machinery.composition.made)] = list(self.parts.made.values())
         return y
 
     def _set_lines(self, T_d: float, d: float) -> None:
@@ -136,17 +140,17 @@ class Solution:
         guess = self.course.guess(machinery, self.parameters)
         if guess is not None:
             self._set_lines(self.scene.operation.discharge.temperature or float(guess.y[0]), 0.0)
-            self.set_plenum(guess.plenum)
+            self.set_made(guess.made)
         return guess
 
     def note(self, closed: closing.Closed) -> None:
         """Leave the closed cycle to the scenes that follow on this course."""
-        self.course.add(self.machinery, self.parameters, closed, self.plenum())
+        self.course.add(self.machinery, self.parameters, closed, self.made())
 
     def rehearse(self) -> closing.Array:
-        """Do what `start` does, and set the discharge plenum once, so that all it needs is compiled."""
+        """Do what `start` does, and set what the cycle makes once, so that all it needs is compiled."""
         y = self.start()
-        self.set_plenum(self.plenum())
+        self.set_made(self.made())
         return y
 
     def close(self) -> closing.Closed:
@@ -172,21 +176,54 @@ class Solution:
         self.wanted = replace(self.wanted, rtol=factor * self.wanted.rtol, tolerance=factor * self.wanted.tolerance)
         self.machinery.composition.P[self.machinery.composition.widths] *= factor
 
-    def plenum(self) -> closing.Array:
-        """Return the discharge plenum's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
+    def made(self) -> closing.Array:
+        """Return what the cycle makes, as the next turn meets it: the discharge line, and what effects declare."""
+        composition = self.machinery.composition
+        return np.concatenate([self._line(), composition.P[list(composition.made)]])
+
+    def set_made(self, values: closing.Array) -> None:
+        """Let the next turn be integrated with these."""
+        line = len(values) - len(self.parts.made)
+        self._set_line(values[:line])
+        self.machinery.composition.P[list(self.machinery.composition.made)] = values[line:]
+
+    def image(self, q: closing.Array) -> closing.Array:
+        """Return what a cycle of these quadratures makes."""
+        line = self._outflow(q)
+        if not self.parts.made:
+            return line
+        turn = self.turn(q)
+        for _, part in self.parts.all(Made):
+            turn = turn._replace(made={**turn.made, part.entry.name: float(part.image(turn))})
+        return np.concatenate([line, list(turn.made.values())])
+
+    def turn(self, q: closing.Array) -> Turn:
+        """Return what a turn of these quadratures tells effects that declare what the cycle makes."""
+        P, rate = self.machinery.composition.P, self.parts.omega / self.parts.geometry.pitch
+        sums = rate * self.balances.walls(q)
+        names = [wall.name for _, wall in self.parts.walls]
+        return Turn(
+            dict(zip(self.parts.made, P[list(self.machinery.composition.made)].tolist(), strict=True)),
+            dict(zip(names, sums[:, 0].tolist(), strict=True)),
+            dict(zip(names, sums[:, 1].tolist(), strict=True)),
+            self.scene.operation.ambient_temperature,
+        )
+
+    def _line(self) -> closing.Array:
+        """Return the discharge line's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
         place = self.machinery.R[R_DISCHARGE:]
         cells = (ENTHALPY, OIL_RATIO, OIL_TEMPERATURE) if self.machinery.composition.carried else (ENTHALPY,)
         return np.array([max(float(place[cell]), 1e-9) for cell in cells])
 
-    def outflow(self, q: closing.Array) -> closing.Array:
-        """Return the plenum that a cycle's outflow makes (M27): its flow-weighted mean, or the given temperature.
+    def _outflow(self, q: closing.Array) -> closing.Array:
+        """Return the discharge line that an outflow makes (M27): its flow-weighted mean, or the given temperature.
 
         What flows back beyond the outflow comes from the line and brings no oil. So the plenum is a continuous function
         of the flows: a state that jumped where the net flow passes zero would leave such a machine without a cycle.
         """
         streams = self.balances.streams(q)
         mean = closing.discharge_enthalpy(streams)
-        plenum = self.plenum()
+        plenum = self._line()
         given = self.scene.operation.discharge.temperature is not None
         back, out = float(streams[2, 0]), -float(streams[3, 0])
         own = 1.0 if back <= out else out / back  # share of what flows back that had flowed out before
@@ -209,8 +246,8 @@ class Solution:
             )
         return self.inlet.enthalpy + self.parts.gas.isentropic_work(lines.p_s, lines.p_d, lines.T_s)
 
-    def set_plenum(self, plenum: closing.Array) -> None:
-        """Give the discharge plenum its enthalpy and oil.
+    def _set_line(self, plenum: closing.Array) -> None:
+        """Give the discharge line its enthalpy and oil.
 
         An enthalpy on the way that no state of the gas has, extrapolated or of an outflow of nothing, leaves the place.
         """

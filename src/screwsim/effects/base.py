@@ -1,4 +1,4 @@
-"""What an effect is: a declaration of flow paths, plenums, oil ports, heat rates, power losses and readings; kernels.
+"""What an effect is: a declaration of flow paths, plenums, oil ports, heat rates, walls, losses, readings; kernels.
 
 An effect adds to the rates of a chamber and never assigns. It is one file of this package, or of a user's own,
 with a module variable `EFFECT`. A kernel's argument names say what it needs: a parameter of the effect itself,
@@ -17,6 +17,7 @@ from screwsim.faults import Fault
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.settings import OilProperties
 from screwsim.numerics.kernel import Kernel
+from screwsim.numerics.made import Entry
 
 
 @dataclass(frozen=True)
@@ -157,6 +158,56 @@ class Reading:
     traces: Callable[[Any], Mapping[str, Any]] | None = None
 
 
+class Turn(NamedTuple):
+    """What a turn of the chambers tells of itself (SI units), of the whole machine and averaged over time.
+
+    `made` holds the numbers that the cycle makes by name: this turn's images of those declared before, else what the
+    turn was integrated with. `heat` [W] goes from each wall into the gas, over `conductance` [W/K]. `T_0` is ambient
+    temperature [K].
+    """
+
+    made: Mapping[str, float]
+    heat: Mapping[str, float]
+    conductance: Mapping[str, float]
+    T_0: float
+
+
+@dataclass(frozen=True)
+class Made:
+    """A number that the cycle makes and that acts back on it, found together with it (docs/numerics.md).
+
+    Any kernel of the scene can ask for it by the name of its `entry`. `guess` is where it begins; `image` returns what
+    a turn makes of it, in plain Python; its fixed point is the answer.
+    """
+
+    entry: Entry
+    guess: Callable[[Site], float]
+    image: Callable[[Turn], float]
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A wall that exchanges heat with the gas of the chambers, and not with the oil (M170).
+
+    `conductance` returns α A [W/K] of one chamber; its arguments are symbols (`T`, `m`, `p`, `rho`, `V`, `phi`) or
+    `values`. `temperature` [K] is the name of a `Made`, or a number. What the gas gives a wall over a cycle leaves it
+    for the surroundings.
+    """
+
+    name: str
+    conductance: Kernel
+    values: Mapping[str, float]
+    temperature: str | float
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """The areas of the flow paths of another effect are multiplied by the number of a `Made` (M180)."""
+
+    effect: str
+    by: str
+
+
 @dataclass(frozen=True)
 class Intake:
     """What lies between suction line and machine (M160, M161).
@@ -168,7 +219,7 @@ class Intake:
     returned: float = 0.0
 
 
-Part = FlowPath | Plenum | OilPort | OilRoom | HeatRate | PowerLoss | Reading | Intake
+Part = FlowPath | Plenum | OilPort | OilRoom | HeatRate | PowerLoss | Reading | Intake | Made | Wall | Scaled
 
 
 class Around(NamedTuple):

@@ -55,6 +55,7 @@ from screwsim.model.slots import (
     PRESSURE,
     Q_HEAT,
     Q_STREAMS,
+    Q_WALLS,
     Q_WORK,
     R_DISCHARGE,
     R_INJECTED,
@@ -65,6 +66,7 @@ from screwsim.model.slots import (
     SUCTION_IN,
     TPT,
     VOLUMED,
+    WALLS,
     N,
     gap_area,
     gas_phase,
@@ -156,6 +158,9 @@ def rates(y, E, context, f, g):
         work[PORT_OIL * width + 3] = oil * P[P_H_PORT]
     g[Q_WORK] = 0.0
     g[Q_HEAT] = 0.0
+    if WALLS > 0:
+        for i in range(Q_WALLS, Q_STREAMS):
+            g[i] = 0.0
     finish(y, 0, E, 0, own, 0, R, P, work, 0, f, g)
     for i in range(CATEGORIES * width):
         g[Q_STREAMS + i] = work[i] / P[P_OMEGA]
@@ -189,6 +194,8 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     d = n_sums  # work: sums; derivatives of the own place by each state, then by φ; derivatives of the sums likewise
     ds = d + (N + 1) * PLACE
     other = ds + (N + 1) * n_sums + N + 2
+    if WALLS > 0:
+        other += 2 * WALLS
     own[PLACE] = gas_phase(y[0], y[1])
     fill_place(own[PLACE], y, 0, P, TAB, own, 0)
     place_derivatives(own[PLACE], y, 0, P, TAB, own, 0, state, work[d:])
@@ -241,6 +248,9 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
         oil_slopes(E, E_next, 0, delta, own, 0, P, TAB, work, at, d, ds + at, n_sums, ds + N * n_sums + at)
     g[Q_WORK] = 0.0
     g[Q_HEAT] = 0.0
+    if WALLS > 0:
+        for i in range(Q_WALLS, Q_STREAMS):
+            g[i] = 0.0
     finish(y, 0, E, 0, own, 0, R, P, work, 0, f, g)
     for i in range(n_sums):
         g[Q_STREAMS + i] = work[i] / P[P_OMEGA]
@@ -281,6 +291,9 @@ def own_column(y, j, E, own, state, work, d, place, n_sums, P, R, f, g, J, Jq):
         work[sums + i] = work[i] + delta * work[sums + i]
     work[changed + N] = 0.0
     work[changed + N + 1] = 0.0
+    if WALLS > 0:
+        for i in range(Q_WALLS, Q_STREAMS):
+            work[changed + N + i] = 0.0
     finish(state, 0, E, 0, work, place, R, P, work, sums, work[changed:], work[changed + N :])
     for i in range(N):
         J[i, j] = (work[changed + i] - f[i]) / delta
@@ -296,6 +309,9 @@ def angle_column(y, E_next, delta, own, work, sums, n_sums, P, R, f, g, f_phi, g
         work[sums + i] = work[i] + delta * work[sums + i]
     g_phi[Q_WORK] = 0.0
     g_phi[Q_HEAT] = 0.0
+    if WALLS > 0:
+        for i in range(Q_WALLS, Q_STREAMS):
+            g_phi[i] = 0.0
     finish(y, 0, E_next, 0, own, 0, R, P, work, sums, f_phi, g_phi)
     for i in range(N):
         f_phi[i] = (f_phi[i] - f[i]) / delta

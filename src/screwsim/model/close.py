@@ -16,7 +16,8 @@ import numpy as np
 
 from screwsim.model.pace import FULL, Mixing, Pace, Refining, finer
 from screwsim.model.run import Machinery
-from screwsim.model.slots import BETWEEN, P_LIFE, P_OMEGA, P_PITCH, R_TRAPPED
+from screwsim.model.slots import BETWEEN, P_LIFE, P_OMEGA, P_PITCH, Q_HEAT, Q_WALLS, R_TRAPPED
+from screwsim.numerics.made import Entries, Entry
 from screwsim.numerics.periodic import Anderson
 from screwsim.numerics.rodas import dense_value
 
@@ -26,7 +27,6 @@ DEAR = 18.0  # turns ahead that cost as much as coupled chambers
 ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
 STALL = 3  # pitches without progress of the states
 NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
-LEAST = 1e-300  # of what must be positive for its logarithm
 LEAST_OIL = 1e-4  # oil per gas below which its change does not count
 LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 FIRST_RTOL = 1e-3  # of the first turn; later ones follow the gap
@@ -81,6 +81,13 @@ class Hope(NamedTuple):
 NO_HOPE = Hope((0.0, 0.0), 1.0)
 
 
+def discharge_line(carried: bool) -> tuple[Entry, ...]:
+    """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature."""
+    ratio = Entry("discharge_oil_ratio", floor=LEAST_OIL)
+    oil = (ratio, Entry("discharge_oil_temperature", of=ratio.name)) if carried else ()
+    return Entry("discharge_enthalpy"), *oil
+
+
 class Balances:
     """Relative residues of mass and energy, and the discharge plenum that the outflow makes, from quadratures."""
 
@@ -94,7 +101,11 @@ class Balances:
 
     def streams(self, q: Array) -> Array:
         """Return the sums as rows, by the categories of slots: suction in, suction out, discharge in …"""
-        return q[2:].reshape(-1, self.width)
+        return q[Q_WALLS + 2 * len(self.machinery.composition.walls) :].reshape(-1, self.width)
+
+    def walls(self, q: Array) -> Array:
+        """Return of each wall the heat into the gas [J] and the conductance times time [J/K] over one life (M170)."""
+        return q[Q_WALLS : Q_WALLS + 2 * len(self.machinery.composition.walls)].reshape(-1, 2)
 
     def mass_in(self, q: Array) -> float:
         """Return the gas [kg] that a life takes in beyond what it gives back: nothing, where the cycle is closed."""
@@ -113,24 +124,29 @@ class Balances:
             energy += self.c_oil * (flows[:, 3].sum() + injected * T_oil)
             oil = abs(flows[:, 2].sum() + injected) / max(injected, np.abs(flows[:, 2]).sum() / 2, LEAST_OIL * trapped)
         else:
-            energy += q[1]
+            energy += q[Q_HEAT]
+        if self.machinery.composition.walls:
+            heats = self.walls(q)[:, 0]
+            energy, scale = energy + heats.sum(), scale + np.abs(heats).sum()
         mass_scale = max(trapped, 0.5 * np.abs(mass).sum())
         return abs(mass.sum()) / mass_scale, abs(energy) / max(scale, LEAST_WORK * trapped * pv), oil
 
 
 class Task(Protocol):
-    """What is to be closed: the machinery, what counts as closed, and the discharge plenum that the outflow makes.
+    """What is to be closed: the machinery, what counts as closed, and what the cycle makes (model.made).
 
-    The plenum is a vector of positive numbers (enthalpy, and with carried oil its ratio and temperature).
+    `made` returns the numbers with which the last turn was integrated, `image` what that turn makes of them.
     """
 
     machinery: Machinery
     wanted: Wanted
     pv: float  # p/ρ of the suction line [J/kg], the scale of work
 
-    def plenum(self) -> Array: ...
-    def set_plenum(self, plenum: Array) -> None: ...
-    def outflow(self, q: Array) -> Array: ...
+    entries: Entries
+
+    def made(self) -> Array: ...
+    def set_made(self, values: Array) -> None: ...
+    def image(self, q: Array) -> Array: ...
     def residue(self, q: Array) -> float: ...
 
 
@@ -138,30 +154,6 @@ def _change(new: tuple[float, float], old: tuple[float, float], least_work: floa
     """Return the larger relative change of trapped mass and work."""
     mass = abs(new[0] - old[0]) / max(new[0], old[0], 1e-300)
     return max(mass, abs(new[1] - old[1]) / max(abs(new[1]), abs(old[1]), least_work))
-
-
-def _plenum_change(new: Array, old: Array) -> float:
-    """Return the largest relative change of the discharge plenum; small oil ratios count against LEAST_OIL."""
-    changes = np.abs(new - old) / np.maximum(old, LEAST_OIL)
-    if len(new) == 3 and max(new[1], old[1]) <= LEAST_OIL:
-        changes[2] = 0.0  # the temperature of next to nothing
-    return float(np.max(changes))
-
-
-def _plenum_logarithms(plenum: Array) -> Array:
-    """Return ln of the discharge plenum; oil as in `_logarithms`."""
-    logs = np.log(np.maximum(plenum, LEAST))
-    if len(plenum) == 3 and plenum[1] <= LEAST_OIL:
-        logs[1:] = np.log(LEAST_OIL), 0.0
-    return logs
-
-
-def _plenum_of(mixed: Array, raw: Array) -> Array:
-    """Return the plenum from mixed logarithms; oil too little to count keeps its raw values."""
-    plenum = np.exp(mixed)
-    if len(raw) == 3 and raw[1] <= LEAST_OIL:
-        plenum[1:] = raw[1:]
-    return plenum
 
 
 def _logarithms(states: Array, n: int) -> Array:
@@ -176,7 +168,7 @@ def _logarithms(states: Array, n: int) -> Array:
 def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Closed | None:
     """Close by histories; return None when they contract too slowly and another way is allowed (`last` is False).
 
-    One turn maps (history, state at 0°, discharge plenum) to the next; Anderson's method mixes the last images. The
+    One turn maps (history, state at 0°, what the cycle makes) to the next; Anderson's method mixes the last images. The
     first turns are integrated loosely: their error is that of the guess. A guess made from cycles of machines nearby
     may be so good that the first turn closes: it is as fine as is hoped of the guess.
     """
@@ -184,23 +176,23 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
     c = machinery.composition
     angles = np.linspace(0.0, c.P[P_LIFE], 8 * c.chambers, endpoint=False) + 1e-3
     accelerate = Anderson(HISTORY_DEPTH)
-    plenum = task.plenum()
+    made = task.made()
     before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
     gaps: list[float] = []
     finest = rtol = wanted.rtol
     first_rtol, first_gap = finest if hope.gap <= GOOD else FIRST_RTOL, 1.0
     for turn in range(1, MAX_TURNS + 1):
-        point = _vector(machinery, y, angles, plenum)
+        point = _vector(task, y, angles, made)
         rtol = max(finest, first_rtol if turn == 1 else min(0.5 * rtol, AHEAD * gap))
         status, angle, _, q = machinery.turn(y, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, turn, "histories", rtol, angle) if last else None
         machinery.swap()
-        image_plenum = task.outflow(q)
-        image = _vector(machinery, y, angles, image_plenum)
+        made_image = task.image(q)
+        image = _vector(task, y, angles, made_image)
         now = (float(machinery.R[R_TRAPPED]), float(q[0]))
         least = LEAST_WORK * now[0] * task.pv
-        gap, before = max(_change(now, before, least), _plenum_change(image_plenum, plenum)), now
+        gap, before = max(_change(now, before, least), task.entries.change(made_image, made)), now
         states = NEAR * float(np.max(np.abs(image - point)))
         if turn == 1:  # what was expected of mass and work may agree by chance: the states must, too
             gap = first_gap = max(gap, states)
@@ -217,8 +209,8 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
         machinery.remember()
         mixed = _mixed(machinery, accelerate, point, image)
         y[:] = _states(mixed[: machinery.n], y, machinery.n)
-        plenum = _plenum_of(mixed[len(mixed) - len(plenum) :], image_plenum)
-        task.set_plenum(plenum)
+        made = task.entries.values(mixed[len(mixed) - len(made) :], made_image)
+        task.set_made(made)
     return Closed("not_closed", q, y, turn, "histories", finest, change=gap)
 
 
@@ -231,10 +223,10 @@ def _states(mixed: Array, raw: Array, n: int) -> Array:
     return states.ravel()
 
 
-def _vector(machinery: Machinery, y: Array, angles: Array, plenum: Array) -> Array:
-    """Return what one turn maps: state at 0°, states of the last history, discharge plenum, in logarithms."""
-    states = np.concatenate([y, machinery.states_at(angles).ravel()])
-    return np.concatenate([_logarithms(states, machinery.n), _plenum_logarithms(plenum)])
+def _vector(task: Task, y: Array, angles: Array, made: Array) -> Array:
+    """Return what one turn maps: states at 0° and of the last history, in logarithms, and what the cycle makes."""
+    states = np.concatenate([y, task.machinery.states_at(angles).ravel()])
+    return np.concatenate([_logarithms(states, task.machinery.n), task.entries.coordinates(made)])
 
 
 def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array) -> Array:
@@ -264,7 +256,7 @@ def by_coupling(
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
     mixing, refining = Mixing(pace), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
-    plenum = task.plenum()
+    made = task.made()
     seen: list[tuple[float, float]] = []
     gaps: list[float] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
@@ -273,14 +265,14 @@ def by_coupling(
     for pitch in range(1, pitches + 1):
         if machinery.counts[2] > budget:
             break
-        point = np.concatenate([_logarithms(y, machinery.n), _plenum_logarithms(plenum)])
+        point = np.concatenate([_logarithms(y, machinery.n), task.entries.coordinates(made)])
         end, rtol = y.copy(), refining.rtol
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, end, pitch / c.chambers, "coupled", rtol, angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
-        image_plenum = task.outflow(q)
-        image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), _plenum_logarithms(image_plenum)])
+        made_image = task.image(q)
+        image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), task.entries.coordinates(made_image)])
         gap = float(np.max(np.abs(image - point)))
         least = LEAST_WORK * seen[-1][0] * task.pv
         gaps.append(gap)
@@ -293,8 +285,8 @@ def by_coupling(
         mixed = mixing.next(point, image, gap)
         if refining.rtol < rtol:
             mixing.restart()
-        y, plenum = _states(mixed[:n], machinery.shift(end), machinery.n), _plenum_of(mixed[n:], image_plenum)
-        task.set_plenum(plenum)
+        y, made = _states(mixed[:n], machinery.shift(end), machinery.n), task.entries.values(mixed[n:], made_image)
+        task.set_made(made)
     machinery.install_coupled()
     return Closed("not_closed", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath, HeatRate, OilPort
+from screwsim.effects.base import FlowPath, HeatRate, OilPort, Scaled, Wall
 from screwsim.fluid.orifice import orifice_flow
 from screwsim.model import chamber, coupled, landing, ledger, places, trace
 from screwsim.model.parts import OilPart, Parts
@@ -26,6 +26,7 @@ from screwsim.model.slots import (
     P_PORT_WIDTH,
     PLACE,
     PORT_OIL,
+    Q_WALLS,
     R_SIZE,
 )
 from screwsim.numerics import history, rodas
@@ -41,7 +42,7 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 
 # what a composition writes itself (slots.py)
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
-OWN += ("gap_area", "heat_rates", "heat_part", "injected_oil", "oil_inflow")
+OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "injected_oil", "oil_inflow")
 
 # names that a kernel has for the numbers of the injection orifice
 BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
@@ -49,6 +50,7 @@ BORE |= {"separator_pressure": "separator_pressure"}
 
 # symbols that a kernel can ask for and that are not numbers of the scene
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
+WALL_SYMBOLS = HEAT_SYMBOLS[:6]
 
 
 @dataclass
@@ -90,6 +92,8 @@ class Composition:
     n_R: int = R_SIZE
     ported: bool = False
     oil_room: bool = False
+    walls: tuple[str, ...] = ()  # the effect of each wall
+    made: tuple[int, ...] = ()  # where the numbers that the cycle makes stand in P
 
     @property
     def widths(self) -> slice:
@@ -97,22 +101,31 @@ class Composition:
         return slice(P_PORT_WIDTH, P_PORT_WIDTH + self.n_widths)
 
     @property
+    def first_stream(self) -> int:
+        """Index of the first of the streams' sums among the quadratures."""
+        return Q_WALLS + 2 * len(self.walls)
+
+    @property
     def n_quadratures(self) -> int:
-        """Work, heat, and the streams' sums."""
-        return 2 + self.n_sums
+        """Work, heat, those of the walls, and the streams' sums."""
+        return self.first_stream + self.n_sums
 
 
 class _Writer:
     """Writes the composition's own small functions and collects the kernels they call."""
 
-    def __init__(self, symbols: Mapping[str, float], head: Sequence[float]) -> None:
+    def __init__(self, symbols: Mapping[str, float], head: Sequence[float], made: Mapping[str, float]) -> None:
         self.numbers = _Numbers(list(head))
+        self.made = {name: self.numbers.add(value) for name, value in made.items()}
         self.symbols = symbols
         self.kernels: list[Kernel] = []
         self.text: list[str] = []
 
     def call(self, kernel: Kernel, values: Mapping[str, float], tables: Mapping[str, Any], free: Sequence[str]) -> str:
-        """Return a call of the kernel: its arguments are free names, numbers of its own, or symbols of the scene."""
+        """Return a call of the kernel.
+
+        Its arguments are free names, numbers of its own, what the cycle makes, or symbols of the scene.
+        """
         self.kernels.append(kernel)
         arguments = []
         for name in kernel.arguments:
@@ -122,10 +135,12 @@ class _Writer:
                 arguments.append(self.numbers.add(values[name]))
             elif name in tables:
                 arguments.append(self.numbers.add_table(tables[name]))
+            elif name in self.made:
+                arguments.append(self.made[name])
             elif name in self.symbols:
                 arguments.append(self.numbers.add(self.symbols[name]))
             else:
-                known = ", ".join(sorted({*free, *values, *tables, *self.symbols}))
+                known = ", ".join(sorted({*free, *values, *tables, *self.made, *self.symbols}))
                 raise TypeError(f"kernel {kernel.flat_name}: nothing is called {name!r}; known here: {known}")
         return f"{kernel.flat_name}({', '.join(arguments)})"
 
@@ -151,10 +166,12 @@ def symbols_of(parts: Parts) -> dict[str, float]:
     return found
 
 
-def _write_areas(writer: _Writer, name: str, paths: Sequence[FlowPath]) -> None:
+def _write_areas(
+    writer: _Writer, name: str, paths: Sequence[tuple[str, FlowPath]], scales: Mapping[str, Sequence[str]]
+) -> None:
     body = []
-    for index, path in enumerate(paths):
-        coefficient = writer.numbers.add(path.flow_coefficient)
+    for index, (effect, path) in enumerate(paths):
+        coefficient = " * ".join([writer.numbers.add(path.flow_coefficient), *scales.get(effect, ())])
         call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"))
         turned = [] if path.mirror is None else [f"    phi = {writer.numbers.add(path.mirror)} - phi"]
         body += [f"if i == {index}:", *turned, f"    return {coefficient} * {call}"]
@@ -172,6 +189,32 @@ def _write_heat(writer: _Writer, heats: Sequence[HeatRate]) -> None:
         one += [f"if i == {index}:", f"    heat = {call}", f"    return heat, {factor}heat"]
     writer.function(f"heat_rates({arguments})", [*body, "return total, lost"])
     writer.function(f"heat_part(i, {arguments})", [*one, "return 0.0, 0.0"])
+
+
+def _write_walls(writer: _Writer, walls: Sequence[Wall]) -> None:
+    if not walls:
+        return
+    body = []
+    for index, wall in enumerate(walls):
+        held = wall.temperature
+        temperature = _made(writer, held) if isinstance(held, str) else writer.numbers.add(held)
+        call = writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
+        body += [f"if i == {index}:", f"    return {call}, {temperature}"]
+    writer.function(f"wall_state(i, {', '.join(WALL_SYMBOLS)}, P)", [*body, "return 0.0, 0.0"])
+
+
+def _made(writer: _Writer, name: str) -> str:
+    if name not in writer.made:
+        raise TypeError(f"no effect declares {name!r} as made by the cycle; known: {', '.join(writer.made) or 'none'}")
+    return writer.made[name]
+
+
+def _scales(writer: _Writer, parts: Parts) -> dict[str, list[str]]:
+    """Return of each effect the factors of its areas that the cycle makes."""
+    found: dict[str, list[str]] = {}
+    for _, part in parts.all(Scaled):
+        found.setdefault(part.effect, []).append(_made(writer, part.by))
+    return found
 
 
 def _write_gas(writer: _Writer, gas: Any) -> None:
@@ -231,7 +274,7 @@ def _knots(parts: Parts, law: Any, paths: Sequence[FlowPath], more: Sequence[flo
 
 def compose(parts: Parts) -> Composition:
     """Return the composition of what a scene names."""
-    writer = _Writer(symbols_of(parts), _fixed_numbers(parts))
+    writer = _Writer(symbols_of(parts), _fixed_numbers(parts), parts.made)
     geometry, gas, oil, port = parts.geometry, parts.gas, parts.oil, parts.oil_port
     named = parts.all(FlowPath)
     plenum = [(name, path) for name, path in named if path.to != "neighbour"]
@@ -251,9 +294,11 @@ def compose(parts: Parts) -> Composition:
         if law.mirror is not None:
             body = [f"phi = {writer.numbers.add(law.mirror)} - phi", f"return {sign}{call}"]
         writer.function(f"{name}(phi, P, TAB)", body)
-    _write_areas(writer, "plenum_area", [path for _, path in plenum])
-    _write_areas(writer, "gap_area", [path for _, path in gaps])
+    scales = _scales(writer, parts)
+    _write_areas(writer, "plenum_area", plenum, scales)
+    _write_areas(writer, "gap_area", gaps, scales)
     _write_heat(writer, heats)
+    _write_walls(writer, [wall for _, wall in parts.walls])
     _write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
     if port is not None:
         _write_ports(writer, port)
@@ -297,13 +342,17 @@ def compose(parts: Parts) -> Composition:
         n_R=(FIRST_OWN + len(parts.plenums)) * PLACE if parts.plenums else R_SIZE,
         ported=port is not None,
         oil_room=parts.oil_room,
+        walls=tuple(name for name, _ in parts.walls),
+        made=tuple(int(cell[2:-1]) for cell in writer.made.values()),
     )
 
 
 def _structure(parts: Parts) -> dict[str, int]:
     """Return the numbers that decide what is pasted, and those that move with them (slots.Structure)."""
     own, ported = len(parts.plenums), parts.oil_port is not None
+    walls = len(parts.walls)
     found = {"OWN_PLENUMS": own, "PORTED": int(ported), "VOLUMED": int(parts.oil_room)}
+    found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
     found["CATEGORIES"] = PORT_OIL + 1 + 2 * own if own or ported else FEWEST
     return found | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}
 

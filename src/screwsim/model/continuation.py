@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.model.close import LEAST, Closed, Hope, seen_of
+from screwsim.model.close import Closed, Hope, seen_of
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
+from screwsim.numerics.made import LEAST
 
 Array = np.ndarray
 DEPTH = 3
@@ -22,17 +23,17 @@ STEEP = 2.0  # change of a cycle over the largest relative change of its paramet
 
 
 class Guess(NamedTuple):
-    """What a turn begins with beside the history: the state at 0°, the discharge plenum, and what is hoped of them."""
+    """What a turn begins with beside the history: the state at 0°, what the cycle makes, and what is hoped of them."""
 
     y: Array
-    plenum: Array
+    made: Array
     hope: Hope
 
 
 class _Cycle(NamedTuple):
     parameters: Array
     history: tuple[Array, Array, int]
-    values: Array  # state at 0°, trapped mass, work, plenum
+    values: Array  # state at 0°, trapped mass, work, what the cycle makes
 
 
 class Course:
@@ -51,7 +52,7 @@ class Course:
         self._guessed = False
         self.tightness = 1.0
 
-    def add(self, machinery: Machinery, parameters: Array, closed: Closed, plenum: Array) -> None:
+    def add(self, machinery: Machinery, parameters: Array, closed: Closed, made: Array) -> None:
         """Note the machinery's last turn as the closed cycle of these parameters."""
         if machinery.composition.text != self._text:
             if self._text:
@@ -59,7 +60,7 @@ class Course:
             self._text = machinery.composition.text
         times, dense, _, steps = machinery.last()
         history = times[: steps + 1].copy(), dense[:steps].copy(), steps
-        values = np.concatenate([closed.y[: machinery.n], seen_of(machinery, closed), plenum])
+        values = np.concatenate([closed.y[: machinery.n], seen_of(machinery, closed), made])
         self._gap = closed.first_gap if self._guessed else None
         self._cycles = [*self._cycles, _Cycle(parameters, history, values)][-DEPTH:]
 

@@ -50,11 +50,13 @@ from screwsim.model.slots import (
     PRESSURE,
     Q_HEAT,
     Q_STREAMS,
+    Q_WALLS,
     Q_WORK,
     R_DISCHARGE,
     SUCTION_IN,
     TPT,
     VOLUMED,
+    WALLS,
     N,
     gap_area,
     gas_phase,
@@ -311,6 +313,9 @@ def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
             Jq[Q_STREAMS + n_sums, col] += crossing / P[P_OMEGA]
     base = work[spare : spare + N + 2]
     new = work[spare + N + 2 : spare + 2 * N + 4]
+    if WALLS > 0:
+        base = work[spare : spare + N + Q_STREAMS]
+        new = work[spare + N + Q_STREAMS : spare + 2 * (N + Q_STREAMS)]
     row = places[CHAMBERS * PLACE :]
     for r in range(CHAMBERS):
         sums = ds + (r * n_cols + col) * n_sums
@@ -329,6 +334,10 @@ def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
             row[i] = places[r * PLACE + i]
         base[N] = 0.0
         base[N + 1] = 0.0
+        if WALLS > 0:
+            for i in range(Q_WALLS, Q_STREAMS):
+                base[N + i] = 0.0
+                new[N + i] = 0.0
         finish(changed, 0, E, e, row, 0, R, P, work, r * n_sums, base, base[N:])
         for i in range(n_sums):
             work[sums + i] = work[r * n_sums + i] + delta * work[sums + i]
@@ -344,6 +353,9 @@ def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
         if r == c:
             Jq[Q_WORK, col] = (new[N] - base[N]) / delta
             Jq[Q_HEAT, col] = (new[N + 1] - base[N + 1]) / delta
+            if WALLS > 0:
+                for i in range(Q_WALLS, Q_STREAMS):
+                    Jq[i, col] = (new[N + i] - base[N + i]) / delta
 
 
 @kernel

@@ -46,10 +46,12 @@ from screwsim.model.slots import (
     R_DISCHARGE,
     R_RATIO,
     VOLUMED,
+    WALLS,
     N,
     gas_entropy,
     heat_part,
     oil_inflow,
+    wall_state,
 )
 from screwsim.numerics.history import read
 from screwsim.numerics.kernel import kernel
@@ -59,7 +61,7 @@ from screwsim.numerics.rodas import dense_slope, dense_value
 # of what leaves to the path's line: mass, enthalpy, entropy, oil [kg], oil × T_oil, oil × ln T_oil
 MOVED, CARRIES, GENERATED, OUT_MASS, OUT_ENTHALPY, OUT_ENTROPY, OUT_OIL, OUT_OIL_T, OUT_OIL_LOG = range(9)
 PATH_SUMS = 9
-# of one heat rate: heat into the gas [J], entropy generated [J/K]
+# of one heat rate: heat into the gas [J], entropy generated [J/K]; of a wall, behind the heat rates, the same
 HEAT, HEAT_GENERATED = range(2)
 HEAT_SUMS = 2
 # of oil that is not conserved: oil made [kg], × T_oil, × ln T_oil; heat the oil loses beyond the gas's, and over T_oil
@@ -193,6 +195,16 @@ def add_departure(sums, m, own, s, ratio, T_oil, dt):
 
 
 @kernel
+def add_walls(T, m, V, phi, rho, p, dt, P, heats):
+    """Add the heat of the walls to the gas, and the entropy that it generates between wall and gas (M171)."""
+    for i in range(WALLS):
+        conductance, warmth = wall_state(i, T, m, p, rho, V, phi, P)
+        heat = dt * conductance * (warmth - T)
+        heats[N_HEATS + i, HEAT] += heat
+        heats[N_HEATS + i, HEAT_GENERATED] += heat * (1.0 / T - 1.0 / warmth)
+
+
+@kernel
 def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharge, dt, paths, heats, oil):
     """Add a moment of the cycle, weighted with the time dt [s] that it stands for.
 
@@ -248,6 +260,11 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
             oil[MADE] += made
             oil[MADE_T] += made * T_oil
             oil[MADE_LOG] += made * math.log(T_oil)
+    if WALLS > 0:
+        m_inside = y[1] * E[E_VOLUME]
+        if VOLUMED == 1:
+            m_inside = gas_mass(E[E_VOLUME], y[1], y[3], P)
+        add_walls(T, m_inside, E[E_VOLUME], E[E_ANGLE], y[1], own[PRESSURE], dt, P, heats)
 
 
 @kernel

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from screwsim.effects.base import OilPort, OilRoom
+from screwsim.effects.base import OilPort, OilRoom, Wall
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.slots import FIRST_OWN
 
@@ -30,7 +30,8 @@ class OilPart:
 class Parts:
     """What a scene names, built: the machine's geometry, the gas, operation, oil, and every effect's parts.
 
-    `plenums` are the reservoirs of the effects' own plenums by name.
+    `plenums` are the reservoirs of the effects' own plenums by name, `made` the numbers that the cycle makes, by name
+    and where they begin.
     """
 
     geometry: Any
@@ -40,6 +41,7 @@ class Parts:
     effects: Mapping[str, Sequence[Any]]
     oil: OilPart | None
     plenums: Mapping[str, Reservoir] = field(default_factory=dict)
+    made: Mapping[str, float] = field(default_factory=dict)
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
@@ -64,3 +66,8 @@ class Parts:
     def oil_room(self) -> bool:
         """Does the oil take room?"""
         return bool(self.all(OilRoom))
+
+    @property
+    def walls(self) -> list[tuple[str, Wall]]:
+        """The walls that exchange heat with the gas, with the effects that declare them."""
+        return self.all(Wall)

@@ -15,7 +15,7 @@ import numpy as np
 
 from screwsim.model import compiled, ledger
 from screwsim.model.compose import Composition
-from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PLACE
+from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PLACE, Q_WALLS
 from screwsim.numerics.scipy_integrators import METHODS, integrate
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
@@ -39,7 +39,7 @@ class Machinery:
         self.images: list[tuple[Array, Array, int]] = []
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
-        work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + 2)
+        work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + composition.first_stream)
         self._spaces = (np.zeros(self.columns), np.append(np.zeros(PLACE), FREE), work)
         self.counts = np.zeros(4, np.int64)
         self._together: dict[str, Any] = {}
@@ -146,19 +146,20 @@ class Machinery:
         self.module.places__places_along(old[1], steps, self.context)
 
     def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:
-        """Return what the last turn's paths, heat rates and oil sum up to over one life (`model.ledger`).
+        """Return what the last turn's paths, heat rates and walls, and oil sum up to over one life (`model.ledger`).
 
         `s_…` are the specific entropies [J/(kg K)] of the lines' gas. Compiled when it is first asked for.
         """
         c = self.composition
         paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), ledger.PATH_SUMS))
-        heats, oil = np.zeros((max(len(c.heats), 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
+        warming = len(c.heats) + len(c.walls)
+        heats, oil = np.zeros((max(warming, 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
         times, dense, _, steps = self.last()
         with self._compiling("ledger") if "ledger" not in self._warm else nullcontext():
             self.module.ledger__account(
                 times, dense, steps, self.context, c.n_E, s_suction, s_discharge, paths, heats, oil
             )
-        return paths, heats[: len(c.heats)], oil
+        return paths, heats[:warming], oil
 
     def port_oil(self) -> tuple[float, float]:
         """Return the oil [kg] that came through ports over the last life, and that times the chamber's pressure."""
@@ -177,7 +178,7 @@ class Machinery:
         if not self._together:
             c, n = self.composition, self.n
             n_all = c.chambers * n
-            work = np.zeros(c.chambers * (c.n_sums * (n_all + 2) + PLACE) + n_all * PLACE + 2 * n + 4)
+            work = np.zeros(c.chambers * (c.n_sums * (n_all + 2) + PLACE) + n_all * PLACE + 2 * (n + c.first_stream))
             self._together = {
                 "spaces": (np.append(np.zeros((c.chambers + 1) * PLACE), np.full(c.chambers, FREE)), np.zeros(n), work),
                 "history": self._history(self.max_steps, n_all, self.nq + 1),
@@ -266,8 +267,11 @@ class Machinery:
 
     def _scales(self, q: Array) -> Array:
         """Return the scale of each quadrature: the largest of its kind, so that an idle path demands no accuracy."""
-        streams = np.abs(q[2:]).reshape(-1, 4 if self.composition.carried else 2)
-        return np.concatenate([np.full(2, np.max(np.abs(q[:2]))), np.tile(streams.max(axis=0), len(streams))])
+        first = self.composition.first_stream
+        streams = np.abs(q[first:]).reshape(-1, 4 if self.composition.carried else 2)
+        heads = np.full(first, np.max(np.abs(q[:Q_WALLS])))
+        heads[Q_WALLS + 1 :: 2] = np.abs(q[Q_WALLS + 1 : first : 2])
+        return np.concatenate([heads, np.tile(streams.max(axis=0), len(streams))])
 
     def inject(self, y: Array) -> None:
         """Let the oil into the chamber that stands at the injection angle."""

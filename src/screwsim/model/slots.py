@@ -5,6 +5,7 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `volume_slope_at(phi, P, TAB)`, `plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
 `heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W],
 `heat_part(i, …)`: the same of one heat rate,
+`wall_state(i, T, m, p, rho, V, phi, P)` → (conductance between gas and wall i [W/K], its temperature [K]),
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p.
 
@@ -14,7 +15,8 @@ OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge, f
 and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
-ports), VOLUMED (1: oil takes room), CATEGORIES, and the indices into P that move with them.
+ports), VOLUMED (1: oil takes room), WALLS (how many exchange heat with the gas), CATEGORIES, Q_STREAMS, and the indices
+into P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -35,6 +37,7 @@ plenum_area: Any = Slot("plenum_area")
 gap_area: Any = Slot("gap_area")
 heat_rates: Any = Slot("heat_rates")
 heat_part: Any = Slot("heat_part")
+wall_state: Any = Slot("wall_state")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
 
@@ -56,6 +59,7 @@ CHAMBERS: Any = Slot("CHAMBERS")
 OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
 PORTED: Any = Structure("PORTED")
 VOLUMED: Any = Structure("VOLUMED")
+WALLS: Any = Structure("WALLS")
 
 # P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
 P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)
@@ -92,5 +96,7 @@ SUCTION_IN, SUCTION_OUT, DISCHARGE_IN, DISCHARGE_OUT, BETWEEN, PORT_OIL = range(
 CATEGORIES: Any = Structure("CATEGORIES")
 FEWEST = 5  # categories
 
-# quadratures: work on the gas, heat from the oil, then per category mass, enthalpy (oil mass, oil mass × T_oil)
-Q_WORK, Q_HEAT, Q_STREAMS = range(3)
+# quadratures: work on the gas, heat from the oil, of each wall heat into the gas and conductance, then per category
+# mass, enthalpy (oil mass, oil mass × T_oil)
+Q_WORK, Q_HEAT, Q_WALLS = range(3)
+Q_STREAMS: Any = Structure("Q_STREAMS")

@@ -32,12 +32,15 @@ from screwsim.model.slots import (
     PLACE,
     PRESSURE,
     Q_HEAT,
+    Q_WALLS,
     Q_WORK,
     R_RATIO,
     SUCTION_IN,
     TPT,
     VOLUMED,
+    WALLS,
     heat_rates,
+    wall_state,
 )
 from screwsim.numerics.kernel import kernel
 
@@ -125,6 +128,19 @@ def gap_category(E, at, m):
 
 
 @kernel
+def from_walls(T, m, p, rho, V, phi, P, g):
+    """Return the heat [W] from the walls to the gas (M170), and add it and the conductances to g, wall by wall."""
+    total = 0.0
+    for i in range(WALLS):
+        conductance, warmth = wall_state(i, T, m, p, rho, V, phi, P)
+        heat = conductance * (warmth - T)
+        g[Q_WALLS + 2 * i] += heat / P[P_OMEGA]
+        g[Q_WALLS + 2 * i + 1] += conductance / P[P_OMEGA]
+        total += heat
+    return total
+
+
+@kernel
 def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
     """Fill f (rates of one chamber, at `at`) and add work and heat to g from the summed streams; the first law."""
     T = y[at]
@@ -158,6 +174,10 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
             f[at + 2] = oil_temperature_slope(own, m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
         if CARRIED == 1:
             f[at + 3] = (oil - y[at + 3] * mass) / (m * omega)
+    if WALLS > 0:
+        warmth = from_walls(T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], P, g)
+        heat += warmth
+        g[Q_HEAT] -= warmth / omega
     if VOLUMED == 0:
         f[at] = temperature_slope(
             T,
