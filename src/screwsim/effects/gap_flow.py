@@ -1,8 +1,8 @@
 """Flow models of a gap with a clearance: the paper's nozzle, with friction of the gas, or sealed by oil.
 
 What: `nozzle` is M12, M13. The other models let a share of that flow pass: `nozzle_friction` that of Bell et al.
-(M190, M191), `oil_sealed` that of a homogeneous mixture of gas and oil, in the ratio of the upstream chamber, with inertia
-and laminar friction (M190, M192, M193).
+(M190, M191), `oil_sealed` that of a homogeneous mixture of gas and oil, in the ratio of the upstream chamber, with
+inertia and laminar friction (M190, M192, M193).
 Source: Bell et al. 2013, fitted to gaps of dry scroll machines; McAdams et al. 1942, Cicchitti et al. 1960 for the
 viscosity of a mixture, which differ a hundredfold.
 Assumptions: walls at rest; constant viscosities, the gas's at suction pressure and the warmer of suction gas and
@@ -82,6 +82,6 @@ def _oil_faults(path: str, facts: Any) -> Iterator[Fault]:
     if facts.oil.transport != "carried":
         yield Fault(f"{path}.model", "oil_sealed needs oil.transport: carried (write that, or choose another model)")
     if not any("T_oil" in active.effect.states for active in facts.effects.values()):
-        yield Fault(f"{path}.model", "oil_sealed needs oil in the chambers (add effects.oil_heat or another that has it)")
+        yield Fault(f"{path}.model", "oil_sealed needs oil in the chambers (add e.g. effects.oil_heat)")
     if not facts.oil.knows_viscosity:
         yield Fault("oil.viscosity", f"is missing ({path}.model: oil_sealed needs it, or oil.name)")

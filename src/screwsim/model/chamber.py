@@ -236,7 +236,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                         work[other + k] = (E_next[b + k] - E[b + k]) / delta
             by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi, work, other)
             if RESISTED == 1:
-                by_phi += area * x_2 * work[other + OIL_RATIO]
+                by_phi += area * x_2 * work[other + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
             m *= area
             if m < 0.0 or (area == 0.0 and by_phi < 0.0):
                 add_stream(work, at, m, own, 0)
@@ -250,7 +250,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                 row = d + j * PLACE
                 dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
                 if RESISTED == 1:
-                    dm += area * x_1 * work[row + OIL_RATIO]
+                    dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
                 if m < 0.0:
                     add_stream_slope(work, ds + j * n_sums + at, m, dm, own, 0, work, row)
                 else:

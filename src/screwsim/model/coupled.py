@@ -175,9 +175,7 @@ def gap_slopes(area, darea, j, ahead, at, context, d, ds):
     d_phi = d + CHAMBERS * N * PLACE
     m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, places, own, places, other, P[P_GAP_WIDTH])
     if RESISTED == 1:
-        m, p_1, rho_1, p_2, rho_2, x_1, x_2 = held_slopes(
-            gap, m, p_1, rho_1, p_2, rho_2, places, own, places, other, P
-        )
+        m, p_1, rho_1, p_2, rho_2, x_1, x_2 = held_slopes(gap, m, p_1, rho_1, p_2, rho_2, places, own, places, other, P)  # pyright: ignore[reportPossiblyUnbound]
     source = other if m >= 0.0 else own
     by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi + own, work, d_phi + other)
     m *= area
@@ -195,7 +193,7 @@ def gap_slopes(area, darea, j, ahead, at, context, d, ds):
             row = d + (c * N + k) * PLACE
             dm = by_p * work[row + PRESSURE] + by_rho * work[row + DENSITY]
             if RESISTED == 1:
-                dm += area * (x_1 if side == 0 else x_2) * work[row + OIL_RATIO]
+                dm += area * (x_1 if side == 0 else x_2) * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
             mine = ds + (j * n_cols + c * N + k) * n_sums + at
             theirs = ds + (ahead * n_cols + c * N + k) * n_sums + at
             if source == c * PLACE:
@@ -221,8 +219,8 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
     b = R_DISCHARGE * to
     d_phi = d + (CHAMBERS * N + j) * PLACE
     m, p_1, rho_1, _p, _rho = place_slopes(1.0, places, own, R, b, epsilon)
-    if RESISTED == 1 and gap >= 0:
-        m, p_1, rho_1, _p, _rho, x_1, _x = held_slopes(gap, m, p_1, rho_1, _p, _rho, places, own, R, b, _P)
+    if RESISTED == 1 and gap >= 0:  # pyright: ignore[reportPossiblyUnbound]
+        m, p_1, rho_1, _p, _rho, x_1, _x = held_slopes(gap, m, p_1, rho_1, _p, _rho, places, own, R, b, _P)  # pyright: ignore[reportPossiblyUnbound]
     at = category(to, m) * width
     by_phi = m * darea + area * (p_1 * work[d_phi + PRESSURE] + rho_1 * work[d_phi + DENSITY])
     inward = m >= 0.0
@@ -238,7 +236,7 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
         row = d + (j * N + k) * PLACE
         dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
         if RESISTED == 1:
-            dm += area * x_1 * work[row + OIL_RATIO]
+            dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
         mine = ds + (j * n_cols + j * N + k) * n_sums + at
         if inward:
             add_stream(work, mine, dm, R, b)

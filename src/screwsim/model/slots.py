@@ -15,7 +15,8 @@ OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge, f
 and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
-ports), VOLUMED (1: oil takes room), RESISTED (1: gaps hold flow back), CATEGORIES, and the indices into P that move with them.
+ports), VOLUMED (1: oil takes room), RESISTED (1: gaps hold flow back), CATEGORIES, and the indices into P that move
+with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """

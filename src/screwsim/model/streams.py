@@ -42,7 +42,6 @@ from screwsim.model.slots import (
 )
 from screwsim.numerics.kernel import kernel
 
-
 FLUX_STEP = 1e-6  # relative step of the differences of a gap's share, which is smooth
 
 
