@@ -200,7 +200,8 @@ def _paths(parts: Parts) -> Iterator[str]:
             else:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
-            yield _row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}")
+            held = "" if path.resistance is None else f", {path.resistance.title}"
+            yield _row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
     yield _row("every path", "nozzle flow in both directions, choking included (M12, M13)")
     yield _row("ahead of the last", "lies the discharge line; behind the first one there is no gap")
 

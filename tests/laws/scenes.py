@@ -57,6 +57,13 @@ OIL_PORT = {
     "effects.oil_injection": {"opens": "365 deg", "closes": "455 deg"},
 }
 OIL_VOLUME: dict[str, Any] = {"oil.transport": "carried", "effects.oil_volume": {}}
+FRICTION = {"model": "nozzle_friction", "passage": "2 mm", "flow_coefficient": 1}
+HELD_GAPS: dict[str, Any] = {  # one gap of each flow model
+    "oil.transport": "carried",
+    "effects.tip_leakage": {"gap": "50 um", "model": "oil_sealed", "mixture_viscosity": "cicchitti", "passage": "2 mm"},
+    "effects.interlobe_leakage": {"gap": "40 um", "length": "150 mm", "friction_fit": "flank", **FRICTION},
+    "effects.end_face_leakage": {"gap": "50 um", "length": "80 mm", "friction_fit": "radial", **FRICTION},
+}
 SPEEDS = (5000, 3000, 1000, 500, 250)
 DROP = object()  # as a value: the field is left out
 OIL_PORT["effects.oil_pump"] = DROP

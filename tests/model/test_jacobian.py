@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from scenes import HELD_GAPS, make
 from scenes import TOGETHER as PORTS_AND_ROOM
-from scenes import make
 
 from screwsim.solution import Solution
 
@@ -31,7 +31,12 @@ class Driver(NamedTuple):
     nq: int
 
 
-CASES = {"paper": {"oil.transport": "paper"}, "carried": {"oil.transport": "carried"}, "ports and room": PORTS_AND_ROOM}
+CASES = {
+    "paper": {"oil.transport": "paper"},
+    "carried": {"oil.transport": "carried"},
+    "ports and room": PORTS_AND_ROOM,
+    "gaps held back": HELD_GAPS,
+}
 
 
 @pytest.fixture(scope="module", params=CASES)

@@ -12,7 +12,7 @@ from functools import cache
 
 from screwsim.effects.base import Effect
 
-_NOT_EFFECTS = {"base", "gap", "port_window"}
+_NOT_EFFECTS = {"base", "gap", "gap_flow", "port_window"}
 _ORDER = (
     "suction_port",
     "discharge_port",

@@ -21,6 +21,20 @@ from screwsim.numerics.made import Entry
 
 
 @dataclass(frozen=True)
+class Resistance:
+    """What holds back the nozzle's flow in a gap between chambers (M190).
+
+    `share` returns the share that passes, 0 to 1, of the nozzle's mass flux `flux` [kg/(m² s)]; it may ask for the
+    upstream place's `oil_ratio` and `density` [kg/m³], for numbers of `values`, and for symbols. It must be smooth, and
+    flux times share must grow with the flux. `title` says what it is.
+    """
+
+    share: Kernel
+    values: Mapping[str, float]
+    title: str
+
+
+@dataclass(frozen=True)
 class FlowPath:
     """An opening between a chamber and a plenum, or between two chambers `offset` lobe pitches apart.
 
@@ -33,7 +47,8 @@ class FlowPath:
     `values` are the numbers [SI] behind the kernel's argument names that are not symbols; `knots` [rad] are
     the angles at which the area is not smooth; `own_knots` those of them that only the chambers of this path feel, and
     not their neighbours; `tables` hold curves as (angle [rad], area [m²]), or with slopes (`numerics.spline`). Where
-    `mirror` [rad] is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150).
+    `mirror` [rad] is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150). Only a gap
+    ('neighbour') may have a `resistance`.
     """
 
     to: str
@@ -45,6 +60,7 @@ class FlowPath:
     flow_coefficient: float = 1.0
     tables: Mapping[str, Any] = field(default_factory=dict)
     mirror: float | None = None
+    resistance: Resistance | None = None
 
     def mirrored(self, life: float, pitch: float) -> FlowPath:
         """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""

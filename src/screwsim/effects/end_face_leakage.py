@@ -18,6 +18,7 @@ from math import pi
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
+from screwsim.effects.gap_flow import numbers
 from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
@@ -66,4 +67,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    numbers=numbers,
 )

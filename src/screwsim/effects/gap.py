@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from screwsim.declare import file, number, quantity
+from screwsim.declare import choice, file, number, quantity
+from screwsim.effects import gap_flow
 from screwsim.effects.base import FlowPath
 from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
@@ -33,6 +34,13 @@ class ClearanceParameters(GapParameters):
     """Parameters of a gap that is a clearance times a length."""
 
     gap: float = quantity("length", "clearance", gt=0.0)
+    model: str = choice("flow model of the gap (M190)", gap_flow.MODELS, "nozzle")
+    passage: float | None = quantity(
+        "length", "depth of the gap in the direction of flow; flank fit: difference of the radii", None, gt=0.0
+    )
+    friction_fit: str | None = choice("fit of model: nozzle_friction", tuple(gap_flow.FITS), None)
+    mixture_viscosity: str | None = choice("rule of model: oil_sealed", tuple(gap_flow.MIXTURES), None)
+    gas_viscosity: float | None = quantity("viscosity", "mu of the gas (default: CoolProp's)", None, gt=0.0)
 
 
 @dataclass(frozen=True)
@@ -70,6 +78,7 @@ def ramp(phi, start, full, fall, end):
 
 def gap_path(parameters, area, values, *, knots, offset, use_table=True) -> FlowPath:
     """Return the flow path of a gap between chambers `offset` pitches apart, from its kernel or from its table."""
+    held = _resistance(parameters)
     if use_table and parameters.area_file is not None:
         angles, areas = read_curve(parameters.area_file, "area_m2")
         return FlowPath(
@@ -80,6 +89,7 @@ def gap_path(parameters, area, values, *, knots, offset, use_table=True) -> Flow
             tables={"curve": (angles, areas)},
             offset=offset,
             flow_coefficient=parameters.flow_coefficient,
+            resistance=held,
         )
     return FlowPath(
         to="neighbour",
@@ -88,7 +98,12 @@ def gap_path(parameters, area, values, *, knots, offset, use_table=True) -> Flow
         knots=knots,
         offset=offset,
         flow_coefficient=parameters.flow_coefficient,
+        resistance=held,
     )
+
+
+def _resistance(parameters):
+    return gap_flow.resistance(parameters) if isinstance(parameters, ClearanceParameters) else None
 
 
 def profile_paths(parameters, interfaces, gap=None, factor=1.0) -> list[FlowPath]:
@@ -102,6 +117,7 @@ def profile_paths(parameters, interfaces, gap=None, factor=1.0) -> list[FlowPath
             tables={"curve": interface.table.times(factor).curve},
             offset=interface.offset,
             flow_coefficient=parameters.flow_coefficient,
+            resistance=_resistance(parameters),
         )
         for interface in interfaces
     ]
@@ -126,6 +142,8 @@ def check_gap(
         yield Fault(
             f"{path}.length", "is given beside machine.volume.law: profile, which finds it by angle (remove it)"
         )
+    if isinstance(parameters, ClearanceParameters):
+        yield from gap_flow.faults(name, parameters, facts)
 
 
 def port_path(parameters, law, to) -> FlowPath:

@@ -19,6 +19,7 @@ from math import pi
 from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
+from screwsim.effects.gap_flow import numbers
 from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
@@ -64,4 +65,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    numbers=numbers,
 )

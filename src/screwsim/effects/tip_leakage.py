@@ -15,6 +15,7 @@ from math import pi
 
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
+from screwsim.effects.gap_flow import numbers
 from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
 
@@ -48,4 +49,5 @@ EFFECT = Effect(
     parameters=ClearanceParameters,
     build=build,
     check=check,
+    numbers=numbers,
 )

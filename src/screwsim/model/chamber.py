@@ -37,6 +37,7 @@ from screwsim.model.slots import (
     N_OFFSETS,
     N_PLENUM,
     OFFSETS,
+    OIL_RATIO,
     OILED,
     OWN_PLENUMS,
     P_GAP_WIDTH,
@@ -63,6 +64,7 @@ from screwsim.model.slots import (
     R_PRESSURE,
     R_RATIO,
     R_TRAPPED,
+    RESISTED,
     SUCTION_IN,
     TPT,
     VOLUMED,
@@ -82,6 +84,8 @@ from screwsim.model.streams import (
     finish,
     flow_over_angle,
     gap_category,
+    held_back,
+    held_slopes,
     place_flow,
     place_slopes,
 )
@@ -148,6 +152,8 @@ def rates(y, E, context, f, g):
         if E[areas + i] > 0.0:
             b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
             m = place_flow(E[areas + i], own, 0, E, b, P[P_GAP_WIDTH])
+            if RESISTED == 1:
+                m = held_back(i // 2, m, E[areas + i], own, 0, E, b, P)
             if m >= 0.0:
                 add_stream(work, gap_category(E, b, m) * width, m, E, b)
             else:
@@ -179,6 +185,8 @@ def path_flows(y, E, context, out):
     for i in range(2 * N_GAPS):
         b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
         out[N_PLENUM + i] = place_flow(E[areas + i], own, 0, E, b, P[P_GAP_WIDTH]) if E[areas + i] > 0.0 else 0.0
+        if RESISTED == 1 and E[areas + i] > 0.0:
+            out[N_PLENUM + i] = held_back(i // 2, out[N_PLENUM + i], E[areas + i], own, 0, E, b, P)
 
 
 @kernel
@@ -212,6 +220,9 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
         area = E[E_AREAS + i]
         darea = (E_next[E_AREAS + i] - area) / delta
         if area > 0.0 or darea > 0.0:
+            if RESISTED == 1:
+                x_1 = 0.0
+                x_2 = 0.0
             gap = i - N_PLENUM
             if gap < 0:
                 b = R_DISCHARGE * PLENUM[i]
@@ -222,11 +233,17 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                 b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE
                 source = E if area > 0.0 else E_next
                 m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, source, b, P[P_GAP_WIDTH])
+                if RESISTED == 1:
+                    m, p_1, rho_1, p_2, rho_2, x_1, x_2 = held_slopes(
+                        gap // 2, m, p_1, rho_1, p_2, rho_2, own, 0, source, b, P
+                    )
                 at = gap_category(source, b, m) * width
                 if area > 0.0:
                     for k in range(PLACE):
                         work[other + k] = (E_next[b + k] - E[b + k]) / delta
             by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi, work, other)
+            if RESISTED == 1:
+                by_phi += area * x_2 * work[other + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
             m *= area
             if m < 0.0 or (area == 0.0 and by_phi < 0.0):
                 add_stream(work, at, m, own, 0)
@@ -239,6 +256,8 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
             for j in range(N):
                 row = d + j * PLACE
                 dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
+                if RESISTED == 1:
+                    dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
                 if m < 0.0:
                     add_stream_slope(work, ds + j * n_sums + at, m, dm, own, 0, work, row)
                 else:

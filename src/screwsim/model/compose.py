@@ -42,7 +42,7 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 
 # what a composition writes itself (slots.py)
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
-OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "injected_oil", "oil_inflow")
+OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "injected_oil", "oil_inflow", "gap_share")
 
 # names that a kernel has for the numbers of the injection orifice
 BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
@@ -162,6 +162,7 @@ def symbols_of(parts: Parts) -> dict[str, float]:
     if parts.oil is not None:
         found["oil_density"] = parts.oil.density
         found["oil_heat_capacity"] = parts.oil.heat_capacity
+        found["oil_room"] = 1.0 / parts.oil.density if parts.oil_room else 0.0
         found |= {BORE[name]: value for name, value in parts.oil.supply.items() if name in BORE}
     return found
 
@@ -248,6 +249,16 @@ def _write_ports(writer: _Writer, port: OilPort) -> None:
     writer.function("oil_inflow(phi, p, P, TAB)", [f"width = P[{P_DISCHARGE_WIDTH}]", f"return {call}"])
 
 
+def _write_shares(writer: _Writer, gaps: Sequence[FlowPath]) -> None:
+    body = []
+    for index, path in enumerate(gaps):
+        if path.resistance is not None:
+            values = {**path.values, **path.resistance.values}
+            call = writer.call(path.resistance.share, values, {}, ("flux", "density", "oil_ratio"))
+            body += [f"if i == {index}:", f"    return {call}"]
+    writer.function("gap_share(i, flux, density, oil_ratio, P)", [*body, "return 1.0"])
+
+
 def _knots(parts: Parts, law: Any, paths: Sequence[FlowPath], more: Sequence[float]) -> np.ndarray:
     """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
     geometry = parts.geometry
@@ -302,6 +313,8 @@ def compose(parts: Parts) -> Composition:
     _write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
     if port is not None:
         _write_ports(writer, port)
+    if _resisted(parts):
+        _write_shares(writer, [path for _, path in gaps])
     offsets = sorted({path.offset for _, path in gaps})
     constants = {
         "N": len(states),
@@ -353,8 +366,17 @@ def _structure(parts: Parts) -> dict[str, int]:
     walls = len(parts.walls)
     found = {"OWN_PLENUMS": own, "PORTED": int(ported), "VOLUMED": int(parts.oil_room)}
     found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
+    found["RESISTED"] = int(_resisted(parts))
     found["CATEGORIES"] = PORT_OIL + 1 + 2 * own if own or ported else FEWEST
     return found | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}
+
+
+def _resisted(parts: Parts) -> bool:
+    """Tell whether a gap holds back a nozzle's flow; refuse what no gap can be."""
+    held = [path for _, path in parts.all(FlowPath) if path.resistance is not None]
+    if any(path.to != "neighbour" for path in held):
+        raise TypeError("a resistance belongs to a gap between chambers; an opening to a line or plenum is a nozzle")
+    return bool(held)
 
 
 def _fixed_numbers(parts: Parts) -> list[float]:

@@ -23,6 +23,7 @@ from screwsim.model.places import (
 from screwsim.model.room import gas_mass, locked
 from screwsim.model.slots import (
     BETWEEN,
+    BEYOND,
     CARRIED,
     CATEGORIES,
     CHAMBERS,
@@ -36,6 +37,7 @@ from screwsim.model.slots import (
     N_GAPS,
     N_PLENUM,
     OFFSETS,
+    OIL_RATIO,
     OWN_PLENUMS,
     P_GAP_WIDTH,
     P_H_PORT,
@@ -53,6 +55,7 @@ from screwsim.model.slots import (
     Q_WALLS,
     Q_WORK,
     R_DISCHARGE,
+    RESISTED,
     SUCTION_IN,
     TPT,
     VOLUMED,
@@ -68,6 +71,8 @@ from screwsim.model.streams import (
     category,
     finish,
     flow_over_angle,
+    held_back,
+    held_slopes,
     place_flow,
     place_slopes,
 )
@@ -117,11 +122,15 @@ def all_rates(y, E, context, f, g):
                 ahead = j + OFFSETS[GAP_OFFSET[i]]
                 if ahead < CHAMBERS:
                     m = place_flow(area, places, j * PLACE, places, ahead * PLACE, P[P_GAP_WIDTH])
+                    if RESISTED == 1:
+                        m = held_back(i, m, area, places, j * PLACE, places, ahead * PLACE, P)
                     source = (ahead if m >= 0.0 else j) * PLACE
                     add_stream(work, j * n_sums + BETWEEN * width, m, places, source)
                     add_stream(work, ahead * n_sums + BETWEEN * width, -m, places, source)
                 else:
                     m = place_flow(area, places, j * PLACE, R, R_DISCHARGE, P[P_GAP_WIDTH])
+                    if RESISTED == 1:
+                        m = held_back(i, m, area, places, j * PLACE, R, R_DISCHARGE, P)
                     if m >= 0.0:
                         add_stream(work, j * n_sums + DISCHARGE_IN * width, m, R, R_DISCHARGE)
                     else:
@@ -158,12 +167,17 @@ def gap_slopes(area, darea, j, ahead, at, context, d, ds):
     """Add the flow of a gap between chambers j and `ahead`, and its derivatives, to the sums of both."""
     P, _TAB, _R, places, _changed, work = context
     width = 4 if CARRIED == 1 else 2
+    if RESISTED == 1:
+        gap = at - BEYOND
+        at = BETWEEN * width
     n_sums = CATEGORIES * width
     n_cols = CHAMBERS * N + 1
     own = j * PLACE
     other = ahead * PLACE
     d_phi = d + CHAMBERS * N * PLACE
     m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, places, own, places, other, P[P_GAP_WIDTH])
+    if RESISTED == 1:
+        m, p_1, rho_1, p_2, rho_2, x_1, x_2 = held_slopes(gap, m, p_1, rho_1, p_2, rho_2, places, own, places, other, P)  # pyright: ignore[reportPossiblyUnbound]
     source = other if m >= 0.0 else own
     by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi + own, work, d_phi + other)
     m *= area
@@ -180,6 +194,8 @@ def gap_slopes(area, darea, j, ahead, at, context, d, ds):
         for k in range(N):
             row = d + (c * N + k) * PLACE
             dm = by_p * work[row + PRESSURE] + by_rho * work[row + DENSITY]
+            if RESISTED == 1:
+                dm += area * (x_1 if side == 0 else x_2) * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
             mine = ds + (j * n_cols + c * N + k) * n_sums + at
             theirs = ds + (ahead * n_cols + c * N + k) * n_sums + at
             if source == c * PLACE:
@@ -198,9 +214,15 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
     n_sums = CATEGORIES * width
     n_cols = CHAMBERS * N + 1
     own = j * PLACE
+    if RESISTED == 1:
+        gap = to - BEYOND
+        to = 1 if to >= BEYOND else to
+        x_1 = 0.0
     b = R_DISCHARGE * to
     d_phi = d + (CHAMBERS * N + j) * PLACE
     m, p_1, rho_1, _p, _rho = place_slopes(1.0, places, own, R, b, epsilon)
+    if RESISTED == 1 and gap >= 0:  # pyright: ignore[reportPossiblyUnbound]
+        m, p_1, rho_1, _p, _rho, x_1, _x = held_slopes(gap, m, p_1, rho_1, _p, _rho, places, own, R, b, _P)  # pyright: ignore[reportPossiblyUnbound]
     at = category(to, m) * width
     by_phi = m * darea + area * (p_1 * work[d_phi + PRESSURE] + rho_1 * work[d_phi + DENSITY])
     inward = m >= 0.0
@@ -215,6 +237,8 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
     for k in range(N):
         row = d + (j * N + k) * PLACE
         dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
+        if RESISTED == 1:
+            dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
         mine = ds + (j * n_cols + j * N + k) * n_sums + at
         if inward:
             add_stream(work, mine, dm, R, b)
@@ -254,9 +278,14 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                 if i < N_PLENUM:
                     opening_slopes(area, darea, j, PLENUM[i], P[P_PORT_WIDTH + PLENUM[i]], context, d, ds)
                 elif ahead < CHAMBERS:
-                    gap_slopes(area, darea, j, ahead, BETWEEN * width, context, d, ds)
-                else:
+                    if RESISTED == 0:
+                        gap_slopes(area, darea, j, ahead, BETWEEN * width, context, d, ds)
+                    if RESISTED == 1:
+                        gap_slopes(area, darea, j, ahead, BEYOND + i - N_PLENUM, context, d, ds)
+                elif RESISTED == 0:
                     opening_slopes(area, darea, j, 1, P[P_GAP_WIDTH], context, d, ds)
+                elif RESISTED == 1:
+                    opening_slopes(area, darea, j, BEYOND + i - N_PLENUM, P[P_GAP_WIDTH], context, d, ds)
     if PORTED == 1:
         n_cols = n_all + 1
         for j in range(CHAMBERS):

@@ -39,10 +39,13 @@ from screwsim.model.slots import (
     TPT,
     VOLUMED,
     WALLS,
+    gap_share,
     heat_rates,
     wall_state,
 )
 from screwsim.numerics.kernel import kernel
+
+FLUX_STEP = 1e-6  # relative step of the differences of a gap's share, which is smooth
 
 
 @kernel
@@ -81,6 +84,43 @@ def place_slopes(area, own, a, other, b, width):
         other[b + CHOKED],
         width,
     )
+
+
+@kernel
+def share_of(i, flux, place, row, P):
+    """Return the share of a nozzle's flux [kg/(m² s)] from a place that gap i lets pass (M190)."""
+    ratio = place[row + OIL_RATIO] if CARRIED == 1 else 0.0
+    return gap_share(i, flux, place[row + DENSITY], ratio, P)
+
+
+@kernel
+def held_back(i, m, area, own, a, other, b, P):
+    """Return what gap i lets pass of a nozzle's flow m [kg/s] through an area."""
+    flux = abs(m) / area
+    if m >= 0.0:
+        return m * share_of(i, flux, other, b, P)
+    return m * share_of(i, flux, own, a, P)
+
+
+@kernel
+def held_slopes(i, m, p_1, rho_1, p_2, rho_2, own, a, other, b, P):
+    """Return flow and slopes of gap i, and those by both oil ratios, from a nozzle's per unit area (M190)."""
+    flux = abs(m)
+    if m >= 0.0:
+        ratio = other[b + OIL_RATIO] if CARRIED == 1 else 0.0
+        density = other[b + DENSITY]
+    else:
+        ratio = own[a + OIL_RATIO] if CARRIED == 1 else 0.0
+        density = own[a + DENSITY]
+    share = gap_share(i, flux, density, ratio, P)
+    by_flux = (gap_share(i, flux + FLUX_STEP * (flux + 1.0), density, ratio, P) - share) / (FLUX_STEP * (flux + 1.0))
+    by_rho = m * (gap_share(i, flux, density * (1.0 + FLUX_STEP), ratio, P) - share) / (density * FLUX_STEP)
+    by_x = m * (gap_share(i, flux, density, ratio + FLUX_STEP * (ratio + 1e-3), P) - share)
+    by_x /= FLUX_STEP * (ratio + 1e-3)
+    grown = share + flux * by_flux
+    if m >= 0.0:
+        return m * share, grown * p_1, grown * rho_1, grown * p_2, grown * rho_2 + by_rho, 0.0, by_x
+    return m * share, grown * p_1, grown * rho_1 + by_rho, grown * p_2, grown * rho_2, by_x, 0.0
 
 
 @kernel

@@ -1,0 +1,87 @@
+"""Flow models of a gap with a clearance: the paper's nozzle, with friction of the gas, or sealed by oil.
+
+What: `nozzle` is M12, M13. The other models let a share of that flow pass: `nozzle_friction` that of Bell et al.
+(M190, M191), `oil_sealed` that of a homogeneous mixture of gas and oil, in the ratio of the upstream chamber, with
+inertia and laminar friction (M190, M192, M193).
+Source: Bell et al. 2013, fitted to gaps of dry scroll machines; McAdams et al. 1942, Cicchitti et al. 1960 for the
+viscosity of a mixture, which differ a hundredfold.
+Assumptions: walls at rest; constant viscosities, the gas's at suction pressure and the warmer of suction gas and
+injected oil where it is not stated, the oil's that of its supply; no heat passes from oil to gas inside the gap.
+Parameters: model, passage, friction_fit, mixture_viscosity, gas_viscosity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from screwsim.effects.base import Around, Resistance
+from screwsim.faults import Fault, UsageError
+from screwsim.fluid import gap_flow
+from screwsim.fluid.constants import transport
+
+MODELS = ("nozzle", "nozzle_friction", "oil_sealed")
+FITS = {"radial": gap_flow.radial_friction, "flank": gap_flow.flank_friction}
+MIXTURES = {"mcadams": gap_flow.mcadams_mixture, "cicchitti": gap_flow.cicchitti_mixture}
+_CHOICE = {"nozzle_friction": "friction_fit", "oil_sealed": "mixture_viscosity"}
+_EXAMPLES = {"friction_fit": "radial", "mixture_viscosity": "cicchitti"}
+
+
+def resistance(parameters: Any) -> Resistance | None:
+    """Return what holds back a nozzle's flow in a gap; None with the plain nozzle."""
+    values = {"gap": parameters.gap, "passage": parameters.passage or 0.0}
+    if parameters.model == "nozzle_friction":
+        fit = parameters.friction_fit
+        return Resistance(FITS[fit], values, f"friction by Bell et al., {fit} fit (M191)")
+    if parameters.model == "oil_sealed":
+        rule = parameters.mixture_viscosity
+        return Resistance(MIXTURES[rule], values, f"mixture of gas and oil, viscosity by {rule} (M192, M193)")
+    return None
+
+
+def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
+    """Return the viscosities [Pa s] that a gap's flow model needs."""
+    if parameters.model == "nozzle":
+        return {}
+    gas = parameters.gas_viscosity
+    if gas is None:
+        gas = transport(around.fluid, around.p_s, max(around.T_s, around.T_oil or 0.0))[1]
+    oil = around.oil.viscosity if around.oil is not None else None
+    return {"gas_viscosity": gas} | ({"oil_viscosity": oil} if oil is not None else {})
+
+
+def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
+    """Yield what a gap's flow model lacks, or is given without a meaning."""
+    path, model = f"effects.{name}", parameters.model
+    if model == "nozzle":
+        for extra in ("passage", "friction_fit", "mixture_viscosity", "gas_viscosity"):
+            if getattr(parameters, extra) is not None:
+                yield Fault(f"{path}.{extra}", "has no meaning with model: nozzle (remove it)")
+        return
+    if parameters.passage is None:
+        yield Fault(f"{path}.passage", f"is missing (model: {model} needs it, e.g. passage: 2 mm)")
+    for other, choice in _CHOICE.items():
+        given = getattr(parameters, choice) is not None
+        if other == model and not given:
+            yield Fault(f"{path}.{choice}", f"is missing (model: {model} needs it, e.g. {choice}: {_EXAMPLES[choice]})")
+        elif other != model and given:
+            yield Fault(f"{path}.{choice}", f"has no meaning with model: {model} (remove it)")
+    if parameters.gas_viscosity is None:
+        try:
+            transport(facts.gas.fluid, 1e4, 400.0)
+        except UsageError as error:
+            yield Fault(f"{path}.gas_viscosity", f"is missing: {error}")
+    if model == "oil_sealed":
+        yield from _oil_faults(path, facts)
+
+
+def _oil_faults(path: str, facts: Any) -> Iterator[Fault]:
+    if facts.oil is None:
+        yield Fault(f"{path}.model", "oil_sealed needs oil (write an oil section, or choose nozzle_friction)")
+        return
+    if facts.oil.transport != "carried":
+        yield Fault(f"{path}.model", "oil_sealed needs oil.transport: carried (write that, or choose another model)")
+    if not any("T_oil" in active.effect.states for active in facts.effects.values()):
+        yield Fault(f"{path}.model", "oil_sealed needs oil in the chambers (add e.g. effects.oil_heat)")
+    if not facts.oil.knows_viscosity:
+        yield Fault("oil.viscosity", f"is missing ({path}.model: oil_sealed needs it, or oil.name)")

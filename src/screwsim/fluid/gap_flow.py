@@ -1,0 +1,91 @@
+"""What a narrow gap lets pass of an isentropic nozzle's flow: friction of the gas, or a mixture of gas and oil.
+
+Source: docs/model.md M190–M193. Friction: I. H. Bell, E. A. Groll, J. E. Braun, W. T. Horton, Int. J. Refrigeration 36
+(2013) 1965. Viscosity of mixtures: W. H. McAdams, W. K. Woods, L. C. Heroman, Trans. ASME 64 (1942) 193; A. Cicchitti
+et al., Energia Nucleare 7 (1960) 407.
+"""
+
+from __future__ import annotations
+
+import math
+
+from screwsim.numerics.kernel import kernel
+
+LENGTH_0 = 5e-3  # [m] to which the fit refers lengths
+GAP_0 = 1e-5  # [m] … and clearances
+RADIAL_TRANSITION, FLANK_TRANSITION = 5243.58, 826.167  # Reynolds numbers
+LEAST_REYNOLDS = 1e-6
+TURBULENT_FROM = 50.0  # Reynolds number below which the turbulent power, whose weight is nothing there, is held
+LEAST_FLUX = 1e-9  # [kg/(m² s)]
+
+
+@kernel
+def turbulent_weight(reynolds, transition):
+    """Return the weight ξ of the turbulent branch (M191)."""
+    return 1.0 / (1.0 + math.exp(-0.01 * (reynolds - transition)))
+
+
+@kernel
+def radial_divisor(reynolds, length, gap):
+    """Return M of a flat gap `length` [m] deep in the direction of flow (M191); Re of the nozzle's flow on 2 gap."""
+    xi = turbulent_weight(reynolds, RADIAL_TRANSITION)
+    size = 25932.107 * (length / LENGTH_0) ** 0.914825434 / (-177.588568 * (gap / GAP_0) - 0.237052788)
+    turbulent = -172347.611 * max(reynolds, TURBULENT_FROM) ** -12.06876 - 0.012886116
+    laminar = -151.202604 * reynolds**-0.999674458 + 0.016143504
+    return size * (xi * turbulent + (1.0 - xi) * laminar) + 0.825533457
+
+
+@kernel
+def flank_divisor(reynolds, length, gap):
+    """Return M between two flanks whose radii of curvature differ by `length` [m] (M191)."""
+    xi = turbulent_weight(reynolds, FLANK_TRANSITION)
+    size = -2.639703959 * (length / LENGTH_0) ** -0.567164431 / (0.836554999 * (gap / GAP_0) + 0.810567168)
+    turbulent = 6174.02826 * max(reynolds, TURBULENT_FROM) ** -7.609079625 - 0.510200923
+    laminar = -1205.17483 * reynolds**-1.029389142 + 0.689497786
+    return size * (xi * turbulent + (1.0 - xi) * laminar) + 1.096077351
+
+
+@kernel
+def radial_friction(flux, gap, passage, gas_viscosity):
+    """Return the share of the nozzle's flux [kg/(m² s)] that a flat gap lets pass: 1/M, at most 1 (M191)."""
+    reynolds = max(2.0 * gap * flux / gas_viscosity, LEAST_REYNOLDS)
+    return 1.0 / max(1.0, radial_divisor(reynolds, passage, gap))
+
+
+@kernel
+def flank_friction(flux, gap, passage, gas_viscosity):
+    """Return the share of the nozzle's flux [kg/(m² s)] that passes between two flanks: 1/M, at most 1 (M191)."""
+    reynolds = max(2.0 * gap * flux / gas_viscosity, LEAST_REYNOLDS)
+    return 1.0 / max(1.0, flank_divisor(reynolds, passage, gap))
+
+
+@kernel
+def volume_share(density, oil_ratio, oil_room):
+    """Return the gas's share β of the volume from the density ρ β² that a flow feels (M107); above one half."""
+    return 0.5 + 0.5 * math.sqrt(max(0.0, 1.0 - 4.0 * oil_ratio * oil_room * density))
+
+
+@kernel
+def mixture_passes(flux, oil_ratio, density, gap, passage, viscosity, oil_room):
+    """Return the share of the gas nozzle's flux that passes with its oil, slowed by inertia and walls (M192)."""
+    x = max(oil_ratio, 0.0)
+    slowed = 1.0 / math.sqrt((1.0 + x) * volume_share(density, x, oil_room))
+    mixture_flux = max(flux * slowed * (1.0 + x), LEAST_FLUX)
+    r = 12.0 * viscosity * passage / (mixture_flux * gap * gap)
+    return slowed / (math.sqrt(1.0 + r * r) + r)
+
+
+@kernel
+def mcadams_mixture(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_viscosity, oil_room):
+    """Return what `mixture_passes` does, with McAdams' viscosity: nearly the gas's (M193)."""
+    x = max(oil_ratio, 0.0)
+    viscosity = (1.0 + x) / (1.0 / gas_viscosity + x / oil_viscosity)
+    return mixture_passes(flux, x, density, gap, passage, viscosity, oil_room)
+
+
+@kernel
+def cicchitti_mixture(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_viscosity, oil_room):
+    """Return what `mixture_passes` does, with Cicchitti's viscosity: nearly the oil's (M193)."""
+    x = max(oil_ratio, 0.0)
+    viscosity = (gas_viscosity + x * oil_viscosity) / (1.0 + x)
+    return mixture_passes(flux, x, density, gap, passage, viscosity, oil_room)

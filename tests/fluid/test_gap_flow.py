@@ -1,0 +1,81 @@
+"""Gaps: the fitted friction against laminar flow in a slot, mixtures against closed forms, and the limits of both."""
+
+import math
+
+import pytest
+
+from screwsim.fluid import gap_flow
+
+MU, MU_OIL, GAP, PASSAGE = 1.2e-5, 2e-2, 20e-6, 2e-3
+
+
+def mixture(kernel, flux, x, density=30.0, passage=PASSAGE, room=0.0):
+    return kernel(flux, x, density, GAP, passage, MU, MU_OIL, room)
+
+
+@pytest.mark.parametrize("micrometres", [10, 20, 40])
+def test_slow_gas_passes_as_laminar_theory_says(micrometres):
+    """Nozzle over slot: G²/(2 ρ) = Δp and G_slot = ρ Δp δ²/(12 μ L) give M = 48 (L/δ)/Re; the fit keeps within 10 %."""
+    gap = 1e-6 * micrometres
+    divisor = gap_flow.radial_divisor(200.0, 5e-3, gap)
+    assert divisor == pytest.approx(48.0 * 5e-3 / gap / 200.0, rel=0.1)
+
+
+def test_wide_gaps_at_high_speed_have_no_friction():
+    assert gap_flow.radial_friction(1e5, 100e-6, 2e-3, MU) == 1.0
+    assert gap_flow.flank_friction(1e5, 1e-3, 2e-3, MU) == pytest.approx(1.0, abs=0.12)  # the fit goes to 1/1.096
+
+
+@pytest.mark.parametrize("kernel", [gap_flow.radial_friction, gap_flow.flank_friction])
+def test_friction_holds_back_and_more_flux_passes_more(kernel):
+    fluxes = [10.0**k for k in range(-3, 5)]
+    shares = [kernel(flux, GAP, PASSAGE, MU) for flux in fluxes]
+    assert all(0.0 < share <= 1.0 for share in shares)
+    passed = [flux * share for flux, share in zip(fluxes, shares, strict=True)]
+    assert passed == sorted(passed)
+
+
+@pytest.mark.parametrize("kernel", [gap_flow.mcadams_mixture, gap_flow.cicchitti_mixture])
+def test_without_oil_and_depth_a_gap_is_the_nozzle(kernel):
+    assert mixture(kernel, 500.0, 0.0, passage=0.0) == 1.0
+
+
+@pytest.mark.parametrize("kernel", [gap_flow.mcadams_mixture, gap_flow.cicchitti_mixture])
+def test_without_depth_the_oils_inertia_slows_the_gas(kernel):
+    assert mixture(kernel, 500.0, 3.0, passage=0.0) == pytest.approx(0.5, rel=1e-14)  # 1/√(1 + 3)
+
+
+@pytest.mark.parametrize(
+    ("kernel", "viscosity"),
+    [
+        (gap_flow.mcadams_mixture, 2.0 / (1.0 / MU + 1.0 / MU_OIL)),
+        (gap_flow.cicchitti_mixture, 0.5 * (MU + MU_OIL)),
+    ],
+)
+def test_a_viscous_gap_passes_what_a_slot_passes(kernel, viscosity):
+    """Slow: Δp = G_h²/(2 ρ_m) drives the mixture, x = 1, by ρ_m Δp δ²/(12 μ_m L)."""
+    flux = 1e-3
+    G_h = flux * math.sqrt(2.0)
+    laminar = 0.5 * G_h**2 * GAP**2 / (12.0 * viscosity * PASSAGE)
+    assert 2.0 * flux * mixture(kernel, flux, 1.0) == pytest.approx(laminar, rel=1e-3)
+
+
+def test_oil_seals_by_its_viscosity():
+    thin, thick = (mixture(kernel, 500.0, 1.0) for kernel in (gap_flow.mcadams_mixture, gap_flow.cicchitti_mixture))
+    assert thick < 0.002 < 0.1 < thin
+
+
+def test_with_room_the_homogeneous_mixture_is_exact():
+    """ρ_m = (1 + x)/(1/ρ + x/ρ_o); the felt density is ρ β². Gas flux: √(2 Δp ρ_m)/(1 + x)."""
+    rho, rho_o, x, dp = 40.0, 900.0, 3.0, 1e4
+    beta = 1.0 / (1.0 + x * rho / rho_o)
+    felt = rho * beta**2
+    flux = math.sqrt(2.0 * felt * dp)
+    mixture_density = (1.0 + x) / (1.0 / rho + x / rho_o)
+    found = flux * mixture(gap_flow.mcadams_mixture, flux, x, felt, 0.0, 1.0 / rho_o)
+    assert found == pytest.approx(math.sqrt(2.0 * dp * mixture_density) / (1.0 + x), rel=1e-12)
+
+
+def test_no_flow_no_division_by_nothing():
+    assert gap_flow.radial_friction(0.0, GAP, PASSAGE, MU) == pytest.approx(0.0, abs=1e-9)
+    assert mixture(gap_flow.cicchitti_mixture, 0.0, 1.0) == pytest.approx(0.0, abs=1e-9)
