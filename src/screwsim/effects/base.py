@@ -1,4 +1,4 @@
-"""What an effect is: a declaration of flow paths, plenums, oil ports, heat rates, power losses and readings; kernels.
+"""What an effect is: a declaration of flow paths, plenums, oil ports, heat rates, power losses, readings; kernels.
 
 An effect adds to the rates of a chamber and never assigns. It is one file of this package, or of a user's own,
 with a module variable `EFFECT`. A kernel's argument names say what it needs: a parameter of the effect itself,
@@ -158,6 +158,19 @@ class Reading:
 
 
 @dataclass(frozen=True)
+class Shaft:
+    """A speed that is not constant over a pitch (M210–M217).
+
+    `respond` returns the periodic motion of the drive (`machine.drive.response.Response`) under the torque of a closed
+    cycle, and raises `NoMotion`; `judge` returns (what forbids that motion, or an empty text; warnings).
+    """
+
+    train: Callable[[float], Any]  # of the speed that the scene states
+    respond: Callable[[Any], Any]
+    judge: Callable[[Any], tuple[str, tuple[str, ...]]]
+
+
+@dataclass(frozen=True)
 class Intake:
     """What lies between suction line and machine (M160, M161).
 
@@ -168,7 +181,7 @@ class Intake:
     returned: float = 0.0
 
 
-Part = FlowPath | Plenum | OilPort | OilRoom | HeatRate | PowerLoss | Reading | Intake
+Part = FlowPath | Plenum | OilPort | OilRoom | HeatRate | PowerLoss | Reading | Shaft | Intake
 
 
 class Around(NamedTuple):

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from screwsim.effects.base import OilPort, OilRoom
+from screwsim.effects.base import OilPort, OilRoom, Shaft
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.slots import FIRST_OWN
 
@@ -30,7 +30,7 @@ class OilPart:
 class Parts:
     """What a scene names, built: the machine's geometry, the gas, operation, oil, and every effect's parts.
 
-    `plenums` are the reservoirs of the effects' own plenums by name.
+    `omega` [rad/s] is the mean speed; `plenums` are the reservoirs of the effects' own plenums by name.
     """
 
     geometry: Any
@@ -40,6 +40,7 @@ class Parts:
     effects: Mapping[str, Sequence[Any]]
     oil: OilPart | None
     plenums: Mapping[str, Reservoir] = field(default_factory=dict)
+    set_speed: float | None = None  # [rad/s] that the scene states, where omega follows from it
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
@@ -64,3 +65,11 @@ class Parts:
     def oil_room(self) -> bool:
         """Does the oil take room?"""
         return bool(self.all(OilRoom))
+
+    @property
+    def shaft(self) -> Shaft | None:
+        """What makes the speed change over a pitch; None where it is constant."""
+        found = [part for _, part in self.all(Shaft)]
+        if len(found) > 1:
+            raise TypeError("two effects declare a shaft; a scene has one")
+        return found[0] if found else None
