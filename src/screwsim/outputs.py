@@ -96,7 +96,6 @@ PERFORMANCE = {
     "resonance_speed": Variable("rad s-1", "speed at which the lobe frequency is the torsional frequency"),
     "motor_power": Variable("W", "mean power that the motor gives to the coupling"),
     "coupling_loss": Variable("W", "mean power that the damping of the coupling takes"),
-    "drive_residue": Variable("W", "motor's power less coupling's loss and shaft power: numerical"),
     "economizer_mass_flow": Variable("kg s-1", "net mass flow from the economizer"),
     "economizer_flow_ratio": Variable("1", "economizer flow over net suction flow"),
     "economizer_draw_ratio": Variable("1", "vapour that the economizer's port draws over that which the liquid makes"),
@@ -113,6 +112,7 @@ BALANCE = {
     "oil_residue": Variable(
         "W", "heat taken up by the oil beyond what injected oil carries to discharge (oil.transport: paper)"
     ),
+    "drive": Variable("1", "relative residue of the drive's powers: motor, coupling, shaft"),
     "bound": Variable("1", "bound on the residues of mass, energy and entropy"),
 }
 

@@ -130,6 +130,11 @@ def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
     return 0.0 if parts.oil_room else known.oil_volume_flow * (lines.p_d - known.injection_pressure)
 
 
+def loss_power(parts: Parts, lines: Lines, known: CycleFigures) -> float:
+    """Return the shaft power beside the indicated power [W]: losses, and the lift of the oil."""
+    return sum(_losses(parts.effects, known).values()) + (oil_lift(parts, lines, known) if parts.oil is not None else 0.0)
+
+
 def figures(
     parts: Parts,
     lines: Lines,

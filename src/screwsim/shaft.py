@@ -92,13 +92,12 @@ def _at(scene: Any, omega: float) -> Any:
     return replace(scene, operation=replace(scene.operation, speed=omega))
 
 
-def judged(solution: Any, closed: closing.Closed) -> tuple[str, tuple[str, ...]]:
-    """Return what forbids the motion of a closed cycle's drive, or an empty text, and warnings."""
+def judged(solution: Any, closed: closing.Closed) -> tuple[str, tuple[str, ...], float | None]:
+    """Return what forbids the motion of a closed cycle's drive, or an empty text; warnings; the residue of its powers."""
     part = solution.parts.shaft
     if part is None:
-        return "", ()
+        return "", (), None
     try:
         return part.judge(part.respond(solution.complete(closed.q)))
     except NoMotion as reason:
-        return str(reason), ()
-
+        return str(reason), (), None

@@ -232,8 +232,9 @@ def _solved(solution: Solution, trace: bool) -> Result:
     if bad:
         message = "a figure is not finite; ask for a tighter numerics.accuracy"
         return Result("failed", message, effects=effects, states=states, numerics=numerics)
+    forbidden, of_drive, balance["drive"] = shaft.judged(solution, closed)
     status, message = closed.status, ""
-    residues = {name: balance[name] for name in ("mass", "energy", "entropy") if balance[name] is not None}
+    residues = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
     if status == "not_closed" or max(residues.values()) > balance.bound:
         status = "not_closed"
         shown = ", ".join(f"{name} {size:.2g}" for name, size in residues.items())
@@ -241,9 +242,8 @@ def _solved(solution: Solution, trace: bool) -> Result:
             f"{shown} against the bound {balance.bound:.2g}, last change {closed.change:.2g}; "
             f"{_unclosed(solution, closed)}"
         )
-    forbidden, of_drive = shaft.judged(solution, closed)
     if forbidden:
-        status, message = "failed", f"{forbidden}; the figures are those of the chambers at the speed before"
+        status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
     cycle, kept = (solution.cycle(closed.q), book) if trace else ({}, Figures())
     tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()
     warnings = (*tried, *of_drive, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))

@@ -311,6 +311,17 @@ class Solution:
         """Return what a shaft asks of the cycle: what is known of it, and the shaft power."""
         return replace(self._known(q), shaft_power=self.figures(q)[0].shaft_power)
 
+    def pitch_of(self, q: closing.Array) -> Pitch:
+        """Return the pitch of the last history, whose quadratures are q."""
+        return self._pitch(q)
+
+    def loss_torque(self, q: closing.Array, omega: float) -> float:
+        """Return the torque of the losses and of the oil's lift at a mean speed [rad/s], from one pitch's q (M213)."""
+        known, share = self._known(q), omega / self.parts.omega
+        names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow")
+        known = replace(known, omega=omega, **{name: share * getattr(known, name) for name in names})
+        return performance.loss_power(self.parts, self.lines, known) / omega
+
     def _filled(self) -> float | None:
         """Return the gas that fills an expander's chambers where its inlet closes, at the inlet's state [kg/s]."""
         geometry, c = self.parts.geometry, self.machinery.composition

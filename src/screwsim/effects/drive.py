@@ -43,7 +43,6 @@ FIGURES = (
     "resonance_speed",
     "motor_power",
     "coupling_loss",
-    "drive_residue",
 )
 
 
@@ -97,8 +96,8 @@ def energies(motion: Response) -> tuple[float, float, float]:
     return motion.power(motion.motor_torque, motion.motor_speed), loss, motion.power(motion.load, motion.speed)
 
 
-def judged(motion: Response) -> tuple[str, tuple[str, ...]]:
-    """Return what forbids a motion, or an empty text, and warnings of it."""
+def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
+    """Return what forbids a motion, or an empty text; warnings of it; the relative residue of its powers (M215)."""
     train, torque = motion.train, motion.coupling_torque
     sound = train.coupling.state(motion.worst_twist)
     why = "" if sound == "sound" else f"under the steady ripple {sound}"
@@ -122,7 +121,8 @@ def judged(motion: Response) -> tuple[str, tuple[str, ...]]:
             f"resonance: lobe harmonic {order} meets the torsional frequency at {at:.5g} rpm, and the speed is "
             f"{motion.mean_speed * 30.0 / math.pi:.5g} rpm; the amplitude hangs on the damping"
         )
-    return why, tuple(warnings)
+    power, loss, load = energies(motion)
+    return why, tuple(warnings), abs(power - loss - load) / max(abs(power), abs(loss), abs(load), 1e-300)
 
 
 def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
@@ -142,7 +142,7 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
             return dict.fromkeys(FIGURES)
         train, torque, twist = found.train, found.coupling_torque, found.twist
         mean_twist = float(twist.mean())
-        power, loss, load = energies(found)
+        power, loss, _ = energies(found)
         values = (
             found.mean_speed,
             found.no_load_speed,
@@ -157,7 +157,6 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
             train.resonance_speed(mean_twist),
             power,
             loss,
-            power - loss - load,
         )
         return dict(zip(FIGURES, values, strict=True))
 

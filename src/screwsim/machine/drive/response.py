@@ -2,7 +2,7 @@
 
 What: rotor speed ω(φ), motor speed and twist that solve M210 and return to themselves after a pitch (M214).
 How: Fourier collocation at an odd number of angles. The linearised drive, solved harmonic by harmonic, corrects the
-motion while that contracts; else Newton's method does, the pulsation of the torque raised in steps where it does not
+motion, accelerated by Anderson's method, while that converges; else Newton's method does, the pulsation of the torque raised in steps where it does not
 converge at once. The motor's speed is eliminated: ω_m = ω (1 + dΘ/dφ).
 Source: the equations are M210–M213; collocation by trigonometric polynomials, L. N. Trefethen, Spectral Methods in
 MATLAB, SIAM 2000, ch. 3.
@@ -18,11 +18,14 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.machine.drive.train import Train
+from screwsim.numerics.periodic import Anderson
 
 Array = np.ndarray
 POINTS = 181  # of a pitch; odd, so that no harmonic is its own alias
 MOST_STEPS = 30
-CONTRACTING = 0.5  # ratio of two changes above which Newton's method takes over
+MOST_CORRECTIONS = 60
+DEPTH = 12  # of Anderson's acceleration of the corrections
+DIVERGED = 30.0  # growth of a change over the smallest at which Newton's method takes over
 CONVERGED = 1e-10  # last change, of speeds over the mean and of twists over their size
 LEAST_SPEED = 0.05  # of the mean: a step of Newton's method never goes below it
 FINEST = 1.0 / 64.0  # least share by which the pulsation is raised
@@ -151,7 +154,7 @@ def _newton(train: Train, x: Array, torque: Array, omega: float) -> Array | None
             return None
         room = 1.0 if room >= 1.0 else 0.9 * room
         x += room * change
-        if room == 1.0 and _relative(change, x, omega) <= CONVERGED:
+        if room == 1.0 and np.max(np.abs(change) / _sizes(x, omega)) <= CONVERGED:
             return x
     return None
 
@@ -162,25 +165,24 @@ def _room(u: Array, change: Array, least: float) -> Array:
 
 
 def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array | None:
-    """Return the solution by corrections of the drive linearised about its mean; None where they do not contract."""
-    n, x, before = POINTS, x.copy(), np.inf
-    with np.errstate(all="ignore"):
-        linear = _linearised(train, x)
-        for _ in range(MOST_STEPS):
-            residue = _residue(train, x, torque, omega)
-            spectrum = np.stack([np.fft.rfft(residue[:n]), np.fft.rfft(residue[n:-1])], axis=1)
-            change = np.concatenate([_solved(linear, spectrum, column) for column in (0, 1)])
-            mean = np.linalg.solve(_linearised_mean(train, x), [*(spectrum[0].real / n), residue[-1]])
-            change = -np.concatenate([change[:n] + mean[0], change[n:] + mean[1], mean[2:]])
-            x += change
-            if not np.isfinite(x).all() or x[:n].min() <= LEAST_SPEED * omega:
-                return None
-            size = _relative(change, x, omega)
-            if size <= CONVERGED:
-                return x
-            if size > CONTRACTING * before:
-                return None
-            before = size
+    """Return the solution by accelerated corrections of the drive linearised about its mean; None where they fail."""
+    n, x, accelerate, best = POINTS, x.copy(), Anderson(DEPTH), np.inf
+    linear, means, scale = _linearised(train, x), _linearised_mean(train, x), _sizes(x, omega)
+    for _ in range(MOST_CORRECTIONS):
+        residue = _residue(train, x, torque, omega)
+        spectrum = np.stack([np.fft.rfft(residue[:n]), np.fft.rfft(residue[n:-1])], axis=1)
+        mean = np.linalg.solve(means, [*(spectrum[0].real / n), residue[-1]])
+        change = -np.concatenate([_solved(linear, spectrum, k) + mean[k] for k in (0, 1)] + [mean[2:]])
+        sizes = _sizes(x, omega)
+        size = float(np.max(np.abs(change) / sizes))
+        if not size < DIVERGED * best:
+            return None
+        if size <= CONVERGED:
+            return x + change
+        best = min(best, size)
+        x = accelerate.mix(x / scale, (x + change) / scale)[1] * scale
+        if not x[:n].min() > LEAST_SPEED * omega:
+            return None
     return None
 
 
@@ -215,10 +217,10 @@ def _linearised_mean(train: Train, x: Array) -> Array:
     return np.array([[0.0, -K, 0.0], [-by_motor, K, -by_no_load], last])
 
 
-def _relative(change: Array, x: Array, omega: float) -> float:
-    """Return the largest change of speeds over the mean and of twists over their size."""
+def _sizes(x: Array, omega: float) -> Array:
+    """Return what changes are relative to: the mean speed, the largest twist."""
     sizes = np.array([omega, float(np.max(np.abs(x[POINTS:-1]))) + 1e-300, abs(float(x[-1]))])
-    return float(np.max(np.abs(change) / np.repeat(sizes, [POINTS, POINTS, 1])))
+    return np.repeat(sizes, [POINTS, POINTS, 1])
 
 
 def _residue(train: Train, x: Array, torque: Array, omega: float) -> Array:
