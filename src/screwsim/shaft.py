@@ -24,8 +24,7 @@ TOO_LARGE = 0.98  # ripple over twice the mean beyond which a course of the spee
 def settled(solution: Any, closed: closing.Closed) -> closing.Closed:
     """Return the cycle closed together with its drive; as it is where the scene has none, or it did not close.
 
-    Where the drive has no steady motion the cycle stays that of the speed before. `not_closed` where the turns do not
-    settle.
+    `not_closed` where the turns do not settle, or the drive has no steady motion; the cycle stays that of the speed before.
     """
     part = solution.parts.shaft
     if part is None or closed.status != "ok":
@@ -35,7 +34,7 @@ def settled(solution: Any, closed: closing.Closed) -> closing.Closed:
         try:
             motion = part.respond(solution.complete(closed.q))
         except NoMotion:
-            return closed
+            return replace(closed, status="not_closed", change=change)
         change = set_course(solution, motion)
         if change <= solution.wanted.tolerance:
             return closed

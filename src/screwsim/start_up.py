@@ -7,7 +7,6 @@ under the course of the speed, and the drive under the torque of the chambers, b
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -64,12 +63,10 @@ class StartUp:
         return {**kept, "figures": dict(self.figures)}
 
 
-def start_up(
-    scene: Scene, creep: float = CREEP, longest: float = LONGEST, watch: Callable[[float], None] | None = None
-) -> StartUp:
+def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> StartUp:
     """Return the start-up of a scene that names `drive`, from a creeping speed [rad/s], in at most `longest` [s].
 
-    Raises UsageError where the scene has no drive, or its motor no limit. `watch` is called with the time now and then.
+    Raises UsageError where the scene has no drive, or its motor no limit.
     """
     solution = _steady(scene, creep)
     closed = shaft.settled(solution, solution.close())
@@ -83,7 +80,7 @@ def start_up(
         return StartUp("failed", f"there is no steady speed to start to: {reason}")
     if creep >= steady.mean_speed:
         raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {_rpm(steady.mean_speed)} (creep slower)")
-    return _Run(solution, steady, creep, longest, watch or (lambda time: None)).run()
+    return _Run(solution, steady, creep, longest).run()
 
 
 def _steady(scene: Scene, creep: float) -> Solution:
@@ -102,10 +99,8 @@ def _steady(scene: Scene, creep: float) -> Solution:
 class _Run:
     """A start under way: state of chambers and drive, and what is kept of the pitches behind."""
 
-    def __init__(
-        self, solution: Solution, steady: Response, creep: float, longest: float, watch: Callable[[float], None]
-    ) -> None:
-        self.solution, self.steady, self.creep, self.longest, self.watch = solution, steady, creep, longest, watch
+    def __init__(self, solution: Solution, steady: Response, creep: float, longest: float) -> None:
+        self.solution, self.steady, self.creep, self.longest = solution, steady, creep, longest
         self.train: Train = steady.train
         self.pitches: list[Pitch] = []
         self.chambers = self._at_rest()
@@ -176,7 +171,6 @@ class _Run:
         stays, target = 0, self.steady.mean_speed
         unsettled = 0
         while len(self.pitches) < MOST_PITCHES:
-            self.watch(float(self.drive[3]))
             try:
                 step = self._advance()
             except UsageError as reason:

@@ -131,8 +131,21 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
     def train(speed: float) -> Train:
         return train_of(parameters, speed, lobes)
 
+    last: dict[Any, Response | NoMotion] = {}  # figures, traces and the closing ask for the same motion
+
     def motion(figures) -> Response:
-        return respond(train(figures.set_speed), load_torque(figures), figures.omega)
+        load = load_torque(figures)
+        key = load.tobytes(), figures.set_speed, figures.omega
+        if key not in last:
+            last.clear()
+            try:
+                last[key] = respond(train(figures.set_speed), load, figures.omega)
+            except NoMotion as reason:
+                last[key] = reason
+        found = last[key]
+        if isinstance(found, NoMotion):
+            raise found
+        return found
 
     def read(figures) -> dict[str, float | None]:
         """Return the figures of the drive (M214–M216); None where it has no steady motion."""

@@ -22,13 +22,14 @@ from screwsim.numerics.periodic import Anderson
 
 Array = np.ndarray
 POINTS = 181  # of a pitch; odd, so that no harmonic is its own alias
-MOST_STEPS = 30
+MOST_STEPS = 10  # of Newton's method for one pulsation
+MOST_SOLVES = 30  # of it in all
 MOST_CORRECTIONS = 60
 DEPTH = 12  # of Anderson's acceleration of the corrections
 DIVERGED = 30.0  # growth of a change over the smallest at which Newton's method takes over
 CONVERGED = 1e-10  # last change, of speeds over the mean and of twists over their size
 LEAST_SPEED = 0.05  # of the mean: a step of Newton's method never goes below it
-FINEST = 1.0 / 64.0  # least share by which the pulsation is raised
+FINEST = 1.0 / 32.0  # least share by which the pulsation is raised
 
 
 class NoMotion(Exception):
@@ -108,25 +109,30 @@ def respond(train: Train, load: Array, omega: float) -> Response:
     no_load = train.motor.no_load_speed(start, mean) if train.holds_mean else train.speed
     n = POINTS
     x = np.concatenate([np.full(n, start), np.full(n, twist), [no_load]])
-    linear = _by_harmonics(train, x, torque, omega)
-    if linear is not None:
-        return _response(train, linear, torque)
-    share, step = 0.0, 1.0
+    return _response(train, _raised(train, x, torque, omega), torque)
+
+
+def _raised(train: Train, x: Array, torque: Array, omega: float) -> Array:
+    """Return the solution, from the steady state on by raising the torque's pulsation; raise `NoMotion`."""
+    mean, share, step, solves = float(torque.mean()), 0.0, 1.0, [MOST_SOLVES]
     while share < 1.0:
         trial = min(1.0, share + step)
-        found = _newton(train, x, mean + trial * (torque - mean), omega)
+        pulsating = mean + trial * (torque - mean)
+        found = _by_harmonics(train, x, pulsating, omega)
+        if found is None:
+            found = _newton(train, x, pulsating, omega, solves)
         if found is not None:
             x, share, step = found, trial, 2.0 * step
             continue
         step *= 0.5
-        if step < FINEST:
-            lowest = float(x[:n].min()) / start
+        if step < FINEST or solves[0] <= 0:
+            lowest = float(x[:POINTS].min() / x[:POINTS].mean())
             raise NoMotion(
                 f"the drive has no steady motion: at {share:.0%} of the torque's pulsation its speed falls to "
                 f"{lowest:.0%} of the mean, and with more no motion that repeats every lobe pitch was found (more "
                 "inertia, more damping, or a speed farther from resonance)"
             )
-    return _response(train, x, torque)
+    return x
 
 
 def _response(train: Train, x: Array, torque: Array) -> Response:
@@ -138,10 +144,11 @@ def _response(train: Train, x: Array, torque: Array) -> Response:
     return Response(train, u, motor_speed, twist, coupling, train.motor.torque(motor_speed, no_load), torque, no_load)
 
 
-def _newton(train: Train, x: Array, torque: Array, omega: float) -> Array | None:
-    """Return the solution of the collocated equations from a guess; None where Newton's method finds none."""
+def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]) -> Array | None:
+    """Return the solution from a guess; None where Newton's method finds none. left[0]: linear systems it may solve."""
     n, x = POINTS, x.copy()
-    for _ in range(MOST_STEPS):
+    for _ in range(min(MOST_STEPS, left[0])):
+        left[0] -= 1
         try:
             change = np.linalg.solve(_jacobian(train, x, omega), -_residue(train, x, torque, omega))
         except np.linalg.LinAlgError:

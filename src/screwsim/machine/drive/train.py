@@ -19,7 +19,7 @@ from screwsim.machine.drive.motor_line import Motor
 
 Array = np.ndarray
 ORDERS = 4  # lobe harmonics whose resonances are looked for
-NEAR = 0.05  # relative distance of a harmonic's frequency from the torsional one that counts as resonance
+NEAR = 0.1  # relative distance of a harmonic's frequency from the torsional one that counts as resonance
 
 
 @dataclass(frozen=True)
