@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim import shaft
 from screwsim.errors import flow_errors, relative_errors
 from screwsim.model import close as closing
 from screwsim.outputs import Figures
@@ -53,7 +54,7 @@ def close_accurately(solution: Any) -> Accurate:
     numerics, machinery, course = solution.scene.numerics, solution.machinery, solution.course
     watch = Watch(machinery)
     solution.tighten(course.tightness)
-    closed, errors = _close_somehow(solution), Figures()
+    closed, errors = shaft.settled(solution, _close_somehow(solution)), Figures()
     watch.lap("closing")
     for attempt in range(TRIES):
         if closed.status != "ok" or numerics.integrator != "rodas4" or numerics.error == "none":
@@ -66,7 +67,7 @@ def close_accurately(solution: Any) -> Accurate:
         factor = max(TIGHTER, AIM * numerics.accuracy / worst(errors)[1])
         course.tightness *= factor
         solution.tighten(factor)
-        tighter = closing.again(solution, closed)
+        tighter = shaft.settled(solution, closing.again(solution, closed))
         watch.lap("closing")
         if tighter.status != "ok":
             before.put_back()
@@ -88,7 +89,7 @@ def close_tighter(solution: Any, accurate: Accurate) -> Accurate:
     watch, before = Watch(solution.machinery), Snapshot(solution.machinery)
     wanted = solution.wanted
     solution.tighten(TIGHTER)
-    closed = closing.again(solution, accurate.closed)
+    closed = shaft.settled(solution, closing.again(solution, accurate.closed))
     watch.lap("closing")
     counts, spent = accurate.counts + watch.counts["closing"], accurate.closing_time + watch.times["closing"]
     if closed.status != "ok":

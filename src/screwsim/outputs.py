@@ -83,6 +83,19 @@ PERFORMANCE = {
     "axial_gas_force_peak": Variable("N", "largest axial force of the gas on a rotor"),
     "radial_gas_force": Variable("N", "mean radial force of the gas on a rotor, by the stated area"),
     "radial_gas_force_peak": Variable("N", "largest radial force of the gas on a rotor"),
+    "mean_speed": Variable("rad s-1", "mean over time of the rotors' speed"),
+    "no_load_speed": Variable("rad s-1", "speed at which the motor's torque vanishes"),
+    "speed_ripple": Variable("1", "largest less smallest speed of the rotors over the mean"),
+    "motor_speed_ripple": Variable("1", "largest less smallest speed of the motor over the mean"),
+    "coupling_torque_mean": Variable("N m", "mean torque of the coupling over the rotors' angle"),
+    "coupling_torque_amplitude": Variable("N m", "half of the coupling torque's way from its lowest to its highest"),
+    "coupling_torque_peak": Variable("N m", "largest magnitude of the coupling torque"),
+    "twist_mean": Variable("rad", "mean twist of the coupling over the rotors' angle"),
+    "twist_amplitude": Variable("rad", "half of the twist's way from its lowest to its highest value"),
+    "torsional_frequency": Variable("Hz", "first torsional frequency of small motions about the mean twist, undamped"),
+    "resonance_speed": Variable("rad s-1", "speed at which the lobe frequency is the torsional frequency"),
+    "motor_power": Variable("W", "mean power that the motor gives to the coupling"),
+    "coupling_loss": Variable("W", "mean power that the damping of the coupling takes"),
     "economizer_mass_flow": Variable("kg s-1", "net mass flow from the economizer"),
     "economizer_flow_ratio": Variable("1", "economizer flow over net suction flow"),
     "economizer_draw_ratio": Variable("1", "vapour that the economizer's port draws over that which the liquid makes"),
@@ -99,6 +112,7 @@ BALANCE = {
     "oil_residue": Variable(
         "W", "heat taken up by the oil beyond what injected oil carries to discharge (oil.transport: paper)"
     ),
+    "drive": Variable("1", "relative residue of the drive's powers: motor, coupling, shaft"),
     "bound": Variable("1", "bound on the residues of mass, energy and entropy"),
 }
 
@@ -123,6 +137,11 @@ CYCLE = {
     "oil_mass": Variable("kg", "oil mass in the chamber"),
     "work": Variable("J", "work on the gas since 0 degrees"),
     "gas_torque": Variable("N m", "torque of the gas in all chambers on the male rotor's shaft"),
+    "speed": Variable("rad s-1", "speed of the male rotor"),
+    "motor_speed": Variable("rad s-1", "speed of the motor"),
+    "twist": Variable("rad", "twist of the coupling, the motor ahead"),
+    "coupling_torque": Variable("N m", "torque of the coupling"),
+    "motor_torque": Variable("N m", "torque of the motor"),
     "axial_gas_force": Variable("N", "axial force of the gas in all chambers on a rotor"),
     "radial_gas_force": Variable("N", "radial force of the gas in all chambers on a rotor"),
 }

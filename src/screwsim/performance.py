@@ -20,7 +20,7 @@ from screwsim.scene.lines import Lines
 
 @dataclass(frozen=True)
 class CycleFigures:
-    """What a power loss or a reading can ask of a closed cycle (SI units); the last four are for readings only."""
+    """What a power loss or a reading can ask of a closed cycle (SI units); the last five are for readings only."""
 
     omega: float
     tip_speed: float
@@ -35,6 +35,7 @@ class CycleFigures:
     oil_viscosity_at: Callable[[float], float | None]
     oil_density_at: Callable[[float], float | None]
     pitch: Callable[[], Pitch]
+    set_speed: float | None = None  # that the scene states; omega where it is constant
     shaft_power: float | None = None
     isothermal_efficiency: float | None = None
     isentropic_efficiency: float | None = None
@@ -119,6 +120,7 @@ def cycle_figures(parts: Parts, work: float, injected: float, **others: Any) -> 
         indicated_power=work * rate,
         oil_mass_flow=oil_flow,
         oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
+        set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
         **others,
     )
 
@@ -126,6 +128,13 @@ def cycle_figures(parts: Parts, work: float, injected: float, **others: Any) -> 
 def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
     """Return the power [W] that lifts the oil to discharge (M28); none where ∮ p dV contains it, as oil takes room."""
     return 0.0 if parts.oil_room else known.oil_volume_flow * (lines.p_d - known.injection_pressure)
+
+
+def loss_power(parts: Parts, lines: Lines, known: CycleFigures) -> float:
+    """Return the shaft power beside the indicated power [W]: losses, and the lift of the oil."""
+    return sum(_losses(parts.effects, known).values()) + (
+        oil_lift(parts, lines, known) if parts.oil is not None else 0.0
+    )
 
 
 def figures(

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from screwsim import shaft
 from screwsim.build import prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
 from screwsim.ledger import entropy_residue
@@ -201,7 +202,7 @@ def _simulate(scene: Scene, trace: bool, course: Course) -> Result:
     solution = Solution(scene, course)
     machinery = solution.machinery
     machinery.warm_up(solution.rehearse)
-    result = _solved(solution, trace)
+    result = _solved(shaft.at_its_speed(solution), trace)
     if result.status != "ok":
         course.forget()
     return result
@@ -231,8 +232,9 @@ def _solved(solution: Solution, trace: bool) -> Result:
     if bad:
         message = "a figure is not finite; ask for a tighter numerics.accuracy"
         return Result("failed", message, effects=effects, states=states, numerics=numerics)
+    forbidden, of_drive, balance["drive"] = shaft.judged(solution, closed)
     status, message = closed.status, ""
-    residues = {name: balance[name] for name in ("mass", "energy", "entropy") if balance[name] is not None}
+    residues = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
     if status == "not_closed" or max(residues.values()) > balance.bound:
         status = "not_closed"
         shown = ", ".join(f"{name} {size:.2g}" for name, size in residues.items())
@@ -240,9 +242,11 @@ def _solved(solution: Solution, trace: bool) -> Result:
             f"{shown} against the bound {balance.bound:.2g}, last change {closed.change:.2g}; "
             f"{_unclosed(solution, closed)}"
         )
+    if forbidden:
+        status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
     cycle, kept = (solution.cycle(closed.q), book) if trace else ({}, Figures())
     tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()
-    warnings = (*tried, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))
+    warnings = (*tried, *of_drive, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))
     errors = accurate.errors
     return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, kept)
 

@@ -66,10 +66,11 @@ def machinery_for(parts: Parts) -> Machinery:
 class Solution:
     """One scene being solved: the machinery, the lines, and what is asked of the closing."""
 
-    def __init__(self, scene: Scene, course: Course | None = None) -> None:
+    def __init__(self, scene: Scene, course: Course | None = None, set_speed: float | None = None) -> None:
+        """Prepare a scene; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
         self.scene = scene
         self.course = course or Course()
-        self.parts = build_parts(scene)
+        self.parts = replace(build_parts(scene), set_speed=set_speed)
         self.wanted = wanted_of(scene)
         self.lines = lines(scene)
         self.machinery = machinery_for(self.parts)
@@ -348,6 +349,21 @@ class Solution:
             found, notes = found | changed, {name: why for name, why in notes.items() if name not in changed} | reasons
         return Figures(found | performance.readings(self.parts.effects, known, found)), notes
 
+    def complete(self, q: closing.Array) -> performance.CycleFigures:
+        """Return what a shaft asks of the cycle: what is known of it, and the shaft power."""
+        return replace(self._known(q), shaft_power=self.figures(q)[0].shaft_power)
+
+    def pitch_of(self, q: closing.Array) -> Pitch:
+        """Return the pitch of the last history, whose quadratures are q."""
+        return self._pitch(q)
+
+    def loss_torque(self, q: closing.Array, omega: float) -> float:
+        """Return the torque of the losses and of the oil's lift at a mean speed [rad/s], from one pitch's q (M213)."""
+        known, share = self._known(q), omega / self.parts.omega
+        names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow")
+        known = replace(known, omega=omega, **{name: share * getattr(known, name) for name in names})
+        return performance.loss_power(self.parts, self.lines, known) / omega
+
     def _filled(self) -> float | None:
         """Return the gas that fills an expander's chambers where its inlet closes, at the inlet's state [kg/s]."""
         geometry, c = self.parts.geometry, self.machinery.composition
@@ -444,7 +460,8 @@ class Solution:
         """Return the traces over the angle (contract: cycle); `q` are the quadratures of the last history."""
         found = traces(self.parts, self.machinery)
         degrees, pitch = found["angle"], math.degrees(self.parts.geometry.pitch)
-        for name, values in performance.pitch_traces(self.parts.effects, self._known(q)).items():
+        known = self._known(q) if self.parts.shaft is None else self.complete(q)
+        for name, values in performance.pitch_traces(self.parts.effects, known).items():
             grid = np.linspace(0.0, pitch, len(values) + 1)
             found[name] = np.interp(degrees, grid, np.append(values, values[0]), period=pitch)
         return found

@@ -10,6 +10,7 @@ from screwsim.effects.base import FlowPath
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
 from screwsim.model.slots import FIRST_OWN, R_RATIO
+from screwsim.model.speed import slowness
 
 TRACE_STEP = 1.0  # degree
 
@@ -34,6 +35,8 @@ def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
     plenum_paths = [path for _, path in parts.all(FlowPath) if path.to != "neighbour"]
     to_lines = [i for i, path in enumerate(plenum_paths) if parts.number(path.to) < FIRST_OWN]
     _smooth_plenum_flows(flows, to_lines, parts.omega * out[:, 3])
+    if c.speed_curve is not None:  # the model's flows are those over the mean speed
+        flows /= np.array([slowness(phi, geometry.pitch, c.speed_curve, c.P) for phi in angles.tolist()])[:, None]
     for i, name in enumerate(c.plenum_paths):
         found[f"mass_flow_{name}"] = found.get(f"mass_flow_{name}", 0.0) + flows[:, i]
     for i, (name, _) in enumerate(c.gap_paths):

@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from screwsim import __version__
-from screwsim.cli import studies
+from screwsim.cli import startup, studies
 from screwsim.cli.options import (
     BAD_SCENE,
     INTERNAL,
@@ -209,6 +209,7 @@ def plot(
 
 
 studies.add_to(app)
+startup.add_to(app)
 
 
 @app.command()

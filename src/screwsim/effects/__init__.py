@@ -32,6 +32,7 @@ _ORDER = (
     "bearings",
     "motor",
     "gas_torque",
+    "drive",
 )
 
 

@@ -225,6 +225,20 @@ class Scaled:
 
 
 @dataclass(frozen=True)
+class Shaft:
+    """A speed that is not constant over a pitch (M210–M217).
+
+    `respond` returns the periodic motion of the drive (`machine.drive.response.Response`) under the torque of a closed
+    cycle, and raises `NoMotion`; `judge` returns (what forbids that motion, or an empty text; warnings; the relative residue
+    of its powers).
+    """
+
+    train: Callable[[float], Any]  # of the speed that the scene states
+    respond: Callable[[Any], Any]
+    judge: Callable[[Any], tuple[str, tuple[str, ...], float]]
+
+
+@dataclass(frozen=True)
 class Intake:
     """What lies between suction line and machine (M160, M161).
 
@@ -235,7 +249,7 @@ class Intake:
     returned: float = 0.0
 
 
-Part = FlowPath | Plenum | OilPort | OilRoom | HeatRate | PowerLoss | Reading | Intake | Made | Wall | Scaled
+Part = FlowPath | Plenum | OilPort | OilRoom | HeatRate | PowerLoss | Reading | Shaft | Intake | Made | Wall | Scaled
 
 
 class Around(NamedTuple):

@@ -23,12 +23,15 @@ from screwsim.model.slots import (
     OIL_NUMBERS,
     P_DISCHARGE_WIDTH,
     P_FIRST_OIL,
+    P_OMEGA,
+    P_PITCH,
     P_PORT_WIDTH,
     PLACE,
     PORT_OIL,
     Q_WALLS,
     R_SIZE,
 )
+from screwsim.model.speed import flat_curve, slowness
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kernel import HEADER, Kernel, decorate, flatten, without_wrapper
 from screwsim.numerics.spline import pack_curve
@@ -94,6 +97,7 @@ class Composition:
     oil_room: bool = False
     walls: tuple[str, ...] = ()  # the effect of each wall
     made: tuple[int, ...] = ()  # where the numbers that the cycle makes stand in P
+    speed_curve: int | None = None  # where in P the square of the speed over its mean begins (speed.slowness)
 
     @property
     def widths(self) -> slice:
@@ -120,6 +124,7 @@ class _Writer:
         self.symbols = symbols
         self.kernels: list[Kernel] = []
         self.text: list[str] = []
+        self.slow = ""  # factor of all that depends on time, where the speed changes over the pitch
 
     def call(self, kernel: Kernel, values: Mapping[str, float], tables: Mapping[str, Any], free: Sequence[str]) -> str:
         """Return a call of the kernel.
@@ -170,12 +175,12 @@ def symbols_of(parts: Parts) -> dict[str, float]:
 def _write_areas(
     writer: _Writer, name: str, paths: Sequence[tuple[str, FlowPath]], scales: Mapping[str, Sequence[str]]
 ) -> None:
-    body = []
+    body, slow = ([f"slow = {writer.slow}"], "slow * ") if writer.slow else ([], "")
     for index, (effect, path) in enumerate(paths):
         coefficient = " * ".join([writer.numbers.add(path.flow_coefficient), *scales.get(effect, ())])
         call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"))
         turned = [] if path.mirror is None else [f"    phi = {writer.numbers.add(path.mirror)} - phi"]
-        body += [f"if i == {index}:", *turned, f"    return {coefficient} * {call}"]
+        body += [f"if i == {index}:", *turned, f"    return {slow}{coefficient} * {call}"]
     writer.function(f"{name}(i, phi, P, TAB)", [*body, "return 0.0"])
 
 
@@ -183,24 +188,26 @@ def _write_heat(writer: _Writer, heats: Sequence[HeatRate]) -> None:
     arguments = ", ".join([*HEAT_SYMBOLS, "P"])
     body = ["total = 0.0", "lost = 0.0"]
     one = []
+    slow = [f"slow = {writer.slow}"] if writer.slow else []
+    factor_of_time = "slow * " if writer.slow else ""
     for index, part in enumerate(heats):
-        call = writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
+        call = factor_of_time + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
         factor = "d * " if part.oil_factor == "printed" else ""
         body += [f"heat = {call}", "total += heat", f"lost += {factor}heat"]
         one += [f"if i == {index}:", f"    heat = {call}", f"    return heat, {factor}heat"]
-    writer.function(f"heat_rates({arguments})", [*body, "return total, lost"])
-    writer.function(f"heat_part(i, {arguments})", [*one, "return 0.0, 0.0"])
+    writer.function(f"heat_rates({arguments})", [*slow, *body, "return total, lost"])
+    writer.function(f"heat_part(i, {arguments})", [*slow, *one, "return 0.0, 0.0"])
 
 
 def _write_walls(writer: _Writer, walls: Sequence[Wall]) -> None:
     if not walls:
         return
-    body = []
+    body, slow = ([f"slow = {writer.slow}"], "slow * ") if writer.slow else ([], "")
     for index, wall in enumerate(walls):
         held = wall.temperature
         temperature = _made(writer, held) if isinstance(held, str) else writer.numbers.add(held)
         call = writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
-        body += [f"if i == {index}:", f"    return {call}, {temperature}"]
+        body += [f"if i == {index}:", f"    return {slow}{call}, {temperature}"]
     writer.function(f"wall_state(i, {', '.join(WALL_SYMBOLS)}, P)", [*body, "return 0.0, 0.0"])
 
 
@@ -231,6 +238,17 @@ def _write_gas(writer: _Writer, gas: Any) -> None:
     writer.function("gas_entropy(T, rho, P, TAB)", [f"return {entropy}"])
 
 
+def _write_speed(writer: _Writer, pitch: float) -> int:
+    """Let all that depends on time follow the speed over the pitch; return where in P its curve begins."""
+    start = len(writer.numbers.values) + 1
+    curve = writer.numbers.add(float(start))
+    for value in flat_curve(pitch):
+        writer.numbers.add(value)
+    writer.kernels.append(slowness)
+    writer.slow = f"{slowness.flat_name}(phi, P[{P_PITCH}], {curve}, P)"
+    return start
+
+
 def _write_supply(writer: _Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
     if oil is None:
         body = ["return 0.0"]
@@ -240,13 +258,15 @@ def _write_supply(writer: _Writer, oil: OilPart | None, pitch: float, omega: flo
         separator = writer.numbers.add(oil.supply["separator_pressure"])
         writer.text.append("")
         call = writer.call(orifice_flow, oil.supply, {}, ("dp",))
-        body = [f"dp = {separator} - p", f"return {call} * {writer.numbers.add(pitch / omega)}"]
+        span = f"P[{P_PITCH}] / P[{P_OMEGA}]" if writer.slow else writer.numbers.add(pitch / omega)
+        body = [f"dp = {separator} - p", f"return {call} * {span}"]
     writer.function("injected_oil(p, m, P)", body)
 
 
 def _write_ports(writer: _Writer, port: OilPort) -> None:
     call = writer.call(port.flow, port.values, {}, ("phi", "p", "width"))
-    writer.function("oil_inflow(phi, p, P, TAB)", [f"width = P[{P_DISCHARGE_WIDTH}]", f"return {call}"])
+    slow = f"{writer.slow} * " if writer.slow else ""
+    writer.function("oil_inflow(phi, p, P, TAB)", [f"width = P[{P_DISCHARGE_WIDTH}]", f"return {slow}{call}"])
 
 
 def _write_shares(writer: _Writer, gaps: Sequence[FlowPath]) -> None:
@@ -305,6 +325,7 @@ def compose(parts: Parts) -> Composition:
         if law.mirror is not None:
             body = [f"phi = {writer.numbers.add(law.mirror)} - phi", f"return {sign}{call}"]
         writer.function(f"{name}(phi, P, TAB)", body)
+    speed_curve = _write_speed(writer, geometry.pitch) if parts.shaft is not None else None
     scales = _scales(writer, parts)
     _write_areas(writer, "plenum_area", plenum, scales)
     _write_areas(writer, "gap_area", gaps, scales)
@@ -357,6 +378,7 @@ def compose(parts: Parts) -> Composition:
         oil_room=parts.oil_room,
         walls=tuple(name for name, _ in parts.walls),
         made=tuple(int(cell[2:-1]) for cell in writer.made.values()),
+        speed_curve=speed_curve,
     )
 
 

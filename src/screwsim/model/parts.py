@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
-from screwsim.effects.base import OilPort, OilRoom, Wall
+from screwsim.effects.base import OilPort, OilRoom, Shaft, Wall
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.slots import FIRST_OWN
 
@@ -30,8 +31,8 @@ class OilPart:
 class Parts:
     """What a scene names, built: the machine's geometry, the gas, operation, oil, and every effect's parts.
 
-    `plenums` are the reservoirs of the effects' own plenums by name, `made` the numbers that the cycle makes, by name
-    and where they begin.
+    `omega` [rad/s] is the mean speed; `plenums` are the reservoirs of the effects' own plenums by name, `made` the
+    numbers that the cycle makes, by name and where they begin.
     """
 
     geometry: Any
@@ -42,6 +43,7 @@ class Parts:
     oil: OilPart | None
     plenums: Mapping[str, Reservoir] = field(default_factory=dict)
     made: Mapping[str, float] = field(default_factory=dict)
+    set_speed: float | None = None  # [rad/s] that the scene states, where omega follows from it
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
@@ -54,7 +56,7 @@ class Parts:
             raise TypeError(f"a flow path leads to {to!r}, which no effect declares; known: {', '.join(numbers)}")
         return numbers[to]
 
-    @property
+    @cached_property
     def oil_port(self) -> OilPort | None:
         """The port through which the oil comes; None where it is injected at one angle."""
         ports = [part for _, part in self.all(OilPort)]
@@ -62,12 +64,20 @@ class Parts:
             raise TypeError("two effects declare an oil port; a scene has one")
         return ports[0] if ports else None
 
-    @property
+    @cached_property
     def oil_room(self) -> bool:
         """Does the oil take room?"""
         return bool(self.all(OilRoom))
 
-    @property
+    @cached_property
     def walls(self) -> list[tuple[str, Wall]]:
         """The walls that exchange heat with the gas, with the effects that declare them."""
         return self.all(Wall)
+
+    @cached_property
+    def shaft(self) -> Shaft | None:
+        """What makes the speed change over a pitch; None where it is constant."""
+        found = [part for _, part in self.all(Shaft)]
+        if len(found) > 1:
+            raise TypeError("two effects declare a shaft; a scene has one")
+        return found[0] if found else None

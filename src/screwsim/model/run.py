@@ -199,15 +199,18 @@ class Machinery:
         c = self.composition
         return (c.P, c.TAB, self.R, *self._coupled_space()["spaces"])
 
-    def pitch(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-        """Integrate all chambers over one pitch from y (in place), after injecting; return as `turn`."""
+    def pitch(self, y: Array, rtol: float, h: float, inset: float = 0.0) -> tuple[int, float, float, Array]:
+        """Integrate all chambers over one pitch from y (in place), after injecting; return as `turn`.
+
+        `inset` [rad] is left out at both ends: where the speed's course does not repeat, it jumps there.
+        """
         if "all" not in self._warm:
             with self._compiling("all"):
                 self._pitch(y.copy(), 1e-2, h)
         self.watch()
         if self.integrator in METHODS:
             return self._scipy_pitch(y, rtol, h)
-        return self._pitch(y, rtol, h)
+        return self._pitch(y, rtol, h, inset)
 
     def _scipy_pitch(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
         """Do what `_pitch` does with one of scipy's integrators; a loose own pitch gives the quadratures' scale."""
@@ -244,11 +247,12 @@ class Machinery:
         space["kept"][0] = steps
         return int(path.message != ""), path.times[-1], h, q
 
-    def _pitch(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+    def _pitch(self, y: Array, rtol: float, h: float, inset: float = 0.0) -> tuple[int, float, float, Array]:
         space, c = self._coupled_space(), self.composition
         self.inject(y)
         q = np.zeros(self.nq + 1)
         counts, knots = np.zeros(4, np.int64), self._pitch_knots()
+        knots[[0, -1]] += inset, -inset
         status, s, h = self.module.rodas__integrate_all(
             knots,
             len(knots),

@@ -44,12 +44,16 @@ _TABLE: dict[str, dict[str, tuple[float, float]]] = {
     "Pa s": {"Pa s": (1, 1), "mPa s": (1, 1e3), "cP": (1, 1e3)},
     "N": {"N": (1, 1), "kN": (1e3, 1)},
     "W": {"W": (1, 1), "kW": (1e3, 1), "MW": (1e6, 1)},
+    "N m": {"N m": (1, 1), "kN m": (1e3, 1)},
+    "kg m^2": {"kg m^2": (1, 1)},
+    "N m/rad": {"N m/rad": (1, 1), "kN m/rad": (1e3, 1)},
+    "N m s/rad": {"N m s/rad": (1, 1)},
     "W/(m K)": {"W/(m K)": (1, 1), "mW/(m K)": (1, 1e3)},
     "N/m": {"N/m": (1, 1), "mN/m": (1, 1e3)},
     "W/(m^2 K)": {"W/(m^2 K)": (1, 1), "kW/(m^2 K)": (1e3, 1)},
 }
 _SPELLINGS = (("µ", "u"), ("μ", "u"), ("°", "deg"), ("²", "^2"), ("³", "^3"), ("**", "^"), ("·", " "), ("*", " "))
-_TABLE_ONLY = {"rad", "rad/s"}  # pint takes turns, radians and counts for the same thing
+_TABLE_ONLY = {"rad", "rad/s", "N m/rad", "N m s/rad"}  # pint takes turns, radians and counts for the same thing
 _CELSIUS = {"degC", "celsius"}
 ZERO_CELSIUS = 273.15
 

@@ -1,0 +1,214 @@
+"""Drive: motor, coupling and rotors as two masses with a spring; the speed is no longer constant over a lobe pitch.
+
+What: two inertias on a shaft (M210), the coupling between them (M211: a linear spring, or the rubber-cord coupling of
+docs/coupling.md; viscous damping), the motor's line (M212), the gas torque M144 and the torque of the losses (M213) on the
+rotors; their periodic motion (M214), closed together with the chambers (M217), its energies (M215) and the torsional
+frequency (M216).
+Source: two-mass oscillator (textbook); V. A. Ilyichev, V. S. Korneev, S. A. Korneev 2015 for the rubber cords; M. Kloss
+1916 for the induction motor.
+Assumptions: rotors without play, the female's inertia referred to the male shaft; losses are a constant torque of their
+mean power; damping is viscous; the motor's torque follows its speed at once. docs/drive.md says when it matters.
+Parameters: motor_inertia, rotor_inertia, speed, coupling, motor.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from screwsim.declare import choice, quantity
+from screwsim.effects.base import Effect, Reading, Shaft
+from screwsim.effects.gas_torque import torque as gas_torque
+from screwsim.faults import Fault
+from screwsim.machine.drive.linear_coupling import LinearCoupling
+from screwsim.machine.drive.motor_line import Motor, check_motor
+from screwsim.machine.drive.response import NoMotion, Response, respond
+from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, check_coupling
+from screwsim.machine.drive.train import Train
+
+FIGURES = (
+    "mean_speed",
+    "no_load_speed",
+    "speed_ripple",
+    "motor_speed_ripple",
+    "coupling_torque_mean",
+    "coupling_torque_amplitude",
+    "coupling_torque_peak",
+    "twist_mean",
+    "twist_amplitude",
+    "torsional_frequency",
+    "resonance_speed",
+    "motor_power",
+    "coupling_loss",
+)
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """The spring between motor and rotors, one of the two kinds, and its damping."""
+
+    linear: LinearCoupling | None = None
+    rubber_cord: RubberCordCoupling | None = None
+    damping: float = quantity("torsional_damping", "torque over the difference of the speeds", 0.0, ge=0.0)
+
+    @property
+    def spring(self) -> LinearCoupling | RubberCordCoupling:
+        """The one that is given."""
+        given = self.linear or self.rubber_cord
+        assert given is not None  # `check`
+        return given
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Inertias on the male rotor's shaft, coupling, motor, and what operation.speed means."""
+
+    motor_inertia: float = quantity("inertia", "of the motor and its half of the coupling", gt=0.0)
+    rotor_inertia: float = quantity("inertia", "of the rotors and their half, on the male shaft", gt=0.0)
+    coupling: Coupling
+    motor: Motor
+    speed: str = choice(
+        "what operation.speed is: the mean speed that a controller holds, or the motor's no-load speed",
+        ("mean", "no_load"),
+        "mean",
+    )
+
+
+def train_of(parameters: Parameters, speed: float, lobes: int) -> Train:
+    """Return the drive train at a speed [rad/s] of a male rotor with so many lobes."""
+    coupling = parameters.coupling
+    inertias = parameters.motor_inertia, parameters.rotor_inertia
+    return Train(
+        *inertias, coupling.spring, coupling.damping, parameters.motor, parameters.speed == "mean", speed, lobes
+    )
+
+
+def load_torque(figures: Any) -> np.ndarray:
+    """Return the torque of gas and losses on the rotors at the points of a pitch [N m] (M144, M213)."""
+    return gas_torque(figures.pitch()) + (figures.shaft_power - figures.indicated_power) / figures.omega
+
+
+def energies(motion: Response) -> tuple[float, float, float]:
+    """Return the means over time of the motor's power, of the coupling's loss and of the load's power [W] (M215)."""
+    slip = motion.motor_speed - motion.speed
+    loss = motion.power(motion.train.damping * slip, slip)
+    return motion.power(motion.motor_torque, motion.motor_speed), loss, motion.power(motion.load, motion.speed)
+
+
+def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
+    """Return what forbids a motion, or an empty text; warnings of it; the relative residue of its powers (M215)."""
+    train, torque = motion.train, motion.coupling_torque
+    sound = train.coupling.state(motion.worst_twist)
+    why = "" if sound == "sound" else f"under the steady ripple {sound}"
+    most = float(np.max(np.abs(motion.motor_torque)))
+    if not why and most > train.motor.most:
+        why = (
+            f"the motor would have to give {most:.4g} N m in its ripple, and gives {train.motor.most:.4g} N m at most "
+            "(choose a larger motor, or a flatter line)"
+        )
+    warnings = []
+    low, high = float(torque.min()), float(torque.max())
+    if low * high < 0.0:
+        warnings.append(
+            f"the coupling torque changes its sign ({low:.4g} to {high:.4g} N m): flanks and cords would hammer, and the "
+            "drive has no play (more inertia or damping, or a speed farther from resonance)"
+        )
+    order = train.near_resonance(float(motion.twist.mean()), motion.mean_speed)
+    if order is not None:
+        at = train.resonance_speed(float(motion.twist.mean()), order) * 30.0 / math.pi
+        warnings.append(
+            f"resonance: lobe harmonic {order} meets the torsional frequency at {at:.5g} rpm, and the speed is "
+            f"{motion.mean_speed * 30.0 / math.pi:.5g} rpm; the amplitude hangs on the damping"
+        )
+    power, loss, load = energies(motion)
+    return why, tuple(warnings), abs(power - loss - load) / max(abs(power), abs(loss), abs(load), 1e-300)
+
+
+def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
+    lobes = machine.settings.male_lobes
+
+    def train(speed: float) -> Train:
+        return train_of(parameters, speed, lobes)
+
+    last: dict[Any, Response | NoMotion] = {}  # figures, traces and the closing ask for the same motion
+
+    def motion(figures) -> Response:
+        load = load_torque(figures)
+        key = load.tobytes(), figures.set_speed, figures.omega
+        if key not in last:
+            last.clear()
+            try:
+                last[key] = respond(train(figures.set_speed), load, figures.omega)
+            except NoMotion as reason:
+                last[key] = reason
+        found = last[key]
+        if isinstance(found, NoMotion):
+            raise found
+        return found
+
+    def read(figures) -> dict[str, float | None]:
+        """Return the figures of the drive (M214–M216); None where it has no steady motion."""
+        try:
+            found = motion(figures)
+        except NoMotion:
+            return dict.fromkeys(FIGURES)
+        train, torque, twist = found.train, found.coupling_torque, found.twist
+        mean_twist = float(twist.mean())
+        power, loss, _ = energies(found)
+        values = (
+            found.mean_speed,
+            found.no_load_speed,
+            found.ripple,
+            float(np.ptp(found.motor_speed)) / found.mean_speed,
+            float(torque.mean()),
+            0.5 * float(np.ptp(torque)),
+            float(np.max(np.abs(torque))),
+            mean_twist,
+            0.5 * float(np.ptp(twist)),
+            train.frequency(mean_twist),
+            train.resonance_speed(mean_twist),
+            power,
+            loss,
+        )
+        return dict(zip(FIGURES, values, strict=True))
+
+    def traces(figures) -> dict[str, Any]:
+        """Return speeds, twist and torques over a pitch."""
+        try:
+            found = motion(figures)
+        except NoMotion:
+            return {}
+        return {
+            "speed": found.speed,
+            "motor_speed": found.motor_speed,
+            "twist": found.twist,
+            "coupling_torque": found.coupling_torque,
+            "motor_torque": found.motor_torque,
+        }
+
+    return [Shaft(train, motion, judged), Reading(FIGURES, read, traces)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    path, coupling = "effects.drive.coupling", parameters.coupling
+    faults = check_motor(parameters.motor, "effects.drive.motor")
+    if (coupling.linear is None) == (coupling.rubber_cord is None):
+        faults.append(Fault(path, "needs one of linear and rubber_cord (write e.g. linear: {spring: 5000 N m/rad})"))
+    if coupling.rubber_cord is not None:
+        under = check_coupling(coupling.rubber_cord)
+        faults += [Fault(fault.path.replace("coupling", f"{path}.rubber_cord", 1), fault.what) for fault in under]
+    return faults
+
+
+EFFECT = Effect(
+    name="drive",
+    title="motor, coupling and rotors; the speed follows from their torques",
+    equations=("M210", "M211", "M212", "M213", "M214", "M215", "M216", "M217"),
+    source="two-mass oscillator (textbook); Ilyichev et al. 2015 (cords); Kloss 1916",
+    parameters=Parameters,
+    build=build,
+    check=check,
+)

@@ -1,0 +1,41 @@
+"""A linear torsional spring between motor and rotors (M211)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from screwsim.declare import quantity
+
+
+@dataclass(frozen=True)
+class LinearCoupling:
+    """M = c Θ up to a twist at which the coupling fails."""
+
+    spring: float = quantity("torsional_stiffness", "torque over twist", gt=0.0)
+    largest_twist: float | None = quantity("angle", "twist at which the coupling fails", None, gt=0.0)
+
+    def torque(self, theta: float) -> float:
+        """Return the torque at a twist [N m] (M211)."""
+        return self.spring * theta
+
+    def stiffness(self, theta: float) -> float:
+        """Return the stiffness [N m/rad]; it is the same at every twist."""
+        return self.spring
+
+    def energy(self, theta: float) -> float:
+        """Return the stored energy at a twist [J]."""
+        return 0.5 * self.spring * theta * theta
+
+    def twist(self, moment: float) -> float:
+        """Return the twist that carries a torque [rad]."""
+        return moment / self.spring
+
+    def state(self, theta: float) -> str:
+        """Return what a twist means: `sound`, or why it cannot be borne, with the remedy."""
+        if self.largest_twist is None or abs(theta) <= self.largest_twist:
+            return "sound"
+        return (
+            f"the coupling fails: twisted by {math.degrees(theta):.3g} deg, beyond {math.degrees(self.largest_twist):.3g} "
+            "deg (choose a stiffer coupling or a softer start)"
+        )

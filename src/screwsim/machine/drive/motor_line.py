@@ -1,0 +1,97 @@
+"""The motor's torque over its speed: a straight line, as an inverter holds it, or Kloss's law of an induction motor.
+
+What: M_m(ω_m; ω_0) of a motor whose torque vanishes at its no-load speed ω_0 (M212).
+Source: M. Kloss, Drehmoment und Schlüpfung des Drehstrommotors, Archiv für Elektrotechnik 5 (1916) 59–87; the line is
+its tangent at small slip.
+Assumptions: the torque follows the speed at once (no electrical transients); no field weakening.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from screwsim.declare import choice, number, quantity
+from screwsim.faults import Fault
+
+NEEDED = {"line": ("slope",), "induction": ("breakdown_torque", "breakdown_slip")}
+BELONGS = {"line": (*NEEDED["line"], "torque_limit"), "induction": NEEDED["induction"]}
+
+
+@dataclass(frozen=True)
+class Motor:
+    """The law of the motor's torque and its numbers."""
+
+    law: str = choice("line: slope, and a limit; induction: Kloss's law", ("line", "induction"))
+    slope: float | None = quantity("torsional_damping", "torque by which the speed falls below no load", None, gt=0.0)
+    torque_limit: float | None = quantity("torque", "most that the motor gives (line)", None, gt=0.0)
+    breakdown_torque: float | None = quantity("torque", "M_k: most that the motor gives (induction)", None, gt=0.0)
+    breakdown_slip: float | None = number("s_k: slip at which it does (induction)", None, gt=0.0, lt=1.0)
+
+    @property
+    def most(self) -> float:
+        """Return the largest torque [N m]; infinite of a line without a limit."""
+        known = self.torque_limit if self.law == "line" else self.breakdown_torque
+        return math.inf if known is None else known
+
+    def torque(self, omega: Any, no_load: float) -> Any:
+        """Return the torque [N m] at a speed [rad/s] and no-load speed (M212), without the limit of a line."""
+        if self.law == "line":
+            return (self.slope or 0.0) * (no_load - omega)
+        x = (no_load - omega) / (no_load * (self.breakdown_slip or 1.0))
+        return 2.0 * (self.breakdown_torque or 0.0) * x / (x * x + 1.0)
+
+    def limited_torque(self, omega: float, no_load: float) -> float:
+        """Return the torque [N m] that a start-up has: a line stays within its limit."""
+        found = self.torque(omega, no_load)
+        return float(min(max(found, -self.most), self.most))
+
+    def slopes(self, omega: Any, no_load: float) -> tuple[Any, Any]:
+        """Return the derivatives of the torque by the speed and by the no-load speed [N m s/rad]."""
+        if self.law == "line":
+            slope = (self.slope or 0.0) * np.ones_like(omega)
+            return -slope, slope
+        scale = no_load * (self.breakdown_slip or 1.0)
+        x = (no_load - omega) / scale
+        by_x = 2.0 * (self.breakdown_torque or 0.0) * (1.0 - x * x) / (x * x + 1.0) ** 2
+        return -by_x / scale, by_x * omega / (no_load * scale)
+
+    def no_load_speed(self, omega: float, moment: float) -> float:
+        """Return the no-load speed [rad/s] at which the motor gives a torque at a speed, on its stable branch.
+
+        The torque lies below `most`.
+        """
+        if self.law == "line":
+            return omega + moment / (self.slope or 1.0)
+        return omega / (1.0 - self._slip(moment))
+
+    def speed(self, no_load: float, moment: float) -> float:
+        """Return the speed [rad/s] at which the motor gives a torque, on its stable branch."""
+        if self.law == "line":
+            return no_load - moment / (self.slope or 1.0)
+        return no_load * (1.0 - self._slip(moment))
+
+    def _slip(self, moment: float) -> float:
+        most, slip = self.breakdown_torque or 1.0, self.breakdown_slip or 1.0
+        if moment == 0.0:
+            return 0.0
+        ratio = most / moment
+        return slip / (ratio + math.copysign(math.sqrt(max(ratio * ratio - 1.0, 0.0)), ratio))
+
+
+def check_motor(motor: Motor, path: str) -> list[Fault]:
+    """Return what is missing of the motor's law, or belongs to the other one."""
+    faults = [
+        Fault(f"{path}.{name}", f"is missing ({motor.law} needs it)")
+        for name in NEEDED[motor.law]
+        if getattr(motor, name) is None
+    ]
+    others = {name for law, names in BELONGS.items() if law != motor.law for name in names}
+    return faults + [
+        Fault(f"{path}.{name}", f"belongs to the other law, and {motor.law} is chosen (remove it)")
+        for name in sorted(others - set(BELONGS[motor.law]))
+        if getattr(motor, name) is not None
+    ]

@@ -1,0 +1,46 @@
+"""A speed that changes over the lobe pitch, as the chambers feel it (docs/model.md M217).
+
+What depends on time, not on the angle, is divided by the speed: flows and heat. Instead of the speed itself, areas and heat
+rates are multiplied by the mean speed over the speed at the angle, so that nothing else of the model changes. The speed
+over the mean stands in P as a curve of its square, whose slope is the torque: smooth even from a creeping start on.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.spline import pack_curve, table_value
+
+Array = np.ndarray
+ROWS = 361  # of the curve over a pitch
+
+
+@kernel
+def slowness(phi, pitch, curve, P):
+    """Return the mean speed over the speed where a chamber is at phi [rad]; it repeats every pitch."""
+    s = phi - pitch * math.floor(phi / pitch)
+    return 1.0 / math.sqrt(table_value(s, P, curve))
+
+
+def flat_curve(pitch: float) -> Array:
+    """Return the packed curve of a constant speed."""
+    return _packed(np.ones(ROWS), np.zeros(ROWS), pitch)
+
+
+def write_curve(P: Array, at: int, squares: Array, slopes: Array, pitch: float) -> None:
+    """Put the square of the speed over the mean, and its slopes [1/rad], at `ROWS` angles in place."""
+    packed = _packed(squares, slopes, pitch)
+    P[at : at + len(packed)] = packed
+
+
+def squares_at(P: Array, at: int) -> Array:
+    """Return the square of the speed over the mean at the first `ROWS` − 1 angles of the curve."""
+    first = at + 1 + ROWS
+    return P[first : first + 4 * (ROWS - 1) : 4].copy()
+
+
+def _packed(squares: Array, slopes: Array, pitch: float) -> Array:
+    return pack_curve(np.linspace(0.0, pitch, ROWS), squares, np.column_stack([slopes[:-1], slopes[1:]]))

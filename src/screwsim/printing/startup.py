@@ -1,0 +1,56 @@
+"""What `screwsim startup` prints and writes."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+from screwsim.printing.tables import wrapped
+from screwsim.results.atomic import replacing
+from screwsim.start_up import StartUp
+
+RPM = 30.0 / math.pi
+ROWS = (
+    ("time", "s", 1.0),
+    ("turns", "", 1.0),
+    ("end_speed", "rpm", RPM),
+    ("steady_speed", "rpm", RPM),
+    ("coupling_torque_peak", "N m", 1.0),
+    ("coupling_torque_peak_time", "s", 1.0),
+    ("coupling_torque_lowest", "N m", 1.0),
+    ("coupling_torque_steady", "N m", 1.0),
+    ("peak_over_steady", "", 1.0),
+    ("twist_peak", "deg", 180.0 / math.pi),
+    ("motor_torque_peak", "N m", 1.0),
+    ("motor_work", "kJ", 1e-3),
+    ("gas_work", "kJ", 1e-3),
+    ("loss_work", "kJ", 1e-3),
+    ("coupling_work", "kJ", 1e-3),
+    ("stored", "kJ", 1e-3),
+    ("residue", "", 1.0),
+)
+
+
+def text(title: str, found: StartUp) -> str:
+    """Return the figures of a start-up for a terminal."""
+    lines = [title] if title else []
+    lines.append(wrapped(f"status: {found.status}{f', {found.message}' if found.message else ''}"))
+    if found.figures:
+        lines.append("")
+    for name, unit, factor in ROWS:
+        value = found.figures.get(name)
+        if value is not None:
+            lines.append(f"{name.replace('_', ' '):<28}{factor * value:>10.5g}  {unit}".rstrip())
+    lines += [wrapped(f"warning: {warning}") for warning in found.warnings]
+    return "\n".join(lines)
+
+
+def write_traces(path: Path, found: StartUp) -> str:
+    """Write the traces as CSV, SI units; return the path."""
+    names = list(found.traces)
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(names)
+        writer.writerows(zip(*(found.traces[name].tolist() for name in names), strict=True))
+    return str(path)

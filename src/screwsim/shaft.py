@@ -1,0 +1,102 @@
+"""A speed that changes over the pitch: the chambers and the drive closed by turns until they agree (docs/drive.md).
+
+The chambers are closed under the speed's course of the drive, the drive moves under the torque of the chambers
+(docs/model.md M214, M217). A ripple changes the torque by much less than itself, so that two or three turns do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from screwsim.machine.drive.response import NoMotion, Response, differentiation, resampled
+from screwsim.model import close as closing
+from screwsim.model import speed
+from screwsim.solution import Solution
+
+MOST_TURNS = 20  # of chambers and drive by turns
+MOST_SPEEDS = 20  # tried for a mean speed that follows from the motor's line
+TOO_LARGE = 0.98  # ripple over twice the mean beyond which a course of the speed is not put in place
+
+
+def settled(solution: Any, closed: closing.Closed) -> closing.Closed:
+    """Return the cycle closed together with its drive; as it is where the scene has none, or it did not close.
+
+    `not_closed` where the turns do not settle, or the drive has no steady motion; the cycle stays that of the speed before.
+    """
+    part = solution.parts.shaft
+    if part is None or closed.status != "ok":
+        return closed
+    change = 0.0
+    for _ in range(MOST_TURNS):
+        try:
+            motion = part.respond(solution.complete(closed.q))
+        except NoMotion:
+            return replace(closed, status="not_closed", change=change)
+        change = set_course(solution, motion)
+        if change <= solution.wanted.tolerance:
+            return closed
+        again = closing.again(solution, closed)
+        if again.status != "ok":
+            return again
+        closed = replace(again, needed=closed.needed, first_gap=closed.first_gap)
+    return replace(closed, status="not_closed", change=change)
+
+
+def set_course(solution: Any, motion: Response) -> float:
+    """Let the chambers feel the speed of a motion; return the largest change of the speed over its mean.
+
+    A change below the tolerance leaves what the chambers feel as it is.
+    """
+    composition, pitch = solution.machinery.composition, solution.parts.geometry.pitch
+    ratio = (motion.speed / motion.mean_speed) ** 2
+    squares = resampled(ratio, speed.ROWS - 1)
+    slopes = resampled(differentiation(pitch) @ ratio, speed.ROWS - 1)
+    old = speed.squares_at(composition.P, composition.speed_curve)
+    change = float(np.max(np.abs(np.sqrt(np.maximum(squares, 0.0)) - np.sqrt(old))))
+    if change > solution.wanted.tolerance and squares.min() > (1.0 - TOO_LARGE) ** 2:
+        ends = np.append(squares, squares[0]), np.append(slopes, slopes[0])
+        speed.write_curve(composition.P, composition.speed_curve, *ends, pitch)
+    return change
+
+
+def at_its_speed(solution: Solution) -> Solution:
+    """Return the solution of the scene at the mean speed that its motor's line gives.
+
+    The same one where the speed is held, or where the drive has no steady motion at the speed tried last.
+    """
+    part = solution.parts.shaft
+    if part is None or part.train(solution.scene.operation.speed).holds_mean:
+        return solution
+    stated = solution.scene.operation.speed
+    solution = Solution(solution.scene, solution.course, stated)
+    for _ in range(MOST_SPEEDS):
+        closed = settled(solution, solution.close())
+        if closed.status != "ok":
+            return solution
+        try:
+            found = part.respond(solution.complete(closed.q)).mean_speed
+        except NoMotion:
+            return solution
+        change = abs(found / solution.scene.operation.speed - 1.0)
+        solution = Solution(_at(solution.scene, found), solution.course, stated)
+        if change <= 0.1 * solution.wanted.tolerance:
+            break
+    return solution
+
+
+def _at(scene: Any, omega: float) -> Any:
+    return replace(scene, operation=replace(scene.operation, speed=omega))
+
+
+def judged(solution: Any, closed: closing.Closed) -> tuple[str, tuple[str, ...], float | None]:
+    """Return what forbids the motion of a closed cycle's drive, or an empty text; warnings; the residue of its powers."""
+    part = solution.parts.shaft
+    if part is None:
+        return "", (), None
+    try:
+        return part.judge(part.respond(solution.complete(closed.q)))
+    except NoMotion as reason:
+        return str(reason), (), None

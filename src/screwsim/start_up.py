@@ -1,0 +1,285 @@
+"""Start-up: all chambers and the drive from a creeping speed to the steady one against the discharge pressure (M218).
+
+The chambers are not periodic: each carries its own state from pitch to pitch. Within a pitch the chambers are integrated
+under the course of the speed, and the drive under the torque of the chambers, by turns until both agree.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim import shaft
+from screwsim.effects.gas_torque import raw_torque
+from screwsim.faults import UsageError
+from screwsim.machine.drive.response import NoMotion, Response
+from screwsim.machine.drive.run_up import Motion, run_up
+from screwsim.machine.drive.train import Train
+from screwsim.model import speed
+from screwsim.model.pitch import POINTS
+from screwsim.model.slots import P_OMEGA, R_SUCTION
+from screwsim.outputs import Figures
+from screwsim.scene.types import Scene
+from screwsim.solution import Solution
+
+Array = np.ndarray
+CREEP = 30.0 * math.pi / 30.0  # rad/s, of the start
+LONGEST = 10.0  # s, of a start-up
+MOST_PITCHES = 4000
+MOST_TURNS = 8  # of chambers and drive within a pitch
+ARRIVED = 2e-3  # distance of a pitch's mean speed from the steady one
+STAYS = 12  # pitches that it stays there
+INSET = 5e-7  # rad, left out at the ends of a pitch, where the speed's course does not repeat
+STEP = 1e-3  # rad, the first
+
+
+class Pitch(NamedTuple):
+    """One pitch of a start-up: the drive's motion, gas and other torque on the rotors [N m], gas work and loss work [J]."""
+
+    motion: Motion
+    gas_torque: Array
+    loss_torque: float
+    gas_work: float
+    states: Array
+    settled: bool
+
+
+@dataclass(frozen=True)
+class StartUp:
+    """How a start went: status (ok, failed, not_closed) with a message, figures [SI], traces over the time."""
+
+    status: str
+    message: str = ""
+    warnings: tuple[str, ...] = ()
+    figures: Figures = field(default_factory=Figures)
+    traces: dict[str, Array] = field(default_factory=dict)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `startup --json` prints."""
+        kept = {"status": self.status, "message": self.message, "warnings": list(self.warnings)}
+        return {**kept, "figures": dict(self.figures)}
+
+
+def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> StartUp:
+    """Return the start-up of a scene that names `drive`, from a creeping speed [rad/s], in at most `longest` [s].
+
+    Raises UsageError where the scene has no drive, or its motor no limit.
+    """
+    solution = _steady(scene, creep)
+    closed = shaft.settled(solution, solution.close())
+    if closed.status != "ok":
+        return StartUp(closed.status, "the cycle at the steady speed did not close (screwsim run says why)")
+    part = solution.parts.shaft
+    assert part is not None  # `_steady`
+    try:
+        steady = part.respond(solution.complete(closed.q))
+    except NoMotion as reason:
+        return StartUp("failed", f"there is no steady speed to start to: {reason}")
+    if creep >= steady.mean_speed:
+        raise UsageError(
+            f"the start creeps at {_rpm(creep)}, the steady speed is {_rpm(steady.mean_speed)} (creep slower)"
+        )
+    return _Run(solution, steady, creep, longest).run()
+
+
+def _steady(scene: Scene, creep: float) -> Solution:
+    solution = Solution(scene)
+    part = solution.parts.shaft
+    if part is None:
+        raise UsageError("the scene has no drive to start (name drive under effects)")
+    if not math.isfinite(part.train(1.0).motor.most):
+        raise UsageError("a start needs the motor's limit (give effects.drive.motor.torque_limit)")
+    if not creep > 0.0:
+        raise UsageError("a start begins from a creeping speed above 0 (e.g. 30 rpm)")
+    solution.machinery.warm_up(solution.rehearse)
+    return shaft.at_its_speed(solution)
+
+
+class _Run:
+    """A start under way: state of chambers and drive, and what is kept of the pitches behind."""
+
+    def __init__(self, solution: Solution, steady: Response, creep: float, longest: float) -> None:
+        self.solution, self.steady, self.creep, self.longest = solution, steady, creep, longest
+        self.train: Train = steady.train
+        self.pitches: list[Pitch] = []
+        self.chambers = self._at_rest()
+        loss = float(np.mean(steady.load)) - float(solution.complete(self._q).pitch().torque_mean)
+        twist = self.train.coupling.twist(min(max(loss, 0.0), self.train.motor.most))
+        self.drive = np.array([creep**2, creep, twist, 0.0])
+        self.load = np.full(POINTS + 1, loss)
+        self.begins = self.train.stored(creep, creep, twist)
+
+    @property
+    def _q(self) -> Array:
+        return self.solution.machinery.last()[2][self.solution.machinery.last()[3] - 1]
+
+    def _at_rest(self) -> Array:
+        """Return the states of all chambers full of gas of the suction line, without oil of their own."""
+        machinery, lines, parts = self.solution.machinery, self.solution.lines, self.solution.parts
+        T_oil = parts.oil.temperature if parts.oil is not None else lines.T_s
+        density = float(machinery.R[R_SUCTION + 1])
+        one = np.array([self.solution.suction.temperature(self.solution.suction.line, lines.T_s), density, T_oil, 0.0])
+        return np.tile(one[: machinery.n], machinery.composition.chambers)
+
+    # ---- one pitch -------------------------------------------------------------------------------------------
+
+    def _advance(self) -> Pitch | str:
+        """Return the next pitch; a text where the chambers could not be integrated."""
+        tolerance, change = self.solution.wanted.tolerance, math.inf
+        gas, loss, work, end = self.load, 0.0, 0.0, self.chambers
+        motion = run_up(self.train, self.steady.no_load_speed, self.drive, self.load, self.creep)
+        for _ in range(MOST_TURNS):
+            if motion.stalled:
+                return Pitch(motion, gas[: len(motion.time)], loss, 0.0, self.chambers, True)
+            if change <= tolerance:
+                break
+            found = self._chambers_under(motion)
+            if isinstance(found, str):
+                return found
+            gas, loss, work, end = found
+            before = motion.speed
+            motion = run_up(self.train, self.steady.no_load_speed, self.drive, gas + loss, self.creep)
+            change = float(np.max(np.abs(motion.speed / before - 1.0))) if not motion.stalled else math.inf
+        self.load = gas + loss
+        return Pitch(motion, gas, loss, work, end, change <= tolerance)
+
+    def _chambers_under(self, motion: Motion) -> tuple[Array, float, float, Array] | str:
+        """Return gas torque, torque of the losses, gas work and the states at the end, under the course of the speed."""
+        solution = self.solution
+        machinery, pitch = solution.machinery, solution.parts.geometry.pitch
+        composition = machinery.composition
+        mean = pitch / float(motion.time[-1] - motion.time[0])
+        at = composition.speed_curve
+        assert at is not None  # the scene has a drive
+        composition.P[P_OMEGA] = mean
+        speed.write_curve(composition.P, at, motion.squares / mean**2, motion.slopes / mean**2, pitch)
+        y = self.chambers.copy()
+        status, angle, _, q = machinery.pitch(y, solution.wanted.rtol, STEP, INSET)
+        if status != 0 or not np.isfinite(y).all():
+            return f"the chambers could not be integrated beyond {math.degrees(angle):.2f} deg of a pitch"
+        machinery.install_coupled()
+        torque = raw_torque(solution.pitch_of(q))
+        gas = np.append(torque, 2.0 * torque[-1] - torque[-2])
+        gas += (float(q[0]) - float(np.trapezoid(gas, dx=pitch / POINTS))) / pitch
+        return gas, solution.loss_torque(q, mean), float(q[0]), machinery.shift(y)
+
+    # ---- all of it -------------------------------------------------------------------------------------------
+
+    def run(self) -> StartUp:
+        """Go on until the steady speed is reached and kept, or something ends the start."""
+        stays, target = 0, self.steady.mean_speed
+        unsettled = 0
+        while len(self.pitches) < MOST_PITCHES:
+            try:
+                step = self._advance()
+            except UsageError as reason:
+                return self._ended("failed", str(reason))
+            if isinstance(step, str):
+                return self._ended("failed", f"at {self.drive[3]:.4g} s {step}")
+            self.pitches.append(step)
+            broken = self._broken(step.motion)
+            if broken:
+                return self._ended("failed", broken)
+            if step.motion.stalled:
+                return self._ended("failed", self._stalled(step))
+            unsettled += not step.settled
+            m = step.motion
+            mean = self.train.pitch / float(m.time[-1] - m.time[0])
+            self.drive = np.array([m.squares[-1], m.motor_speed[-1], m.twist[-1], m.time[-1]])
+            self.chambers = step.states
+            stays = stays + 1 if abs(mean / target - 1.0) <= ARRIVED else 0
+            if stays >= STAYS:
+                status = "ok" if unsettled == 0 else "not_closed"
+                return self._ended(status, "" if unsettled == 0 else f"{unsettled} pitches did not settle")
+            if m.time[-1] > self.longest:
+                text = f"after {m.time[-1]:.4g} s the speed is {_rpm(mean)}, and {_rpm(target)} would be steady"
+                return self._ended("failed", f"{text} (a larger motor, a smaller load, or a longer time: --longest)")
+        return self._ended("failed", f"the speed is not steady after {MOST_PITCHES} lobe pitches")
+
+    def _broken(self, motion: Motion) -> str:
+        i = int(np.argmax(np.abs(motion.twist)))
+        state = self.train.coupling.state(float(motion.twist[i]))
+        return "" if state == "sound" else f"at {motion.time[i]:.4g} s of the start {state}"
+
+    def _stalled(self, step: Pitch) -> str:
+        load = float(np.mean(step.gas_torque)) + step.loss_torque
+        return (
+            f"the motor cannot start the machine: the rotors stop after {step.motion.time[-1]:.4g} s under {load:.4g} N m "
+            f"in the mean, and the motor gives {self.train.motor.limited_torque(0.0, self.steady.no_load_speed):.4g} N m "
+            "at rest (a larger motor, or an unloaded start: a lower operation.discharge.pressure)"
+        )
+
+    def _ended(self, status: str, message: str) -> StartUp:
+        if not self.pitches:
+            return StartUp(status, message)
+        traces = _traces(self.pitches, self.train.pitch)
+        figures = self._figures(traces)
+        lowest = figures["coupling_torque_lowest"]
+        warnings = ()
+        if lowest < 0.0:
+            warnings = (
+                f"the coupling torque falls to {lowest:.4g} N m: flanks and cords hammer (no play is modelled)",
+            )
+        return StartUp(status, message, warnings, figures, traces)
+
+    def _figures(self, traces: dict[str, Array]) -> Figures:
+        last = self.pitches[-1]
+        m = last.motion
+        whole = [each for each in self.pitches if not each.motion.stalled]
+        motor, damped = (sum(getattr(each.motion, name) for each in whole) for name in ("motor_work", "damped"))
+        gas = sum(each.gas_work for each in whole)
+        losses = sum(each.loss_torque for each in whole) * self.train.pitch
+        end = whole[-1].motion if whole else m
+        stored = self.train.stored(float(end.speed[-1]), float(end.motor_speed[-1]), float(end.twist[-1])) - self.begins
+        highest = int(np.argmax(np.abs(traces["coupling_torque"])))
+        steady = float(np.mean(self.steady.coupling_torque))
+        residue = motor - damped - gas - losses - stored
+        return Figures(
+            time=float(m.time[-1]),
+            turns=float(traces["angle"][-1]) / (2.0 * math.pi),
+            end_speed=float(m.speed[-1]),
+            steady_speed=self.steady.mean_speed,
+            coupling_torque_peak=float(abs(traces["coupling_torque"][highest])),
+            coupling_torque_peak_time=float(traces["time"][highest]),
+            coupling_torque_lowest=float(traces["coupling_torque"].min()),
+            coupling_torque_steady=steady,
+            peak_over_steady=float(abs(traces["coupling_torque"][highest])) / abs(steady) if steady else None,
+            twist_peak=float(np.max(np.abs(traces["twist"]))),
+            motor_torque_peak=float(np.max(np.abs(traces["motor_torque"]))),
+            motor_work=motor,
+            gas_work=gas,
+            loss_work=losses,
+            coupling_work=damped,
+            stored=stored,
+            residue=abs(residue) / max(abs(motor), abs(gas) + abs(losses), 1e-300),
+            unsettled=float(sum(not each.settled for each in self.pitches)),
+        )
+
+
+def _traces(pitches: list[Pitch], pitch: float) -> dict[str, Array]:
+    """Return the traces of all pitches over the time."""
+    kept: dict[str, list[Array]] = {}
+    for i, each in enumerate(pitches):
+        m = each.motion
+        n = len(m.time) if each.motion.stalled or i == len(pitches) - 1 else POINTS
+        values = {
+            "time": m.time,
+            "angle": pitch * (i + np.arange(len(m.time)) / POINTS),
+            "speed": m.speed,
+            "motor_speed": m.motor_speed,
+            "twist": m.twist,
+            "coupling_torque": m.coupling_torque,
+            "motor_torque": m.motor_torque,
+            "gas_torque": each.gas_torque[: len(m.time)],
+            "loss_torque": np.full(len(m.time), each.loss_torque),
+        }
+        for name, value in values.items():
+            kept.setdefault(name, []).append(value[:n])
+    return {name: np.concatenate(values) for name, values in kept.items()}
+
+
+def _rpm(omega: float) -> str:
+    return f"{omega * 30.0 / math.pi:.5g} rpm"
