@@ -39,6 +39,8 @@ KINDS = {
         Kind("heat_capacity", "J/(kg K)", "2.0 kJ/(kg K)"),
         Kind("viscosity", "Pa s", "20 mPa s"),
         Kind("force", "N", "8 kN"),
+        Kind("mass", "kg", "0.3 g"),
+        Kind("stiffness", "N/m", "500 N/m"),
         Kind("power", "W", "75 kW"),
         Kind("thermal_conductivity", "W/(m K)", "0.0146 W/(m K)"),
         Kind("surface_tension", "N/m", "30 mN/m"),

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath, Intake, PowerLoss, Reading
+from screwsim.effects.base import FlowPath, Intake, PowerLoss, Reading, WallHeat
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.intake import Suction
 from screwsim.model import ledger as kernels
@@ -153,6 +153,7 @@ def ledger(cycle: Cycle) -> Figures:
     oil_rise = None
     if cycle.parts.oil is not None:
         oil_rise = _oil(book, cycle, paths, heats, oil)
+    _walls(book, cycle, heats)
     _losses(book, cycle)
     return _figures(book, cycle, gas_rise, oil_rise)
 
@@ -383,6 +384,15 @@ def _not_carried(book: _Book, cycle: Cycle, paths: Array, sums: Array) -> float:
     entry += float(sums[kernels.LOST] - cycle.T_0 * sums[kernels.LOST_OVER_T])
     book.add(NOT_CONSERVED, exergy=float(entry))
     return rise
+
+
+def _walls(book: _Book, cycle: Cycle, heats: Array) -> None:
+    """Enter the heat from walls: what it generates, and the exergy that leaves to them as heat at their temperature."""
+    first = len(cycle.machinery.composition.heats)
+    for (name, part), row in zip(cycle.parts.all(WallHeat), heats[first:], strict=True):
+        heat = float(row[kernels.HEAT])
+        lost = -heat * (1.0 - cycle.T_0 / part.temperature)
+        book.add(name, energy=heat, exergy=cycle.T_0 * float(row[kernels.HEAT_GENERATED]) + lost)
 
 
 # ---- losses ------------------------------------------------------------------------------------------------------

@@ -264,8 +264,9 @@ class Solution:
 
     def _pitch(self, q: closing.Array) -> Pitch:
         geometry = self.parts.geometry
-        low = min(float(self.machinery.R[R_SUCTION + PRESSURE]), self.lines.p_d)
-        return pitch_of(self.machinery, geometry, low, float(q[0]) / geometry.pitch)
+        suction = float(self.machinery.R[R_SUCTION + PRESSURE])
+        low, high = min(suction, self.lines.p_d), max(suction, self.lines.p_d)
+        return pitch_of(self.machinery, geometry, low, float(q[0]) / geometry.pitch, high)
 
     @cached_property
     def _effect(self) -> float | None:
@@ -304,6 +305,8 @@ class Solution:
         if geometry.expands:
             changed, reasons = expander.figures(found, self._h_isentropic() - self.inlet.enthalpy, self._filled())
             found, notes = found | changed, {name: why for name, why in notes.items() if name not in changed} | reasons
+        if m.composition.walls:
+            found["wall_heat"] = float(q[1]) * self.parts.omega / geometry.pitch
         return Figures(found | performance.readings(self.parts.effects, known, found)), notes
 
     def _filled(self) -> float | None:

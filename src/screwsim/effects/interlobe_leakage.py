@@ -20,6 +20,7 @@ from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.faults import Fault
+from screwsim.machine.kinds import TWIN_SCREW
 from screwsim.numerics.kernel import kernel
 
 TURN = 2.0 * pi
@@ -64,4 +65,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    machines=(TWIN_SCREW,),
 )

@@ -16,6 +16,7 @@ from math import pi
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.faults import Fault
+from screwsim.machine.kinds import TWIN_SCREW
 from screwsim.numerics.kernel import kernel
 
 TIP_LENGTH = 9.83  # tip length over rotor diameter, eq. (19)
@@ -48,4 +49,5 @@ EFFECT = Effect(
     parameters=ClearanceParameters,
     build=build,
     check=check,
+    machines=(TWIN_SCREW,),
 )

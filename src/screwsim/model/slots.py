@@ -8,13 +8,19 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p.
 
+`state_rate(i, T, m, p, rho, V, phi, p_suction, p_discharge, y, at, P)` → change [1/s] of an effect's own state i,
+`path_opening(i, drop, width, y, at, P)` → open share of plenum path i at a pressure difference into the chamber,
+`wall_heat(i, T, m, p, rho, V, phi, P)` → heat [W] from a wall into the gas, `wall_temperature(i, P)` → its own [K].
+
 Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), PHASES (0 or
 1: can it have two phases), N_HEATS (heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass),
 OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge, from 3 on an effect's own plenum), N_GAPS
 and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
-ports), VOLUMED (1: oil takes room), CATEGORIES, and the indices into P that move with them.
+ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE is
+a constant, too), OPENED (1: openings depend on states; then HOLDS is one, too), WALLS (how many wall heats),
+CATEGORIES, and the indices into P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -37,6 +43,10 @@ heat_rates: Any = Slot("heat_rates")
 heat_part: Any = Slot("heat_part")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
+state_rate: Any = Slot("state_rate")
+path_opening: Any = Slot("path_opening")
+wall_heat: Any = Slot("wall_heat")
+wall_temperature: Any = Slot("wall_temperature")
 
 N: Any = Slot("N")
 VARIES: Any = Slot("VARIES")
@@ -52,10 +62,15 @@ GAP_OFFSET: Any = Slot("GAP_OFFSET")
 N_OFFSETS: Any = Slot("N_OFFSETS")
 OFFSETS: Any = Slot("OFFSETS")
 CHAMBERS: Any = Slot("CHAMBERS")
+HOLDS: Any = Slot("HOLDS")
+POSITIVE: Any = Slot("POSITIVE")
 
 OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
 PORTED: Any = Structure("PORTED")
 VOLUMED: Any = Structure("VOLUMED")
+OWN_STATES: Any = Structure("OWN_STATES")
+OPENED: Any = Structure("OPENED")
+WALLS: Any = Structure("WALLS")
 
 # P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
 P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)
@@ -74,6 +89,7 @@ OIL_NUMBERS = ("P_C_OIL", "P_T_OIL", "P_TO_RATIO", "P_ROOM", "P_P_SOURCE", "P_H_
 PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT = range(10)
 PLACE = 10
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
+OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, the opening of each plenum path
 FREE = -1.0  # phase of a chamber whose state tells it; else it is held until the integrator's step is accepted
 
 # R: what changes while the cycle is closed: the two plenums (places), then what happens at the injection angle;

@@ -26,6 +26,7 @@ from screwsim.model.slots import (
     HEATED,
     OIL_RATIO,
     OIL_TEMPERATURE,
+    OWN_STATES,
     P_C_OIL,
     P_OMEGA,
     P_ROOM,
@@ -33,11 +34,17 @@ from screwsim.model.slots import (
     PRESSURE,
     Q_HEAT,
     Q_WORK,
+    R_DISCHARGE,
     R_RATIO,
+    R_SUCTION,
     SUCTION_IN,
     TPT,
     VOLUMED,
+    WALLS,
+    N,
     heat_rates,
+    state_rate,
+    wall_heat,
 )
 from screwsim.numerics.kernel import kernel
 
@@ -158,6 +165,16 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
             f[at + 2] = oil_temperature_slope(own, m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
         if CARRIED == 1:
             f[at + 3] = (oil - y[at + 3] * mass) / (m * omega)
+    if WALLS > 0:
+        for i in range(WALLS):
+            heat += wall_heat(i, T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], P)
+    if OWN_STATES > 0:
+        p = place[row + PRESSURE]
+        p_s = R[R_SUCTION + PRESSURE]
+        p_d = R[R_DISCHARGE + PRESSURE]
+        for i in range(OWN_STATES):
+            rate = state_rate(i, T, m, p, rho, E[e + E_VOLUME], E[e + E_ANGLE], p_s, p_d, y, at, P)
+            f[at + N - OWN_STATES + i] = rate / omega
     if VOLUMED == 0:
         f[at] = temperature_slope(
             T,
