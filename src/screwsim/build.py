@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from screwsim.effects.base import Around, FlowPath, HeatRate, Made, Plenum, Site, Wall
+from screwsim.effects.base import Around, ChamberState, FlowPath, HeatRate, Made, Plenum, Site, Wall
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
-from screwsim.machine.geometry import Geometry
+from screwsim.machine.kinds import geometry_of
 from screwsim.model import close as closing
 from screwsim.model.compose import OilPart, Parts
 from screwsim.scene.checks import cross_check
@@ -18,6 +18,7 @@ from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import ActiveEffect, Scene
 
+Numbered = FlowPath | HeatRate | Wall | ChamberState
 WIDTH = 0.5  # of the regularisation over the wanted accuracy
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
@@ -57,7 +58,7 @@ def build_oil(scene: Scene) -> OilPart | None:
 
 def build_parts(scene: Scene) -> Parts:
     """Return what the scene names, built for the composer."""
-    geometry = Geometry(scene.machine)
+    geometry = geometry_of(scene.machine)
     suction, discharge, gaps = regularisation(scene)
     gas = build_gas(scene)
     effects = {name: _built(active, geometry, scene) for name, active in scene.effects.items()}
@@ -82,24 +83,24 @@ def _around(scene: Scene) -> Around:
     """Return what effects can ask of the scene."""
     at, oil, supply = lines(scene), scene.oil, scene.oil_supply
     T_oil = supply.temperature if supply is not None else None
-    tip_speed = 0.5 * scene.machine.rotor_diameter * scene.operation.speed
+    tip_speed = scene.machine.surface_speed(scene.operation.speed)
     known = oil.at(T_oil) if oil is not None and T_oil is not None else None
     return Around(scene.gas.fluid, at.p_s, at.T_s, at.p_d, tip_speed, T_oil, known)
 
 
-def _built(active: ActiveEffect, geometry: Geometry, scene: Scene) -> list[Any]:
+def _built(active: ActiveEffect, geometry: Any, scene: Scene) -> list[Any]:
     """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
     built = list(active.effect.build(active.parameters, geometry))
     if active.effect.numbers is not None:
         found = active.effect.numbers(active.parameters, _around(scene))
-        built = [_with(part, found) if isinstance(part, FlowPath | HeatRate | Wall) else part for part in built]
+        built = [_with(part, found) if isinstance(part, Numbered) else part for part in built]
     if not geometry.expands:
         return built
     life, pitch = geometry.life, geometry.pitch
     return [part.mirrored(life, pitch) if isinstance(part, FlowPath) else part for part in built]
 
 
-def _with(part: FlowPath | HeatRate | Wall, numbers: Mapping[str, float]) -> FlowPath | HeatRate | Wall:
+def _with(part: Numbered, numbers: Mapping[str, float]) -> Numbered:
     return replace(part, values={**part.values, **numbers})
 
 

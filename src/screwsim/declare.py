@@ -39,6 +39,8 @@ KINDS = {
         Kind("heat_capacity", "J/(kg K)", "2.0 kJ/(kg K)"),
         Kind("viscosity", "Pa s", "20 mPa s"),
         Kind("force", "N", "8 kN"),
+        Kind("mass", "kg", "0.3 g"),
+        Kind("stiffness", "N/m", "500 N/m"),
         Kind("power", "W", "75 kW"),
         Kind("torque", "N m", "200 N m"),
         Kind("inertia", "kg m^2", "0.5 kg m^2"),

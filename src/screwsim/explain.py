@@ -14,7 +14,20 @@ from typing import Any
 from screwsim.build import build_parts, regularisation, wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
-from screwsim.effects.base import FlowPath, HeatRate, Intake, Made, Plenum, PowerLoss, Reading, Scaled, Wall
+from screwsim.effects.base import (
+    ChamberState,
+    FlowPath,
+    HeatRate,
+    Intake,
+    Made,
+    Plenum,
+    PowerLoss,
+    Reading,
+    Scaled,
+    Wall,
+)
+from screwsim.machine.settings import TwinScrew
+from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.model.compose import Composition, Parts, compose
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.grid import case_count, dimensions
@@ -89,7 +102,24 @@ def _row(name: str, text: str) -> str:
 
 
 def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
-    machine = scene.machine
+    if isinstance(scene.machine, SliderCrank):
+        yield from _cylinder(scene.machine, scene.operation.speed)
+    else:
+        yield from _screws(scene.machine, parts)
+    speed = format_quantity(KINDS["speed"], scene.operation.speed)
+    yield _row("speed", f"{speed}, {parts.omega / parts.geometry.pitch:.5g} chamber lives/s")
+
+
+def _cylinder(machine: SliderCrank, omega: float) -> Iterator[str]:
+    yield _row("kind", f"{machine.kind}, {machine.mode}")
+    yield _row("volume", f"crank and rod (S1, S5), {_parameters(machine, skip=('kind', 'mode'))}")
+    stroke = f"stroke {1e3 * machine.stroke:.6g} mm".replace(" ", NO_BREAK)
+    swept = f"swept volume {machine.swept_volume * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
+    yield _row("", f"{stroke}, {swept}, clearance {machine.clearance_ratio:.3%} of it")
+    yield _row("", f"mean piston speed {machine.mean_speed(omega):.5g} m/s")
+
+
+def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     length = KINDS["length"]
     size = f"{format_quantity(length, machine.rotor_diameter)} x {format_quantity(length, machine.rotor_length)}"
     yield _row(
@@ -106,8 +136,6 @@ def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
             equation = {"table": "M14", "profile": "docs/rotors.md"}.get(law.law, numbers[name])
             yield _row(name, ", ".join(filter(None, (f"law: {law.law} ({equation})", _parameters(law)))))
     yield from _rotors(machine, parts)
-    speed = format_quantity(KINDS["speed"], scene.operation.speed)
-    yield _row("speed", f"{speed}, {parts.omega / parts.geometry.pitch:.5g} chamber lives/s")
 
 
 def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
@@ -152,6 +180,7 @@ def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
     if parameters:
         yield parameters
     added = [f"state {name}" for name in effect.states]
+    added += [f"state {part.name}" for part in built if isinstance(part, ChamberState)]
     added += [f"plenum {part.name}" for part in built if isinstance(part, Plenum)]
     added += [f"figure {part.figure}" for part in built if isinstance(part, PowerLoss)]
     added += [f"figure {name}" for part in built if isinstance(part, Reading) for name in part.figures]
@@ -179,6 +208,10 @@ def _chamber(parts: Parts, model: Composition) -> Iterator[str]:
     geometry = parts.geometry
     states = ", ".join(f"{name} {STATE_MEANINGS.get(name, '')}".strip() for name in model.states)
     yield _row("states", f"{states}; {BALANCES}")
+    if geometry.chambers == 1:
+        yield _row("life", f"{math.degrees(geometry.life):g} deg of the crank, from top dead centre; one chamber")
+        yield _row("trapped mass", f"at the bottom dead centre, {math.degrees(geometry.injection_angle):.6g} deg")
+        return
     yield _row("life", f"{math.degrees(geometry.life):g} deg of the male rotor")
     pitch = math.degrees(geometry.pitch)
     yield _row("alive at once", f"{geometry.chambers} chambers, one lobe pitch of {pitch:.6g} deg apart")
@@ -201,9 +234,11 @@ def _paths(parts: Parts) -> Iterator[str]:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
             held = "" if path.resistance is None else f", {path.resistance.title}"
+            held += ", open as its valve is" if path.opening is not None else ""
             yield _row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
     yield _row("every path", "nozzle flow in both directions, choking included (M12, M13)")
-    yield _row("ahead of the last", "lies the discharge line; behind the first one there is no gap")
+    if parts.geometry.chambers > 1:
+        yield _row("ahead of the last", "lies the discharge line; behind the first one there is no gap")
 
 
 def _gas(scene: Scene, parts: Parts) -> Iterator[str]:

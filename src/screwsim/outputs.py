@@ -96,6 +96,9 @@ PERFORMANCE = {
     "resonance_speed": Variable("rad s-1", "speed at which the lobe frequency is the torsional frequency"),
     "motor_power": Variable("W", "mean power that the motor gives to the coupling"),
     "coupling_loss": Variable("W", "mean power that the damping of the coupling takes"),
+    "suction_valve_power": Variable("W", "power that cylinder pressure below the suction line costs"),
+    "discharge_valve_power": Variable("W", "power that cylinder pressure above the discharge line costs"),
+    "wall_heat": Variable("W", "net heat from walls into the gas"),
     "economizer_mass_flow": Variable("kg s-1", "net mass flow from the economizer"),
     "economizer_flow_ratio": Variable("1", "economizer flow over net suction flow"),
     "economizer_draw_ratio": Variable("1", "vapour that the economizer's port draws over that which the liquid makes"),
@@ -128,7 +131,7 @@ NUMERICS = {
 NUMERICS_TEXT = {"integrator": "integrator", "closing": "way in which the cycle was closed"}
 
 CYCLE = {
-    "angle": Variable("degree", "male-rotor angle"),
+    "angle": Variable("degree", "angle of the male rotor, or of the crank"),
     "volume": Variable("m3", "chamber volume"),
     "pressure": Variable("Pa", "chamber pressure"),
     "gas_temperature": Variable("K", "gas temperature"),
@@ -136,6 +139,10 @@ CYCLE = {
     "gas_mass": Variable("kg", "gas mass in the chamber"),
     "oil_mass": Variable("kg", "oil mass in the chamber"),
     "work": Variable("J", "work on the gas since 0 degrees"),
+    "suction_valve_lift": Variable("1", "lift of the suction valve over that of its stop"),
+    "suction_valve_speed": Variable("1", "speed of the suction valve over its scale"),
+    "discharge_valve_lift": Variable("1", "lift of the discharge valve over that of its stop"),
+    "discharge_valve_speed": Variable("1", "speed of the discharge valve over its scale"),
     "gas_torque": Variable("N m", "torque of the gas in all chambers on the male rotor's shaft"),
     "speed": Variable("rad s-1", "speed of the male rotor"),
     "motor_speed": Variable("rad s-1", "speed of the motor"),
@@ -192,7 +199,7 @@ def cycle_variable(name: str) -> Variable:
     """Return unit and meaning of a cycle trace, those of flow paths (`mass_flow_<effect>[_leading]`) included."""
     if name.startswith("mass_flow_"):
         return Variable("kg s-1", f"mass flow into the chamber, {name.removeprefix('mass_flow_').replace('_', ' ')}")
-    return CYCLE[name]
+    return CYCLE.get(name) or Variable("1", name.replace("_", " "))
 
 
 class Figures(dict[str, Any]):

@@ -116,7 +116,7 @@ def cycle_figures(parts: Parts, work: float, injected: float, **others: Any) -> 
     oil_flow = injected * rate if parts.oil is not None else 0.0
     return CycleFigures(
         omega=parts.omega,
-        tip_speed=0.5 * parts.geometry.settings.rotor_diameter * parts.omega,
+        tip_speed=parts.geometry.settings.surface_speed(parts.omega),
         indicated_power=work * rate,
         oil_mass_flow=oil_flow,
         oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,

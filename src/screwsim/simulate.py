@@ -142,7 +142,8 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
 
 def _drowned(solution: Solution, found: Figures) -> list[str]:
     """Return a warning where the oil of a chamber is more than its volume holds when the discharge port opens."""
-    oil, port, geometry = solution.parts.oil, solution.scene.machine.discharge_port, solution.parts.geometry
+    oil, geometry = solution.parts.oil, solution.parts.geometry
+    port = getattr(solution.scene.machine, "discharge_port", None)
     if oil is None or port is None or not found.oil_ratio or not found.trapped_mass or solution.parts.oil_room:
         return []
     c = solution.machinery.composition

@@ -31,6 +31,7 @@ from screwsim.model.slots import (
     PLENUM_ENTROPY,
     PORT_OIL,
     PRESSURE,
+    Q_WALLS,
     R_DISCHARGE,
     R_INJECTED,
     R_PRESSURE,
@@ -307,8 +308,9 @@ class Solution:
 
     def _pitch(self, q: closing.Array) -> Pitch:
         geometry = self.parts.geometry
-        low = min(float(self.machinery.R[R_SUCTION + PRESSURE]), self.lines.p_d)
-        return pitch_of(self.machinery, geometry, low, float(q[0]) / geometry.pitch)
+        suction = float(self.machinery.R[R_SUCTION + PRESSURE])
+        low, high = min(suction, self.lines.p_d), max(suction, self.lines.p_d)
+        return pitch_of(self.machinery, geometry, low, float(q[0]) / geometry.pitch, high)
 
     @cached_property
     def _effect(self) -> float | None:
@@ -347,6 +349,10 @@ class Solution:
         if geometry.expands:
             changed, reasons = expander.figures(found, self._h_isentropic() - self.inlet.enthalpy, self._filled())
             found, notes = found | changed, {name: why for name, why in notes.items() if name not in changed} | reasons
+        if m.composition.walls:
+            found["wall_heat"] = (
+                float(q[Q_WALLS : Q_WALLS + 2 * len(m.composition.walls) : 2].sum()) * self.lives_per_second
+            )
         return Figures(found | performance.readings(self.parts.effects, known, found)), notes
 
     def complete(self, q: closing.Array) -> performance.CycleFigures:

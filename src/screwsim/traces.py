@@ -32,8 +32,10 @@ def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
         found["oil_temperature"] = np.where(present, out[:, 6], np.nan)
         ratio = out[:, 7] if c.carried else np.where(present, float(m.R[R_RATIO]), 0.0)
         found["oil_mass"] = ratio * found["gas_mass"]
+    first = out.shape[1] - len(c.own_states)
+    found |= {name: out[:, first + i] for i, name in enumerate(c.own_states)}
     plenum_paths = [path for _, path in parts.all(FlowPath) if path.to != "neighbour"]
-    to_lines = [i for i, path in enumerate(plenum_paths) if parts.number(path.to) < FIRST_OWN]
+    to_lines = [i for i, path in enumerate(plenum_paths) if parts.number(path.to) < FIRST_OWN and not path.narrow]
     _smooth_plenum_flows(flows, to_lines, parts.omega * out[:, 3])
     if c.speed_curve is not None:  # the model's flows are those over the mean speed
         flows /= np.array([slowness(phi, geometry.pitch, c.speed_curve, c.P) for phi in angles.tolist()])[:, None]

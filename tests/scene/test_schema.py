@@ -6,6 +6,7 @@ import re
 import pytest
 
 from screwsim.effects import catalogue
+from screwsim.machine.kinds import MACHINES
 from screwsim.scene import loads, schema
 from screwsim.scene.fields import SWEEPABLE, leaf_paths
 from screwsim.scene.yaml_tree import Node, Place, compose
@@ -29,6 +30,8 @@ def plain(node: Node):
 
 def accepts(part, value) -> bool:
     """Return whether a value fits the keywords of a schema that a scene without lists uses."""
+    if "anyOf" in part:
+        return any(accepts(each, value) for each in part["anyOf"])
     if value is None:
         return "null" in part.get("type", ()) or None in part.get("enum", ())
     if "enum" in part:
@@ -73,8 +76,9 @@ def test_what_must_be_there_is_demanded_unless_a_base_gives_it():
 
 
 def test_every_path_that_can_vary_is_an_axis():
-    leaves = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
-    expected = [path for path, leaf in leaves.items() if leaf.kind in SWEEPABLE]
+    parameters = {name: effect.parameters for name, effect in catalogue().items()}
+    leaves = {path: leaf for kind in MACHINES for path, leaf in leaf_paths(parameters, kind).items()}
+    expected = [path for path, leaf in leaves.items() if leaf.kind in SWEEPABLE and path != "machine.kind"]
     found = schema()["properties"]["sweep"]["properties"]
     assert list(found) == [*expected, "zip", "sample"]
     assert list(found["zip"]["items"]["properties"]) == expected

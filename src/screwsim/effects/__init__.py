@@ -12,8 +12,12 @@ from functools import cache
 
 from screwsim.effects.base import Effect
 
-_NOT_EFFECTS = {"base", "gap", "gap_flow", "port_window"}
+_NOT_EFFECTS = {"base", "gap", "gap_flow", "port_window", "valves"}
 _ORDER = (
+    "check_valves",
+    "reed_valves",
+    "ring_leakage",
+    "cylinder_heat",
     "suction_port",
     "discharge_port",
     "tip_leakage",

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from screwsim.faults import Fault
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.settings import OilProperties
+from screwsim.machine.kinds import SLIDER_CRANK, TWIN_SCREW
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.made import Entry
 
@@ -49,6 +50,11 @@ class FlowPath:
     not their neighbours; `tables` hold curves as (angle [rad], area [m²]), or with slopes (`numerics.spline`). Where
     `mirror` [rad] is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150). Only a gap
     ('neighbour') may have a `resistance`.
+
+    `opening` returns the open share of the area of a path to a plenum where that depends on the chamber's state (a
+    valve): its arguments are `drop` [Pa], the plenum's pressure less the chamber's, `width` [Pa], below which pressure
+    differences may be smoothed, names of the chamber's states, and `values`. A path that is `narrow` never holds the
+    chamber's pressure to its plenum's; of ports and valves the widest open one may.
     """
 
     to: str
@@ -61,6 +67,8 @@ class FlowPath:
     tables: Mapping[str, Any] = field(default_factory=dict)
     mirror: float | None = None
     resistance: Resistance | None = None
+    opening: Kernel | None = None
+    narrow: bool = False
 
     def mirrored(self, life: float, pitch: float) -> FlowPath:
         """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""
@@ -135,6 +143,23 @@ class OilPort:
 @dataclass(frozen=True)
 class OilRoom:
     """The oil takes room in the chambers (docs/model.md M106). Needs oil.transport: carried."""
+
+
+@dataclass(frozen=True)
+class ChamberState:
+    """A state of its own that an effect gives every chamber, beside those of gas and oil.
+
+    `rate` returns its change [1/s]; its arguments are names of states (`T`, `rho`, `T_oil`, `x_oil`, any effect's own),
+    the gas mass `m`, `p`, `V`, `phi` of the chamber, the lines' pressures `p_suction` and `p_discharge`, and `values`.
+    A state is measured in a scale of its own, so that 1 is large of it: its errors count against 1. It begins the first
+    turn at `start`. A `positive` one cannot pass zero, and its errors count against itself.
+    """
+
+    name: str
+    rate: Kernel
+    values: Mapping[str, float]
+    start: float = 0.0
+    positive: bool = False
 
 
 @dataclass(frozen=True)
@@ -249,11 +274,15 @@ class Intake:
     returned: float = 0.0
 
 
-Part = FlowPath | Plenum | OilPort | OilRoom | HeatRate | PowerLoss | Reading | Shaft | Intake | Made | Wall | Scaled
+Part = FlowPath | Plenum | OilPort | OilRoom | ChamberState | HeatRate | PowerLoss | Reading | Shaft | Intake
+Part |= Made | Wall | Scaled
 
 
 class Around(NamedTuple):
-    """What an effect can ask of a scene before it is composed; SI units. `oil` has density and viscosity."""
+    """What an effect can ask of a scene before it is composed; SI units. `oil` has density and viscosity.
+
+    `tip_speed` is that of the male rotor, or the mean piston speed.
+    """
 
     fluid: str
     p_s: float
@@ -270,7 +299,7 @@ class Effect:
 
     `build(parameters, machine)` returns its parts; `check(parameters, facts)` returns faults that only the whole scene
     shows. `numbers(parameters, around)` returns numbers behind argument names of its kernels that follow from the
-    scene.
+    scene. `machines` are the kinds of machines that can have it.
     """
 
     name: str
@@ -283,3 +312,4 @@ class Effect:
     states: tuple[str, ...] = ()
     check: Callable[[Any, Any], list[Fault]] | None = None
     numbers: Callable[[Any, Around], Mapping[str, float]] | None = None
+    machines: tuple[str, ...] = (TWIN_SCREW, SLIDER_CRANK)

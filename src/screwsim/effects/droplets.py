@@ -20,6 +20,7 @@ from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Around, Effect, HeatRate, Reading
 from screwsim.faults import Fault, UsageError
 from screwsim.fluid.constants import transport
+from screwsim.machine.kinds import TWIN_SCREW
 from screwsim.numerics.kernel import kernel
 
 _OF_SIZE = {
@@ -162,4 +163,5 @@ EFFECT = Effect(
     states=("T_oil",),
     check=check,
     numbers=numbers,
+    machines=(TWIN_SCREW,),
 )

@@ -19,6 +19,7 @@ from screwsim.effects.port_window import WindowParameters, check_window, window_
 from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.machine.kinds import TWIN_SCREW
 
 NAME = "economizer"
 
@@ -127,4 +128,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    machines=(TWIN_SCREW,),
 )

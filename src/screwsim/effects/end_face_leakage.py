@@ -20,6 +20,7 @@ from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
 from screwsim.effects.gap_flow import numbers
 from screwsim.faults import Fault
+from screwsim.machine.kinds import TWIN_SCREW
 from screwsim.numerics.kernel import kernel
 
 TURN = 2.0 * pi
@@ -68,4 +69,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     numbers=numbers,
+    machines=(TWIN_SCREW,),
 )

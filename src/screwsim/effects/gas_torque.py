@@ -18,6 +18,7 @@ import numpy as np
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, Reading
 from screwsim.faults import Fault
+from screwsim.machine.kinds import TWIN_SCREW
 
 HARMONICS = 4  # that have a figure of their own
 FORCES = ("axial", "radial")
@@ -118,4 +119,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    machines=(TWIN_SCREW,),
 )

@@ -18,6 +18,7 @@ from screwsim.effects.gap import ramp
 from screwsim.effects.port_window import RAMP, WindowParameters, check_window, window_knots
 from screwsim.faults import Fault
 from screwsim.fluid.orifice import smooth_orifice_flow
+from screwsim.machine.kinds import TWIN_SCREW
 from screwsim.numerics.kernel import kernel
 
 NAME = "oil_injection"
@@ -84,4 +85,5 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil", "x_oil"),
     check=check,
+    machines=(TWIN_SCREW,),
 )

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, PowerLoss
 from screwsim.faults import Fault
+from screwsim.machine.kinds import TWIN_SCREW
 
 
 @dataclass(frozen=True)
@@ -54,4 +55,5 @@ EFFECT = Effect(
     build=build,
     needs_oil=True,
     check=check,
+    machines=(TWIN_SCREW,),
 )

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, OilRoom
 from screwsim.faults import Fault
+from screwsim.machine.kinds import TWIN_SCREW
 
 
 @dataclass(frozen=True)
@@ -42,4 +43,5 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil", "x_oil"),
     check=check,
+    machines=(TWIN_SCREW,),
 )

@@ -18,6 +18,7 @@ from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
 from screwsim.faults import Fault
+from screwsim.machine.kinds import TWIN_SCREW
 
 BEFORE = 60.0 * pi / 180.0  # the slot is reached this much before compression begins
 _RADIAL = ("radial_area", "radial_opens", "radial_opens_moved")
@@ -89,4 +90,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    machines=(TWIN_SCREW,),
 )

@@ -98,6 +98,19 @@ class TwinScrew:
         """Angle between neighbouring chambers, 2π/z1 [rad]."""
         return TURN / self.male_lobes
 
+    def symbols(self) -> dict[str, float]:
+        """Return the numbers [SI] that a kernel can ask for by name (docs/nomenclature.md)."""
+        return {
+            "rotor_diameter": self.rotor_diameter,
+            "rotor_length": self.rotor_length,
+            "male_lobes": float(self.male_lobes),
+            "female_lobes": float(self.female_lobes),
+        }
+
+    def surface_speed(self, omega: float) -> float:
+        """Return the speed that moves gas and oil [m/s]: that of the male rotor's tips."""
+        return 0.5 * self.rotor_diameter * omega
+
     @property
     def counts_otherwise(self) -> bool:
         """Tell whether the table of the volume counts another life than 720° with oil injected at 360°."""

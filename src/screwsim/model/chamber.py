@@ -33,13 +33,17 @@ from screwsim.model.slots import (
     FREE,
     GAP_OFFSET,
     HEATED,
+    HOLDS,
     N_GAPS,
     N_OFFSETS,
     N_PLENUM,
     OFFSETS,
     OIL_RATIO,
     OILED,
+    OPENED,
+    OPENING,
     OWN_PLENUMS,
+    OWN_STATES,
     P_GAP_WIDTH,
     P_H_PORT,
     P_INJECTION,
@@ -75,6 +79,7 @@ from screwsim.model.slots import (
     gas_state,
     injected_oil,
     oil_inflow,
+    path_opening,
     volume_at,
 )
 from screwsim.model.streams import (
@@ -91,6 +96,8 @@ from screwsim.model.streams import (
 )
 from screwsim.numerics.kernel import kernel
 
+OPENING_STEP = 1e-5  # of the width of the regularisation, for differences of an opening by the pressure difference
+ALL_BUT_SHUT = 1e-2  # opening of a valve below which it does not hold the chamber's pressure
 SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
 
 
@@ -143,6 +150,8 @@ def rates(y, E, context, f, g):
         if E[E_AREAS + i] > 0.0:
             b = R_DISCHARGE * PLENUM[i]
             m = place_flow(E[E_AREAS + i], own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
+            if OPENED == 1:
+                m *= path_opening(i, R[b + PRESSURE] - own[PRESSURE], P[P_PORT_WIDTH + PLENUM[i]], y, 0, P)
             if m >= 0.0:
                 add_stream(work, category(PLENUM[i], m) * width, m, R, b)
             else:
@@ -181,6 +190,10 @@ def path_flows(y, E, context, out):
         out[i] = 0.0
         if E[E_AREAS + i] > 0.0:
             out[i] = place_flow(E[E_AREAS + i], own, 0, R, R_DISCHARGE * PLENUM[i], P[P_PORT_WIDTH + PLENUM[i]])
+            if OPENED == 1:
+                drop = R[R_DISCHARGE * PLENUM[i] + PRESSURE] - own[PRESSURE]
+                own[OPENING + i] = path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], y, 0, P)
+                out[i] *= own[OPENING + i]
     areas = E_AREAS + N_PLENUM
     for i in range(2 * N_GAPS):
         b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
@@ -228,6 +241,14 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                 b = R_DISCHARGE * PLENUM[i]
                 source = R
                 m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
+                if OPENED == 1:
+                    drop = R[b + PRESSURE] - own[PRESSURE]
+                    opened, by_drop = opening_slope(i, drop, y, P)
+                    p_1 = p_1 * opened - m * by_drop
+                    p_2 = p_2 * opened + m * by_drop
+                    m *= opened
+                    rho_1 *= opened
+                    rho_2 *= opened
                 at = category(PLENUM[i], m) * width
             else:
                 b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE
@@ -258,6 +279,9 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                 dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
                 if RESISTED == 1:
                     dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
+                if OPENED == 1 and gap < 0 and j >= N - OWN_STATES:
+                    open_flow = place_flow(area, own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
+                    dm = open_flow * opening_by_state(i, R[b + PRESSURE] - own[PRESSURE], j, y, state, P)
                 if m < 0.0:
                     add_stream_slope(work, ds + j * n_sums + at, m, dm, own, 0, work, row)
                 else:
@@ -276,6 +300,34 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     for j in range(N):
         own_column(y, j, E, own, state, work, d, other, n_sums, P, R, f, g, J, Jq)
     angle_column(y, E_next, delta, own, work, ds + N * n_sums, n_sums, P, R, f, g, f_phi, g_phi)
+
+
+@kernel
+def opening_slope(i, drop, y, P):
+    """Return the opening of plenum path i and its derivative by the pressure difference [1/Pa]."""
+    width = P[P_PORT_WIDTH + PLENUM[i]]
+    opened = path_opening(i, drop, width, y, 0, P)
+    step = OPENING_STEP * width
+    return opened, (path_opening(i, drop + step, width, y, 0, P) - opened) / step
+
+
+@kernel
+def opening_by_state(i, drop, j, y, state, P):
+    """Return the derivative of the opening of plenum path i by state j; `state` is a spare one."""
+    width = P[P_PORT_WIDTH + PLENUM[i]]
+    for k in range(N):
+        state[k] = y[k]
+    delta = perturbation(y, 0, j)
+    state[j] += delta
+    return (path_opening(i, drop, width, state, 0, P) - path_opening(i, drop, width, y, 0, P)) / delta
+
+
+@kernel
+def held_share(i, y, own, R, P):
+    """Return how far plenum path i is open to a chamber of state y and place `own`; 0 of one that is narrow."""
+    drop = R[R_DISCHARGE * PLENUM[i] + PRESSURE] - own[PRESSURE]
+    opened = HOLDS[i] * path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], y, 0, P)
+    return opened if opened > ALL_BUT_SHUT else 0.0
 
 
 @kernel
@@ -410,6 +462,11 @@ def conserve(y, y1, E, E_next, context, dq):
         area = E[E_AREAS + i] + E_next[E_AREAS + i]
         if OWN_PLENUMS > 0 and PLENUM[i] >= FIRST_OWN:  # such ports are narrow: they do not hold the pressure
             area = 0.0
+        if OPENED == 1:
+            fill_place(own[PLACE], y, 0, P, TAB, own, 0)
+            area = E[E_AREAS + i] * held_share(i, y, own, R, P)
+            fill_place(own[PLACE], y1, 0, P, TAB, own, 0)
+            area += E_next[E_AREAS + i] * held_share(i, y1, own, R, P)
         if area > widest:
             widest = area
             port = PLENUM[i]

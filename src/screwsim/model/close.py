@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from screwsim.model.compose import Composition
 from screwsim.model.pace import FULL, Mixing, Pace, Refining, finer
 from screwsim.model.run import Machinery
 from screwsim.model.slots import BETWEEN, P_LIFE, P_OMEGA, P_PITCH, Q_HEAT, Q_WALLS, R_TRAPPED
@@ -156,13 +157,19 @@ def _change(new: tuple[float, float], old: tuple[float, float], least_work: floa
     return max(mass, abs(new[1] - old[1]) / max(abs(new[1]), abs(old[1]), least_work))
 
 
-def _logarithms(states: Array, n: int) -> Array:
-    """Return ln of states of n values each; oil not above LEAST_OIL of the gas counts as that, of one temperature."""
-    rows = np.maximum(states.reshape(-1, n), 1e-300)
-    if n == 4:
+def _logarithms(states: Array, c: Composition) -> Array:
+    """Return ln of states, those that may be negative as they are: what closing iterates on.
+
+    Oil not above LEAST_OIL of the gas counts as that, of one temperature.
+    """
+    raw, signed = states.reshape(-1, len(c.states)), list(c.signed)
+    rows = np.maximum(raw, 1e-300)
+    if c.carried:
         little = rows[:, 3] <= LEAST_OIL
-        rows[little, 2:] = 1.0, LEAST_OIL
-    return np.log(rows).ravel()
+        rows[little, 2:4] = 1.0, LEAST_OIL
+    logs = np.log(rows)
+    logs[:, signed] = raw[:, signed]
+    return logs.ravel()
 
 
 def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Closed | None:
@@ -208,25 +215,29 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
             return None
         machinery.remember()
         mixed = _mixed(machinery, accelerate, point, image)
-        y[:] = _states(mixed[: machinery.n], y, machinery.n)
+        y[:] = _states(mixed[: machinery.n], y, c)
         made = task.entries.values(mixed[len(mixed) - len(made) :], made_image)
         task.set_made(made)
     return Closed("not_closed", q, y, turn, "histories", finest, change=gap)
 
 
-def _states(mixed: Array, raw: Array, n: int) -> Array:
-    """Return states from mixed logarithms; oil too little to count keeps its raw value, so that mixing makes none."""
-    states, raw = np.exp(mixed).reshape(-1, n), raw.reshape(-1, n)
-    if n == 4:
+def _states(mixed: Array, raw: Array, c: Composition) -> Array:
+    """Return states from mixed `_logarithms`; oil too little to count keeps its raw value: mixing makes none."""
+    rows, raw, signed = mixed.reshape(-1, len(c.states)), raw.reshape(-1, len(c.states)), list(c.signed)
+    logs = rows.copy()
+    logs[:, signed] = 0.0
+    states = np.exp(logs)
+    states[:, signed] = rows[:, signed]
+    if c.carried:
         little = raw[:, 3] <= LEAST_OIL
-        states[little, 2:] = raw[little, 2:]
+        states[little, 2:4] = raw[little, 2:4]
     return states.ravel()
 
 
 def _vector(task: Task, y: Array, angles: Array, made: Array) -> Array:
-    """Return what one turn maps: states at 0° and of the last history, in logarithms, and what the cycle makes."""
+    """Return what one turn maps: states at 0° and of the last history, and what the cycle makes (`_logarithms`)."""
     states = np.concatenate([y, task.machinery.states_at(angles).ravel()])
-    return np.concatenate([_logarithms(states, task.machinery.n), task.entries.coordinates(made)])
+    return np.concatenate([_logarithms(states, task.machinery.composition), task.entries.coordinates(made)])
 
 
 def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array) -> Array:
@@ -265,14 +276,14 @@ def by_coupling(
     for pitch in range(1, pitches + 1):
         if machinery.counts[2] > budget:
             break
-        point = np.concatenate([_logarithms(y, machinery.n), task.entries.coordinates(made)])
+        point = np.concatenate([_logarithms(y, c), task.entries.coordinates(made)])
         end, rtol = y.copy(), refining.rtol
         status, angle, _, q = machinery.pitch(end, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, end, pitch / c.chambers, "coupled", rtol, angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
         made_image = task.image(q)
-        image = np.concatenate([_logarithms(machinery.shift(end), machinery.n), task.entries.coordinates(made_image)])
+        image = np.concatenate([_logarithms(machinery.shift(end), c), task.entries.coordinates(made_image)])
         gap = float(np.max(np.abs(image - point)))
         least = LEAST_WORK * seen[-1][0] * task.pv
         gaps.append(gap)
@@ -285,7 +296,7 @@ def by_coupling(
         mixed = mixing.next(point, image, gap)
         if refining.rtol < rtol:
             mixing.restart()
-        y, made = _states(mixed[:n], machinery.shift(end), machinery.n), task.entries.values(mixed[n:], made_image)
+        y, made = _states(mixed[:n], machinery.shift(end), c), task.entries.values(mixed[n:], made_image)
         task.set_made(made)
     machinery.install_coupled()
     return Closed("not_closed", q, y, pitch / c.chambers, "coupled", rtol, change=gap)
@@ -315,7 +326,8 @@ def chambers_at_pitches(machinery: Machinery) -> Array:
         theta = (j * c.P[P_PITCH] - times[i]) / (times[i + 1] - times[i])
         states.append(dense_value(theta, *dense[i])[: machinery.n])
     states = np.array(states)
-    states[:, 2:] = np.maximum(states[:, 2:], 0.0)  # the cubic of an oil ratio may dip below none by its error
+    oil = slice(2, len(c.states) - len(c.own_states))
+    states[:, oil] = np.maximum(states[:, oil], 0.0)  # the cubic of an oil ratio may dip below none by its error
     return states.ravel()
 
 

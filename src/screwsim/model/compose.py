@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath, HeatRate, OilPort, Scaled, Wall
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilPort, Scaled, Wall
 from screwsim.fluid.orifice import orifice_flow
 from screwsim.model import chamber, coupled, landing, ledger, places, trace
 from screwsim.model.parts import OilPart, Parts
@@ -46,12 +46,15 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 # what a composition writes itself (slots.py)
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
 OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "injected_oil", "oil_inflow", "gap_share")
+OWN += ("state_rate", "path_opening")
 
 # names that a kernel has for the numbers of the injection orifice
 BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
 BORE |= {"separator_pressure": "separator_pressure"}
 
 # symbols that a kernel can ask for and that are not numbers of the scene
+STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
+OPENING_SYMBOLS = ("drop", "width")
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
 
@@ -98,6 +101,9 @@ class Composition:
     walls: tuple[str, ...] = ()  # the effect of each wall
     made: tuple[int, ...] = ()  # where the numbers that the cycle makes stand in P
     speed_curve: int | None = None  # where in P the square of the speed over its mean begins (speed.slowness)
+    own_states: tuple[str, ...] = ()  # the last of `states`: those that effects declare
+    signed: tuple[int, ...] = ()  # columns of the states that may be zero or negative
+    starts: tuple[float, ...] = ()  # of the own states
 
     @property
     def widths(self) -> slice:
@@ -155,15 +161,7 @@ class _Writer:
 
 def symbols_of(parts: Parts) -> dict[str, float]:
     """Return the numbers of the scene that any kernel can ask for by name (docs/nomenclature.md)."""
-    machine = parts.geometry.settings
-    found = {
-        "omega": parts.omega,
-        "pitch": parts.geometry.pitch,
-        "rotor_diameter": machine.rotor_diameter,
-        "rotor_length": machine.rotor_length,
-        "male_lobes": float(machine.male_lobes),
-        "female_lobes": float(machine.female_lobes),
-    }
+    found = {"omega": parts.omega, "pitch": parts.geometry.pitch} | parts.geometry.settings.symbols()
     if parts.oil is not None:
         found["oil_density"] = parts.oil.density
         found["oil_heat_capacity"] = parts.oil.heat_capacity
@@ -279,6 +277,33 @@ def _write_shares(writer: _Writer, gaps: Sequence[FlowPath]) -> None:
     writer.function("gap_share(i, flux, density, oil_ratio, P)", [*body, "return 1.0"])
 
 
+def _named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:
+    """Return a function's body behind those states of y, beyond T and rho, that are asked for by name."""
+    return [*(f"{name} = y[at + {i}]" for i, name in enumerate(states) if i > 1 and name in asked), *body]
+
+
+def _write_own_states(writer: _Writer, own: Sequence[ChamberState], states: Sequence[str]) -> None:
+    body, asked = [], set()
+    slow = f"{writer.slow} * " if writer.slow else ""
+    for index, part in enumerate(own):
+        call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states))
+        body += [f"if i == {index}:", f"    return {slow}{call}"]
+        asked |= set(part.rate.arguments)
+    head = f"state_rate(i, {', '.join(STATE_SYMBOLS)}, y, at, P)"
+    writer.function(head, [*_named_states(body, states, asked), "return 0.0"])
+
+
+def _write_openings(writer: _Writer, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
+    body, asked = [], set()
+    for index, path in enumerate(paths):
+        if path.opening is not None:
+            call = writer.call(path.opening, path.values, {}, (*OPENING_SYMBOLS, *states[2:]))
+            body += [f"if i == {index}:", f"    return {call}"]
+            asked |= set(path.opening.arguments)
+    head = "path_opening(i, drop, width, y, at, P)"
+    writer.function(head, [*_named_states(body, states, asked), "return 1.0"])
+
+
 def _knots(parts: Parts, law: Any, paths: Sequence[FlowPath], more: Sequence[float]) -> np.ndarray:
     """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
     geometry = parts.geometry
@@ -316,7 +341,11 @@ def compose(parts: Parts) -> Composition:
     carried = heated and oil is not None and oil.transport == "carried"
     if not carried and (port is not None or parts.oil_room):
         raise TypeError("oil that enters through ports or takes room needs oil, and oil.transport: carried")
-    states = ("T", "rho", *(("T_oil",) if heated else ()), *(("x_oil",) if carried else ()))
+    own_states = [part for _, part in parts.all(ChamberState)]
+    names = tuple(part.name for part in own_states)
+    states = ("T", "rho", *(("T_oil",) if heated else ()), *(("x_oil",) if carried else ()), *names)
+    opened = any(path.opening is not None for _, path in plenum)
+    _refuse(parts, states, opened)
     law = geometry.volume_law()
     _write_gas(writer, gas)
     for name, kernel, sign in (("volume_at", law.volume, ""), ("volume_slope_at", law.slope, "-")):
@@ -336,6 +365,10 @@ def compose(parts: Parts) -> Composition:
         _write_ports(writer, port)
     if _resisted(parts):
         _write_shares(writer, [path for _, path in gaps])
+    if own_states:
+        _write_own_states(writer, own_states, states)
+    if opened:
+        _write_openings(writer, [path for _, path in plenum], states)
     offsets = sorted({path.offset for _, path in gaps})
     constants = {
         "N": len(states),
@@ -353,7 +386,11 @@ def compose(parts: Parts) -> Composition:
         "OFFSETS": f"np.array({offsets or [0]})",
         "CHAMBERS": geometry.chambers,
     }
-    structure = _structure(parts)
+    if opened:
+        constants["HOLDS"] = f"np.array({[int(not path.narrow) for _, path in plenum]})"
+    if own_states:
+        constants["POSITIVE"] = f"np.array({[int(part.positive) for part in own_states]})"
+    structure = _structure(parts) | {"OWN_STATES": len(names), "OPENED": int(opened)}
     n_areas = 4 + len(plenum)
     return Composition(
         text=_module_text(
@@ -379,7 +416,18 @@ def compose(parts: Parts) -> Composition:
         walls=tuple(name for name, _ in parts.walls),
         made=tuple(int(cell[2:-1]) for cell in writer.made.values()),
         speed_curve=speed_curve,
+        own_states=names,
+        signed=tuple(states.index(part.name) for part in own_states if not part.positive),
+        starts=tuple(part.start for part in own_states),
     )
+
+
+def _refuse(parts: Parts, states: Sequence[str], opened: bool) -> None:
+    """Raise TypeError for parts of effects that do not go together."""
+    if len(set(states)) < len(states):
+        raise TypeError(f"two states have one name: {', '.join(states)}")
+    if opened and parts.geometry.chambers > 1:
+        raise TypeError("an opening that depends on the state is for a machine of one chamber")
 
 
 def _structure(parts: Parts) -> dict[str, int]:

@@ -6,6 +6,7 @@ the last cycle alone where they do not. It changes what a closing costs, and its
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -74,7 +75,8 @@ class Course:
             used = cycles[-len(weights) :]
             values = weights @ np.array([cycle.values for cycle in used])
             machinery.blend([cycle.history for cycle in used], weights)
-            if _possible(values[: machinery.n]) and _possible(machinery.last()[1][: machinery.last()[3], 1].T):
+            signed, ends = machinery.composition.signed, machinery.last()[1][: machinery.last()[3], 1]
+            if _possible(values[: machinery.n], signed) and _possible(ends[:, : machinery.n].T, signed):
                 break
         else:
             return None
@@ -91,9 +93,13 @@ class Course:
         return [cycle for cycle in self._cycles if np.array_equal(cycle.parameters[angles], here)]
 
 
-def _possible(states: Array) -> bool:
-    """Tell whether temperatures and densities are positive and no oil is less than none; one row a state."""
-    return bool(np.all(states[:2] > 0.0) and np.all(states[2:] >= 0.0))
+def _possible(states: Array, signed: Sequence[int]) -> bool:
+    """Tell whether temperatures and densities are positive and nothing else is less than none; one row a state.
+
+    `signed` are the rows of states that may be.
+    """
+    others = [row for row in range(2, len(states)) if row not in signed]
+    return bool(np.all(states[:2] > 0.0) and np.all(states[others] >= 0.0))
 
 
 def _distance(a: Array, b: Array) -> float:

@@ -40,6 +40,7 @@ def first_guess(
         columns.append(np.where(closed, np.maximum(T, oil.temperature), oil.temperature))
     if composition.carried:
         columns.append(np.full(len(grid), max(d, 1e-3)))
+    columns += [np.full(len(grid), start) for start in composition.starts]
     states = np.column_stack(columns)
     dense = np.zeros((len(grid) - 1, 4, len(columns)))
     dense[:, 0], dense[:, 1] = states[:-1], states[1:]

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from screwsim.model.chamber import SIDE, path_flows, surroundings
+from screwsim.model.chamber import ALL_BUT_SHUT, SIDE, path_flows, surroundings
 from screwsim.model.room import gas_mass, gas_mass_slope
 from screwsim.model.slots import (
     CARRIED,
@@ -24,6 +24,7 @@ from screwsim.model.slots import (
     FIRST_OWN,
     GAP_OFFSET,
     HEATED,
+    HOLDS,
     N_GAPS,
     N_HEATS,
     N_OFFSETS,
@@ -31,6 +32,8 @@ from screwsim.model.slots import (
     OFFSETS,
     OIL_RATIO,
     OIL_TEMPERATURE,
+    OPENED,
+    OPENING,
     OWN_PLENUMS,
     P_C_OIL,
     P_H_PORT,
@@ -106,6 +109,11 @@ def balanced(flows, mass_rate, E, own, R, P):
     for i in range(N_PLENUM):
         total += flows[i]
         if OWN_PLENUMS > 0 and PLENUM[i] >= FIRST_OWN:
+            continue
+        if OPENED == 1:
+            if HOLDS[i] * E[E_AREAS + i] * own[OPENING + i] > max(widest, ALL_BUT_SHUT * E[E_AREAS + i]):
+                widest = E[E_AREAS + i] * own[OPENING + i]
+                port = i
             continue
         if E[E_AREAS + i] > widest:
             widest = E[E_AREAS + i]

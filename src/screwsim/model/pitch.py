@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.machine.geometry import Geometry
 from screwsim.model.run import Machinery
 from screwsim.numerics.rodas import dense_value
 from screwsim.numerics.spline import pack_curve
@@ -25,7 +24,7 @@ class Pitch(NamedTuple):
 
     angle (points,) [rad] of the youngest chamber; pressure (points, chambers) [Pa]; slope dV/dφ and its part that the
     male rotor displaces, known of rotors only (points, chambers) [m³/rad]; low_pressure [Pa]: that of the lower line,
-    around the rotors; torque_mean [N m]: indicated power over ω.
+    around the rotors; torque_mean [N m]: indicated power over ω; high_pressure [Pa]: that of the higher line.
     """
 
     angle: Array
@@ -34,9 +33,12 @@ class Pitch(NamedTuple):
     male_slope: Array | None
     low_pressure: float
     torque_mean: float
+    high_pressure: float
 
 
-def pitch_of(machinery: Machinery, geometry: Geometry, low_pressure: float, torque_mean: float) -> Pitch:
+def pitch_of(
+    machinery: Machinery, geometry: Any, low_pressure: float, torque_mean: float, high_pressure: float
+) -> Pitch:
     """Return the pitch of the last history."""
     angle = np.arange(POINTS) * (geometry.pitch / POINTS)
     grid = angle[:, None] + geometry.pitch * np.arange(geometry.chambers)
@@ -46,11 +48,11 @@ def pitch_of(machinery: Machinery, geometry: Geometry, low_pressure: float, torq
     theta = (grid - times[step]) / (times[step + 1] - times[step])
     pressure = np.asarray(dense_value(theta, *(dense[step, row, column] for row in range(4))))
     slope, male = _slopes(geometry)
-    return Pitch(angle, pressure, slope, male, low_pressure, torque_mean)
+    return Pitch(angle, pressure, slope, male, low_pressure, torque_mean, high_pressure)
 
 
 @lru_cache(maxsize=16)
-def _slopes(geometry: Geometry) -> tuple[Array, Array | None]:
+def _slopes(geometry: Any) -> tuple[Array, Array | None]:
     """Return dV/dφ of all chambers over a pitch [m³/rad], and the male rotor's part of it where rotors are known."""
     law = geometry.volume_law()
     TAB, start = np.zeros(1), {}

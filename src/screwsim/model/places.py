@@ -25,9 +25,11 @@ from screwsim.model.slots import (
     N_PLENUM,
     OIL_RATIO,
     OIL_TEMPERATURE,
+    OWN_STATES,
     P_INJECTION,
     PHASES,
     PLACE,
+    POSITIVE,
     PRESSURE,
     R_SUCTION,
     TPT,
@@ -47,6 +49,7 @@ from screwsim.numerics.rodas import dense_coefficients, dense_value
 
 STEP = 1e-7  # relative step of the differences of smooth state functions
 
+SHARP = 0.01  # of its scale: an effect's own state below it errs as if it were that large; valves amplify errors
 SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: dry gas that meets oil takes it at once
 BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
 IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
@@ -172,6 +175,8 @@ def relative_error(y0, y1, error, at, place, row):
     worst = 0.0
     for i in range(N):
         least = SOME_OIL if i == 3 else 1e-300
+        if OWN_STATES > 0 and i >= N - OWN_STATES:
+            least = 1e-300 if POSITIVE[i - (N - OWN_STATES)] == 1 else SHARP
         e = abs(error[at + i]) / max(abs(y0[at + i]), abs(y1[at + i]), least)
         if i == 0:
             e *= max(1.0, place[row + TPT] / place[row + PRESSURE])
@@ -187,6 +192,10 @@ def relative_error(y0, y1, error, at, place, row):
         return IMPOSSIBLE
     if CARRIED == 1 and not (y1[at + 3] > -NO_OIL):
         return IMPOSSIBLE
+    if OWN_STATES > 0:
+        for i in range(OWN_STATES):
+            if POSITIVE[i] == 1 and not (y1[at + N - OWN_STATES + i] > 0.0):
+                return IMPOSSIBLE
     return worst
 
 
@@ -220,6 +229,8 @@ def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol):
 @kernel
 def perturbation(y, at, j):
     """Return the step by which state j is changed for differences of smooth functions."""
+    if OWN_STATES > 0 and j >= N - OWN_STATES:
+        return STEP * (abs(y[at + j]) + 1.0)
     if j == 3:
         return STEP * (abs(y[at + 3]) + 1e-3)
     return STEP * abs(y[at + j])

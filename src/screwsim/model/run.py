@@ -40,7 +40,8 @@ class Machinery:
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
         work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + composition.first_stream)
-        self._spaces = (np.zeros(self.columns), np.append(np.zeros(PLACE), FREE), work)
+        own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(len(composition.plenum_paths))])
+        self._spaces = (np.zeros(self.columns), own, work)
         self.counts = np.zeros(4, np.int64)
         self._together: dict[str, Any] = {}
         self._warm: set[str] = set()
@@ -204,6 +205,8 @@ class Machinery:
 
         `inset` [rad] is left out at both ends: where the speed's course does not repeat, it jumps there.
         """
+        if self.alone:
+            return self._scipy_turn(y, rtol, h) if self.integrator in METHODS else self.turn(y, rtol, h)
         if "all" not in self._warm:
             with self._compiling("all"):
                 self._pitch(y.copy(), 1e-2, h)
@@ -211,6 +214,52 @@ class Machinery:
         if self.integrator in METHODS:
             return self._scipy_pitch(y, rtol, h)
         return self._pitch(y, rtol, h, inset)
+
+    @property
+    def alone(self) -> bool:
+        """Is there one chamber at a time? Its life is the pitch, and its own driver integrates it."""
+        return self.composition.chambers == 1
+
+    def _scipy_turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+        """Do what `turn` does with one of scipy's integrators; a loose own turn gives the quadratures' scale."""
+        _, _, _, q_scale = self.turn(y.copy(), 1e-3, h)
+        c, module, context, own = self.composition, self.module, self.context, self._spaces[1]
+        E, E_next, f, g = np.empty(c.n_E), np.empty(c.n_E), np.empty(self.n), np.empty(self.nq)
+        J, Jq, f_phi, g_phi = (
+            np.empty((self.n, self.n)),
+            np.empty((self.nq, self.n)),
+            np.empty(self.n),
+            np.empty(self.nq),
+        )
+
+        def rates(phi: float, middle: float, state: Array) -> Array:
+            self.watch()
+            module.chamber__surroundings(phi, middle, context, E)
+            own[PLACE] = FREE
+            module.chamber__rates(np.ascontiguousarray(state), E, context, f, g)
+            return np.concatenate([f, g])
+
+        def jacobian(phi: float, middle: float, state: Array) -> Array:
+            module.chamber__surroundings(phi, middle, context, E)
+            module.chamber__surroundings(phi + 1e-6, middle, context, E_next)
+            z = np.ascontiguousarray(state)
+            module.chamber__jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
+            return np.vstack([J, Jq])
+
+        end, q, path = integrate(rates, jacobian, c.knots, y, self._scales(q_scale), rtol, self.integrator)
+        y[:] = end
+        steps = len(path.dense)
+        self.counts += np.array([steps, 0, path.calls, path.jacobians])
+        self.histories[1] = self._history(max(steps, self.max_steps), self.columns, self.nq)
+        times, dense, quads = self.histories[1]
+        times[: steps + 1], dense[:steps, :, : self.n] = path.times, path.dense
+        self.kept[0] = steps
+        at = int(np.searchsorted(times[: steps + 1], c.P[P_INJECTION] - 1e-9))
+        if at < steps:  # nothing jumps there: what is noted is the trapped mass
+            module.chamber__inject(dense[at, 0, : self.n].copy(), 0, c.P, c.TAB, self.R)
+        module.places__places_along(dense, steps, context)
+        module.trace__work_along(times, dense, quads, steps, context)
+        return int(path.message != ""), path.times[-1], h, q
 
     def _scipy_pitch(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
         """Do what `_pitch` does with one of scipy's integrators; a loose own pitch gives the quadratures' scale."""
@@ -290,6 +339,10 @@ class Machinery:
 
     def install_coupled(self) -> None:
         """Turn the last pitch of all chambers into the history of one chamber's life."""
+        if self.alone:
+            if self.kept[0] > 0:
+                self.swap()
+            return
         space, c = self._coupled_space(), self.composition
         times, dense, _ = space["history"]
         steps = int(space["kept"][0])

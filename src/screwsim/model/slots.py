@@ -8,7 +8,9 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `wall_state(i, T, m, p, rho, V, phi, P)` → (conductance between gas and wall i [W/K], its temperature [K]),
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p,
-`gap_share(i, flux, density, oil_ratio, P)` → share of a nozzle's flux [kg/(m² s)] that gap i lets pass.
+`gap_share(i, flux, density, oil_ratio, P)` → share of a nozzle's flux [kg/(m² s)] that gap i lets pass,
+`state_rate(i, T, m, p, rho, V, phi, p_suction, p_discharge, y, at, P)` → change [1/s] of an effect's own state i,
+`path_opening(i, drop, width, y, at, P)` → open share of plenum path i at a pressure difference into the chamber.
 
 Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), PHASES (0 or
 1: can it have two phases), N_HEATS (heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass),
@@ -16,8 +18,9 @@ OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge, f
 and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
-ports), VOLUMED (1: oil takes room), RESISTED (1: gaps hold flow back), WALLS (how many exchange heat with the gas),
-CATEGORIES, Q_STREAMS, and the indices into P that move with them.
+ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE is
+a constant, too), OPENED (1: openings depend on states; then HOLDS is one, too), RESISTED (1: gaps hold flow back), WALLS
+(how many exchange heat with the gas), CATEGORIES, Q_STREAMS, and the indices into P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -42,6 +45,8 @@ wall_state: Any = Slot("wall_state")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
 gap_share: Any = Slot("gap_share")
+state_rate: Any = Slot("state_rate")
+path_opening: Any = Slot("path_opening")
 
 N: Any = Slot("N")
 VARIES: Any = Slot("VARIES")
@@ -57,12 +62,16 @@ GAP_OFFSET: Any = Slot("GAP_OFFSET")
 N_OFFSETS: Any = Slot("N_OFFSETS")
 OFFSETS: Any = Slot("OFFSETS")
 CHAMBERS: Any = Slot("CHAMBERS")
+HOLDS: Any = Slot("HOLDS")
+POSITIVE: Any = Slot("POSITIVE")
 
 OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
 PORTED: Any = Structure("PORTED")
 VOLUMED: Any = Structure("VOLUMED")
 WALLS: Any = Structure("WALLS")
 RESISTED: Any = Structure("RESISTED")
+OWN_STATES: Any = Structure("OWN_STATES")
+OPENED: Any = Structure("OPENED")
 
 # P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
 P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)
@@ -82,6 +91,7 @@ PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE
 PLACE = 10
 BEYOND = 1000  # + i: gap i beyond the last chamber, as a number of a plenum
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
+OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, the opening of each plenum path
 FREE = -1.0  # phase of a chamber whose state tells it; else it is held until the integrator's step is accepted
 
 # R: what changes while the cycle is closed: the two plenums (places), then what happens at the injection angle;

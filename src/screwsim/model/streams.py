@@ -26,6 +26,7 @@ from screwsim.model.slots import (
     HEATED,
     OIL_RATIO,
     OIL_TEMPERATURE,
+    OWN_STATES,
     P_C_OIL,
     P_OMEGA,
     P_ROOM,
@@ -34,13 +35,17 @@ from screwsim.model.slots import (
     Q_HEAT,
     Q_WALLS,
     Q_WORK,
+    R_DISCHARGE,
     R_RATIO,
+    R_SUCTION,
     SUCTION_IN,
     TPT,
     VOLUMED,
     WALLS,
+    N,
     gap_share,
     heat_rates,
+    state_rate,
     wall_state,
 )
 from screwsim.numerics.kernel import kernel
@@ -218,6 +223,13 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
         warmth = from_walls(T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], P, g)
         heat += warmth
         g[Q_HEAT] -= warmth / omega
+    if OWN_STATES > 0:
+        p = place[row + PRESSURE]
+        p_s = R[R_SUCTION + PRESSURE]
+        p_d = R[R_DISCHARGE + PRESSURE]
+        for i in range(OWN_STATES):
+            rate = state_rate(i, T, m, p, rho, E[e + E_VOLUME], E[e + E_ANGLE], p_s, p_d, y, at, P)
+            f[at + N - OWN_STATES + i] = rate / omega
     if VOLUMED == 0:
         f[at] = temperature_slope(
             T,

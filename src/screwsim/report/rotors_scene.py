@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
+from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import Interface, Laid, lay
 from screwsim.machine.profile_tables import Table
 from screwsim.machine.rotors.curves import Curve
@@ -31,18 +32,21 @@ _TABLE_NOTE = """\
 
 def laid_of(scene: Scene) -> Laid:
     """Return the curves of a scene's rotors; raise UsageError when its volume has another law."""
-    law = scene.machine.volume.law
+    if scene.machine.kind != TWIN_SCREW:
+        what = f"machine.kind is {scene.machine.kind}: there are no rotors (name a scene of a {TWIN_SCREW})"
+        raise UsageError(what)
+    law = twin_screw(scene.machine).volume.law
     if law != "profile":
         what = f"machine.volume.law is {law}: there are no rotors (write machine.profile and law: profile)"
         raise UsageError(what)
-    return lay(scene.machine)
+    return lay(twin_screw(scene.machine))
 
 
 def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
     """Return {name: (value [SI], unit, meaning)}: of the rotors, and of their place on the scene's angle axis."""
     laid = laid_of(scene)
     rotors, own = laid.rotors, laid.rotors.coefficients()
-    ratio = float(scene.machine.built_in_volume_ratio or 0.0)
+    ratio = float(twin_screw(scene.machine).built_in_volume_ratio or 0.0)
     longest = {path.name: float(path.curve.value.max()) for path in laid.curves.paths}
     own["male_tip_length"] = (longest["male_tip"], "m", "longest part of a male tip that seals on the bore at once")
     own["female_tip_length"] = (longest["female_tip"], "m", "the same of a female tip")
@@ -94,7 +98,7 @@ def document(scene: Scene, files: list[str]) -> dict[str, Any]:
 def write(scene: Scene, folder: Path) -> list[str]:
     """Write figures, profiles, page and the tables with their scene; return all paths."""
     laid = laid_of(scene)
-    written = draw_rotors(laid.rotors, float(scene.machine.built_in_volume_ratio or 0.0), folder)
+    written = draw_rotors(laid.rotors, float(twin_screw(scene.machine).built_in_volume_ratio or 0.0), folder)
     tables = folder / "table"
     make_folder(tables)
     texts = {folder / "rotors.html": page(laid, scene.title)}
@@ -141,7 +145,7 @@ def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
 
 
 def _tabled(scene: Scene, laid: Laid, folder: Path) -> Any:
-    machine = scene.machine
+    machine = twin_screw(scene.machine)
     volume = replace(
         machine.volume,
         law="table",

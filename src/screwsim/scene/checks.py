@@ -8,8 +8,7 @@ from typing import Any
 
 from screwsim.faults import Fault, UsageError
 from screwsim.fluid.oils import OILS
-from screwsim.machine.profile_law import check_profile_law
-from screwsim.machine.settings import check_twin_screw
+from screwsim.machine.kinds import SLIDER_CRANK, check_machine
 from screwsim.scene.fields import leaf_paths
 from screwsim.scene.operation import check_operation
 from screwsim.scene.types import Scene
@@ -24,14 +23,22 @@ def cross_check(scene: Scene) -> list[Fault]:
     """Return the faults of a scene, or of one case of its grid, whose fields are each valid."""
     operation = check_operation(scene)
     return [
-        *check_twin_screw(scene.machine),
-        *check_profile_law(scene.machine),
+        *check_machine(scene.machine),
         *operation,
         *([] if operation else _expander(scene)),
+        *_dry(scene),
         *_oil(scene),
         *_oil_supply(scene),
         *_effects(scene),
     ]
+
+
+def _dry(scene: Scene) -> Iterator[Fault]:
+    """Yield the oil of a machine into which none is injected."""
+    if scene.machine.kind == SLIDER_CRANK:
+        for name in ("oil", "oil_supply"):
+            if getattr(scene, name) is not None:
+                yield Fault(name, "belongs to machine.kind: twin_screw; no oil is injected into a cylinder (remove it)")
 
 
 def _expander(scene: Scene) -> Iterator[Fault]:
@@ -105,6 +112,10 @@ def _effects(scene: Scene) -> Iterator[Fault]:
     lacking = [name for name in ("oil", "oil_supply") if getattr(scene, name) is None]
     for name, active in scene.effects.items():
         path = f"effects.{name}"
+        if scene.machine.kind not in active.effect.machines:
+            fitting = " or ".join(active.effect.machines)
+            yield Fault(path, f"belongs to machine.kind: {fitting} (remove the effect, or change the machine)")
+            continue
         if name in ("suction_port", "discharge_port") and getattr(scene.machine, name) is None:
             yield Fault(path, f"needs the section machine.{name} (write it, or remove the effect)")
         if active.effect.needs_oil and lacking:
@@ -115,7 +126,8 @@ def _effects(scene: Scene) -> Iterator[Fault]:
 
 def check_files(scene: Scene) -> list[Fault]:
     """Return the faults of the curve files that a scene names: not there, not readable, not a curve."""
-    leaves = leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()})
+    parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
+    leaves = leaf_paths(parameters, scene.machine.kind)
     faults = []
     for path in (path for path, leaf in leaves.items() if leaf.kind == "file" and path not in READ_ELSEWHERE):
         name = value_at(scene, path)

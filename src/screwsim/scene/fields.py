@@ -12,11 +12,13 @@ from functools import cache
 from typing import Any
 
 from screwsim.declare import KINDS, Kind
+from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 
 APART = ("effects", "sweep", "joints", "text", "folder")  # parts of a scene that are not plain sections
 SWEEPABLE = {*KINDS, "number", "count", "choice"}
+FIXED = {"machine.kind"}  # another kind is another scene
 
 
 @dataclass(frozen=True)
@@ -68,15 +70,21 @@ def _describe(cls: type, item: Any, hint: Any) -> Leaf | Section:
         return Leaf(meta["kind"], meta["doc"], item.default, meta["limits"])
     optional = isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
     inner = [part for part in typing.get_args(hint) if part is not type(None)] if optional else [hint]
-    if len(inner) != 1 or not dataclasses.is_dataclass(inner[0]):
+    if not inner or not all(dataclasses.is_dataclass(part) for part in inner):
         raise TypeError(f"{cls.__module__}.{cls.__name__}.{item.name} is not declared (use screwsim.declare)")
     defaulted = item.default is not dataclasses.MISSING and item.default is not None
     return section_of(typing.cast(type, inner[0]), not optional and not defaulted)
 
 
-def scene_section() -> Section:
-    """Return the sections of a scene without `effects` and `sweep`."""
-    return section_of(Scene)
+@cache
+def scene_section(kind: str = TWIN_SCREW) -> Section:
+    """Return the sections of a scene with that kind of machine, without `effects` and `sweep`."""
+    section, machine = section_of(Scene), section_of(MACHINES[kind])
+    named = machine.fields["kind"]
+    assert isinstance(named, Leaf)
+    every = dataclasses.replace(named, limits={**named.limits, "options": tuple(MACHINES)})
+    machine = dataclasses.replace(machine, fields={**machine.fields, "kind": every})
+    return dataclasses.replace(section, fields={**section.fields, "machine": machine})
 
 
 def _leaves(section: Section, path: str) -> Iterable[tuple[str, Leaf]]:
@@ -88,19 +96,27 @@ def _leaves(section: Section, path: str) -> Iterable[tuple[str, Leaf]]:
             yield from _leaves(item, f"{below}.")
 
 
-def leaf_paths(parameters: Mapping[str, type]) -> dict[str, Leaf]:
-    """Return {dotted path: leaf} of a scene with the given effects ({name: type of their parameters})."""
-    found = dict(_leaves(scene_section(), ""))
+def leaf_paths(parameters: Mapping[str, type], kind: str = TWIN_SCREW) -> dict[str, Leaf]:
+    """Return {dotted path: leaf} of a scene with that kind of machine and the given effects.
+
+    `parameters` is {name: type of their parameters}.
+    """
+    found = dict(_leaves(scene_section(kind), ""))
     for name, cls in parameters.items():
         found.update(_leaves(section_of(cls), f"effects.{name}."))
     return found
 
 
-def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] = ()) -> Leaf:
+def varies(path: str, leaf: Leaf) -> bool:
+    """Tell whether an input may be varied by a sweep."""
+    return leaf.kind in SWEEPABLE and path not in FIXED
+
+
+def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] = (), kind: str = TWIN_SCREW) -> Leaf:
     """Return the leaf of a path that may be varied; raise `Refused`. `known` are names of effects not active."""
-    leaves = leaf_paths(parameters)
+    leaves = leaf_paths(parameters, kind)
     leaf = leaves.get(path)
-    if leaf is not None and leaf.kind in SWEEPABLE:
+    if leaf is not None and varies(path, leaf):
         return leaf
     if leaf is not None:
         raise Refused("cannot be varied (only quantities, numbers and choices can)")
@@ -111,7 +127,7 @@ def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] =
     below = [name for name in leaves if name.startswith(f"{path}.")]
     if below:
         raise Refused(f"is a section, not a value (write e.g. {below[0]})")
-    options = [name for name, item in leaves.items() if item.kind in SWEEPABLE]
+    options = [name for name, item in leaves.items() if varies(name, item)]
     raise Refused(unknown(path, options, "a dotted path as in the scene"))
 
 

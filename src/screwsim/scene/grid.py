@@ -128,7 +128,8 @@ def _replaced(part: Any, names: list[str], value: Any) -> Any:
 def leaf_of(scene: Scene, path: str) -> Leaf:
     """Return the description of an input of this scene that may be varied; raise `UsageError` with the nearest path."""
     try:
-        leaf = sweep_leaf(path, {name: type(active.parameters) for name, active in scene.effects.items()}, catalogue())
+        parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
+        leaf = sweep_leaf(path, parameters, catalogue(), scene.machine.kind)
     except Refused as refusal:
         raise UsageError(f"{path}: {refusal}") from None
     parent = path.rpartition(".")[0]

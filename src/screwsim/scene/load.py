@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from screwsim.effects import catalogue
 from screwsim.faults import Fault, SceneError, UsageError
+from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import scene_section
 from screwsim.scene.sections import read_effects, read_section
@@ -182,11 +183,19 @@ def _remove(root: Node, without: Iterable[str]) -> Node:
     return replace(root, value={**root.value, "effects": replace(effects, value=named)})
 
 
+def _machine_kind(root: Node) -> str:
+    """Return the kind of machine that a tree names; the default where it names none, or none that there is."""
+    machine = root.value.get("machine")
+    named = machine.value.get("kind") if machine is not None and isinstance(machine.value, dict) else None
+    return named.value if named is not None and named.value in tuple(MACHINES) else TWIN_SCREW
+
+
 def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
-    scene = read_section(scene_section(), root, "", problems, also=("base", "effects", "sweep"))
+    kind = _machine_kind(root)
+    scene = read_section(scene_section(kind), root, "", problems, also=("base", "effects", "sweep"))
     effects = read_effects(root.value.get("effects"), problems)
-    sweep, joints = read_sweep(root.value.get("sweep"), root, effects, problems)
+    sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:
         return None
     scene = replace(scene, effects=effects, sweep=sweep, joints=joints, folder=folder)

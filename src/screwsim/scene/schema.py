@@ -6,9 +6,10 @@ from typing import Any
 
 from screwsim.declare import KINDS, Kind
 from screwsim.effects import catalogue
+from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.designs import KINDS as SAMPLES
 from screwsim.scene.designs import LARGEST_SAMPLE
-from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_section, section_of
+from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_section, section_of, varies
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of
 
@@ -31,6 +32,7 @@ def schema() -> dict[str, Any]:
     base = "another scene's file, whose paths this one changes"
     properties: dict[str, Any] = {"base": {"type": ["string", "null"], "description": base}}
     properties |= _section(section)["properties"]
+    properties["machine"] = _machine()
     properties["effects"] = {
         "type": ["object", "null"],
         "description": "an effect that is named is simulated, one that is not named is not",
@@ -49,10 +51,35 @@ def schema() -> dict[str, Any]:
         "additionalProperties": False,
         "anyOf": [{"required": ["base"]}, {"$ref": "#/$defs/complete"}],
         "$defs": {
-            "complete": _demands(section, effects),
+            "complete": _complete(effects),
             **{f"axis_{kind}": _axis(_example(kind)) for kind in sorted(SWEEPABLE - {"choice"})},
         },
     }
+
+
+def _machine() -> dict[str, Any]:
+    """Return the schema of a machine: that of one of its kinds."""
+    kinds = {kind: _section(_machine_section(kind)) for kind in MACHINES}
+    for kind, part in kinds.items():
+        part["properties"]["kind"] = {**part["properties"]["kind"], "enum": [kind, None], "default": kind}
+    return {"anyOf": list(kinds.values())}
+
+
+def _machine_section(kind: str) -> Section:
+    machine = scene_section(kind).fields["machine"]
+    assert isinstance(machine, Section)
+    return machine
+
+
+def _complete(effects: dict[str, Section]) -> dict[str, Any]:
+    """Return what a scene without a base must have; of the machine, by its kind."""
+    demands = _demands(scene_section(), effects)
+    machine = demands["properties"]["machine"]
+    for kind in MACHINES:
+        if kind != TWIN_SCREW:
+            named = {"properties": {"kind": {"const": kind}}, "required": ["kind"]}
+            machine = {"if": named, "then": _demands(_machine_section(kind)), "else": machine}
+    return {**demands, "properties": {**demands["properties"], "machine": machine}}
 
 
 def _section(section: Section) -> dict[str, Any]:
@@ -106,9 +133,11 @@ def _demands(section: Section, effects: dict[str, Section] | None = None) -> dic
 
 
 def _sweep() -> dict[str, Any]:
-    leaves = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
-    axes = {path: _axis_of(leaf) for path, leaf in leaves.items() if leaf.kind in SWEEPABLE}
-    over = {path: _span_of(leaf) for path, leaf in leaves.items() if leaf.kind in SWEEPABLE}
+    parameters = {name: effect.parameters for name, effect in catalogue().items()}
+    known = {path: leaf for kind in MACHINES for path, leaf in leaf_paths(parameters, kind).items()}
+    leaves = {path: leaf for path, leaf in known.items() if varies(path, leaf)}
+    axes = {path: _axis_of(leaf) for path, leaf in leaves.items()}
+    over = {path: _span_of(leaf) for path, leaf in leaves.items()}
     group = _paths(axes, "axes of equal length")
     zipped = {"description": "groups of axes whose values are taken side by side", "items": group, "minItems": 1}
     designs = {

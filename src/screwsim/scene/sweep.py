@@ -17,9 +17,9 @@ DESIGNS = ("zip", "sample")  # keys of a sweep that are no path
 
 
 def read_sweep(
-    node: Node | None, root: Node, active: Mapping[str, ActiveEffect], problems: list[Problem]
+    node: Node | None, root: Node, active: Mapping[str, ActiveEffect], kind: str, problems: list[Problem]
 ) -> tuple[Axes, tuple[Joint, ...]]:
-    """Return {path: values in SI} in the order of the file, and which paths vary together."""
+    """Return {path: values in SI} in the order of the file, and which paths vary together; `kind` of machine."""
     if node is None or node.value is None:
         return {}, ()
     if not isinstance(node.value, dict):
@@ -29,7 +29,7 @@ def read_sweep(
     parameters = {name: effect.effect.parameters for name, effect in active.items()}
 
     def leaf_of(path: str) -> Leaf:
-        leaf = sweep_leaf(path, parameters, catalogue())
+        leaf = sweep_leaf(path, parameters, catalogue(), kind)
         _refuse_absent_section(path, root)
         return leaf
 

@@ -9,7 +9,7 @@ from typing import Any
 from screwsim.declare import choice, number, quantity, word
 from screwsim.effects.base import Effect
 from screwsim.fluid.settings import GasSettings, OilSettings
-from screwsim.machine.settings import TwinScrew
+from screwsim.machine.kinds import Machine
 from screwsim.numerics.settings import NumericsSettings
 
 
@@ -47,7 +47,7 @@ class DischargeState:
 class Operation:
     """Speed, the surroundings, and the states of both lines: as pressures, or by saturation temperatures."""
 
-    speed: float = quantity("speed", "speed of the male rotor", gt=0.0)
+    speed: float = quantity("speed", "speed of the male rotor, or of the crank", gt=0.0)
     ambient_temperature: float = quantity(
         "temperature", "temperature T_0 of the surroundings, to which the ledger refers", 298.15, gt=0.0
     )
@@ -130,7 +130,7 @@ class Joint:
 class Scene:
     """One scene. `effects` keeps the order of the catalogue, whatever the order in the file."""
 
-    machine: TwinScrew
+    machine: Machine
     gas: GasSettings
     operation: Operation
     oil: OilSettings | None = None

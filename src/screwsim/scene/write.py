@@ -14,7 +14,7 @@ from screwsim.scene.values import text_of
 
 def scene_text(scene: Scene) -> str:
     """Return the YAML text that alone, beside its curve files, reproduces the scene; absent values are left out."""
-    lines = list(_section(scene_section(), scene, scene.folder, ""))
+    lines = list(_section(scene_section(scene.machine.kind), scene, scene.folder, ""))
     lines.append("effects:" if scene.effects else "effects: {}")
     for name, active in scene.effects.items():
         parameters = list(_section(section_of(type(active.parameters)), active.parameters, scene.folder, "    "))
@@ -24,7 +24,8 @@ def scene_text(scene: Scene) -> str:
 
 
 def _sweep(scene: Scene) -> Iterator[str]:
-    leaves = leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()})
+    parameters = {name: type(active.parameters) for name, active in scene.effects.items()}
+    leaves = leaf_paths(parameters, scene.machine.kind)
 
     def listed(path: str) -> str:
         return f"{path}: [{', '.join(_scalar(leaves[path], value, scene.folder) for value in scene.sweep[path])}]"

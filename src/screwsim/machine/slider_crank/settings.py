@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.declare import quantity
+from screwsim.declare import choice, quantity
 from screwsim.faults import Fault
 from screwsim.machine.slider_crank import kinematics
 
@@ -14,6 +14,8 @@ from screwsim.machine.slider_crank import kinematics
 class SliderCrank:
     """One cylinder: a piston on an offset slider-crank; its chamber lives one turn of the crank."""
 
+    kind: str = choice("kind of machine", ("slider_crank",), "slider_crank")
+    mode: str = choice("a cylinder is a compressor", ("compressor",), "compressor")
     bore: float = quantity("length", "bore of the cylinder", gt=0.0)
     crank_radius: float = quantity("length", "radius r of the crank", gt=0.0)
     rod_length: float = quantity("length", "length l of the connecting rod, between its pins", gt=0.0)
@@ -49,6 +51,21 @@ class SliderCrank:
     def clearance_ratio(self) -> float:
         """Clearance over swept volume, c."""
         return self.clearance / self.swept_volume
+
+    def symbols(self) -> dict[str, float]:
+        """Return the numbers [SI] that a kernel can ask for by name (docs/nomenclature.md)."""
+        return {
+            "bore": self.bore,
+            "stroke": self.stroke,
+            "piston_area": self.piston_area,
+            "crank_radius": self.crank_radius,
+            "rod_length": self.rod_length,
+            "clearance": self.clearance,
+        }
+
+    def surface_speed(self, omega: float) -> float:
+        """Return the speed that moves the gas [m/s]: the mean piston speed."""
+        return self.mean_speed(omega)
 
     def mean_speed(self, omega: float) -> float:
         """Return the mean piston speed [m/s] at a crank speed [rad/s]: two strokes a turn."""

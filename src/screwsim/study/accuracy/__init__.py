@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from screwsim.faults import SceneError, UsageError
+from screwsim.machine.kinds import TWIN_SCREW
 from screwsim.scene import Scene
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
@@ -38,7 +39,8 @@ def study(scene: Scene, extent: Extent | None = None, progress: Progress | None 
     """Return the study of a scene. Raises NoReference where no reference closes."""
     extent, progress = extent or Extent(), progress or Silent()
     cases, effects = all_cases(scene, extent), effect_names(scene)
-    jobs = 1 + len(cases) + len(extent.asked) + len(effects) + len(extent.points) + len(extent.lobes)
+    lobe_counts = extent.lobes if scene.machine.kind == TWIN_SCREW else ()
+    jobs = 1 + len(cases) + len(extent.asked) + len(effects) + len(extent.points) + len(lobe_counts)
     progress.start(jobs, 0)
 
     def counted(work: Callable, *arguments):
@@ -53,7 +55,7 @@ def study(scene: Scene, extent: Extent | None = None, progress: Progress | None 
         measured = [counted(references.measured, case) for case in cases]
         costs = [counted(effect_costs, scene, name, extent) for name in effects]
         points = [counted(sweep_times, scene, count) for count in extent.points]
-        lobes = [counted(lobe_times, scene, count, extent) for count in extent.lobes]
+        lobes = [counted(lobe_times, scene, count, extent) for count in lobe_counts]
     finally:
         progress.stop()
     bad = [(f"{each.size} male lobes", each.reason) for each in lobes if each.reason]

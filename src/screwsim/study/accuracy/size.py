@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from screwsim.machine.kinds import twin_screw
 from screwsim.scene import Scene, scene_text, with_values
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
@@ -43,7 +44,8 @@ def sweep_times(scene: Scene, points: int) -> Size:
 
 def lobe_times(scene: Scene, lobes: int, extent: Extent) -> Size:
     """Return the median time of one point with another number of male lobes, as many of the female rotor more."""
-    female = lobes + scene.machine.female_lobes - scene.machine.male_lobes
+    machine = twin_screw(scene.machine)
+    female = lobes + machine.female_lobes - machine.male_lobes
     other = with_values(scene, {"machine.male_lobes": lobes, "machine.female_lobes": female})
     faults = cross_check(other)
     if faults:

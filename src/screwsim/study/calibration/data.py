@@ -132,7 +132,8 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     if name in taken:
         raise Refused("is a parameter of the fit and cannot be a condition (remove one of the two)")
     if "." not in name:
-        leaves = leaf_paths({each: type(active.parameters) for each, active in scene.effects.items()})
+        parameters = {each: type(active.parameters) for each, active in scene.effects.items()}
+        leaves = leaf_paths(parameters, scene.machine.kind)
         raise Refused(unknown(name, [*PERFORMANCE, "name", "use", *leaves], "a scene path or a figure"))
     leaf = leaf_of(scene, name)
     if unit and leaf.dimension is None:

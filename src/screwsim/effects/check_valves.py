@@ -1,0 +1,71 @@
+"""Check valves: massless plates between cylinder and lines, which open where the pressure difference opens them.
+
+What: nozzle flow (M12) through the port's area times an opening that is 0 against the flow and 1 along it (S22).
+Source: ours; the limit of a valve without mass or spring.
+Assumptions: no lift to be passed through, no leakage when shut, the whole port is open above the width of the
+regularisation: between 0 and that width the opening rises by a C1 cubic, so that flow and slope are continuous. The
+width is that of the openings of the line (docs/numerics.md) and counts in the estimated error of every figure.
+Parameters: suction_area, discharge_area, flow_coefficient.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import Effect, FlowPath, Reading
+from screwsim.effects.valves import SIDES, port_area, valve_losses
+from screwsim.faults import Fault
+from screwsim.machine.kinds import SLIDER_CRANK
+from screwsim.numerics.kernel import kernel
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Areas of both ports."""
+
+    suction_area: float = quantity("area", "area of the suction valve's port", gt=0.0)
+    discharge_area: float = quantity("area", "area of the discharge valve's port", gt=0.0)
+    flow_coefficient: float = number("flow coefficient of both", 1.0, ge=0.0)
+
+
+@kernel
+def opening(drop, width, sign):
+    """Return the open share of a check valve at a pressure difference into the cylinder (S22)."""
+    x = sign * drop / width
+    if x <= 0.0:
+        return 0.0
+    return x * x * (3.0 - 2.0 * x) if x < 1.0 else 1.0
+
+
+def build(parameters: Parameters, machine) -> list[FlowPath | Reading]:
+    areas = {"suction": parameters.suction_area, "discharge": parameters.discharge_area}
+    paths = [
+        FlowPath(
+            to=side,
+            area=port_area,
+            values={"area": areas[side], "sign": sign},
+            flow_coefficient=parameters.flow_coefficient,
+            opening=opening,
+        )
+        for side, sign in SIDES.items()
+    ]
+    return [*paths, valve_losses()]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    if "reed_valves" in facts.effects:
+        return [Fault("effects.check_valves", "are simulated beside reed_valves, the same valves twice (remove one)")]
+    return []
+
+
+EFFECT = Effect(
+    name="check_valves",
+    title="ideal check valves between cylinder and both lines",
+    equations=("M12", "M13", "S22", "S24"),
+    source="ours",
+    parameters=Parameters,
+    build=build,
+    check=check,
+    machines=(SLIDER_CRANK,),
+)

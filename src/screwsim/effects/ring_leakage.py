@@ -1,0 +1,58 @@
+"""Ring leakage: gas past the piston rings, between cylinder and crankcase.
+
+What: nozzle flow (M12) through the rings' gap, both directions (S28).
+Source: nozzle through an equivalent area, as usual for ring packs (textbook).
+Assumptions: the crankcase is at the suction line's pressure, as in a hermetic shell or a vented crankcase, and what
+leaks into it comes back as suction gas of the line's state; one equivalent gap stands for the pack.
+Parameters: gap (of the joints and flanks, around the bore), or area; flow_coefficient.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.gap import GAP_FLOW_COEFFICIENT
+from screwsim.effects.valves import port_area
+from screwsim.faults import Fault
+from screwsim.machine.kinds import SLIDER_CRANK
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The equivalent gap of the ring pack."""
+
+    gap: float | None = quantity("length", "equivalent radial gap around the bore", None, gt=0.0)
+    area: float | None = quantity("area", "equivalent area, instead of gap", None, gt=0.0)
+    flow_coefficient: float = number("flow coefficient of the gap", GAP_FLOW_COEFFICIENT, ge=0.0)
+
+
+def build(parameters: Parameters, machine) -> list[FlowPath]:
+    area = parameters.area
+    if area is None:
+        area = math.pi * machine.settings.bore * (parameters.gap or 0.0)
+    coefficient = parameters.flow_coefficient
+    return [FlowPath("suction", port_area, {"area": area}, flow_coefficient=coefficient, narrow=True)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    path = "effects.ring_leakage"
+    if parameters.gap is None and parameters.area is None:
+        return [Fault(f"{path}.gap", "is missing (write e.g. gap: 3 um, or an area)")]
+    if parameters.gap is not None and parameters.area is not None:
+        return [Fault(f"{path}.area", "is given beside gap (remove one of the two)")]
+    return []
+
+
+EFFECT = Effect(
+    name="ring_leakage",
+    title="gas past the piston rings, to the crankcase at suction pressure",
+    equations=("M12", "M13", "S28"),
+    source="equivalent nozzle (textbook)",
+    parameters=Parameters,
+    build=build,
+    check=check,
+    machines=(SLIDER_CRANK,),
+)

@@ -1,0 +1,41 @@
+"""What valves of a cylinder share: their names, and the work that pressure beyond the lines costs.
+
+Source: ours; docs/slider-crank.md S24.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from screwsim.effects.base import Reading
+from screwsim.numerics.kernel import kernel
+
+SIDES = {"suction": 1.0, "discharge": -1.0}  # sign of the pressure difference into the chamber that opens a valve
+FIGURES = ("suction_valve_power", "discharge_valve_power")
+
+
+@kernel
+def port_area(phi, area):
+    """Return the area [m²] of a valve's port, which no angle changes."""
+    return area
+
+
+def valve_works(pitch) -> tuple[float, float]:
+    """Return the work [J] of a turn that pressure below suction costs, and pressure above discharge (S24)."""
+    under = np.maximum(pitch.low_pressure - pitch.pressure, 0.0) * np.maximum(pitch.slope, 0.0)
+    over = np.maximum(pitch.pressure - pitch.high_pressure, 0.0) * np.maximum(-pitch.slope, 0.0)
+    step = 2.0 * np.pi / len(pitch.angle)
+    return step * float(under.sum()), step * float(over.sum())
+
+
+def valve_losses() -> Reading:
+    """Return the reading of both valves' losses."""
+
+    def read(figures) -> Mapping[str, float | None]:
+        """Return the powers [W] that the valves cost (S24)."""
+        turns = figures.omega / (2.0 * np.pi)
+        return {name: turns * work for name, work in zip(FIGURES, valve_works(figures.pitch()), strict=True)}
+
+    return Reading(FIGURES, read)
