@@ -274,8 +274,10 @@ class Intake:
     returned: float = 0.0
 
 
-Part = FlowPath | Plenum | OilPort | OilRoom | ChamberState | HeatRate | PowerLoss | Reading | Shaft | Intake
-Part |= Made | Wall | Scaled
+Part = (
+    FlowPath | Plenum | OilPort | OilRoom | ChamberState | HeatRate | Wall | Made | Scaled
+    | PowerLoss | Reading | Shaft | Intake
+)  # fmt: skip
 
 
 class Around(NamedTuple):
