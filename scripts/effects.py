@@ -227,7 +227,36 @@ effects_gaps = {
         (),
     ),
 }
-ENTRIES: dict[str, Entry] = effects_ports | effects_gaps
+
+# ---- dissolved refrigerant -----------------------------------------------------------------------------------------
+
+
+def flash_change(one: Result, other: Result) -> str:
+    """Return what flashes, and what it costs."""
+    p, names = one.performance, ("volumetric_efficiency", "shaft_power", "isentropic_efficiency")
+    figures = ", ".join(f"{name.replace('_', ' ')} {percent(one, other, name)}" for name in names)
+    share = 100.0 * p.dissolved_gas_ratio / (1.0 + p.dissolved_gas_ratio)
+    return f"{share:.1f} % of the solution; flash {100.0 * p.flash_flow_ratio:.1f} % of the suction gas, {figures}"
+
+
+def soluble(T_separator: str) -> Entry:
+    """Return the entry of oil in equilibrium at a temperature of the separator."""
+    effect = f"effects.refrigerant_solubility={{separator_temperature: {T_separator}}}"
+    return Entry(
+        REAL,
+        ("effects.oil_injection={opens: 365 deg, closes: 455 deg}", effect),
+        ("refrigerant_solubility",),
+        "Grebner 1992",
+        "at 70 °C and 11.6 bar 19.0 % of the solution is gas",
+        flash_change,
+    )
+
+
+effects_solubility = {
+    "refrigerant_solubility": soluble("70 degC"),
+    "refrigerant_solubility, warmer": soluble("90 degC"),
+}
+ENTRIES: dict[str, Entry] = effects_ports | effects_gaps | effects_solubility
 
 
 def line(name: str, entry: Entry) -> str:

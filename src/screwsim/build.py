@@ -6,7 +6,18 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from screwsim.effects.base import Around, ChamberState, FlowPath, HeatRate, Made, Plenum, Site, Wall
+from screwsim.effects.base import (
+    Around,
+    ChamberState,
+    FlowPath,
+    HeatRate,
+    Made,
+    OilContent,
+    OilGas,
+    Plenum,
+    Site,
+    Wall,
+)
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -76,7 +87,14 @@ def build_parts(scene: Scene) -> Parts:
         oil=build_oil(scene),
         plenums={part.name: part.state(build_site(scene, gas)) for part in plenums},
         made={part.entry.name: part.guess(build_site(scene, gas)) for part in made},
+        oil_content=_oil_content(effects, scene, gas),
     )
+
+
+def _oil_content(effects: Mapping[str, list[Any]], scene: Scene, gas: IdealGas | RealGas) -> OilContent | None:
+    """Return what the oil brings dissolved; None where no effect declares it."""
+    parts = (part for items in effects.values() for part in items if isinstance(part, OilGas))
+    return next((part.content(build_site(scene, gas)) for part in parts), None)
 
 
 def _around(scene: Scene) -> Around:
@@ -108,7 +126,8 @@ def build_site(scene: Scene, gas: IdealGas | RealGas) -> Site:
     """Return what the state of an effect's own plenum can be made of."""
     at, effect = lines(scene), refrigerating_effect(scene)
     liquid = None if effect is None else suction_enthalpy(scene) - effect
-    return Site(gas, scene.gas.fluid, at.p_s, at.T_s, at.p_d, liquid, effect)
+    around = _around(scene)
+    return Site(gas, scene.gas.fluid, at.p_s, at.T_s, at.p_d, liquid, effect, around.T_oil, around.oil)
 
 
 def regularisation(scene: Scene) -> tuple[float, float, float]:

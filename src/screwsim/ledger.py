@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath, Intake, PowerLoss, Reading
+from screwsim.effects.base import FlowPath, Intake, OilGas, PowerLoss, Reading
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.intake import Suction
 from screwsim.model import ledger as kernels
@@ -297,12 +297,29 @@ def _oil(book: _Book, cycle: Cycle, paths: Array, heats: Array, sums: Array) -> 
     book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
     if c.ported:
         book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
+    dissolved = _flash(book, cycle, sums)
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:
-        return mechanical + _carried(book, cycle, paths)
+        return dissolved + mechanical + _carried(book, cycle, paths)
     if c.heats:
         return mechanical + _not_carried(book, cycle, paths, sums)
     return mechanical
+
+
+def _flash(book: _Book, cycle: Cycle, sums: Array) -> float:
+    """Enter the gas that flashes out of the oil; return the exergy [W] by which it is less than that gas (M197)."""
+    content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
+    if content is None:
+        return 0.0
+    for name, items in cycle.parts.effects.items():
+        if any(isinstance(part, OilGas) for part in items):
+            book.add(
+                name,
+                gas=flashed,
+                energy=flashed * content.latent,
+                entropy=float(sums[kernels.FLASH_GENERATED]),
+            )
+    return flashed * content.latent * (1.0 - cycle.T_0 / cycle.parts.oil.temperature)
 
 
 def _throttled(cycle: Cycle) -> float:

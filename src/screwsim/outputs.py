@@ -103,6 +103,9 @@ PERFORMANCE = {
     "economizer_flow_ratio": Variable("1", "economizer flow over net suction flow"),
     "economizer_draw_ratio": Variable("1", "vapour that the economizer's port draws over that which the liquid makes"),
     "economizer_capacity_gain": Variable("1", "cooling capacity that the economizer adds, at the same suction flow"),
+    "dissolved_gas_ratio": Variable("1", "refrigerant dissolved in the injected oil, per oil"),
+    "flash_mass_flow": Variable("kg s-1", "refrigerant that flashes out of the injected oil"),
+    "flash_flow_ratio": Variable("1", "refrigerant that flashes out of the oil, over net suction flow"),
     "liquid_injection_mass_flow": Variable("kg s-1", "net flow of injected liquid"),
     "liquid_injection_flow_ratio": Variable("1", "injected liquid over net suction flow"),
 }

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects.base import PowerLoss, Reading
+from screwsim.effects.base import Plenum, PowerLoss, Reading
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.close import Array, discharge_enthalpy
 from screwsim.model.compose import Parts
@@ -198,8 +198,9 @@ def figures(
 
 
 def _drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
-    """Return the net flow [kg/s] from each own plenum, and its state."""
-    rows = ((2 * parts.number(name), state) for name, state in parts.plenums.items())
+    """Return the net flow [kg/s] from each own plenum whose gas is a product, and its state."""
+    products = {part.name for _, part in parts.all(Plenum) if part.product}
+    rows = ((2 * parts.number(name), state) for name, state in parts.plenums.items() if name in products)
     return [(float(streams[i, 0] + streams[i + 1, 0]) * rate, state) for i, state in rows]
 
 

@@ -119,6 +119,7 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
     if (
         supply is not None
         and supply.kind == "pump"
+        and solution.parts.oil_port is None
         and found.oil_ratio
         and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9) + closing.LEAST_OIL
     ):

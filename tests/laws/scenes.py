@@ -56,6 +56,16 @@ OIL_PORT = {
     "oil_supply": {"kind": "displacement", "temperature": "293 K", "orifice_diameter": "6 mm"},
     "effects.oil_injection": {"opens": "365 deg", "closes": "455 deg"},
 }
+PUMPED_PORT: dict[str, Any] = {
+    "oil.transport": "carried",
+    "effects.oil_injection": {"opens": "365 deg", "closes": "455 deg"},
+}
+SOLUBLE: dict[str, Any] = {
+    **PUMPED_PORT,
+    "oil_supply.ratio": 1,
+    "oil_supply.temperature": "325 K",
+    "effects.refrigerant_solubility": {"separator_temperature": "345 K"},
+}
 OIL_VOLUME: dict[str, Any] = {"oil.transport": "carried", "effects.oil_volume": {}}
 FRICTION = {"model": "nozzle_friction", "passage": "2 mm", "flow_coefficient": 1}
 HELD_GAPS: dict[str, Any] = {  # one gap of each flow model

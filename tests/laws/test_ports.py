@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, TOGETHER, make, run
+from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, PUMPED_PORT, TOGETHER, make, run
 
 from screwsim import load
 from screwsim.faults import SceneError
@@ -152,9 +152,9 @@ def test_nothing_flows_into_the_bore_when_the_chamber_is_above_it():
     [
         ({**OIL_PORT, "oil.transport": "paper"}, "effects.oil_injection", "oil.transport: carried"),
         (
-            {"oil.transport": "carried", "effects.oil_injection": {"opens": "365 deg", "closes": "455 deg"}},
-            "oil_supply",
-            "",
+            {**PUMPED_PORT, "effects.oil_injection.pressure_loss": "1 bar"},
+            "effects.oil_injection.pressure_loss",
+            "effects.oil_pump",
         ),
         ({**OIL_VOLUME, "oil.transport": "paper"}, "effects.oil_volume", "oil.transport: carried"),
         ({**ECONOMIZER, "effects.economizer.closes": "390 deg"}, "effects.economizer.closes", "20 deg"),

@@ -84,7 +84,8 @@ class Site:
 
     `gas` is the gas model (`screwsim.fluid.real_gas`, `ideal_gas`), `fluid` its CoolProp name; `liquid_enthalpy` is
     that of the real fluid's liquid behind the condenser, `refrigerating_effect` what it takes up in the evaporator
-    (M43): None where the scene does not state evaporating and condensing temperature.
+    (M43): None where the scene does not state evaporating and condensing temperature. `T_oil` is that of the oil's
+    supply, `oil` has its properties there.
     """
 
     gas: Any
@@ -94,6 +95,8 @@ class Site:
     p_d: float
     liquid_enthalpy: float | None
     refrigerating_effect: float | None
+    T_oil: float | None = None
+    oil: OilProperties | None = None
 
 
 @dataclass(frozen=True)
@@ -122,6 +125,27 @@ class Plenum:
     name: str
     state: Callable[[Site], Reservoir]
     figures: Callable[[Drawn], Mapping[str, float | None]] | None = None
+    product: bool = True  # does what it gives count as gas that the machine compresses (M101)
+
+
+@dataclass(frozen=True)
+class OilGas:
+    """Gas that oil from a port brings dissolved, and that flashes where it enters (M196). Needs an oil port.
+
+    `content(site)` returns what flashes of a kilogram of oil by the chamber's pressure, and what heat that takes from
+    the oil; the gas has the state of the `plenum`, which the same effect declares.
+    """
+
+    plenum: str
+    content: Callable[[Site], OilContent]
+
+
+class OilContent(NamedTuple):
+    """What flashes [kg per kg of oil] over pressure [Pa], and the heat [J/kg] that it takes from the oil."""
+
+    pressure: Any
+    flashed: Any
+    latent: float
 
 
 @dataclass(frozen=True)
@@ -130,7 +154,8 @@ class OilPort:
 
     `flow` returns oil [kg/s] into a chamber at angle `phi` [rad] and pressure `p` [Pa], 0 where it does not face the
     port; `width` [Pa] is that below which pressure differences may be smoothed. `pressure_loss` [Pa] lies between the
-    oil's source and the bore, `closes` [rad] is where the injection ends. Needs oil.transport: carried.
+    oil's source and the bore, `closes` [rad] is where the injection ends. Needs oil.transport: carried. Where a pump
+    feeds it, `pumped` returns the oil [kg/s] per gas [kg] that a chamber traps, by angle alone, for a ratio of one.
     """
 
     flow: Kernel
@@ -138,6 +163,7 @@ class OilPort:
     closes: float
     knots: Sequence[float] = ()
     pressure_loss: float = 0.0
+    pumped: Kernel | None = None
 
 
 @dataclass(frozen=True)
@@ -275,7 +301,7 @@ class Intake:
 
 
 Part = (
-    FlowPath | Plenum | OilPort | OilRoom | ChamberState | HeatRate | Wall | Made | Scaled
+    FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | HeatRate | Wall | Made | Scaled
     | PowerLoss | Reading | Shaft | Intake
 )  # fmt: skip
 

@@ -1,11 +1,12 @@
-"""Oil injection: the displaced oil enters through a bore while the chamber faces it, not all at 360°.
+"""Oil injection: the oil enters through a bore while the chamber faces it, not all at 360°.
 
-What: orifice flow (M30) of the oil supply's bore under the pressure difference between the separator, less the loss of
-the line, and the chamber at that angle (M104); the oil mixes into the chamber continuously (M105).
+What: of displaced oil, orifice flow (M30) of the oil supply's bore under the pressure difference between the separator,
+less the loss of the line, and the chamber at that angle (M104); of pumped oil, what the pump displaces, whatever the
+chamber's pressure (M194). The oil mixes into the chamber continuously (M105).
 Source: orifice: Lichtarowicz et al. 1965; the window and its ramps are ours.
 Assumptions: quasi-steady; a check valve keeps gas out of the oil line, so nothing flows back; one bore sees one chamber
 while it passes, so a window is as long as a lobe pitch of the rotor on whose side the bore lies.
-Parameters: opens, closes, pressure_loss; diameter, length and number of bores, temperature of the oil: oil_supply.
+Parameters: opens, closes, pressure_loss (displaced oil); bores or the pump's ratio, temperature of the oil: oil_supply.
 """
 
 from __future__ import annotations
@@ -56,20 +57,26 @@ def flow(
     return share * smooth_orifice_flow(dp, width, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count)
 
 
+@kernel
+def pumped(phi, opens, closes, omega):
+    """Return the oil [kg/s] of a pump at phi [rad], per gas trapped [kg], for a ratio of one (M194)."""
+    return omega * ramp(phi, opens, opens + RAMP, closes - RAMP, closes) / (closes - opens - RAMP)
+
+
 def build(parameters: Parameters, machine) -> list[OilPort]:
     values = {
         "opens": parameters.opens,
         "closes": parameters.closes,
         "pressure_loss": parameters.pressure_loss,
     }
-    return [OilPort(flow, values, parameters.closes, window_knots(parameters), parameters.pressure_loss)]
+    return [OilPort(flow, values, parameters.closes, window_knots(parameters), parameters.pressure_loss, pumped)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
     faults = list(check_window(NAME, parameters, facts))
-    if facts.oil_supply.kind != "displacement":
-        what = "takes the bore of oil_supply.kind: displacement; a pump's ratio is injected at one angle"
-        faults.append(Fault(f"effects.{NAME}", f"{what} (write kind: displacement and a bore, or remove the effect)"))
+    if facts.oil_supply.kind == "pump" and parameters.pressure_loss > 0.0:
+        what = "is the loss of displaced oil; with oil_supply.kind: pump the pump pays it"
+        faults.append(Fault(f"effects.{NAME}.pressure_loss", f"{what} (write it under effects.oil_pump)"))
     if facts.oil.transport != "carried":
         faults.append(Fault(f"effects.{NAME}", "needs oil.transport: carried (write that, or remove the effect)"))
     return faults
@@ -78,7 +85,7 @@ def check(parameters: Parameters, facts) -> list[Fault]:
 EFFECT = Effect(
     name=NAME,
     title="oil enters through a bore while the chamber faces it",
-    equations=("M30", "M104", "M105"),
+    equations=("M30", "M104", "M105", "M194"),
     source="Lichtarowicz et al. 1965; window: ours",
     parameters=Parameters,
     build=build,

@@ -166,6 +166,11 @@ def saturated_liquid_enthalpy(fluid: str, T: float) -> float:
     return _saturated(fluid, "hmass", ("QT_INPUTS", 0.0, T), f"{fluid} has no saturation at {T:.6g} K")
 
 
+def saturated_liquid_density(fluid: str, T: float) -> float:
+    """Return the density [kg/m³] of saturated liquid at temperature T [K]."""
+    return _saturated(fluid, "rhomass", ("QT_INPUTS", 0.0, T), f"{fluid} has no saturation at {T:.6g} K")
+
+
 def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
     """Return the enthalpy [J/kg] of liquid and vapour in equilibrium at p [Pa]; `quality` is the vapour's share."""
     return _saturated(fluid, "hmass", ("PQ_INPUTS", p, quality), f"{fluid} has no saturation at {p:.6g} Pa")

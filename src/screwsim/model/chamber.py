@@ -30,6 +30,8 @@ from screwsim.model.slots import (
     E_AREAS,
     E_VOLUME,
     FIRST_OWN,
+    FLASH,
+    FLASHED,
     FREE,
     GAP_OFFSET,
     HEATED,
@@ -53,11 +55,13 @@ from screwsim.model.slots import (
     P_PORT_WIDTH,
     P_T_OIL,
     P_TO_RATIO,
+    P_TRAPPED,
     PLACE,
     PLENUM,
     PORT_OIL,
     PORTED,
     PRESSURE,
+    PUMPED,
     Q_HEAT,
     Q_STREAMS,
     Q_WALLS,
@@ -74,6 +78,7 @@ from screwsim.model.slots import (
     VOLUMED,
     WALLS,
     N,
+    flash_terms,
     gap_area,
     gas_phase,
     gas_state,
@@ -171,6 +176,8 @@ def rates(y, E, context, f, g):
         oil = oil_inflow(E[E_ANGLE], own[PRESSURE], P, TAB)
         work[PORT_OIL * width + 2] = oil
         work[PORT_OIL * width + 3] = oil * P[P_H_PORT]
+        if FLASHED == 1:
+            add_flash(oil, own[PRESSURE], P, TAB, work, 0)
     g[Q_WORK] = 0.0
     g[Q_HEAT] = 0.0
     if WALLS > 0:
@@ -264,7 +271,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                         work[other + k] = (E_next[b + k] - E[b + k]) / delta
             by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi, work, other)
             if RESISTED == 1:
-                by_phi += area * x_2 * work[other + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
+                by_phi += area * x_2 * work[other + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
             m *= area
             if m < 0.0 or (area == 0.0 and by_phi < 0.0):
                 add_stream(work, at, m, own, 0)
@@ -278,7 +285,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                 row = d + j * PLACE
                 dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
                 if RESISTED == 1:
-                    dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
+                    dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
                 if OPENED == 1 and gap < 0 and j >= N - OWN_STATES:
                     open_flow = place_flow(area, own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
                     dm = open_flow * opening_by_state(i, R[b + PRESSURE] - own[PRESSURE], j, y, state, P)
@@ -343,6 +350,41 @@ def oil_slopes(E, E_next, e, delta, place, row, P, TAB, work, at, d, ds, stride,
         work[over_phi + i] = factor * by_phi
         for j in range(N):
             work[ds + j * stride + i] = factor * by_p * work[d + j * PLACE + PRESSURE]
+    if FLASHED == 1:
+        flash_slopes(oil, p, by_p, by_phi, P, TAB, work, at, d, ds, stride, over_phi)
+
+
+@kernel
+def add_flash(oil, p, P, TAB, work, first):
+    """Add the gas that flashes out of oil [kg/s] that enters at p [Pa] to sums that begin at `first` (M196)."""
+    width = 4 if CARRIED == 1 else 2
+    gas, enthalpy, heat = flash_terms(oil, p, P, TAB)
+    work[first + FLASH * width] = gas
+    work[first + FLASH * width + 1] = enthalpy
+    work[first + PORT_OIL * width + 3] -= heat
+
+
+@kernel
+def flash_slopes(oil, p, by_p, by_phi, P, TAB, work, at, d, ds, stride, over_phi):
+    """Set the gas that flashes and its derivatives, as `oil_slopes` those of its oil; `at` … are the oil's places."""
+    width = 4 if CARRIED == 1 else 2
+    away = (FLASH - PORT_OIL) * width - 2  # from the oil to the gas
+    gas, enthalpy, heat = flash_terms(oil, p, P, TAB)
+    one, _h, _heat = flash_terms(1.0, p, P, TAB)
+    more, _h, _heat = flash_terms(1.0, p * (1.0 + STEP), P, TAB)
+    slope = oil * (more - one) / (p * STEP) + by_p * one
+    per_gas, h, lost = flash_terms(1.0 / one if one > 0.0 else 0.0, p, P, TAB)
+    work[at + away] = gas
+    work[at + away + 1] = enthalpy
+    work[at + 1] -= heat
+    work[over_phi + away] = by_phi * one * per_gas
+    work[over_phi + away + 1] = by_phi * one * h
+    work[over_phi + 1] -= by_phi * one * lost
+    for j in range(N):
+        by_state = slope * work[d + j * PLACE + PRESSURE]
+        work[ds + j * stride + away] = by_state * per_gas
+        work[ds + j * stride + away + 1] = by_state * h
+        work[ds + j * stride + 1] -= by_state * lost
 
 
 @kernel
@@ -401,6 +443,8 @@ def inject(y, at, P, TAB, R):
     R[R_PRESSURE] = p
     if OILED == 0:
         return
+    if PUMPED == 1:
+        P[P_TRAPPED] = m
     if PORTED == 1:
         R[R_RATIO] = y[at + 3]
         R[R_OIL_BEFORE] = y[at + 3] * m

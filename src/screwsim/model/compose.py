@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilPort, Scaled, Wall
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilPort, Scaled, Wall
 from screwsim.fluid.orifice import orifice_flow
 from screwsim.model import chamber, coupled, landing, ledger, places, trace
 from screwsim.model.parts import OilPart, Parts
@@ -33,8 +33,8 @@ from screwsim.model.slots import (
 )
 from screwsim.model.speed import flat_curve, slowness
 from screwsim.numerics import history, rodas
-from screwsim.numerics.kernel import HEADER, Kernel, decorate, flatten, without_wrapper
-from screwsim.numerics.spline import pack_curve
+from screwsim.numerics.kernel import HEADER, Kernel, decorate, flatten, kernel, without_wrapper
+from screwsim.numerics.spline import pack_curve, table_value
 
 # what is called from Python; a wrapper for every small kernel would cost a sixth of the compilation
 CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
@@ -46,7 +46,7 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 # what a composition writes itself (slots.py)
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
 OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "injected_oil", "oil_inflow", "gap_share")
-OWN += ("state_rate", "path_opening")
+OWN += ("state_rate", "path_opening", "flash_terms")
 
 # names that a kernel has for the numbers of the injection orifice
 BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
@@ -261,7 +261,15 @@ def _write_supply(writer: _Writer, oil: OilPart | None, pitch: float, omega: flo
     writer.function("injected_oil(p, m, P)", body)
 
 
-def _write_ports(writer: _Writer, port: OilPort) -> None:
+def _write_ports(writer: _Writer, parts: Parts, port: OilPort) -> None:
+    if parts.pumped:
+        assert port.pumped is not None and parts.oil is not None
+        ratio = writer.numbers.add(parts.oil.supply["ratio"])
+        call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
+        index = _structure(parts)["P_TRAPPED"]
+        slow = f"{writer.slow} * " if writer.slow else ""
+        writer.function("oil_inflow(phi, p, P, TAB)", [f"return {slow}P[{index}] * {ratio} * {call}"])
+        return
     call = writer.call(port.flow, port.values, {}, ("phi", "p", "width"))
     slow = f"{writer.slow} * " if writer.slow else ""
     writer.function("oil_inflow(phi, p, P, TAB)", [f"width = P[{P_DISCHARGE_WIDTH}]", f"return {slow}{call}"])
@@ -302,6 +310,22 @@ def _write_openings(writer: _Writer, paths: Sequence[FlowPath], states: Sequence
             asked |= set(path.opening.arguments)
     head = "path_opening(i, drop, width, y, at, P)"
     writer.function(head, [*_named_states(body, states, asked), "return 1.0"])
+
+
+def _write_flash(writer: _Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:
+    content, state = parts.oil_content, parts.plenums[part.plenum]
+    assert content is not None
+    curve = {"curve": (content.pressure, content.flashed)}
+    call = writer.call(table_content, {}, curve, ("p", "TAB"))
+    enthalpy, latent = writer.numbers.add(state.h), writer.numbers.add(content.latent / oil.heat_capacity)
+    body = [f"gas = oil * max(0.0, {call})", f"return gas, gas * {enthalpy}, gas * {latent}"]
+    writer.function("flash_terms(oil, p, P, TAB)", body)
+
+
+@kernel
+def table_content(p, TAB, curve):
+    """Return the gas that flashes of a kilogram of oil at pressure p, from the table at index `curve` of TAB (M196)."""
+    return table_value(p, TAB, curve)
 
 
 def _knots(parts: Parts, law: Any, paths: Sequence[FlowPath], more: Sequence[float]) -> np.ndarray:
@@ -348,8 +372,8 @@ def compose(parts: Parts) -> Composition:
     _refuse(parts, states, opened)
     law = geometry.volume_law()
     _write_gas(writer, gas)
-    for name, kernel, sign in (("volume_at", law.volume, ""), ("volume_slope_at", law.slope, "-")):
-        call = writer.call(kernel, law.values, law.tables, ("phi", "TAB"))
+    for name, of_law, sign in (("volume_at", law.volume, ""), ("volume_slope_at", law.slope, "-")):
+        call = writer.call(of_law, law.values, law.tables, ("phi", "TAB"))
         body = [f"return {call}"]
         if law.mirror is not None:
             body = [f"phi = {writer.numbers.add(law.mirror)} - phi", f"return {sign}{call}"]
@@ -362,7 +386,10 @@ def compose(parts: Parts) -> Composition:
     _write_walls(writer, [wall for _, wall in parts.walls])
     _write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
     if port is not None:
-        _write_ports(writer, port)
+        _write_ports(writer, parts, port)
+    if parts.oil_gas is not None:
+        assert oil is not None
+        _write_flash(writer, parts, oil, parts.oil_gas)
     if _resisted(parts):
         _write_shares(writer, [path for _, path in gaps])
     if own_states:
@@ -436,7 +463,9 @@ def _structure(parts: Parts) -> dict[str, int]:
     walls = len(parts.walls)
     found = {"OWN_PLENUMS": own, "PORTED": int(ported), "VOLUMED": int(parts.oil_room)}
     found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
-    found["RESISTED"] = int(_resisted(parts))
+    found |= {"RESISTED": int(_resisted(parts)), "PUMPED": int(parts.pumped)}
+    gas = parts.oil_gas
+    found |= {"FLASHED": int(gas is not None), "FLASH": 2 * parts.number(gas.plenum) if gas is not None else 0}
     found["CATEGORIES"] = PORT_OIL + 1 + 2 * own if own or ported else FEWEST
     return found | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}
 
@@ -459,8 +488,12 @@ def _fixed_numbers(parts: Parts) -> list[float]:
     if oil is not None and (parts.oil_room or parts.oil_port is not None):
         room = 1.0 / oil.density if parts.oil_room else 0.0
         loss = parts.oil_port.pressure_loss if parts.oil_port is not None else 0.0
+        if parts.pumped:
+            loss = 0.0  # the pump pays it
         at_port = oil.temperature + room * (oil.source_pressure - loss) / oil.heat_capacity
         head += [room, oil.source_pressure, at_port]
+        if parts.pumped:
+            head.append(0.0)
     return head
 
 

@@ -10,7 +10,7 @@ working memory for sums and derivatives.
 
 from __future__ import annotations
 
-from screwsim.model.chamber import oil_slopes
+from screwsim.model.chamber import add_flash, oil_slopes
 from screwsim.model.places import (
     IMPOSSIBLE,
     angle_terms,
@@ -33,6 +33,7 @@ from screwsim.model.slots import (
     E_AREAS,
     E_VOLUME,
     FIRST_OWN,
+    FLASHED,
     GAP_OFFSET,
     N_GAPS,
     N_PLENUM,
@@ -140,6 +141,8 @@ def all_rates(y, E, context, f, g):
             oil = oil_inflow(E[j * size + E_ANGLE], places[j * PLACE + PRESSURE], P, TAB)
             work[j * n_sums + PORT_OIL * width + 2] = oil
             work[j * n_sums + PORT_OIL * width + 3] = oil * P[P_H_PORT]
+            if FLASHED == 1:
+                add_flash(oil, places[j * PLACE + PRESSURE], P, TAB, work, j * n_sums)
     total_rates(y, E, P, R, places, work, f, g)
 
 
@@ -177,7 +180,7 @@ def gap_slopes(area, darea, j, ahead, at, context, d, ds):
     d_phi = d + CHAMBERS * N * PLACE
     m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, places, own, places, other, P[P_GAP_WIDTH])
     if RESISTED == 1:
-        m, p_1, rho_1, p_2, rho_2, x_1, x_2 = held_slopes(gap, m, p_1, rho_1, p_2, rho_2, places, own, places, other, P)  # pyright: ignore[reportPossiblyUnbound]
+        m, p_1, rho_1, p_2, rho_2, x_1, x_2 = held_slopes(gap, m, p_1, rho_1, p_2, rho_2, places, own, places, other, P)  # pyright: ignore[reportPossiblyUnboundVariable]
     source = other if m >= 0.0 else own
     by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi + own, work, d_phi + other)
     m *= area
@@ -195,7 +198,7 @@ def gap_slopes(area, darea, j, ahead, at, context, d, ds):
             row = d + (c * N + k) * PLACE
             dm = by_p * work[row + PRESSURE] + by_rho * work[row + DENSITY]
             if RESISTED == 1:
-                dm += area * (x_1 if side == 0 else x_2) * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
+                dm += area * (x_1 if side == 0 else x_2) * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
             mine = ds + (j * n_cols + c * N + k) * n_sums + at
             theirs = ds + (ahead * n_cols + c * N + k) * n_sums + at
             if source == c * PLACE:
@@ -221,8 +224,8 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
     b = R_DISCHARGE * to
     d_phi = d + (CHAMBERS * N + j) * PLACE
     m, p_1, rho_1, _p, _rho = place_slopes(1.0, places, own, R, b, epsilon)
-    if RESISTED == 1 and gap >= 0:  # pyright: ignore[reportPossiblyUnbound]
-        m, p_1, rho_1, _p, _rho, x_1, _x = held_slopes(gap, m, p_1, rho_1, _p, _rho, places, own, R, b, _P)  # pyright: ignore[reportPossiblyUnbound]
+    if RESISTED == 1 and gap >= 0:  # pyright: ignore[reportPossiblyUnboundVariable]
+        m, p_1, rho_1, _p, _rho, x_1, _x = held_slopes(gap, m, p_1, rho_1, _p, _rho, places, own, R, b, _P)  # pyright: ignore[reportPossiblyUnboundVariable]
     at = category(to, m) * width
     by_phi = m * darea + area * (p_1 * work[d_phi + PRESSURE] + rho_1 * work[d_phi + DENSITY])
     inward = m >= 0.0
@@ -238,7 +241,7 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
         row = d + (j * N + k) * PLACE
         dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
         if RESISTED == 1:
-            dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnbound]
+            dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
         mine = ds + (j * n_cols + j * N + k) * n_sums + at
         if inward:
             add_stream(work, mine, dm, R, b)

@@ -22,6 +22,8 @@ from screwsim.model.slots import (
     E_VOLUME,
     ENTHALPY,
     FIRST_OWN,
+    FLASH,
+    FLASHED,
     GAP_OFFSET,
     HEATED,
     HOLDS,
@@ -51,6 +53,7 @@ from screwsim.model.slots import (
     VOLUMED,
     WALLS,
     N,
+    flash_terms,
     gas_entropy,
     heat_part,
     oil_inflow,
@@ -71,7 +74,9 @@ HEAT_SUMS = 2
 MADE, MADE_T, MADE_LOG, LOST, LOST_OVER_T = range(5)
 # of the oil that comes through ports: mass [kg], × chamber pressure [kg Pa], entropy generated in the chamber [J/K]
 PORT_MASS, PORT_PRESSURE, PORT_GENERATED = range(5, 8)
-OIL_SUMS = 8
+# of the gas that flashes out of it: mass [kg], entropy generated where it arrives [J/K], oil included
+FLASH_MASS, FLASH_GENERATED = range(8, 10)
+OIL_SUMS = 10
 
 NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
 POINTS = 3
@@ -169,6 +174,22 @@ def add_port_oil(phi, own, T, P, TAB, dt, oil):
     if T > 0.0:
         rise = (P[P_H_PORT] - own[OIL_TEMPERATURE]) / T
         oil[PORT_GENERATED] += dt * m * P[P_C_OIL] * (rise - math.log(P[P_T_OIL] / T))
+
+
+@kernel
+def add_flashed(phi, own, y, P, TAB, R, dt, oil):
+    """Add the gas that flashes out of oil that comes through ports, and what that generates (M197).
+
+    The heat comes from the chamber's oil; the refrigerant takes it up at the oil's temperature of supply.
+    """
+    inflow = oil_inflow(phi, own[PRESSURE], P, TAB)
+    gas, enthalpy, heat = flash_terms(inflow, own[PRESSURE], P, TAB)
+    oil[FLASH_MASS] += dt * gas
+    if gas > 0.0:
+        s = gas_entropy(y[0], y[1], P, TAB)
+        entropy = R[(FLASH // 2) * PLACE + PLENUM_ENTROPY]
+        oil[FLASH_GENERATED] += dt * arriving(gas, enthalpy / gas, entropy, own[ENTHALPY], s, y[0])
+        oil[FLASH_GENERATED] += dt * heat * P[P_C_OIL] * (1.0 / P[P_T_OIL] - 1.0 / y[2])
 
 
 @kernel
@@ -309,3 +330,5 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
             add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharge, dt, paths, heats, oil)
             if PORTED == 1:
                 add_port_oil(phi, own, y[2], P, context[1], dt, oil)
+            if FLASHED == 1:
+                add_flashed(phi, own, y, P, context[1], R, dt, oil)

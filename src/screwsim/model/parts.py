@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from screwsim.effects.base import OilPort, OilRoom, Shaft, Wall
+from screwsim.effects.base import OilContent, OilGas, OilPort, OilRoom, Shaft, Wall
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.slots import FIRST_OWN
 
@@ -44,6 +44,7 @@ class Parts:
     plenums: Mapping[str, Reservoir] = field(default_factory=dict)
     made: Mapping[str, float] = field(default_factory=dict)
     set_speed: float | None = None  # [rad/s] that the scene states, where omega follows from it
+    oil_content: OilContent | None = None
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
@@ -63,6 +64,21 @@ class Parts:
         if len(ports) > 1:
             raise TypeError("two effects declare an oil port; a scene has one")
         return ports[0] if ports else None
+
+    @cached_property
+    def pumped(self) -> bool:
+        """Does a pump feed the oil port?"""
+        return self.oil_port is not None and self.oil is not None and "ratio" in self.oil.supply
+
+    @cached_property
+    def oil_gas(self) -> OilGas | None:
+        """The gas that the oil brings dissolved; None where it brings none."""
+        found = [part for _, part in self.all(OilGas)]
+        if len(found) > 1:
+            raise TypeError("two effects declare dissolved gas; a scene has one")
+        if found and self.oil_port is None:
+            raise TypeError("dissolved gas needs an oil port, out of whose oil it flashes")
+        return found[0] if found else None
 
     @cached_property
     def oil_room(self) -> bool:

@@ -9,6 +9,8 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p,
 `gap_share(i, flux, density, oil_ratio, P)` → share of a nozzle's flux [kg/(m² s)] that gap i lets pass,
+`flash_terms(oil, p, P, TAB)` → gas [kg/s] that flashes out of oil that enters, its enthalpy [W], and the heat that it
+takes from the oil over the oil's heat capacity [kg K/s],
 `state_rate(i, T, m, p, rho, V, phi, p_suction, p_discharge, y, at, P)` → change [1/s] of an effect's own state i,
 `path_opening(i, drop, width, y, at, P)` → open share of plenum path i at a pressure difference into the chamber.
 
@@ -18,9 +20,10 @@ OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge, f
 and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
-ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE is
-a constant, too), OPENED (1: openings depend on states; then HOLDS is one, too), RESISTED (1: gaps hold flow back), WALLS
-(how many exchange heat with the gas), CATEGORIES, Q_STREAMS, and the indices into P that move with them.
+ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE
+is a constant, too), OPENED (1: openings depend on states; then HOLDS is one, too), RESISTED (1: gaps hold flow back),
+WALLS (how many exchange heat with the gas), PUMPED (1: a pump feeds the oil port), FLASHED (1: gas flashes out of its
+oil) and FLASH (the category of that gas), CATEGORIES, Q_STREAMS, and the indices into P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -47,6 +50,7 @@ oil_inflow: Any = Slot("oil_inflow")
 gap_share: Any = Slot("gap_share")
 state_rate: Any = Slot("state_rate")
 path_opening: Any = Slot("path_opening")
+flash_terms: Any = Slot("flash_terms")
 
 N: Any = Slot("N")
 VARIES: Any = Slot("VARIES")
@@ -72,6 +76,9 @@ WALLS: Any = Structure("WALLS")
 RESISTED: Any = Structure("RESISTED")
 OWN_STATES: Any = Structure("OWN_STATES")
 OPENED: Any = Structure("OPENED")
+PUMPED: Any = Structure("PUMPED")
+FLASHED: Any = Structure("FLASHED")
+FLASH: Any = Structure("FLASH")
 
 # P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
 P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)
@@ -82,7 +89,8 @@ P_TO_RATIO: Any = Structure("P_TO_RATIO")
 P_ROOM: Any = Structure("P_ROOM")  # specific volume of the oil; 0 where it takes no room
 P_P_SOURCE: Any = Structure("P_P_SOURCE")  # pressure of the oil's source
 P_H_PORT: Any = Structure("P_H_PORT")  # enthalpy over heat capacity of the oil that comes through ports
-OIL_NUMBERS = ("P_C_OIL", "P_T_OIL", "P_TO_RATIO", "P_ROOM", "P_P_SOURCE", "P_H_PORT")
+P_TRAPPED: Any = Structure("P_TRAPPED")  # gas trapped [kg], noted by `inject`, to which a pump delivers its ratio
+OIL_NUMBERS = ("P_C_OIL", "P_T_OIL", "P_TO_RATIO", "P_ROOM", "P_P_SOURCE", "P_H_PORT", "P_TRAPPED")
 
 # a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T.
 # Where oil takes room the density is that which the flow feels, and the temperature is enthalpy over heat capacity of
