@@ -70,14 +70,15 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
     """
     solution = _steady(scene, creep)
     closed = shaft.settled(solution, solution.close())
-    if closed.status != "ok":
-        return StartUp(closed.status, "the cycle at the steady speed did not close (screwsim run says why)")
     part = solution.parts.shaft
     assert part is not None  # `_steady`
-    try:
-        steady = part.respond(solution.complete(closed.q))
-    except NoMotion as reason:
-        return StartUp("failed", f"there is no steady speed to start to: {reason}")
+    if closed.status != "failed":
+        try:
+            steady = part.respond(solution.complete(closed.q))
+        except NoMotion as reason:
+            return StartUp("failed", f"there is no steady speed to start to: {reason}")
+    if closed.status != "ok":
+        return StartUp(closed.status, "the cycle at the steady speed did not close (screwsim run says why)")
     if creep >= steady.mean_speed:
         raise UsageError(
             f"the start creeps at {_rpm(creep)}, the steady speed is {_rpm(steady.mean_speed)} (creep slower)"
@@ -142,7 +143,8 @@ class _Run:
             gas, loss, work, end = found
             before = motion.speed
             motion = run_up(self.train, self.steady.no_load_speed, self.drive, gas + loss, self.creep)
-            change = float(np.max(np.abs(motion.speed / before - 1.0))) if not motion.stalled else math.inf
+            if not motion.stalled:
+                change = float(np.max(np.abs(motion.speed - before))) / _mean(motion, self.train.pitch)
         self.load = gas + loss
         return Pitch(motion, gas, loss, work, end, change <= tolerance)
 
@@ -151,7 +153,7 @@ class _Run:
         solution = self.solution
         machinery, pitch = solution.machinery, solution.parts.geometry.pitch
         composition = machinery.composition
-        mean = pitch / float(motion.time[-1] - motion.time[0])
+        mean = _mean(motion, pitch)
         at = composition.speed_curve
         assert at is not None  # the scene has a drive
         composition.P[P_OMEGA] = mean
@@ -187,7 +189,7 @@ class _Run:
                 return self._ended("failed", self._stalled(step))
             unsettled += not step.settled
             m = step.motion
-            mean = self.train.pitch / float(m.time[-1] - m.time[0])
+            mean = _mean(m, self.train.pitch)
             self.drive = np.array([m.squares[-1], m.motor_speed[-1], m.twist[-1], m.time[-1]])
             self.chambers = step.states
             stays = stays + 1 if abs(mean / target - 1.0) <= ARRIVED else 0
@@ -257,6 +259,11 @@ class _Run:
             residue=abs(residue) / max(abs(motor), abs(gas) + abs(losses), 1e-300),
             unsettled=float(sum(not each.settled for each in self.pitches)),
         )
+
+
+def _mean(motion: Motion, pitch: float) -> float:
+    """Return the mean speed while the rotors turn [rad/s]."""
+    return pitch / (float(motion.time[-1] - motion.time[0]) - motion.held)
 
 
 def _traces(pitches: list[Pitch], pitch: float) -> dict[str, Array]:

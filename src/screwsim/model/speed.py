@@ -43,4 +43,7 @@ def squares_at(P: Array, at: int) -> Array:
 
 
 def _packed(squares: Array, slopes: Array, pitch: float) -> Array:
-    return pack_curve(np.linspace(0.0, pitch, ROWS), squares, np.column_stack([slopes[:-1], slopes[1:]]))
+    """Return the packed curve; slopes are limited so that no cubic between positive squares falls below zero."""
+    most = 3.0 * (ROWS - 1) / pitch * squares
+    both = np.column_stack([np.maximum(slopes, -most)[:-1], np.minimum(slopes, most)[1:]])
+    return pack_curve(np.linspace(0.0, pitch, ROWS), squares, both)

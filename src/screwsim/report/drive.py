@@ -71,8 +71,9 @@ def campbell(cases: Mapping[str, Sequence[Point]], lobes: int, title: str, order
     right.set_yscale("log")
     left.set_ylabel("frequency (Hz)")
     right.set_ylabel("coupling torque, amplitude (N m)")
-    left.legend(loc="lower right")
-    right.legend(loc="upper right")
+    left.legend(loc="center right", bbox_to_anchor=(1.0, 0.4))
+    right.set_ylim(bottom=0.2)
+    right.legend(loc="lower left")
     for axes in (left, right):
         axes.set_xlabel("speed $n$ (rpm)")
         plain_ticks(axes.xaxis, 6)

@@ -24,6 +24,7 @@ Array = np.ndarray
 POINTS = 181  # of a pitch; odd, so that no harmonic is its own alias
 MOST_STEPS = 10  # of Newton's method for one pulsation
 MOST_SOLVES = 30  # of it in all
+ROUNDING = 1e-8  # change at which corrections that go no further are taken as converged
 MOST_CORRECTIONS = 60
 DEPTH = 12  # of Anderson's acceleration of the corrections
 DIVERGED = 30.0  # growth of a change over the smallest at which Newton's method takes over
@@ -138,7 +139,7 @@ def _raised(train: Train, x: Array, torque: Array, omega: float) -> Array:
 def _response(train: Train, x: Array, torque: Array) -> Response:
     n, D = POINTS, differentiation(train.pitch)
     u, twist, no_load = x[:n], x[n : 2 * n], float(x[-1])
-    rate = D @ twist
+    rate = D @ (twist - twist.mean())
     motor_speed = u * (1.0 + rate)
     coupling = train.spring(twist)[0] + train.damping * u * rate
     return Response(train, u, motor_speed, twist, coupling, train.motor.torque(motor_speed, no_load), torque, no_load)
@@ -173,7 +174,7 @@ def _room(u: Array, change: Array, least: float) -> Array:
 
 def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array | None:
     """Return the solution by accelerated corrections of the drive linearised about its mean; None where they fail."""
-    n, x, accelerate, best = POINTS, x.copy(), Anderson(DEPTH), np.inf
+    n, x, accelerate, best, kept = POINTS, x.copy(), Anderson(DEPTH), np.inf, None
     linear, means, scale = _linearised(train, x), _linearised_mean(train, x), _sizes(x, omega)
     for _ in range(MOST_CORRECTIONS):
         residue = _residue(train, x, torque, omega)
@@ -183,14 +184,15 @@ def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array 
         sizes = _sizes(x, omega)
         size = float(np.max(np.abs(change) / sizes))
         if not size < DIVERGED * best:
-            return None
+            break
         if size <= CONVERGED:
             return x + change
-        best = min(best, size)
+        if size < best:
+            best, kept = size, x
         x = accelerate.mix(x / scale, (x + change) / scale)[1] * scale
         if not x[:n].min() > LEAST_SPEED * omega:
             return None
-    return None
+    return kept if best <= ROUNDING else None
 
 
 def _linearised(train: Train, x: Array) -> Array:
@@ -234,11 +236,11 @@ def _residue(train: Train, x: Array, torque: Array, omega: float) -> Array:
     """Return the residues of M210 at all points, and of the mean speed or of the given no-load speed."""
     n, D = POINTS, differentiation(train.pitch)
     u, twist, no_load = x[:n], x[n : 2 * n], float(x[-1])
-    rate = D @ twist
+    rate = D @ (twist - twist.mean())  # D takes a constant to none but for rounding
     motor = u * (1.0 + rate)
     coupling = train.spring(twist)[0] + train.damping * u * rate
-    rotors = train.rotor_inertia * u * (D @ u) - coupling + torque
-    at_motor = train.motor_inertia * u * (D @ motor) - train.motor.torque(motor, no_load) + coupling
+    rotors = train.rotor_inertia * u * (D @ (u - u.mean())) - coupling + torque
+    at_motor = train.motor_inertia * u * (D @ (motor - motor.mean())) - train.motor.torque(motor, no_load) + coupling
     last = omega * np.mean(1.0 / u) - 1.0 if train.holds_mean else (no_load - train.speed) / train.speed
     return np.concatenate([rotors, at_motor, [last]])
 

@@ -1,13 +1,14 @@
 """The drive over one lobe pitch from a given state, under a torque that is given by the angle: a start-up's step.
 
 What: M210 with the angle of the rotors as the independent variable; the square of their speed is a state, so that nothing
-is singular but the time (M218). Energies are integrated beside.
-How: DOP853 of scipy, which lands on the angles asked for.
+is singular but the time (M218). Rotors that come to rest are held (they do not turn backwards) while the motor winds up the
+coupling, until its torque exceeds the load. Energies are integrated beside.
+How: DOP853 of scipy, which gives the motion at the angles asked for.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,14 +16,18 @@ from screwsim.machine.drive.train import Train
 
 Array = np.ndarray
 RTOL = 1e-8
-STALLED = 0.05  # of the creeping speed: below it the rotors stand still
+STANDSTILL = 0.05  # of the creeping speed: below it the rotors stand still
+AWAY = 2.0  # times that speed have rotors that break away
+EXCESS = 0.02  # of the load, by which the coupling's torque exceeds it then
+MOST_STOPS = 40  # of one pitch
+LONGEST_HOLD = 20.0  # s
 
 
 class Motion(NamedTuple):
     """The drive along angles: squares of the speed and their slopes, motor speed, twist, time, torques; energies at the end.
 
-    Speeds [rad/s], twist [rad], time [s], torques [N m]; motor_work, damped [J]. `stalled`: the rotors stopped at the last
-    angle.
+    Speeds [rad/s], twist [rad], time [s], torques [N m]; motor_work, damped [J]; held: time at rest [s]. `stalled`: the
+    rotors stopped beyond the last angle for good.
     """
 
     squares: Array
@@ -34,6 +39,7 @@ class Motion(NamedTuple):
     motor_torque: Array
     motor_work: float
     damped: float
+    held: float
     stalled: bool
 
     @property
@@ -44,11 +50,37 @@ class Motion(NamedTuple):
 
 def run_up(train: Train, no_load: float, state: Array, load: Array, creep: float) -> Motion:
     """Return the motion from (ω², ω_m, Θ, t) under the torque `load`, given at even angles of a pitch, ends included."""
-    from scipy.integrate import solve_ivp
+    grid, least = np.linspace(0.0, train.pitch, len(load)), (STANDSTILL * creep) ** 2
+    rates, standstill = _over_angle(train, no_load, load, grid, least)
+    y, phi, rows, held, stalled = np.array([*state, 0.0, 0.0]), 0.0, [], 0.0, False
+    for _ in range(MOST_STOPS):
+        left = grid[sum(len(part) for part in rows) :]
+        found = _integrated(rates, (phi, train.pitch), y, left, no_load, standstill)
+        rows.append(found.y.T)
+        if found.status == 0:
+            break
+        phi, y = float(found.t_events[0][0]), found.y_events[0][0].copy()
+        away = _held(train, no_load, y, float(np.interp(phi, grid, load)))
+        if away is None:
+            stalled = True
+            break
+        held += away[3] - y[3]
+        y = away
+        y[0] = (AWAY * STANDSTILL * creep) ** 2
+    else:
+        stalled = True
+    w, motor_speed, twist, time, work, damped = np.concatenate(rows).T if sum(map(len, rows)) else y[:, None]
+    omega = np.sqrt(np.maximum(w, least))
+    spring = np.array([train.coupling.torque(each) for each in twist]) + train.damping * (motor_speed - omega)
+    drive = np.array([train.motor.limited_torque(each, no_load) for each in motor_speed])
+    slopes = 2.0 * (spring - load[: len(w)]) / train.rotor_inertia
+    work, damped = float(work[-1]), float(damped[-1])
+    return Motion(omega**2, slopes, motor_speed, twist, time, spring, drive, work, damped, held, stalled)
 
-    grid = np.linspace(0.0, train.pitch, len(load))
+
+def _over_angle(train: Train, no_load: float, load: Array, grid: Array, least: float) -> tuple[Any, Any]:
+    """Return the derivatives by the angle of (ω², ω_m, Θ, t, motor's work, loss), and the event of a standstill."""
     coupling, motor, c = train.coupling, train.motor, train.damping
-    least = (STALLED * creep) ** 2
 
     def rates(phi: float, y: Array) -> list[float]:
         omega = max(y[0], least) ** 0.5
@@ -69,24 +101,40 @@ def run_up(train: Train, no_load: float, state: Array, load: Array, creep: float
         return y[0] - least
 
     standstill.terminal = True  # type: ignore[attr-defined]
-    size = [no_load**2, no_load, 0.1, 1.0, 1e3, 1e3]
-    found = solve_ivp(
-        rates,
-        (0.0, train.pitch),
-        [*state, 0.0, 0.0],
-        "DOP853",
-        grid,
-        events=standstill,
-        rtol=RTOL,
-        atol=RTOL * np.array(size),
-        max_step=train.pitch / 16.0,
-    )
-    w, motor_speed, twist, time, work, damped = found.y
-    omega = np.sqrt(np.maximum(w, least))
-    spring = np.array([coupling.torque(each) for each in twist]) + c * (motor_speed - omega)
-    drive = np.array([motor.limited_torque(each, no_load) for each in motor_speed])
-    slopes = 2.0 * (spring - load[: len(w)]) / train.rotor_inertia
-    ended = found.status == 0 and len(w) == len(grid)
-    return Motion(
-        omega**2, slopes, motor_speed, twist, time, spring, drive, float(work[-1]), float(damped[-1]), not ended
-    )
+    standstill.direction = -1.0  # type: ignore[attr-defined]
+    return rates, standstill
+
+
+def _held(train: Train, no_load: float, y: Array, load: float) -> Array | None:
+    """Return the state when the rotors break away from rest under a load; None where they never do."""
+    coupling, motor, c = train.coupling, train.motor, train.damping
+
+    def rates(_t: float, x: Array) -> list[float]:
+        spring = coupling.torque(x[1]) + c * x[0]
+        drive = motor.limited_torque(x[0], no_load)
+        return [(drive - spring) / train.motor_inertia, x[0], drive * x[0], c * x[0] * x[0]]
+
+    def away(_t: float, x: Array) -> float:
+        return coupling.torque(x[1]) + c * x[0] - (load + EXCESS * abs(load))
+
+    def turned(_t: float, x: Array) -> float:
+        return x[0]
+
+    start = [max(y[1], 0.0), y[2], y[4], y[5]]
+    if away(0.0, np.array(start)) >= 0.0:
+        return y
+    away.terminal = True  # type: ignore[attr-defined]
+    turned.terminal, turned.direction = True, -1.0  # type: ignore[attr-defined]
+    found = _integrated(rates, (0.0, LONGEST_HOLD), np.array(start), None, no_load, (away, turned))
+    if found.status != 1 or len(found.t_events[0]) == 0:
+        return None
+    motor_speed, twist, work, damped = found.y[:, -1]
+    return np.array([y[0], motor_speed, twist, y[3] + float(found.t[-1]), work, damped])
+
+
+def _integrated(rates: Any, span: tuple[float, float], y: Array, at: Array | None, no_load: float, events: Any) -> Any:
+    from scipy.integrate import solve_ivp
+
+    size = np.array([no_load**2, no_load, 0.1, 1.0, 1e3, 1e3] if len(y) == 6 else [no_load, 0.1, 1e3, 1e3])
+    longest = (span[1] - span[0]) / 16.0 if len(y) == 6 else 0.01
+    return solve_ivp(rates, span, y, "DOP853", at, events=events, rtol=RTOL, atol=RTOL * size, max_step=max(longest, 1e-9))

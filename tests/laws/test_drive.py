@@ -1,0 +1,292 @@
+"""A drive: speed, motor and twist close with the chambers; the torques and powers of the shaft; a start-up; what goes wrong."""
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from monolith import Monolith, start_of
+from scenes import make, run
+
+from screwsim import shaft
+from screwsim.build import build_parts
+from screwsim.faults import SceneError, UsageError
+from screwsim.model.compose import compose
+from screwsim.model.slots import P_OMEGA
+from screwsim.solution import Solution
+from screwsim.start_up import start_up
+
+DRIVE = {
+    "motor_inertia": "0.8 kg m^2",
+    "rotor_inertia": "0.12 kg m^2",
+    "coupling": {"linear": {"spring": "5000 N m/rad"}, "damping": "6 N m s/rad"},
+    "motor": {"law": "line", "slope": "30 N m s/rad", "torque_limit": "800 N m"},
+}
+DRIVEN = {"effects.drive": DRIVE}
+SLOW = {**DRIVEN, "operation.speed": "700 rpm"}  # above the first resonance: a ripple of some per cent
+CORDS = {"linear": None, "rubber_cord": {"inner_radius": "60 mm", "outer_radius": "84 mm", "cords": 283, "discs": 1}}
+FINE = {"numerics": {"accuracy": 1e-6}}
+KLOSS = {"law": "induction", "breakdown_torque": "600 N m", "breakdown_slip": 0.1}
+CYCLE = ("shaft_power", "gas_mass_flow", "isothermal_efficiency", "peak_pressure", "discharge_temperature")
+
+
+@cache
+def closed_with_drive(accuracy):
+    solution = Solution(make({**SLOW, "numerics": {"accuracy": accuracy}}))
+    solution.machinery.warm_up(solution.rehearse)
+    closed = shaft.settled(solution, solution.close())
+    return solution, closed, solution.parts.shaft.respond(solution.complete(closed.q))
+
+
+# ---- not named, not there ----
+
+
+def test_a_scene_without_drive_has_nothing_of_it():
+    driven, constant = (compose(build_parts(make(changes))) for changes in (DRIVEN, {}))
+    assert "speed__slowness" in driven.text
+    assert "slow" not in constant.text and constant.speed_curve is None
+    p = run().performance
+    assert [p[name] for name in ("mean_speed", "speed_ripple", "coupling_torque_peak", "motor_power")] == [None] * 4
+    assert run().balance.drive is None
+
+
+def test_what_a_drive_is_made_of_is_not_compiled():
+    other = {**DRIVEN, "effects.drive.coupling": CORDS, "effects.drive.motor": KLOSS}
+    assert compose(build_parts(make(other))).text == compose(build_parts(make(DRIVEN))).text
+
+
+# ---- the speed ----
+
+
+def test_constant_speed_is_recovered_as_inertia_grows():
+    heavy = {f"effects.drive.{name}_inertia": "1e5 kg m^2" for name in ("motor", "rotor")}
+    with_it, without = run({**DRIVEN, **FINE, **heavy}), run(FINE)
+    assert with_it.status == "ok"
+    assert with_it.performance.speed_ripple < 1e-6
+    for name in CYCLE:
+        assert with_it.performance[name] == pytest.approx(without.performance[name], rel=2e-6), name
+
+
+def test_the_ripple_falls_with_the_inertia():
+    p, heavier = (
+        run({**DRIVEN, "effects.drive.rotor_inertia": inertia}).performance for inertia in ("0.12 kg m^2", "1.2 kg m^2")
+    )
+    assert p.speed_ripple / heavier.speed_ripple == pytest.approx(10.0, rel=0.05)
+
+
+def test_chambers_and_drive_in_one_system_repeat_the_motion_that_was_closed_by_turns():
+    """Radau on all states together, from the closed state: it comes back to it, with the same speed on the way."""
+    solution, closed, motion = closed_with_drive(1e-6)
+    assert closed.status == "ok" and motion.ripple > 0.05
+    constant = Solution(make({"operation.speed": "700 rpm", **FINE}))
+    constant.machinery.warm_up(constant.rehearse)
+    constant.machinery.R[:] = solution.machinery.R
+    constant.machinery.composition.P[constant.machinery.composition.widths] = solution.machinery.composition.P[
+        solution.machinery.composition.widths
+    ]
+    complete = solution.complete(closed.q)
+    loss = (complete.shaft_power - complete.indicated_power) / complete.omega
+    together = Monolith(constant.machinery, motion.train, motion.no_load_speed, complete.pitch().low_pressure, loss)
+    start = start_of(solution, motion)
+    angles, states, end = together.pitch(start)
+    n = together.n
+    assert np.max(np.abs(end[:n] / start[:n] - 1.0)) < 1e-4
+    assert end[n] == pytest.approx(start[n], abs=1e-4 * np.ptp(motion.speed))
+    assert end[n + 2] == pytest.approx(start[n + 2], abs=1e-4 * np.ptp(motion.twist))
+    assert end[n + 3] == pytest.approx(motion.train.pitch / motion.mean_speed, rel=1e-6)
+    grid = np.linspace(0.0, motion.train.pitch, 361)
+    from screwsim.machine.drive.response import resampled
+
+    ours = np.interp(angles, grid, np.append(resampled(motion.speed, 360), motion.speed[0]))
+    assert np.max(np.abs(states[:, n] - ours)) < 1e-3 * np.ptp(motion.speed)
+
+
+def test_the_chambers_feel_the_mean_speed_of_the_drive_over_time():
+    solution, closed, motion = closed_with_drive(1e-6)
+    assert motion.mean_speed == pytest.approx(solution.machinery.composition.P[P_OMEGA], rel=1e-9)
+    assert shaft.set_course(solution, motion) <= solution.wanted.tolerance
+
+
+def test_the_balances_close_under_a_speed_that_changes():
+    result = run(SLOW)
+    assert result.status == "ok"
+    assert max(result.balance[name] for name in ("mass", "energy", "entropy")) <= result.balance.bound
+    assert abs(result.ledger.relative_residue) < 1e-3
+
+
+def test_the_traces_flows_are_those_of_the_time():
+    """dm/dt = ω dm/dφ where one port alone is open: in the suction phase, at the speed of that angle."""
+    result = run(SLOW)
+    cycle = result.cycle
+    angle, mass, speed = (cycle[name] for name in ("angle", "gas_mass", "speed"))
+    flows = sum(cycle[name] for name in cycle if name.startswith("mass_flow_"))
+    rate = np.gradient(mass, np.radians(angle)) * speed
+    quiet = (angle > 100.0) & (angle < 300.0)
+    off = np.abs(flows[quiet] / rate[quiet] - 1.0)
+    assert np.quantile(off, 0.97) < 2e-4  # differences over a degree; the rest stand at knots of the laws
+    assert np.ptp(speed) > 0.03 * speed.mean()
+
+
+# ---- torques and powers ----
+
+
+def test_the_motor_gives_gas_work_losses_and_what_the_coupling_takes():
+    result = run(SLOW)
+    p = result.performance
+    assert p.motor_power == pytest.approx(p.shaft_power + p.coupling_loss, rel=1e-9)
+    assert p.coupling_loss > 0.0
+    assert result.balance.drive < 1e-9
+    assert p.coupling_torque_mean == pytest.approx(p.shaft_power / p.mean_speed, rel=1e-9)
+
+
+def test_the_motors_speed_follows_from_its_line():
+    p = run({**DRIVEN, "effects.drive.motor": KLOSS, "effects.drive.speed": "no_load"}).performance
+    assert p.no_load_speed == pytest.approx(100.0 * math.pi, rel=1e-9)
+    slip = 1.0 - p.mean_speed / p.no_load_speed
+    expected = 2.0 * 600.0 / (slip / 0.1 + 0.1 / slip)
+    assert p.coupling_torque_mean == pytest.approx(expected, rel=1e-3)  # of the mean speed; the ripple is 2e-3
+    at_that_speed = run({"operation.speed": f"{p.mean_speed!r} rad/s"}).performance
+    assert p.gas_mass_flow == pytest.approx(at_that_speed.gas_mass_flow, rel=3e-4)
+
+
+def test_rubber_cords_carry_the_mean_torque_at_their_twist():
+    from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling
+
+    p = run({**DRIVEN, "effects.drive.coupling": CORDS}).performance
+    cords = RubberCordCoupling(inner_radius=0.06, outer_radius=0.084, cords=283, discs=1)
+    assert p.twist_mean == pytest.approx(cords.twist(p.coupling_torque_mean), rel=1e-3)  # ripple of the twist squared
+    inertia = 1.0 / (1.0 / 0.8 + 1.0 / 0.12)
+    expected = math.sqrt(cords.stiffness(p.twist_mean) / inertia) / (2.0 * math.pi)
+    assert p.torsional_frequency == pytest.approx(expected, rel=1e-12)
+    assert p.resonance_speed == pytest.approx(2.0 * math.pi * expected / 4.0, rel=1e-12)
+
+
+# ---- what goes wrong ----
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"motor.torque_limit": "90 N m"}, "the motor stalls: the rotors ask for"),
+        ({"coupling.linear.largest_twist": "1 deg"}, "under the steady ripple the coupling fails: twisted by"),
+        ({"coupling": {"rubber_cord": {"cords": 1, "breaking_strain": 0.05}}}, "the coupling carries"),
+    ],
+)
+def test_what_cannot_run_fails_and_says_why(changes, words):
+    result = run({**DRIVEN, **{f"effects.drive.{path}": value for path, value in changes.items()}})
+    assert result.status == "failed"
+    assert words in result.message
+    assert all(value is None or math.isfinite(value) for value in result.performance.values())
+    assert result.performance.shaft_power > 0.0  # the chambers' part is there
+
+
+def test_resonance_and_a_torque_that_changes_its_sign_are_said():
+    result = run({**DRIVEN, "operation.speed": "520 rpm", "effects.drive.coupling.damping": "1.5 N m s/rad"})
+    assert result.status == "ok"
+    assert any("resonance: lobe harmonic 1 meets the torsional frequency at 522.58 rpm" in w for w in result.warnings)
+    assert any("the coupling torque changes its sign" in w for w in result.warnings)
+
+
+def test_cords_that_the_ripple_breaks_are_said():
+    sound = {**CORDS, "rubber_cord": {**CORDS["rubber_cord"], "layers": 2, "discs": 2, "breaking_strain": 0.02}}
+    calm, shaken = (
+        run({**DRIVEN, "effects.drive.coupling": sound, "operation.speed": speed}) for speed in ("3000 rpm", "830 rpm")
+    )
+    assert calm.status == "ok"
+    assert shaken.status == "failed"
+    assert "under the steady ripple the cords break: strain" in shaken.message
+
+
+def test_a_drive_that_stops_within_a_pitch_has_no_steady_motion():
+    weak = {"effects.drive.rotor_inertia": "0.001 kg m^2", "effects.drive.coupling.linear.spring": "20 N m/rad"}
+    result = run({**DRIVEN, **weak, "operation.speed": "250 rpm", "effects.drive.coupling.damping": "0 N m s/rad"})
+    assert result.status == "failed"
+    assert "the drive has no steady motion" in result.message
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"coupling": {}}, "effects.drive.coupling: needs one of linear and rubber_cord"),
+        ({"motor": {"law": "line"}}, "effects.drive.motor.slope: is missing (line needs it)"),
+        ({"coupling": {"rubber_cord": {"inner_radius": "300 mm"}}}, "rubber_cord.outer_radius: is not above inner_radius"),
+        ({"rotor_inertia": "0.1 kg"}, "'0.1 kg' is not an inertia (write e.g. '0.5 kg m^2')"),
+    ],
+)
+def test_a_fault_is_found_with_its_remedy(changes, words):
+    with pytest.raises(SceneError) as caught:
+        make({**DRIVEN, **{f"effects.drive.{path}": value for path, value in changes.items()}})
+    assert words in str(caught.value)
+
+
+# ---- start-up ----
+
+CREEP = 200.0 * math.pi / 30.0
+
+
+@cache
+def started(slope="100 N m s/rad"):
+    return start_up(make({**DRIVEN, "effects.drive.motor.slope": slope, "operation.speed": "900 rpm"}), CREEP)
+
+
+def test_a_start_ends_at_the_steady_motion():
+    found = started()
+    steady = run({**DRIVEN, "effects.drive.motor.slope": "100 N m s/rad", "operation.speed": "900 rpm"}).performance
+    assert found.status == "ok"
+    assert found.figures.steady_speed == pytest.approx(30.0 * math.pi, rel=1e-9)
+    last = found.traces["angle"] > found.traces["angle"][-1] - math.pi / 2.0
+    torque = found.traces["coupling_torque"][last]
+    assert torque.mean() == pytest.approx(steady.coupling_torque_mean, rel=0.02)
+    assert 0.5 * np.ptp(torque) == pytest.approx(steady.coupling_torque_amplitude, rel=0.05)
+
+
+def test_the_energy_of_a_start_closes():
+    f = started().figures
+    assert f.stored > 0.3 * f.motor_work > 0.0
+    assert f.motor_work == pytest.approx(f.gas_work + f.loss_work + f.coupling_work + f.stored, rel=1e-5)
+    assert f.residue < 1e-5
+
+
+def test_the_traces_of_a_start_are_those_of_one_time():
+    t = started().traces
+    assert np.all(np.diff(t["time"]) > 0.0)
+    assert all(np.isfinite(values).all() for values in t.values())
+    assert np.allclose(np.gradient(t["angle"], t["time"])[2:-2], t["speed"][2:-2], rtol=0.01)
+    f = started().figures
+    assert f.coupling_torque_peak == t["coupling_torque"].max() > 1.5 * f.coupling_torque_steady
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"motor": {**KLOSS, "breakdown_slip": 0.01}}, "the motor cannot start the machine: the rotors stop"),
+        ({"coupling.linear.largest_twist": "2.5 deg"}, "of the start the coupling fails"),
+        ({"motor.torque_limit": "90 N m"}, "there is no steady speed to start to: the motor stalls"),
+    ],
+)
+def test_a_start_that_fails_says_why(changes, words):
+    scene = make({**DRIVEN, **{f"effects.drive.{path}": value for path, value in changes.items()}})
+    found = start_up(scene, 20.0 * math.pi / 30.0)
+    assert found.status == "failed"
+    assert words in found.message
+    assert all(np.isfinite(values).all() for values in found.traces.values())
+
+
+def test_a_start_that_takes_too_long_says_how_far_it_came():
+    found = start_up(make(DRIVEN), CREEP, longest=0.05)
+    assert found.status == "failed"
+    assert "would be steady" in found.message
+
+
+@pytest.mark.parametrize(
+    ("changes", "creep", "words"),
+    [
+        ({}, 1.0, "the scene has no drive"),
+        ({**DRIVEN, "effects.drive.motor": {"law": "line", "slope": "30 N m s/rad"}}, 1.0, "needs the motor's limit"),
+        (DRIVEN, 400.0, "creep slower"),
+        (DRIVEN, 0.0, "creeping speed above 0"),
+    ],
+)
+def test_a_start_that_makes_no_sense_is_refused(changes, creep, words):
+    with pytest.raises(UsageError, match=words):
+        start_up(make(changes), creep)
