@@ -9,7 +9,7 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p.
 
 `state_rate(i, T, m, p, rho, V, phi, p_suction, p_discharge, y, at, P)` → change [1/s] of an effect's own state i,
-`path_opening(i, drop, width, y, at, P)` → open share of plenum path i at a pressure difference into the chamber,
+`path_opening(i, drop, width, held, y, at, P)` → open share of plenum path i at a pressure difference into the chamber,
 `wall_heat(i, T, m, p, rho, V, phi, P)` → heat [W] from a wall into the gas, `wall_temperature(i, P)` → its own [K].
 
 Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), PHASES (0 or
@@ -19,7 +19,7 @@ and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches),
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
 ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE is
-a constant, too), OPENED (1: openings depend on states; then HOLDS is one, too), WALLS (how many wall heats),
+a constant, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), WALLS (how many wall heats),
 CATEGORIES, and the indices into P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
@@ -63,6 +63,7 @@ N_OFFSETS: Any = Slot("N_OFFSETS")
 OFFSETS: Any = Slot("OFFSETS")
 CHAMBERS: Any = Slot("CHAMBERS")
 HOLDS: Any = Slot("HOLDS")
+ONE_WAY: Any = Slot("ONE_WAY")
 POSITIVE: Any = Slot("POSITIVE")
 
 OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
@@ -89,7 +90,8 @@ OIL_NUMBERS = ("P_C_OIL", "P_T_OIL", "P_TO_RATIO", "P_ROOM", "P_P_SOURCE", "P_H_
 PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT = range(10)
 PLACE = 10
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
-OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, the opening of each plenum path
+OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, opening and switch of each plenum path
+LOOSE = -2.0  # of a switch, where a stored cycle is read: open within the error of the pressure
 FREE = -1.0  # phase of a chamber whose state tells it; else it is held until the integrator's step is accepted
 
 # R: what changes while the cycle is closed: the two plenums (places), then what happens at the injection angle;
