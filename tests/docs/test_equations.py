@@ -10,7 +10,16 @@ from screwsim.effects import catalogue
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "model.md").read_text(encoding="utf-8")
-SECTIONS = dict(re.findall(r"^#### (M\d+) .+?\n(.*?)(?=^#{2,4} |\Z)", PAGE, flags=re.MULTILINE | re.DOTALL))
+CRANK = (ROOT / "docs" / "slider-crank.md").read_text(encoding="utf-8")
+
+
+def sections(page: str, letter: str) -> dict[str, str]:
+    """Return {number: text} of the equations of a page."""
+    pattern = rf"^#### ({letter}\d+) .+?\n(.*?)(?=^#{{2,4}} |\Z)"
+    return dict(re.findall(pattern, page, flags=re.MULTILINE | re.DOTALL))
+
+
+SECTIONS = sections(PAGE, "M") | sections(CRANK, "S")
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 
 

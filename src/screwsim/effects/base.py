@@ -53,8 +53,12 @@ class FlowPath:
 
     `opening` returns the open share of the area of a path to a plenum where that depends on the chamber's state (a
     valve): its arguments are `drop` [Pa], the plenum's pressure less the chamber's, `width` [Pa], below which pressure
-    differences may be smoothed, names of the chamber's states, and `values`. A path that is `narrow` never holds the
-    chamber's pressure to its plenum's; of ports and valves the widest open one may.
+    differences may be smoothed, names of the chamber's states, `held` and `values`. A path that is `narrow` never holds
+    the chamber's pressure to its plenum's; of ports and valves the widest open one may.
+
+    `one_way` (1: into the chamber, −1: out of it) makes it a switch: the pressure difference tells at the start of a
+    step whether it is open, `held` 1 or 0 tells the kernel so, and the step ends where that changes. `held` is FREE
+    where no step is held (scipy's integrators), LOOSE where a stored cycle is read (model.slots).
     """
 
     to: str
@@ -69,6 +73,7 @@ class FlowPath:
     resistance: Resistance | None = None
     opening: Kernel | None = None
     narrow: bool = False
+    one_way: int = 0
 
     def mirrored(self, life: float, pitch: float) -> FlowPath:
         """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""

@@ -1,10 +1,11 @@
 """Check valves: massless plates between cylinder and lines, which open where the pressure difference opens them.
 
-What: nozzle flow (M12) through the port's area times an opening that is 0 against the flow and 1 along it (S22).
+What: nozzle flow (M12) through the port's area, open while the pressure difference is along the flow (S22). Steps of
+the integration end where a valve opens or shuts.
 Source: ours; the limit of a valve without mass or spring.
-Assumptions: no lift to be passed through, no leakage when shut, the whole port is open above the width of the
-regularisation: between 0 and that width the opening rises by a C1 cubic, so that flow and slope are continuous. The
-width is that of the openings of the line (docs/numerics.md) and counts in the estimated error of every figure.
+Assumptions: no lift to be passed through, no leakage when shut. The flow near equal pressures is regularised as that of
+the openings of the line (docs/numerics.md), which counts in the estimated error of every figure. scipy's integrators
+know no such ends of steps: for them the opening rises by a C1 cubic over the width of the regularisation.
 Parameters: suction_area, discharge_area, flow_coefficient.
 """
 
@@ -19,6 +20,9 @@ from screwsim.faults import Fault
 from screwsim.machine.kinds import SLIDER_CRANK
 from screwsim.numerics.kernel import kernel
 
+LOOSE = -2.0  # of `held`: a stored cycle is read, whose pressure errs
+NEARLY = 0.1  # widths of the regularisation against the flow at which a valve then still counts as open
+
 
 @dataclass(frozen=True)
 class Parameters:
@@ -30,9 +34,13 @@ class Parameters:
 
 
 @kernel
-def opening(drop, width, sign):
+def opening(held, drop, width, sign):
     """Return the open share of a check valve at a pressure difference into the cylinder (S22)."""
+    if held >= 0.0:
+        return held
     x = sign * drop / width
+    if held == LOOSE:
+        return 1.0 if x > -NEARLY else 0.0
     if x <= 0.0:
         return 0.0
     return x * x * (3.0 - 2.0 * x) if x < 1.0 else 1.0
@@ -47,6 +55,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Reading]:
             values={"area": areas[side], "sign": sign},
             flow_coefficient=parameters.flow_coefficient,
             opening=opening,
+            one_way=round(sign),
         )
         for side, sign in SIDES.items()
     ]

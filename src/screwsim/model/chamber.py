@@ -36,12 +36,14 @@ from screwsim.model.slots import (
     GAP_OFFSET,
     HEATED,
     HOLDS,
+    LOOSE,
     N_GAPS,
     N_OFFSETS,
     N_PLENUM,
     OFFSETS,
     OIL_RATIO,
     OILED,
+    ONE_WAY,
     OPENED,
     OPENING,
     OWN_PLENUMS,
@@ -100,9 +102,10 @@ from screwsim.model.streams import (
     place_slopes,
 )
 from screwsim.numerics.kernel import kernel
+from screwsim.numerics.rodas import dense_coefficients, dense_value
 
 OPENING_STEP = 1e-5  # of the width of the regularisation, for differences of an opening by the pressure difference
-ALL_BUT_SHUT = 1e-2  # opening of a valve below which it does not hold the chamber's pressure
+SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
 SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
 
 
@@ -156,7 +159,8 @@ def rates(y, E, context, f, g):
             b = R_DISCHARGE * PLENUM[i]
             m = place_flow(E[E_AREAS + i], own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
             if OPENED == 1:
-                m *= path_opening(i, R[b + PRESSURE] - own[PRESSURE], P[P_PORT_WIDTH + PLENUM[i]], y, 0, P)
+                held = own[OPENING + N_PLENUM + i]
+                m *= path_opening(i, R[b + PRESSURE] - own[PRESSURE], P[P_PORT_WIDTH + PLENUM[i]], held, y, 0, P)
             if m >= 0.0:
                 add_stream(work, category(PLENUM[i], m) * width, m, R, b)
             else:
@@ -199,7 +203,7 @@ def path_flows(y, E, context, out):
             out[i] = place_flow(E[E_AREAS + i], own, 0, R, R_DISCHARGE * PLENUM[i], P[P_PORT_WIDTH + PLENUM[i]])
             if OPENED == 1:
                 drop = R[R_DISCHARGE * PLENUM[i] + PRESSURE] - own[PRESSURE]
-                own[OPENING + i] = path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], y, 0, P)
+                own[OPENING + i] = path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], LOOSE, y, 0, P)
                 out[i] *= own[OPENING + i]
     areas = E_AREAS + N_PLENUM
     for i in range(2 * N_GAPS):
@@ -250,7 +254,9 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                 m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
                 if OPENED == 1:
                     drop = R[b + PRESSURE] - own[PRESSURE]
-                    opened, by_drop = opening_slope(i, drop, y, P)
+                    if ONE_WAY[i] != 0:
+                        own[OPENING + N_PLENUM + i] = 1.0 if ONE_WAY[i] * drop > 0.0 else 0.0
+                    opened, by_drop = opening_slope(i, drop, y, own, P)
                     p_1 = p_1 * opened - m * by_drop
                     p_2 = p_2 * opened + m * by_drop
                     m *= opened
@@ -310,12 +316,13 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
 
 
 @kernel
-def opening_slope(i, drop, y, P):
+def opening_slope(i, drop, y, own, P):
     """Return the opening of plenum path i and its derivative by the pressure difference [1/Pa]."""
     width = P[P_PORT_WIDTH + PLENUM[i]]
-    opened = path_opening(i, drop, width, y, 0, P)
+    held = own[OPENING + N_PLENUM + i]
+    opened = path_opening(i, drop, width, held, y, 0, P)
     step = OPENING_STEP * width
-    return opened, (path_opening(i, drop + step, width, y, 0, P) - opened) / step
+    return opened, (path_opening(i, drop + step, width, held, y, 0, P) - opened) / step
 
 
 @kernel
@@ -326,15 +333,46 @@ def opening_by_state(i, drop, j, y, state, P):
         state[k] = y[k]
     delta = perturbation(y, 0, j)
     state[j] += delta
-    return (path_opening(i, drop, width, state, 0, P) - path_opening(i, drop, width, y, 0, P)) / delta
+    return (path_opening(i, drop, width, FREE, state, 0, P) - path_opening(i, drop, width, FREE, y, 0, P)) / delta
 
 
 @kernel
 def held_share(i, y, own, R, P):
     """Return how far plenum path i is open to a chamber of state y and place `own`; 0 of one that is narrow."""
     drop = R[R_DISCHARGE * PLENUM[i] + PRESSURE] - own[PRESSURE]
-    opened = HOLDS[i] * path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], y, 0, P)
-    return opened if opened > ALL_BUT_SHUT else 0.0
+    held = own[OPENING + N_PLENUM + i]
+    return HOLDS[i] * path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], held, y, 0, P)
+
+
+@kernel
+def share_before_switch(y, y1, u, R, P, TAB, own):
+    """Return the share of a step after which the first one-way path opens or shuts; 1 where none does.
+
+    Beyond it lies at most SWITCHED of the width of the regularisation.
+    """
+    share = 1.0
+    p1, _h, _c, _t, _a, _x, _f = gas_state(y1[0], y1[1], P, TAB)
+    T3, T4 = dense_coefficients(u, 0)
+    rho3, rho4 = dense_coefficients(u, 1)
+    for i in range(N_PLENUM):
+        if ONE_WAY[i] != 0:
+            line = R[R_DISCHARGE * PLENUM[i] + PRESSURE]
+            most = SWITCHED * P[P_PORT_WIDTH + PLENUM[i]]
+            against = -1.0 if own[OPENING + N_PLENUM + i] == 1.0 else 1.0  # of the way in which it switches
+            if against * ONE_WAY[i] * (line - p1) > most:
+                low = 0.0
+                high = share
+                while high - low > 1e-12:
+                    middle = 0.5 * (low + high)
+                    T = dense_value(middle, y[0], y1[0], T3, T4)
+                    rho = dense_value(middle, y[1], y1[1], rho3, rho4)
+                    p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
+                    if against * ONE_WAY[i] * (line - p) > 0.5 * most:
+                        high = middle
+                    else:
+                        low = middle
+                share = high
+    return share
 
 
 @kernel
@@ -488,6 +526,10 @@ def error_size(y0, y1, error, context):
 def share_in_phase(y, y1, u, rtol, context):
     """Return the share of a step after which the gas leaves its phase (`places.share_before_border`)."""
     _P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    if OPENED == 1:
+        switched = share_before_switch(y, y1, u, _R, _P, _TAB, own)
+        if switched < 1.0:
+            return switched
     return share_before_border(own[PLACE], y, y1, u, 0, own[TPT] / own[PRESSURE], rtol)
 
 

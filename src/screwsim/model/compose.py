@@ -54,7 +54,7 @@ BORE |= {"separator_pressure": "separator_pressure"}
 
 # symbols that a kernel can ask for and that are not numbers of the scene
 STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
-OPENING_SYMBOLS = ("drop", "width")
+OPENING_SYMBOLS = ("drop", "width", "held")
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
 
@@ -308,7 +308,7 @@ def _write_openings(writer: _Writer, paths: Sequence[FlowPath], states: Sequence
             call = writer.call(path.opening, path.values, {}, (*OPENING_SYMBOLS, *states[2:]))
             body += [f"if i == {index}:", f"    return {call}"]
             asked |= set(path.opening.arguments)
-    head = "path_opening(i, drop, width, y, at, P)"
+    head = "path_opening(i, drop, width, held, y, at, P)"
     writer.function(head, [*_named_states(body, states, asked), "return 1.0"])
 
 
@@ -414,6 +414,7 @@ def compose(parts: Parts) -> Composition:
         "CHAMBERS": geometry.chambers,
     }
     if opened:
+        constants["ONE_WAY"] = f"np.array({[path.one_way for _, path in plenum]})"
         constants["HOLDS"] = f"np.array({[int(not path.narrow) for _, path in plenum]})"
     if own_states:
         constants["POSITIVE"] = f"np.array({[int(part.positive) for part in own_states]})"

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from screwsim.model.chamber import ALL_BUT_SHUT, SIDE, path_flows, surroundings
+from screwsim.model.chamber import SIDE, path_flows, surroundings
 from screwsim.model.room import gas_mass, gas_mass_slope
 from screwsim.model.slots import (
     CARRIED,
@@ -116,7 +116,7 @@ def balanced(flows, mass_rate, E, own, R, P):
         if OWN_PLENUMS > 0 and PLENUM[i] >= FIRST_OWN:
             continue
         if OPENED == 1:
-            if HOLDS[i] * E[E_AREAS + i] * own[OPENING + i] > max(widest, ALL_BUT_SHUT * E[E_AREAS + i]):
+            if HOLDS[i] * E[E_AREAS + i] * own[OPENING + i] > widest:
                 widest = E[E_AREAS + i] * own[OPENING + i]
                 port = i
             continue

@@ -15,7 +15,7 @@ import numpy as np
 
 from screwsim.model import compiled, ledger
 from screwsim.model.compose import Composition
-from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PLACE, Q_WALLS
+from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE, Q_WALLS
 from screwsim.numerics.scipy_integrators import METHODS, integrate
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
@@ -40,7 +40,8 @@ class Machinery:
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
         work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + composition.first_stream)
-        own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(len(composition.plenum_paths))])
+        paths = len(composition.plenum_paths)
+        own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(paths), np.full(paths, FREE)])
         self._spaces = (np.zeros(self.columns), own, work)
         self.counts = np.zeros(4, np.int64)
         self._together: dict[str, Any] = {}
@@ -236,6 +237,7 @@ class Machinery:
             self.watch()
             module.chamber__surroundings(phi, middle, context, E)
             own[PLACE] = FREE
+            own[OPENING + len(c.plenum_paths) :] = FREE
             module.chamber__rates(np.ascontiguousarray(state), E, context, f, g)
             return np.concatenate([f, g])
 

@@ -12,7 +12,7 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `flash_terms(oil, p, P, TAB)` → gas [kg/s] that flashes out of oil that enters, its enthalpy [W], and the heat that it
 takes from the oil over the oil's heat capacity [kg K/s],
 `state_rate(i, T, m, p, rho, V, phi, p_suction, p_discharge, y, at, P)` → change [1/s] of an effect's own state i,
-`path_opening(i, drop, width, y, at, P)` → open share of plenum path i at a pressure difference into the chamber.
+`path_opening(i, drop, width, held, y, at, P)` → open share of plenum path i at a pressure difference into the chamber.
 
 Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), PHASES (0 or
 1: can it have two phases), N_HEATS (heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass),
@@ -21,9 +21,9 @@ and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches),
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
 ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE
-is a constant, too), OPENED (1: openings depend on states; then HOLDS is one, too), RESISTED (1: gaps hold flow back),
-WALLS (how many exchange heat with the gas), PUMPED (1: a pump feeds the oil port), FLASHED (1: gas flashes out of its
-oil) and FLASH (the category of that gas), CATEGORIES, Q_STREAMS, and the indices into P that move with them.
+is a constant, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), RESISTED (1: gaps hold flow
+back), WALLS (how many exchange heat with the gas), PUMPED (1: a pump feeds the oil port), FLASHED (1: gas flashes out of
+its oil) and FLASH (the category of that gas), CATEGORIES, Q_STREAMS, and the indices into P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -67,6 +67,7 @@ N_OFFSETS: Any = Slot("N_OFFSETS")
 OFFSETS: Any = Slot("OFFSETS")
 CHAMBERS: Any = Slot("CHAMBERS")
 HOLDS: Any = Slot("HOLDS")
+ONE_WAY: Any = Slot("ONE_WAY")
 POSITIVE: Any = Slot("POSITIVE")
 
 OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
@@ -99,7 +100,8 @@ PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE
 PLACE = 10
 BEYOND = 1000  # + i: gap i beyond the last chamber, as a number of a plenum
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
-OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, the opening of each plenum path
+OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, opening and switch of each plenum path
+LOOSE = -2.0  # of a switch, where a stored cycle is read: open within the error of the pressure
 FREE = -1.0  # phase of a chamber whose state tells it; else it is held until the integrator's step is accepted
 
 # R: what changes while the cycle is closed: the two plenums (places), then what happens at the injection angle;

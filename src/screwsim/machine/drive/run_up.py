@@ -137,4 +137,6 @@ def _integrated(rates: Any, span: tuple[float, float], y: Array, at: Array | Non
 
     size = np.array([no_load**2, no_load, 0.1, 1.0, 1e3, 1e3] if len(y) == 6 else [no_load, 0.1, 1e3, 1e3])
     longest = (span[1] - span[0]) / 16.0 if len(y) == 6 else 0.01
-    return solve_ivp(rates, span, y, "DOP853", at, events=events, rtol=RTOL, atol=RTOL * size, max_step=max(longest, 1e-9))
+    return solve_ivp(
+        rates, span, y, "DOP853", at, events=events, rtol=RTOL, atol=RTOL * size, max_step=max(longest, 1e-9)
+    )

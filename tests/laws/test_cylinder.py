@@ -1,0 +1,111 @@
+"""Laws of a cylinder: the closed-form ideal cycle, conservation, one result by two integrators, hard cases."""
+
+import pytest
+from cylinder import CHECK, P_S, REEDS, RPM, SHUT, K, cylinder, with_areas
+
+from screwsim.scene import with_values
+from screwsim.simulate import simulate
+
+BOTH = pytest.mark.parametrize("text", [CHECK, REEDS], ids=["check", "reeds"])
+
+
+def ideal_volumetric_efficiency(scene) -> float:
+    """Return λ of S21, 0 where nothing is delivered."""
+    c, ratio = scene.machine.clearance_ratio, scene.operation.discharge.pressure / scene.operation.suction.pressure
+    return max(0.0, 1.0 + c - c * ratio ** (1.0 / K))
+
+
+@pytest.mark.parametrize(("clearance", "ratio"), [(0.03, 4.0), (0.1, 3.0), (1e-3, 8.0)])
+def test_wide_valves_approach_the_ideal_cycle(clearance, ratio):
+    scene = cylinder(numerics__accuracy=3e-5, operation__discharge__pressure=ratio * P_S)
+    scene = with_values(scene, {"machine.clearance": clearance * scene.machine.swept_volume})
+    expected = ideal_volumetric_efficiency(scene)
+    work = K / (K - 1.0) * P_S * expected * scene.machine.swept_volume * (ratio ** ((K - 1.0) / K) - 1.0)
+    short = []
+    for factor in (1.0, 10.0, 100.0):
+        found = simulate(with_areas(scene, factor), trace=False)
+        assert found.status == "ok"
+        short.append(expected - found.performance.volumetric_efficiency)
+    assert short[0] > 0.0
+    assert abs(short[-1]) < 1e-4
+    assert found.performance.work_per_cycle == pytest.approx(work, rel=2e-4)
+    assert found.performance.isentropic_efficiency == pytest.approx(1.0, abs=2e-4)
+
+
+@BOTH
+def test_mass_energy_and_entropy_close(text):
+    found = simulate(cylinder(text))
+    assert found.status == "ok"
+    for name in ("mass", "energy", "entropy"):
+        assert found.balance[name] <= found.balance.bound
+    performance = found.performance
+    flow = -found.cycle[f"mass_flow_{'check' if text is CHECK else 'reed'}_valves"]
+    assert flow.min() < 0.0 < flow.max()
+    assert performance.gas_mass_flow > 0.0
+
+
+@BOTH
+def test_radau_gives_the_same(text):
+    scene = cylinder(text, numerics__accuracy=1e-4)
+    ours = simulate(scene, trace=False)
+    theirs = simulate(with_values(scene, {"numerics.integrator": "scipy-radau"}), trace=False)
+    assert ours.status == theirs.status == "ok"
+    for name in ("volumetric_efficiency", "indicated_power", "discharge_temperature", "trapped_mass"):
+        assert theirs.performance[name] == pytest.approx(ours.performance[name], rel=4e-4), name
+
+
+@BOTH
+def test_coupled_closing_gives_the_same(text):
+    scene = cylinder(text)
+    turned, together = (
+        simulate(with_values(scene, {"numerics.closing": way}), trace=False) for way in ("histories", "coupled")
+    )
+    assert together.status == "ok"
+    for name in ("volumetric_efficiency", "indicated_power"):
+        assert together.performance[name] == pytest.approx(turned.performance[name], rel=6e-4)
+
+
+@BOTH
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"operation__speed": 50.0 * RPM},
+        {"operation__speed": 3000.0 * RPM},
+        {"operation__discharge__pressure": 1.05 * P_S},
+        {"operation__discharge__pressure": 20.0 * P_S},
+        {"clearance_ratio": 1e-4},
+        {"clearance_ratio": 0.2},
+        {"areas": 0.01},
+        {"areas": 100.0},
+    ],
+    ids=lambda changes: " ".join(f"{name}={value:.4g}" for name, value in changes.items()),
+)
+def test_hard_cases_close(text, changes):
+    changes = dict(changes)
+    ratio, areas = changes.pop("clearance_ratio", None), changes.pop("areas", 1.0)
+    scene = with_areas(cylinder(text, **changes), areas)
+    if ratio is not None:
+        scene = with_values(scene, {"machine.clearance": ratio * scene.machine.swept_volume})
+    found = simulate(scene, trace=False)
+    assert found.status == "ok", found.message
+    assert 0.0 <= found.performance.volumetric_efficiency < 1.0 + (0.3 if text is REEDS else 0.0)
+    assert max(size for size in found.error.values() if size is not None) <= scene.numerics.accuracy
+
+
+def test_a_ratio_too_high_delivers_nothing():
+    scene = cylinder()
+    scene = with_values(scene, {"machine.clearance": 0.2 * scene.machine.swept_volume})
+    scene = with_values(scene, {"operation.discharge.pressure": 1.2 * P_S * (1.0 / 0.2 + 1.0) ** K})
+    assert ideal_volumetric_efficiency(scene) == 0.0
+    found = simulate(scene)
+    assert found.status == "ok"
+    assert found.performance.volumetric_efficiency == pytest.approx(0.0, abs=1e-4)
+    assert any("no net gas is delivered" in warning for warning in found.warnings)
+
+
+def test_a_cylinder_without_valves_compresses_and_expands_the_same_gas():
+    found = simulate(cylinder(SHUT))
+    assert found.status == "ok"
+    assert found.performance.gas_mass_flow == 0.0
+    p, V = found.cycle["pressure"], found.cycle["volume"]
+    assert (p * V**K).std() / (p * V**K).mean() < 1e-4
