@@ -32,10 +32,13 @@ MUCH = 1e-4  # wanted accuracy from which on two turns estimate
 TIGHT = 0.75  # volumetric efficiency below which leaks rule, and two turns estimate
 
 
+Read = tuple[Figures, dict[str, str]]  # figures, and why some are None
+
+
 class Accurate(NamedTuple):
     """A closed cycle, the estimated error of its figures ({} where nothing is estimated), what both took.
 
-    `counts` and times [s] are those of closing and of estimating, apart.
+    `counts` and times [s] are those of closing and of estimating, apart; `figures` what the estimate read of the cycle.
     """
 
     closed: closing.Closed
@@ -43,6 +46,7 @@ class Accurate(NamedTuple):
     counts: np.ndarray
     closing_time: float
     estimating_time: float
+    figures: Read | None = None
 
 
 def close_accurately(solution: Any) -> Accurate:
@@ -55,11 +59,12 @@ def close_accurately(solution: Any) -> Accurate:
     watch = Watch(machinery)
     solution.tighten(course.tightness)
     closed, errors = shaft.settled(solution, _close_somehow(solution)), Figures()
+    figures = None
     watch.lap("closing")
     for attempt in range(TRIES):
         if closed.status != "ok" or numerics.integrator != "rodas4" or numerics.error == "none":
             break
-        errors = estimated_errors(solution, closed)
+        errors, figures = estimated_errors(solution, closed)
         watch.lap("estimating")
         if worst(errors)[1] <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
             break
@@ -74,7 +79,8 @@ def close_accurately(solution: Any) -> Accurate:
             break
         closed = replace(tighter, needed=closed.needed, first_gap=closed.first_gap)
     course.tightness = _next_tightness(course.tightness, worst(errors)[1] / numerics.accuracy)
-    return Accurate(closed, errors, watch.counts["closing"], watch.times["closing"], watch.times["estimating"])
+    times, counts = watch.times, watch.counts["closing"]
+    return Accurate(closed, errors, counts, times["closing"], times["estimating"], figures)
 
 
 def _next_tightness(used: float, estimated: float) -> float:
@@ -96,7 +102,7 @@ def close_tighter(solution: Any, accurate: Accurate) -> Accurate:
         before.put_back()
         solution.wanted, closed = wanted, accurate.closed
     closed = replace(closed, needed=accurate.closed.needed, first_gap=accurate.closed.first_gap)
-    return accurate._replace(closed=closed, counts=counts, closing_time=spent)
+    return accurate._replace(closed=closed, counts=counts, closing_time=spent, figures=None)
 
 
 def _close_somehow(solution: Any) -> closing.Closed:
@@ -145,15 +151,15 @@ def worst(errors: Figures) -> tuple[str, float]:
     return name, known.get(name, 0.0)
 
 
-def estimated_errors(solution: Any, closed: closing.Closed) -> Figures:
-    """Return the estimated relative error of every figure of a closed cycle, which is left as it was."""
-    found, _ = solution.figures(closed.q)
+def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Read]:
+    """Return the estimated relative error of every figure of a closed cycle, which is left as it was; and the figures."""
+    found, notes = solution.figures(closed.q)
     with _borrowed(solution.machinery):
         machinery = solution.machinery
         machinery.composition.P[machinery.composition.widths] *= NARROWER
         status, q = _finer_turn(solution, closed, 2 if _much_asked(solution, found) else 1)
         if status != 0:
-            return Figures(dict.fromkeys(found))
+            return Figures(dict.fromkeys(found)), (found, notes)
         better, _ = solution.figures(q)
     shown = relative_errors(found, better, *solution.least(closed.q))
     errors = Figures({name: None if size is None else WHOLE * size for name, size in shown.items()})
@@ -161,7 +167,7 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> Figures:
     lost = abs(solution.balances.mass_in(closed.q) * solution.lives_per_second / flow) if flow else 0.0
     for name, size in flow_errors(found, lost).items():
         errors[name] = (errors[name] or 0.0) + (size or 0.0)
-    return errors
+    return errors, (found, notes)
 
 
 def _much_asked(solution: Any, found: Figures) -> bool:

@@ -168,11 +168,10 @@ def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
     return (f"the estimated error of {name}, {size:.2g}, is above the wanted accuracy {scene.numerics.accuracy:.2g}",)
 
 
-def _judged(
-    solution: Solution, closed: closing.Closed, trace: bool
-) -> tuple[Figures, dict[str, str], Figures, Figures]:
+def _judged(solution: Solution, accurate: Accurate, trace: bool) -> tuple[Figures, dict[str, str], Figures, Figures]:
     """Return figures, why some are None, the balances and the ledger of a closed cycle."""
-    found, notes = solution.figures(closed.q)
+    closed = accurate.closed
+    found, notes = accurate.figures or solution.figures(closed.q)
     balance = solution.balance(closed.q)
     wanted = trace or solution.scene.numerics.error == "estimate"
     book = solution.ledger(closed.q, found.shaft_power) if wanted else Figures()
@@ -221,14 +220,14 @@ def _solved(solution: Solution, trace: bool) -> Result:
     refused = _refused(solution)
     if refused:
         return Result("failed", refused, effects=effects, states=states, numerics=numerics)
-    found, notes, balance, book = _judged(solution, closed, trace)
+    found, notes, balance, book = _judged(solution, accurate, trace)
     for _ in range(TRIES):
         if closed.status != "ok" or (balance.entropy or 0.0) <= balance.bound or scene.numerics.rtol is not None:
             break
         # mass and energy are judged while closing, entropy only here: it needs the ledger
         accurate = close_tighter(solution, accurate)
         closed, numerics = accurate.closed, _numerics(solution, accurate)
-        found, notes, balance, book = _judged(solution, closed, trace)
+        found, notes, balance, book = _judged(solution, accurate, trace)
     solution.note(closed)
     bad = not all(math.isfinite(value) for value in found.values() if value is not None)
     if bad:
