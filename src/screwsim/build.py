@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from screwsim.effects.base import Around, FlowPath, HeatRate, Made, Plenum, Site, Wall
+from screwsim.effects.base import Around, FlowPath, HeatRate, Made, Plenum, Scaled, Site, Wall
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -61,6 +61,7 @@ def build_parts(scene: Scene) -> Parts:
     suction, discharge, gaps = regularisation(scene)
     gas = build_gas(scene)
     effects = {name: _built(active, geometry, scene) for name, active in scene.effects.items()}
+    effects = _acting(effects)
     plenums = [part for items in effects.values() for part in items if isinstance(part, Plenum)]
     made = [part for items in effects.values() for part in items if isinstance(part, Made)]
     names = [part.entry.name for part in made]
@@ -76,6 +77,20 @@ def build_parts(scene: Scene) -> Parts:
         plenums={part.name: part.state(build_site(scene, gas)) for part in plenums},
         made={part.entry.name: part.guess(build_site(scene, gas)) for part in made},
     )
+
+
+def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
+    """Return the effects' parts without factors on the areas of effects that the scene does not name."""
+    scaled = [part for items in effects.values() for part in items if isinstance(part, Scaled)]
+    idle = {part.by for part in scaled if part.effect not in effects}
+    idle -= {part.by for part in scaled if part.effect in effects}
+
+    def acts(part: Any) -> bool:
+        if isinstance(part, Scaled):
+            return part.effect in effects
+        return not (isinstance(part, Made) and part.entry.name in idle)
+
+    return {name: [part for part in items if acts(part)] for name, items in effects.items()}
 
 
 def _around(scene: Scene) -> Around:

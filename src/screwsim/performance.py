@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects.base import PowerLoss, Reading
+from screwsim.effects.base import PowerLoss, Reading, Turn
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.close import Array, discharge_enthalpy
 from screwsim.model.compose import Parts
@@ -35,6 +35,7 @@ class CycleFigures:
     oil_viscosity_at: Callable[[float], float | None]
     oil_density_at: Callable[[float], float | None]
     pitch: Callable[[], Pitch]
+    turn: Turn
     shaft_power: float | None = None
     isothermal_efficiency: float | None = None
     isentropic_efficiency: float | None = None

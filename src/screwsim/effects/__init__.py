@@ -12,7 +12,7 @@ from functools import cache
 
 from screwsim.effects.base import Effect
 
-_NOT_EFFECTS = {"base", "gap", "port_window"}
+_NOT_EFFECTS = {"base", "gap", "gas_transport", "port_window"}
 _ORDER = (
     "suction_port",
     "discharge_port",
@@ -25,6 +25,9 @@ _ORDER = (
     "suction_throttle",
     "oil_heat",
     "droplets",
+    "wall_heat",
+    "thermal_clearances",
+    "plenums",
     "oil_pump",
     "hydromechanical",
     "mechanical",

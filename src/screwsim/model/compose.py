@@ -6,6 +6,7 @@ module's text; numbers go into the vector P and the tables TAB, so that one comp
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -15,7 +16,7 @@ import numpy as np
 
 from screwsim.effects.base import FlowPath, HeatRate, OilPort, Scaled, Wall
 from screwsim.fluid.orifice import orifice_flow
-from screwsim.model import chamber, coupled, ledger, places, trace
+from screwsim.model import chamber, coupled, ledger, places, pulsation, trace
 from screwsim.model.parts import OilPart, Parts
 from screwsim.model.slots import (
     FEWEST,
@@ -42,7 +43,7 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 
 # what a composition writes itself (slots.py)
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
-OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "injected_oil", "oil_inflow")
+OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow")
 
 # names that a kernel has for the numbers of the injection orifice
 BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
@@ -94,6 +95,7 @@ class Composition:
     oil_room: bool = False
     walls: tuple[str, ...] = ()  # the effect of each wall
     made: tuple[int, ...] = ()  # where the numbers that the cycle makes stand in P
+    pulsating: bool = False
 
     @property
     def widths(self) -> slice:
@@ -203,6 +205,19 @@ def _write_walls(writer: _Writer, walls: Sequence[Wall]) -> None:
     writer.function(f"wall_state(i, {', '.join(WALL_SYMBOLS)}, P)", [*body, "return 0.0, 0.0"])
 
 
+def _write_pulsations(writer: _Writer, parts: Parts) -> None:
+    if not parts.pulsations:
+        return
+    writer.kernels.append(pulsation.harmonics)
+    body = []
+    for part in parts.pulsations:
+        offset, first = _made(writer, part.offset), _made(writer, part.harmonics[0])
+        phase = f"phi * {writer.numbers.add(2.0 * math.pi / parts.geometry.pitch)}"
+        call = f"{pulsation.harmonics.flat_name}({phase}, P, {first[2:-1]}, {len(part.harmonics) // 2})"
+        body += [f"if i == {parts.number(part.to)}:", f"    return {offset}, {call}"]
+    writer.function("line_pulse(i, phi, P)", [*body, "return 0.0, 0.0"])
+
+
 def _made(writer: _Writer, name: str) -> str:
     if name not in writer.made:
         raise TypeError(f"no effect declares {name!r} as made by the cycle; known: {', '.join(writer.made) or 'none'}")
@@ -299,6 +314,7 @@ def compose(parts: Parts) -> Composition:
     _write_areas(writer, "gap_area", gaps, scales)
     _write_heat(writer, heats)
     _write_walls(writer, [wall for _, wall in parts.walls])
+    _write_pulsations(writer, parts)
     _write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
     if port is not None:
         _write_ports(writer, port)
@@ -321,6 +337,9 @@ def compose(parts: Parts) -> Composition:
     }
     structure = _structure(parts)
     n_areas = 4 + len(plenum)
+    structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets)
+    structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
+    held = (FIRST_OWN + len(parts.plenums)) * PLACE if parts.pulsations else 0
     return Composition(
         text=_module_text(
             tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())
@@ -334,16 +353,17 @@ def compose(parts: Parts) -> Composition:
         heats=tuple(name for name, _ in heating),
         n_place=5 if gas.varies else 2,
         n_sums=structure["CATEGORIES"] * (4 if carried else 2),
-        n_E=n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets),
-        n_E_all=geometry.chambers * (n_areas + len(gaps)),
+        n_E=structure["E_LINES"] + held,
+        n_E_all=structure["ALL_LINES"] + held,
         chambers=geometry.chambers,
         carried=carried,
         n_widths=3 + len(parts.plenums),
-        n_R=(FIRST_OWN + len(parts.plenums)) * PLACE if parts.plenums else R_SIZE,
+        n_R=(FIRST_OWN + len(parts.plenums)) * PLACE if parts.plenums or parts.pulsations else R_SIZE,
         ported=port is not None,
         oil_room=parts.oil_room,
         walls=tuple(name for name, _ in parts.walls),
         made=tuple(int(cell[2:-1]) for cell in writer.made.values()),
+        pulsating=bool(parts.pulsations),
     )
 
 
@@ -352,6 +372,7 @@ def _structure(parts: Parts) -> dict[str, int]:
     own, ported = len(parts.plenums), parts.oil_port is not None
     walls = len(parts.walls)
     found = {"OWN_PLENUMS": own, "PORTED": int(ported), "VOLUMED": int(parts.oil_room)}
+    found["PULSATING"] = int(bool(parts.pulsations))
     found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
     found["CATEGORIES"] = PORT_OIL + 1 + 2 * own if own or ported else FEWEST
     return found | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from screwsim.effects.base import OilPort, OilRoom, Wall
+from screwsim.effects.base import OilPort, OilRoom, Pulsation, Wall
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.slots import FIRST_OWN
 
@@ -71,3 +71,8 @@ class Parts:
     def walls(self) -> list[tuple[str, Wall]]:
         """The walls that exchange heat with the gas, with the effects that declare them."""
         return self.all(Wall)
+
+    @property
+    def pulsations(self) -> list[Pulsation]:
+        """The lines whose pressure pulsates."""
+        return [part for _, part in self.all(Pulsation)]

@@ -6,6 +6,7 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W],
 `heat_part(i, …)`: the same of one heat rate,
 `wall_state(i, T, m, p, rho, V, phi, P)` → (conductance between gas and wall i [W/K], its temperature [K]),
+`line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself,
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p.
 
@@ -15,8 +16,9 @@ OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge, f
 and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
-ports), VOLUMED (1: oil takes room), WALLS (how many exchange heat with the gas), CATEGORIES, Q_STREAMS, and the indices
-into P that move with them.
+ports), VOLUMED (1: oil takes room), WALLS (how many exchange heat with the gas), PULSATING (1: the lines' pressures
+pulsate), CATEGORIES, Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of
+all), and the indices into P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -38,6 +40,7 @@ gap_area: Any = Slot("gap_area")
 heat_rates: Any = Slot("heat_rates")
 heat_part: Any = Slot("heat_part")
 wall_state: Any = Slot("wall_state")
+line_pulse: Any = Slot("line_pulse")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
 
@@ -60,6 +63,9 @@ OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
 PORTED: Any = Structure("PORTED")
 VOLUMED: Any = Structure("VOLUMED")
 WALLS: Any = Structure("WALLS")
+PULSATING: Any = Structure("PULSATING")
+E_LINES: Any = Structure("E_LINES")
+ALL_LINES: Any = Structure("ALL_LINES")
 
 # P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
 P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)
