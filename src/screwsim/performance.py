@@ -20,7 +20,7 @@ from screwsim.scene.lines import Lines
 
 @dataclass(frozen=True)
 class CycleFigures:
-    """What a power loss or a reading can ask of a closed cycle (SI units); the last four are for readings only."""
+    """What a power loss or a reading can ask of a closed cycle (SI units); the last five are for readings only."""
 
     omega: float
     tip_speed: float
@@ -35,11 +35,11 @@ class CycleFigures:
     oil_viscosity_at: Callable[[float], float | None]
     oil_density_at: Callable[[float], float | None]
     pitch: Callable[[], Pitch]
-    turn: Turn
     shaft_power: float | None = None
     isothermal_efficiency: float | None = None
     isentropic_efficiency: float | None = None
     cop: float | None = None
+    turn: Turn | None = None
 
 
 PER_VOLUME = ("specific_power",)
