@@ -256,7 +256,86 @@ effects_solubility = {
     "refrigerant_solubility": soluble("70 degC"),
     "refrigerant_solubility, warmer": soluble("90 degC"),
 }
-ENTRIES: dict[str, Entry] = effects_ports | effects_gaps | effects_solubility
+# ---- walls, gaps, plenums ------------------------------------------------------------------------------------------
+
+SIZES = "rotor_area: 400 cm^2, housing_area: 150 cm^2, characteristic_length: 58 mm"
+LINES = "discharge_area: 15 cm^2, suction_area: 40 cm^2"
+
+
+def wall_change(one: Result, other: Result) -> str:
+    """Return temperatures, filling and powers."""
+    p = one.performance
+    warm = f"rotors {p.rotor_temperature - 273.15:.1f} °C, housing {p.housing_temperature - 273.15:.1f} °C"
+    fall = p.discharge_temperature - other.performance.discharge_temperature
+    return (
+        f"{warm}; λ {percent(one, other, 'volumetric_efficiency')}, shaft power {percent(one, other, 'shaft_power')}, "
+        f"η_s {percent(one, other, 'isentropic_efficiency')}, discharge {fall:+.2f} K"
+    )
+
+
+def gap_change(one: Result, other: Result) -> str:
+    """Return warm gaps and what they do."""
+    p = one.performance
+    gaps = f"tips {1e6 * p.tip_gap:.1f} µm, interlobe {1e6 * p.interlobe_gap:.1f} µm of 40"
+    return (
+        f"{gaps}; λ {percent(one, other, 'volumetric_efficiency')}, η_s {percent(one, other, 'isentropic_efficiency')}"
+    )
+
+
+def plenum_change(one: Result, other: Result) -> str:
+    """Return amplitudes and powers."""
+    p = one.performance
+    found = []
+    for line in ("discharge", "suction"):
+        swing = [100.0 * p[f"{line}_pulsation_harmonic_{k}"] / p[f"{line}_pressure"] for k in (1, 2, 3)]
+        found.append(f"{line} {', '.join(f'{amplitude:.2f}' for amplitude in swing)} % of p")
+    powers = f"flow {percent(one, other, 'gas_mass_flow')}, shaft power {percent(one, other, 'shaft_power')}"
+    return f"harmonics 1 to 3: {'; '.join(found)}; {powers}"
+
+
+effects_walls = {
+    "wall_heat": Entry(
+        REAL,
+        (f"effects.wall_heat={{{SIZES}}}",),
+        ("wall_heat",),
+        "Stosic, Smith, Kovacevic 2005",
+        "a wall is between the lowest and the highest gas temperature",
+        wall_change,
+    ),
+    "wall_heat, no oil": Entry(
+        REAL,
+        (f"effects.wall_heat={{{SIZES}}}", "oil_supply.ratio=0"),
+        ("wall_heat",),
+        "Stosic, Smith, Kovacevic 2005",
+        "the same, of dry rotors",
+        wall_change,
+    ),
+    "thermal_clearances": Entry(
+        REAL,
+        (f"effects.wall_heat={{{SIZES}}}", "effects.thermal_clearances={axis_distance: 125 mm}"),
+        ("thermal_clearances",),
+        "linear expansion",
+        "h_0 + ℓ γ (M180), narrower where rotors are as warm as the housing",
+        gap_change,
+    ),
+    "plenums": Entry(
+        REAL,
+        (f"effects.plenums={{discharge_volume: 3 l, suction_volume: 8 l, {LINES}}}",),
+        ("plenums",),
+        "D. R. Smith 2012",
+        "pulsation at the pocket passing frequency and its multiples",
+        plenum_change,
+    ),
+    "plenums, tenfold": Entry(
+        REAL,
+        ("effects.plenums={discharge_volume: 30 l, suction_volume: 80 l}",),
+        ("plenums",),
+        "M184",
+        "falls as 1/V",
+        plenum_change,
+    ),
+}
+ENTRIES: dict[str, Entry] = effects_ports | effects_gaps | effects_solubility | effects_walls
 
 
 def line(name: str, entry: Entry) -> str:

@@ -15,6 +15,7 @@ from screwsim.effects.base import (
     OilContent,
     OilGas,
     Plenum,
+    Scaled,
     Site,
     Wall,
 )
@@ -73,6 +74,7 @@ def build_parts(scene: Scene) -> Parts:
     suction, discharge, gaps = regularisation(scene)
     gas = build_gas(scene)
     effects = {name: _built(active, geometry, scene) for name, active in scene.effects.items()}
+    effects = _acting(effects)
     plenums = [part for items in effects.values() for part in items if isinstance(part, Plenum)]
     made = [part for items in effects.values() for part in items if isinstance(part, Made)]
     names = [part.entry.name for part in made]
@@ -95,6 +97,20 @@ def _oil_content(effects: Mapping[str, list[Any]], scene: Scene, gas: IdealGas |
     """Return what the oil brings dissolved; None where no effect declares it."""
     parts = (part for items in effects.values() for part in items if isinstance(part, OilGas))
     return next((part.content(build_site(scene, gas)) for part in parts), None)
+
+
+def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
+    """Return the effects' parts without factors on the areas of effects that the scene does not name."""
+    scaled = [part for items in effects.values() for part in items if isinstance(part, Scaled)]
+    idle = {part.by for part in scaled if part.effect not in effects}
+    idle -= {part.by for part in scaled if part.effect in effects}
+
+    def acts(part: Any) -> bool:
+        if isinstance(part, Scaled):
+            return part.effect in effects
+        return not (isinstance(part, Made) and part.entry.name in idle)
+
+    return {name: [part for part in items if acts(part)] for name, items in effects.items()}
 
 
 def _around(scene: Scene) -> Around:

@@ -49,6 +49,7 @@ KINDS = {
         Kind("thermal_conductivity", "W/(m K)", "0.0146 W/(m K)"),
         Kind("surface_tension", "N/m", "30 mN/m"),
         Kind("heat_transfer_coefficient", "W/(m^2 K)", "500 W/(m^2 K)"),
+        Kind("thermal_expansion", "1/K", "11.5 um/(m K)"),
     )
 }
 

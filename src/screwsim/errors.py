@@ -13,6 +13,7 @@ BY_FLOW = (*NET, *(f"{name}_efficiency" for name in DELIVERED))
 BY_FLOW += ("specific_power", "cooling_capacity", "cop", "electrical_cop")
 
 TORQUE, FORCE = "gas_torque", "_gas_force"  # over what they swing by: their means pass through zero
+PULSATION = "_pulsation_"  # over the pressure of the line
 OIL = ("oil_ratio", "oil_flow_ratio", "oil_mass_flow")
 LEAST_OIL = 1e-4  # oil per gas below which its error is that of nothing
 
@@ -65,6 +66,8 @@ def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any]
         return larger(size, 0.1)
     if TORQUE in name:
         return larger(size, abs(known.get("gas_torque_peak_to_peak", 0.0)))
+    if PULSATION in name:
+        return abs(known.get(f"{name.partition('_')[0]}_pressure", 0.0))
     if FORCE in name:
         return larger(size, abs(known.get(f"{name.removesuffix('_peak')}_peak", 0.0)))
     if name in NET:

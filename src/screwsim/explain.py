@@ -22,6 +22,7 @@ from screwsim.effects.base import (
     Made,
     Plenum,
     PowerLoss,
+    Pulsation,
     Reading,
     Scaled,
     Wall,
@@ -187,7 +188,13 @@ def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
     added += ["another state of what is sucked in" for part in built if isinstance(part, Intake)]
     added += ["heat to the gas" for part in built if isinstance(part, HeatRate)]
     added += [f"heat between gas and {part.name}" for part in built if isinstance(part, Wall)]
-    added += [f"{_words(part.entry.name)}, made by the cycle" for part in built if isinstance(part, Made)]
+    waves = {name for part in built if isinstance(part, Pulsation) for name in part.harmonics}
+    added += [
+        f"{_words(part.entry.name)}, made by the cycle"
+        for part in built
+        if isinstance(part, Made) and part.entry.name not in waves
+    ]
+    added += [f"pressure of the {part.to} line over the angle" for part in built if isinstance(part, Pulsation)]
     added += [f"areas of {part.effect} times {_words(part.by)}" for part in built if isinstance(part, Scaled)]
     if added:
         yield f"adds: {', '.join(added)}"

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath, Intake, OilGas, PowerLoss, Reading
+from screwsim.effects.base import FlowPath, Intake, OilGas, PowerLoss, Pulsation, Reading
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.intake import Suction
 from screwsim.model import ledger as kernels
@@ -26,6 +26,8 @@ from screwsim.model.slots import (
     FIRST_OWN,
     OIL_TEMPERATURE,
     P_INJECTION,
+    PLACE,
+    PRESSURE,
     R_DISCHARGE,
     R_INJECTED,
     R_OIL_BEFORE,
@@ -123,6 +125,16 @@ class Cycle:
         c = self.machinery.composition
         return State(T, rho, h, float(self.machinery.module.gas_entropy(T, rho, c.P, c.TAB)))
 
+    def behind(self, to: str, line: State) -> State:
+        """Return the mean state that the chambers meet in a line: throttled where its pressure has an offset (M184)."""
+        for part in self.parts.pulsations:
+            if part.to == to:
+                c, gas = self.machinery.composition, self.parts.gas
+                p = float(self.machinery.R[self.parts.number(to) * PLACE + PRESSURE])
+                p *= 1.0 + float(c.P[c.made[list(self.parts.made).index(part.offset)]])
+                return self.state(gas.temperature(p, line.h), gas.place_of_enthalpy(p, line.h)[1], line.h)
+        return line
+
     def at_discharge(self, h: float) -> State:
         """Return the state at discharge pressure of enthalpy h [J/kg]."""
         gas, p_d = self.parts.gas, self.lines.p_d
@@ -138,7 +150,10 @@ def ledger(cycle: Cycle) -> Figures:
     line = cycle.at_discharge(float(R[R_DISCHARGE + ENTHALPY]))
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at_discharge(mean[0])
-    paths, heats, oil = (cycle.rate * sums for sums in cycle.machinery.account(suction.s, line.s))
+    sucked, given = cycle.behind("suction", suction), cycle.behind("discharge", discharge)
+    paths, heats, oil = (
+        cycle.rate * sums for sums in cycle.machinery.account(sucked.s, cycle.behind("discharge", line).s)
+    )
     _at_their_lines(cycle, paths)
     acting = [
         name
@@ -146,7 +161,8 @@ def ledger(cycle: Cycle) -> Figures:
         if not (items and all(isinstance(part, Reading) for part in items))
     ]
     book = _Book(cycle.T_0, {name: Entry() for name in acting})
-    _paths(book, cycle, paths, suction, discharge)
+    _paths(book, cycle, paths, sucked, given)
+    _pulsations(book, cycle, (suction, sucked), (given, discharge), line)
     gas_rise = _gas(book, cycle, suction, line, discharge)
     if cycle.intake.changed:
         gas_rise = _intake(book, cycle, gas_rise, discharge)
@@ -242,6 +258,23 @@ def _gas(book: _Book, cycle: Cycle, suction: State, line: State, discharge: Stat
     return -(out + back) * exergy(discharge) - sum(
         net * exergy(State(own.T, own.rho, own.h, own.s)) for net, own in _drawn(cycle)
     )
+
+
+def _pulsations(
+    book: _Book, cycle: Cycle, suction: tuple[State, State], discharge: tuple[State, State], line: State
+) -> None:
+    """Enter what lines that pulsate cost (M187): throttling, and what gas that comes in takes of the pulsation.
+
+    The gas is throttled from the first to the second of two states.
+    """
+    for name, part in cycle.parts.all(Pulsation):
+        row = 2 * cycle.parts.number(part.to)
+        before, after = suction if part.to == "suction" else discharge
+        sums = cycle.rate * cycle.streams[row : row + 2]
+        h = before.h if part.to == "suction" else line.h
+        pulsation = float(sums[0, 1] - sums[0, 0] * h)
+        throttled = abs(float(sums[:, 0].sum())) * (after.s - before.s)
+        book.add(name, gas=abs(float(sums[:, 0].sum())), energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)
 
 
 def _drawn(cycle: Cycle) -> Iterator[tuple[float, Reservoir]]:

@@ -108,6 +108,44 @@ PERFORMANCE = {
     "flash_flow_ratio": Variable("1", "refrigerant that flashes out of the oil, over net suction flow"),
     "liquid_injection_mass_flow": Variable("kg s-1", "net flow of injected liquid"),
     "liquid_injection_flow_ratio": Variable("1", "injected liquid over net suction flow"),
+    "suction_plenum_pressure": Variable("Pa", "mean pressure in the suction plenum"),
+    "suction_pulsation_peak_to_peak": Variable(
+        "Pa", "pressure in the suction plenum, from its lowest to its highest value"
+    ),
+    "suction_pulsation_harmonic_1": Variable(
+        "Pa", "amplitude of the pressure in the suction plenum at the lobe frequency"
+    ),
+    "suction_pulsation_harmonic_2": Variable(
+        "Pa", "amplitude of the pressure in the suction plenum at twice the lobe frequency"
+    ),
+    "suction_pulsation_harmonic_3": Variable(
+        "Pa", "amplitude of the pressure in the suction plenum at three times the lobe frequency"
+    ),
+    "suction_pulsation_harmonic_4": Variable(
+        "Pa", "amplitude of the pressure in the suction plenum at four times the lobe frequency"
+    ),
+    "discharge_plenum_pressure": Variable("Pa", "mean pressure in the discharge plenum"),
+    "discharge_pulsation_peak_to_peak": Variable(
+        "Pa", "pressure in the discharge plenum, from its lowest to its highest value"
+    ),
+    "discharge_pulsation_harmonic_1": Variable(
+        "Pa", "amplitude of the pressure in the discharge plenum at the lobe frequency"
+    ),
+    "discharge_pulsation_harmonic_2": Variable(
+        "Pa", "amplitude of the pressure in the discharge plenum at twice the lobe frequency"
+    ),
+    "discharge_pulsation_harmonic_3": Variable(
+        "Pa", "amplitude of the pressure in the discharge plenum at three times the lobe frequency"
+    ),
+    "discharge_pulsation_harmonic_4": Variable(
+        "Pa", "amplitude of the pressure in the discharge plenum at four times the lobe frequency"
+    ),
+    "rotor_temperature": Variable("K", "temperature of the rotors"),
+    "housing_temperature": Variable("K", "temperature of the housing"),
+    "wall_heat_power": Variable("W", "net heat from walls to gas: what cools the walls outside, negative"),
+    "tip_gap": Variable("m", "clearance between tips and housing, warm"),
+    "interlobe_gap": Variable("m", "clearance between the rotors, warm"),
+    "end_face_gap": Variable("m", "clearance of the discharge end faces, warm"),
 }
 
 BALANCE = {
@@ -146,6 +184,8 @@ CYCLE = {
     "suction_valve_speed": Variable("1", "speed of the suction valve over its scale"),
     "discharge_valve_lift": Variable("1", "lift of the discharge valve over that of its stop"),
     "discharge_valve_speed": Variable("1", "speed of the discharge valve over its scale"),
+    "suction_plenum_pressure": Variable("Pa", "pressure in the suction plenum, by the youngest chamber's angle"),
+    "discharge_plenum_pressure": Variable("Pa", "pressure in the discharge plenum, by the youngest chamber's angle"),
     "gas_torque": Variable("N m", "torque of the gas in all chambers on the male rotor's shaft"),
     "speed": Variable("rad s-1", "speed of the male rotor"),
     "motor_speed": Variable("rad s-1", "speed of the motor"),

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects.base import Plenum, PowerLoss, Reading
+from screwsim.effects.base import Plenum, PowerLoss, Reading, Turn
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.close import Array, discharge_enthalpy
 from screwsim.model.compose import Parts
@@ -40,6 +40,7 @@ class CycleFigures:
     isothermal_efficiency: float | None = None
     isentropic_efficiency: float | None = None
     cop: float | None = None
+    turn: Turn | None = None
 
 
 PER_VOLUME = ("specific_power",)

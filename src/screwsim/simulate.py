@@ -217,7 +217,7 @@ def _solved(solution: Solution, trace: bool) -> Result:
     effects, states = tuple(scene.effects), machinery.composition.states
     if closed.status == "failed":
         return Result("failed", _failure(solution, closed), effects=effects, states=states, numerics=numerics)
-    refused = _refused(solution)
+    refused = _refused(solution) or solution.beyond()
     if refused:
         return Result("failed", refused, effects=effects, states=states, numerics=numerics)
     found, notes, balance, book = _judged(solution, accurate, trace)

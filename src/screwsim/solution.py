@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, cached_property, lru_cache
 
@@ -10,7 +11,8 @@ import numpy as np
 
 from screwsim import expander, performance
 from screwsim.build import build_parts, build_site, wanted_of
-from screwsim.effects.base import Drawn, Made, Plenum, Turn
+from screwsim.effects.base import Drawn, LineFlow, Made, Plenum, Turn
+from screwsim.effects.gap import ClearanceParameters
 from screwsim.faults import UsageError
 from screwsim.intake import suction_of
 from screwsim.ledger import Cycle, ledger
@@ -43,8 +45,9 @@ from screwsim.numerics.made import Entries
 from screwsim.outputs import PERFORMANCE, Figures
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
-from screwsim.traces import traces
+from screwsim.traces import line_flows, traces
 
+LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
 NO_LIQUID = "known only where net gas is delivered in a scene that states evaporating and condensing temperature"
 
 
@@ -192,24 +195,60 @@ class Solution:
     def image(self, q: closing.Array) -> closing.Array:
         """Return what a cycle of these quadratures makes."""
         line = self._outflow(q)
-        if not self.parts.made:
-            return line
-        turn = self.turn(q)
-        for _, part in self.parts.all(Made):
-            turn = turn._replace(made={**turn.made, part.entry.name: float(part.image(turn))})
-        return np.concatenate([line, list(turn.made.values())])
+        return np.concatenate([line, list(self._imaged(q).made.values())]) if self.parts.made else line
 
-    def turn(self, q: closing.Array) -> Turn:
+    def _imaged(self, q: closing.Array) -> Turn:
+        """Return the turn of these quadratures with what it makes."""
+        turn = self._turn(q)
+        for _, part in self.parts.all(Made):
+            value = max(float(part.image(turn)), part.least)
+            turn = turn._replace(made={**turn.made, part.entry.name: value})
+        return turn
+
+    def _turn(self, q: closing.Array) -> Turn:
         """Return what a turn of these quadratures tells effects that declare what the cycle makes."""
         P, rate = self.machinery.composition.P, self.parts.omega / self.parts.geometry.pitch
         sums = rate * self.balances.walls(q)
         names = [wall.name for _, wall in self.parts.walls]
+        held = dict(zip(self.parts.made, P[list(self.machinery.composition.made)].tolist(), strict=True))
         return Turn(
-            dict(zip(self.parts.made, P[list(self.machinery.composition.made)].tolist(), strict=True)),
+            held,
+            held,
             dict(zip(names, sums[:, 0].tolist(), strict=True)),
             dict(zip(names, sums[:, 1].tolist(), strict=True)),
+            dict(self._gaps()),
             self.scene.operation.ambient_temperature,
+            cache(lambda to: self._line_flow(q, to)),
+            self.parts.omega,
+            self.parts.geometry.pitch,
         )
+
+    def _line_flow(self, q: closing.Array, to: str) -> LineFlow:
+        """Return the flow of the chambers into a line over one pitch; its mean is that of the quadratures."""
+        R, number = self.machinery.R, self.parts.number(to)
+        flow, volume = line_flows(self.parts, self.machinery, LINE_POINTS)[to]
+        streams = self.balances.streams(q)[2 * number : 2 * number + 2, 0]
+        mean = -float(streams.sum()) * self.parts.omega / self.parts.geometry.pitch
+        place = R[number * PLACE : (number + 1) * PLACE]
+        p, rho, _h, exponent, *_ = self.parts.gas.place_of_enthalpy(float(place[PRESSURE]), float(place[ENTHALPY]))
+        return LineFlow(flow + (mean - flow.mean()), volume, p, rho, 1.0 / exponent)
+
+    def _gaps(self) -> Iterator[tuple[str, float]]:
+        """Yield the stated clearances [m] by effect."""
+        for name, active in self.scene.effects.items():
+            if isinstance(active.parameters, ClearanceParameters):
+                yield name, active.parameters.gap
+
+    def beyond(self) -> str:
+        """Return why what the cycle makes stopped at its end, and what to do; empty where nothing did."""
+        values = self.machinery.composition.P[list(self.machinery.composition.made)]
+        parts = (part for _, part in self.parts.all(Made))
+        reasons = [
+            part.beyond
+            for part, value in zip(parts, values, strict=True)
+            if value <= part.least + 1e-9 * abs(part.least)
+        ]
+        return reasons[0] if reasons else ""
 
     def _line(self) -> closing.Array:
         """Return the discharge line's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
@@ -304,6 +343,7 @@ class Solution:
             oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
             oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
             pitch=cache(lambda: self._pitch(q)),
+            turn=self._imaged(q),
         )
 
     def _pitch(self, q: closing.Array) -> Pitch:

@@ -19,10 +19,7 @@ def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
     """Return the traces of the machinery's last history (contract: cycle)."""
     m, c, geometry = machinery, machinery.composition, parts.geometry
     degrees = trace_angles(geometry.life)
-    out = np.empty((len(degrees), 4 + len(c.states)))
-    flows = np.empty((len(degrees), len(c.plenum_paths) + 2 * len(c.gap_paths)))
-    angles = np.minimum(np.radians(degrees), geometry.life)
-    m.module.trace__sample(angles, *m.last(), m.context, c.n_E, out, flows)
+    out, flows = m.sample(np.minimum(np.radians(degrees), geometry.life))
     found = {"angle": degrees, "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
     found |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5] * out[:, 0]}
     if c.oil_room and parts.oil is not None:
@@ -38,13 +35,40 @@ def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
     to_lines = [i for i, path in enumerate(plenum_paths) if parts.number(path.to) < FIRST_OWN and not path.narrow]
     _smooth_plenum_flows(flows, to_lines, parts.omega * out[:, 3])
     if c.speed_curve is not None:  # the model's flows are those over the mean speed
-        flows /= np.array([slowness(phi, geometry.pitch, c.speed_curve, c.P) for phi in angles.tolist()])[:, None]
+        flows /= np.array([slowness(phi, geometry.pitch, c.speed_curve, c.P) for phi in np.radians(degrees).tolist()])[
+            :, None
+        ]
     for i, name in enumerate(c.plenum_paths):
         found[f"mass_flow_{name}"] = found.get(f"mass_flow_{name}", 0.0) + flows[:, i]
     for i, (name, _) in enumerate(c.gap_paths):
         for side, word in enumerate(("leading", "trailing")):
             key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
             found[key] = found.get(key, 0.0) + flows[:, column]
+    return found
+
+
+def line_flows(parts: Parts, machinery: Machinery, points: int) -> dict[str, tuple[np.ndarray, float]]:
+    """Return of each line the flow [kg/s] of all chambers into it over one pitch, and the mean volume open to it [m³].
+
+    The angles are `points` even ones from the youngest chamber's 0° on.
+    """
+    c, geometry = machinery.composition, parts.geometry
+    angles = np.arange(c.chambers * points) * (geometry.pitch / points)
+    out, flows = machinery.sample(angles)
+    paths = [path for _, path in parts.all(FlowPath) if path.to != "neighbour"]
+    _smooth_plenum_flows(
+        flows, [i for i, path in enumerate(paths) if parts.number(path.to) < FIRST_OWN], parts.omega * out[:, 3]
+    )
+    for k, (_, offset) in enumerate(c.gap_paths):  # what lies ahead of the last chamber is the discharge line
+        flows[angles + offset * geometry.pitch <= geometry.life, len(c.plenum_paths) + 2 * k] = 0.0
+    found = {}
+    for to in ("suction", "discharge"):
+        columns = [i for i, path in enumerate(paths) if path.to == to]
+        ports = flows[:, columns]
+        beyond = flows[:, len(c.plenum_paths) :: 2].sum(axis=1) if to == "discharge" else 0.0
+        into = -(ports.sum(axis=1) + beyond).reshape(c.chambers, points).sum(axis=0)
+        volume = np.where((ports != 0.0).any(axis=1), out[:, 0], 0.0).reshape(c.chambers, points).sum(axis=0)
+        found[to] = into, float(volume.mean())
     return found
 
 

@@ -12,7 +12,7 @@ from functools import cache
 
 from screwsim.effects.base import Effect
 
-_NOT_EFFECTS = {"base", "gap", "gap_flow", "port_window", "valves"}
+_NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "port_window", "valves"}
 _ORDER = (
     "check_valves",
     "reed_valves",
@@ -29,6 +29,9 @@ _ORDER = (
     "suction_throttle",
     "oil_heat",
     "droplets",
+    "wall_heat",
+    "thermal_clearances",
+    "plenums",
     "oil_pump",
     "hydromechanical",
     "mechanical",

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import inf, sqrt
 from typing import Any, NamedTuple
 
 from screwsim.faults import Fault
@@ -230,18 +231,43 @@ class Reading:
     traces: Callable[[Any], Mapping[str, Any]] | None = None
 
 
+class LineFlow(NamedTuple):
+    """What the chambers give a line over one pitch, at even angles from the youngest chamber's 0° on (SI units).
+
+    `flow` [kg/s] is that of all chambers into the line, its mean that of the turn; `open_volume` [m³] the mean volume
+    of what is open to it; p, ρ, and k of isentropic compression are those of the line, without what pulsates.
+    """
+
+    flow: Any
+    open_volume: float
+    p: float
+    rho: float
+    k: float
+
+    @property
+    def sound(self) -> float:
+        """Speed of sound [m/s] in the line's gas."""
+        return sqrt(self.k * self.p / self.rho)
+
+
 class Turn(NamedTuple):
     """What a turn of the chambers tells of itself (SI units), of the whole machine and averaged over time.
 
-    `made` holds the numbers that the cycle makes by name: this turn's images of those declared before, else what the
-    turn was integrated with. `heat` [W] goes from each wall into the gas, over `conductance` [W/K]. `T_0` is ambient
-    temperature [K].
+    `held` are the numbers that the cycle makes, by name, as the turn was integrated with them, `made` the same with
+    this turn's images of those declared before. `heat` [W] goes from each wall into the gas, over `conductance` [W/K].
+    `gaps` [m] are the stated clearances of the scene's effects, `T_0` is the ambient temperature [K]; `line` tells of
+    the flow to a line, `omega` [rad/s] and `pitch` [rad] how fast it repeats.
     """
 
+    held: Mapping[str, float]
     made: Mapping[str, float]
     heat: Mapping[str, float]
     conductance: Mapping[str, float]
+    gaps: Mapping[str, float]
     T_0: float
+    line: Callable[[str], LineFlow]
+    omega: float
+    pitch: float
 
 
 @dataclass(frozen=True)
@@ -249,12 +275,15 @@ class Made:
     """A number that the cycle makes and that acts back on it, found together with it (docs/numerics.md).
 
     Any kernel of the scene can ask for it by the name of its `entry`. `guess` is where it begins; `image` returns what
-    a turn makes of it, in plain Python; its fixed point is the answer.
+    a turn makes of it, in plain Python; its fixed point is the answer. It is held at `least`; a cycle that closes there
+    has failed, and `beyond` says why and what to do.
     """
 
     entry: Entry
     guess: Callable[[Site], float]
     image: Callable[[Turn], float]
+    least: float = -inf
+    beyond: str = ""
 
 
 @dataclass(frozen=True)
@@ -270,6 +299,19 @@ class Wall:
     conductance: Kernel
     values: Mapping[str, float]
     temperature: str | float
+
+
+@dataclass(frozen=True)
+class Pulsation:
+    """The pressure of a line over the angle, made by the cycle: an offset and harmonics of the lobe frequency (M185).
+
+    `to` is 'suction' or 'discharge'; `offset` and `harmonics` name `Made` numbers, over the line's pressure: a_1, b_1,
+    a_2 … of cosines and sines, declared one after the other.
+    """
+
+    to: str
+    offset: str
+    harmonics: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -306,7 +348,7 @@ class Intake:
 
 
 Part = (
-    FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | HeatRate | Wall | Made | Scaled
+    FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | HeatRate | Wall | Made | Scaled | Pulsation
     | PowerLoss | Reading | Shaft | Intake
 )  # fmt: skip
 

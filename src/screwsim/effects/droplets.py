@@ -18,8 +18,8 @@ from dataclasses import dataclass
 
 from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Around, Effect, HeatRate, Reading
-from screwsim.faults import Fault, UsageError
-from screwsim.fluid.constants import transport
+from screwsim.effects.gas_transport import gas_faults, gas_numbers
+from screwsim.faults import Fault
 from screwsim.machine.kinds import TWIN_SCREW
 from screwsim.numerics.kernel import kernel
 
@@ -29,8 +29,6 @@ _OF_SIZE = {
     "varde": ("orifice_diameter", "jet_pressure", "surface_tension"),
 }
 _EXAMPLES = {"diameter": "50 um", "orifice_diameter": "3 mm", "jet_pressure": "5 bar", "surface_tension": "30 mN/m"}
-_GAS = ("gas_conductivity", "gas_viscosity", "prandtl")
-_STATE = ("reference_pressure", "reference_temperature")
 
 
 @dataclass(frozen=True)
@@ -93,14 +91,9 @@ def sauter_diameter(parameters: Parameters, density: float, viscosity: float | N
 def numbers(parameters: Parameters, around: Around) -> Mapping[str, float]:
     """Return what the kernel needs of the scene: diameter, slip and the gas's λ, μ, Pr. Raises UsageError."""
     assert around.oil is not None  # needs_oil
-    gas: tuple[float, ...] = tuple(getattr(parameters, name) for name in _GAS)
-    if None in gas:
-        p = parameters.reference_pressure or around.p_s
-        T = parameters.reference_temperature or max(around.T_s, around.T_oil or 0.0)
-        gas = transport(around.fluid, p, T)
     diameter = sauter_diameter(parameters, around.oil.density, around.oil.viscosity)
     own = {"diameter": diameter, "slip_speed": parameters.slip * around.tip_speed}
-    return own | dict(zip(_GAS, gas, strict=True))
+    return own | gas_numbers(parameters, around)
 
 
 def build(parameters: Parameters, machine) -> list[HeatRate | Reading]:
@@ -129,27 +122,7 @@ def check(parameters: Parameters, facts) -> list[Fault]:
         faults.append(
             Fault("oil.viscosity", f"is missing (effects.droplets.size: {parameters.size} needs it, or oil.name)")
         )
-    return [*faults, *_gas_faults(parameters, facts.gas.fluid)]
-
-
-def _gas_faults(parameters: Parameters, fluid: str) -> list[Fault]:
-    """Return what is stated twice of the gas, or by half, and a fluid or state whose λ and μ CoolProp does not know."""
-    path = "effects.droplets"
-    stated, state = ([name for name in names if getattr(parameters, name) is not None] for names in (_GAS, _STATE))
-    if stated and len(stated) < len(_GAS):
-        missing = next(name for name in _GAS if name not in stated)
-        return [Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_GAS)})")]
-    if stated and state:
-        return [Fault(f"{path}.{state[0]}", "is given beside the gas's own numbers (remove it)")]
-    if len(state) == 1:
-        missing = next(name for name in _STATE if name not in state)
-        return [Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_STATE)})")]
-    if not stated:
-        try:
-            transport(fluid, parameters.reference_pressure or 1e4, parameters.reference_temperature or 400.0)
-        except UsageError as error:
-            return [Fault(path, f"{error} (state {', '.join(_GAS)})")]
-    return []
+    return [*faults, *gas_faults(path, parameters, facts.gas.fluid)]
 
 
 EFFECT = Effect(

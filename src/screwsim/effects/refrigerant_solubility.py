@@ -26,6 +26,7 @@ from screwsim.declare import quantity
 from screwsim.effects.base import Drawn, Effect, OilContent, OilGas, Plenum, Site
 from screwsim.faults import Fault
 from screwsim.fluid import constants, solubility
+from screwsim.machine.kinds import TWIN_SCREW
 
 NAME = "refrigerant_solubility"
 PLENUM = "oil_gas"
@@ -143,4 +144,5 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil", "x_oil"),
     check=check,
+    machines=(TWIN_SCREW,),
 )

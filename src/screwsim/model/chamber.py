@@ -21,6 +21,7 @@ from screwsim.model.places import (
     relative_error,
     share_before_border,
 )
+from screwsim.model.pulsation import fill_lines
 from screwsim.model.room import density_of, displaced, gas_mass, locked, with_room
 from screwsim.model.slots import (
     CARRIED,
@@ -28,6 +29,7 @@ from screwsim.model.slots import (
     DENSITY,
     E_ANGLE,
     E_AREAS,
+    E_LINES,
     E_VOLUME,
     FIRST_OWN,
     FLASH,
@@ -63,6 +65,7 @@ from screwsim.model.slots import (
     PORT_OIL,
     PORTED,
     PRESSURE,
+    PULSATING,
     PUMPED,
     Q_HEAT,
     Q_STREAMS,
@@ -116,6 +119,8 @@ def surroundings(phi, middle, context, E):
     angle_terms(phi, middle, P, TAB, E, 0)
     areas = E_AREAS + N_PLENUM
     sides = areas + 2 * N_GAPS
+    if PULSATING == 1:
+        fill_lines(phi, P, R, E, E_LINES)
     for o in range(N_OFFSETS):
         shift = OFFSETS[o] * P[P_PITCH]
         ahead = 0.0
@@ -131,6 +136,9 @@ def surroundings(phi, middle, context, E):
             if middle + shift > P[P_LIFE]:
                 for i in range(PLACE):
                     E[at + i] = R[R_DISCHARGE + i]
+                if PULSATING == 1:
+                    for i in range(PLACE):
+                        E[at + i] = E[E_LINES + R_DISCHARGE + i]
                 E[at + PLACE] = 1.0
             else:
                 neighbour(phi + shift, middle + shift, t_old, d_old, kept[1], hints, 2 * o, R, state, E, at)
@@ -157,14 +165,21 @@ def rates(y, E, context, f, g):
     for i in range(N_PLENUM):
         if E[E_AREAS + i] > 0.0:
             b = R_DISCHARGE * PLENUM[i]
-            m = place_flow(E[E_AREAS + i], own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
-            if OPENED == 1:
-                held = own[OPENING + N_PLENUM + i]
-                m *= path_opening(i, R[b + PRESSURE] - own[PRESSURE], P[P_PORT_WIDTH + PLENUM[i]], held, y, 0, P)
-            if m >= 0.0:
-                add_stream(work, category(PLENUM[i], m) * width, m, R, b)
+            if PULSATING == 0:
+                m = place_flow(E[E_AREAS + i], own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
+                if OPENED == 1:
+                    held = own[OPENING + N_PLENUM + i]
+                    m *= path_opening(i, R[b + PRESSURE] - own[PRESSURE], P[P_PORT_WIDTH + PLENUM[i]], held, y, 0, P)
+                if m >= 0.0:
+                    add_stream(work, category(PLENUM[i], m) * width, m, R, b)
+                else:
+                    add_stream(work, category(PLENUM[i], m) * width, m, own, 0)
             else:
-                add_stream(work, category(PLENUM[i], m) * width, m, own, 0)
+                m = place_flow(E[E_AREAS + i], own, 0, E, E_LINES + b, P[P_PORT_WIDTH + PLENUM[i]])
+                if m >= 0.0:
+                    add_stream(work, category(PLENUM[i], m) * width, m, E, E_LINES + b)
+                else:
+                    add_stream(work, category(PLENUM[i], m) * width, m, own, 0)
     areas = E_AREAS + N_PLENUM
     for i in range(2 * N_GAPS):
         if E[areas + i] > 0.0:
@@ -200,11 +215,15 @@ def path_flows(y, E, context, out):
     for i in range(N_PLENUM):
         out[i] = 0.0
         if E[E_AREAS + i] > 0.0:
-            out[i] = place_flow(E[E_AREAS + i], own, 0, R, R_DISCHARGE * PLENUM[i], P[P_PORT_WIDTH + PLENUM[i]])
-            if OPENED == 1:
-                drop = R[R_DISCHARGE * PLENUM[i] + PRESSURE] - own[PRESSURE]
-                own[OPENING + i] = path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], LOOSE, y, 0, P)
-                out[i] *= own[OPENING + i]
+            if PULSATING == 0:
+                out[i] = place_flow(E[E_AREAS + i], own, 0, R, R_DISCHARGE * PLENUM[i], P[P_PORT_WIDTH + PLENUM[i]])
+                if OPENED == 1:
+                    drop = R[R_DISCHARGE * PLENUM[i] + PRESSURE] - own[PRESSURE]
+                    own[OPENING + i] = path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], LOOSE, y, 0, P)
+                    out[i] *= own[OPENING + i]
+            else:
+                b = E_LINES + R_DISCHARGE * PLENUM[i]
+                out[i] = place_flow(E[E_AREAS + i], own, 0, E, b, P[P_PORT_WIDTH + PLENUM[i]])
     areas = E_AREAS + N_PLENUM
     for i in range(2 * N_GAPS):
         b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
@@ -250,18 +269,25 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
             gap = i - N_PLENUM
             if gap < 0:
                 b = R_DISCHARGE * PLENUM[i]
-                source = R
-                m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
-                if OPENED == 1:
-                    drop = R[b + PRESSURE] - own[PRESSURE]
-                    if ONE_WAY[i] != 0:
-                        own[OPENING + N_PLENUM + i] = 1.0 if ONE_WAY[i] * drop > 0.0 else 0.0
-                    opened, by_drop = opening_slope(i, drop, y, own, P)
-                    p_1 = p_1 * opened - m * by_drop
-                    p_2 = p_2 * opened + m * by_drop
-                    m *= opened
-                    rho_1 *= opened
-                    rho_2 *= opened
+                if PULSATING == 0:
+                    source = R
+                    m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
+                    if OPENED == 1:
+                        drop = R[b + PRESSURE] - own[PRESSURE]
+                        if ONE_WAY[i] != 0:
+                            own[OPENING + N_PLENUM + i] = 1.0 if ONE_WAY[i] * drop > 0.0 else 0.0
+                        opened, by_drop = opening_slope(i, drop, y, own, P)
+                        p_1 = p_1 * opened - m * by_drop
+                        p_2 = p_2 * opened + m * by_drop
+                        m *= opened
+                        rho_1 *= opened
+                        rho_2 *= opened
+                else:
+                    b += E_LINES
+                    source = E
+                    m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, E, b, P[P_PORT_WIDTH + PLENUM[i]])
+                    for k in range(PLACE):
+                        work[other + k] = (E_next[b + k] - E[b + k]) / delta
                 at = category(PLENUM[i], m) * width
             else:
                 b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE

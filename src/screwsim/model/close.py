@@ -282,6 +282,8 @@ def by_coupling(
         if status != 0:
             return Closed("failed", q, end, pitch / c.chambers, "coupled", rtol, angle)
         seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
+        if machinery.composition.pulsating:  # the image reads the flows of the pitch
+            machinery.install_coupled()
         made_image = task.image(q)
         image = np.concatenate([_logarithms(machinery.shift(end), c), task.entries.coordinates(made_image)])
         gap = float(np.max(np.abs(image - point)))

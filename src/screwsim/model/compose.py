@@ -6,6 +6,7 @@ module's text; numbers go into the vector P and the tables TAB, so that one comp
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -15,7 +16,7 @@ import numpy as np
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilPort, Scaled, Wall
 from screwsim.fluid.orifice import orifice_flow
-from screwsim.model import chamber, coupled, landing, ledger, places, trace
+from screwsim.model import chamber, coupled, landing, ledger, places, pulsation, trace
 from screwsim.model.parts import OilPart, Parts
 from screwsim.model.slots import (
     FEWEST,
@@ -45,7 +46,7 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 
 # what a composition writes itself (slots.py)
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
-OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "injected_oil", "oil_inflow", "gap_share")
+OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
 OWN += ("state_rate", "path_opening", "flash_terms")
 
 # names that a kernel has for the numbers of the injection orifice
@@ -104,6 +105,7 @@ class Composition:
     own_states: tuple[str, ...] = ()  # the last of `states`: those that effects declare
     signed: tuple[int, ...] = ()  # columns of the states that may be zero or negative
     starts: tuple[float, ...] = ()  # of the own states
+    pulsating: bool = False
 
     @property
     def widths(self) -> slice:
@@ -207,6 +209,19 @@ def _write_walls(writer: _Writer, walls: Sequence[Wall]) -> None:
         call = writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
         body += [f"if i == {index}:", f"    return {slow}{call}, {temperature}"]
     writer.function(f"wall_state(i, {', '.join(WALL_SYMBOLS)}, P)", [*body, "return 0.0, 0.0"])
+
+
+def _write_pulsations(writer: _Writer, parts: Parts) -> None:
+    if not parts.pulsations:
+        return
+    writer.kernels.append(pulsation.harmonics)
+    body = []
+    for part in parts.pulsations:
+        offset, first = _made(writer, part.offset), _made(writer, part.harmonics[0])
+        phase = f"phi * {writer.numbers.add(2.0 * math.pi / parts.geometry.pitch)}"
+        call = f"{pulsation.harmonics.flat_name}({phase}, P, {first[2:-1]}, {len(part.harmonics) // 2})"
+        body += [f"if i == {parts.number(part.to)}:", f"    return {offset}, {call}"]
+    writer.function("line_pulse(i, phi, P)", [*body, "return 0.0, 0.0"])
 
 
 def _made(writer: _Writer, name: str) -> str:
@@ -384,6 +399,7 @@ def compose(parts: Parts) -> Composition:
     _write_areas(writer, "gap_area", gaps, scales)
     _write_heat(writer, heats)
     _write_walls(writer, [wall for _, wall in parts.walls])
+    _write_pulsations(writer, parts)
     _write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
     if port is not None:
         _write_ports(writer, parts, port)
@@ -420,6 +436,9 @@ def compose(parts: Parts) -> Composition:
         constants["POSITIVE"] = f"np.array({[int(part.positive) for part in own_states]})"
     structure = _structure(parts) | {"OWN_STATES": len(names), "OPENED": int(opened)}
     n_areas = 4 + len(plenum)
+    structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets)
+    structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
+    held = (FIRST_OWN + len(parts.plenums)) * PLACE if parts.pulsations else 0
     return Composition(
         text=_module_text(
             tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())
@@ -433,12 +452,12 @@ def compose(parts: Parts) -> Composition:
         heats=tuple(name for name, _ in heating),
         n_place=5 if gas.varies else 2,
         n_sums=structure["CATEGORIES"] * (4 if carried else 2),
-        n_E=n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets),
-        n_E_all=geometry.chambers * (n_areas + len(gaps)),
+        n_E=structure["E_LINES"] + held,
+        n_E_all=structure["ALL_LINES"] + held,
         chambers=geometry.chambers,
         carried=carried,
         n_widths=3 + len(parts.plenums),
-        n_R=(FIRST_OWN + len(parts.plenums)) * PLACE if parts.plenums else R_SIZE,
+        n_R=(FIRST_OWN + len(parts.plenums)) * PLACE if parts.plenums or parts.pulsations else R_SIZE,
         ported=port is not None,
         oil_room=parts.oil_room,
         walls=tuple(name for name, _ in parts.walls),
@@ -447,6 +466,7 @@ def compose(parts: Parts) -> Composition:
         own_states=names,
         signed=tuple(states.index(part.name) for part in own_states if not part.positive),
         starts=tuple(part.start for part in own_states),
+        pulsating=bool(parts.pulsations),
     )
 
 
@@ -463,6 +483,7 @@ def _structure(parts: Parts) -> dict[str, int]:
     own, ported = len(parts.plenums), parts.oil_port is not None
     walls = len(parts.walls)
     found = {"OWN_PLENUMS": own, "PORTED": int(ported), "VOLUMED": int(parts.oil_room)}
+    found["PULSATING"] = int(bool(parts.pulsations))
     found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
     found |= {"RESISTED": int(_resisted(parts)), "PUMPED": int(parts.pumped)}
     gas = parts.oil_gas

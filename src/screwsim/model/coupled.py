@@ -20,8 +20,10 @@ from screwsim.model.places import (
     relative_error,
     share_before_border,
 )
+from screwsim.model.pulsation import fill_lines
 from screwsim.model.room import gas_mass, locked
 from screwsim.model.slots import (
+    ALL_LINES,
     BETWEEN,
     BEYOND,
     CARRIED,
@@ -32,6 +34,7 @@ from screwsim.model.slots import (
     E_ANGLE,
     E_AREAS,
     E_VOLUME,
+    ENTHALPY,
     FIRST_OWN,
     FLASHED,
     GAP_OFFSET,
@@ -51,6 +54,7 @@ from screwsim.model.slots import (
     PORT_OIL,
     PORTED,
     PRESSURE,
+    PULSATING,
     Q_HEAT,
     Q_STREAMS,
     Q_WALLS,
@@ -90,6 +94,8 @@ def all_surroundings(s, middle, context, E):
         angle_terms(phi, middle + j * P[P_PITCH], P, TAB, E, j * size)
         for i in range(N_GAPS):
             E[j * size + E_AREAS + N_PLENUM + i] = gap_area(i, phi, P, TAB)
+    if PULSATING == 1:
+        fill_lines(s, P, _R, E, ALL_LINES)
 
 
 @kernel
@@ -111,12 +117,20 @@ def all_rates(y, E, context, f, g):
         for i in range(N_PLENUM):
             if E[e + i] > 0.0:
                 b = R_DISCHARGE * PLENUM[i]
-                m = place_flow(E[e + i], places, j * PLACE, R, b, P[P_PORT_WIDTH + PLENUM[i]])
-                at = j * n_sums + category(PLENUM[i], m) * width
-                if m >= 0.0:
-                    add_stream(work, at, m, R, b)
+                if PULSATING == 0:
+                    m = place_flow(E[e + i], places, j * PLACE, R, b, P[P_PORT_WIDTH + PLENUM[i]])
+                    at = j * n_sums + category(PLENUM[i], m) * width
+                    if m >= 0.0:
+                        add_stream(work, at, m, R, b)
+                    else:
+                        add_stream(work, at, m, places, j * PLACE)
                 else:
-                    add_stream(work, at, m, places, j * PLACE)
+                    m = place_flow(E[e + i], places, j * PLACE, E, ALL_LINES + b, P[P_PORT_WIDTH + PLENUM[i]])
+                    at = j * n_sums + category(PLENUM[i], m) * width
+                    if m >= 0.0:
+                        add_stream(work, at, m, E, ALL_LINES + b)
+                    else:
+                        add_stream(work, at, m, places, j * PLACE)
         for i in range(N_GAPS):
             area = E[e + N_PLENUM + i]
             if area > 0.0:
@@ -129,13 +143,22 @@ def all_rates(y, E, context, f, g):
                     add_stream(work, j * n_sums + BETWEEN * width, m, places, source)
                     add_stream(work, ahead * n_sums + BETWEEN * width, -m, places, source)
                 else:
-                    m = place_flow(area, places, j * PLACE, R, R_DISCHARGE, P[P_GAP_WIDTH])
-                    if RESISTED == 1:
-                        m = held_back(i, m, area, places, j * PLACE, R, R_DISCHARGE, P)
-                    if m >= 0.0:
-                        add_stream(work, j * n_sums + DISCHARGE_IN * width, m, R, R_DISCHARGE)
+                    if PULSATING == 0:
+                        m = place_flow(area, places, j * PLACE, R, R_DISCHARGE, P[P_GAP_WIDTH])
+                        if RESISTED == 1:
+                            m = held_back(i, m, area, places, j * PLACE, R, R_DISCHARGE, P)
+                        if m >= 0.0:
+                            add_stream(work, j * n_sums + DISCHARGE_IN * width, m, R, R_DISCHARGE)
+                        else:
+                            add_stream(work, j * n_sums + (DISCHARGE_IN + 1) * width, m, places, j * PLACE)
                     else:
-                        add_stream(work, j * n_sums + (DISCHARGE_IN + 1) * width, m, places, j * PLACE)
+                        m = place_flow(area, places, j * PLACE, E, ALL_LINES + R_DISCHARGE, P[P_GAP_WIDTH])
+                        if RESISTED == 1:
+                            m = held_back(i, m, area, places, j * PLACE, E, ALL_LINES + R_DISCHARGE, P)
+                        if m >= 0.0:
+                            add_stream(work, j * n_sums + DISCHARGE_IN * width, m, E, ALL_LINES + R_DISCHARGE)
+                        else:
+                            add_stream(work, j * n_sums + (DISCHARGE_IN + 1) * width, m, places, j * PLACE)
     if PORTED == 1:
         for j in range(CHAMBERS):
             oil = oil_inflow(E[j * size + E_ANGLE], places[j * PLACE + PRESSURE], P, TAB)
@@ -250,6 +273,49 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
 
 
 @kernel
+def pulsating_slopes(area, darea, j, to, epsilon, delta, E, E_next, context, d, ds):
+    """Do what `opening_slopes` does where the places of the plenums change with the angle."""
+    _P, _TAB, _R, places, _changed, work = context
+    width = 4 if CARRIED == 1 else 2
+    n_sums = CATEGORIES * width
+    n_cols = CHAMBERS * N + 1
+    own = j * PLACE
+    if RESISTED == 1:
+        gap = to - BEYOND
+        to = 1 if to >= BEYOND else to
+        x_1 = 0.0
+    b = ALL_LINES + R_DISCHARGE * to
+    d_phi = d + (CHAMBERS * N + j) * PLACE
+    m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, places, own, E, b, epsilon)
+    if RESISTED == 1 and gap >= 0:  # pyright: ignore[reportPossiblyUnboundVariable]
+        m, p_1, rho_1, p_2, rho_2, x_1, _x = held_slopes(gap, m, p_1, rho_1, p_2, rho_2, places, own, E, b, _P)  # pyright: ignore[reportPossiblyUnboundVariable]
+    at = category(to, m) * width
+    by_phi = m * darea + area * (p_1 * work[d_phi + PRESSURE] + rho_1 * work[d_phi + DENSITY])
+    by_phi += area * p_2 * (E_next[b + PRESSURE] - E[b + PRESSURE]) / delta
+    by_phi += area * rho_2 * (E_next[b + DENSITY] - E[b + DENSITY]) / delta
+    inward = m >= 0.0
+    m *= area
+    over_phi = ds + (j * n_cols + CHAMBERS * N) * n_sums + at
+    if inward:
+        add_stream(work, j * n_sums + at, m, E, b)
+        add_stream(work, over_phi, by_phi, E, b)
+        work[over_phi + 1] += m * (E_next[b + ENTHALPY] - E[b + ENTHALPY]) / delta
+    else:
+        add_stream(work, j * n_sums + at, m, places, own)
+        add_stream_slope(work, over_phi, m, by_phi, places, own, work, d_phi)
+    for k in range(N):
+        row = d + (j * N + k) * PLACE
+        dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
+        if RESISTED == 1:
+            dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
+        mine = ds + (j * n_cols + j * N + k) * n_sums + at
+        if inward:
+            add_stream(work, mine, dm, E, b)
+        else:
+            add_stream_slope(work, mine, m, dm, places, own, work, row)
+
+
+@kernel
 def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     """Fill f, g and their derivatives by y and φ, as `chamber.jacobian` does, for all chambers and interfaces."""
     P, TAB, R, places, changed, work = context
@@ -278,17 +344,20 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
             darea = (E_next[j * size + E_AREAS + i] - area) / delta
             if area > 0.0 or darea > 0.0:
                 ahead = j + OFFSETS[GAP_OFFSET[i - N_PLENUM]] if i >= N_PLENUM else -1
-                if i < N_PLENUM:
-                    opening_slopes(area, darea, j, PLENUM[i], P[P_PORT_WIDTH + PLENUM[i]], context, d, ds)
-                elif ahead < CHAMBERS:
+                if i >= N_PLENUM and ahead < CHAMBERS:
                     if RESISTED == 0:
                         gap_slopes(area, darea, j, ahead, BETWEEN * width, context, d, ds)
                     if RESISTED == 1:
                         gap_slopes(area, darea, j, ahead, BEYOND + i - N_PLENUM, context, d, ds)
-                elif RESISTED == 0:
-                    opening_slopes(area, darea, j, 1, P[P_GAP_WIDTH], context, d, ds)
-                elif RESISTED == 1:
-                    opening_slopes(area, darea, j, BEYOND + i - N_PLENUM, P[P_GAP_WIDTH], context, d, ds)
+                else:
+                    to = PLENUM[i] if i < N_PLENUM else 1
+                    epsilon = P[P_PORT_WIDTH + to] if i < N_PLENUM else P[P_GAP_WIDTH]
+                    if RESISTED == 1:
+                        to = to if i < N_PLENUM else BEYOND + i - N_PLENUM
+                    if PULSATING == 0:
+                        opening_slopes(area, darea, j, to, epsilon, context, d, ds)
+                    if PULSATING == 1:
+                        pulsating_slopes(area, darea, j, to, epsilon, delta, E, E_next, context, d, ds)
     if PORTED == 1:
         n_cols = n_all + 1
         for j in range(CHAMBERS):

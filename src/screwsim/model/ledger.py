@@ -17,6 +17,7 @@ from screwsim.model.slots import (
     DENSITY,
     E_ANGLE,
     E_AREAS,
+    E_LINES,
     E_OILED,
     E_SLOPE,
     E_VOLUME,
@@ -48,6 +49,7 @@ from screwsim.model.slots import (
     PLENUM_ENTROPY,
     PORTED,
     PRESSURE,
+    PULSATING,
     R_DISCHARGE,
     R_RATIO,
     VOLUMED,
@@ -127,6 +129,8 @@ def balanced(flows, mass_rate, E, own, R, P):
         total += flows[N_PLENUM + i]
     if widest > 0.0:
         drop = R[R_DISCHARGE * PLENUM[port] + PRESSURE] - own[PRESSURE]
+        if PULSATING == 1:
+            drop = E[E_LINES + R_DISCHARGE * PLENUM[port] + PRESSURE] - own[PRESSURE]
         if abs(drop) < NEAR * P[P_PORT_WIDTH + PLENUM[port]]:
             flows[port] += mass_rate - total
 
@@ -257,7 +261,10 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
             s_i = s_discharge if PLENUM[i] == 1 else s_suction
             if OWN_PLENUMS > 0 and PLENUM[i] >= FIRST_OWN:
                 s_i = R[b + PLENUM_ENTROPY]
-            add_arrival(paths[i], m, R, b, s_i, own, T, s, T_oil, dt, P[P_C_OIL])
+            if PULSATING == 0:
+                add_arrival(paths[i], m, R, b, s_i, own, T, s, T_oil, dt, P[P_C_OIL])
+            else:
+                add_arrival(paths[i], m, E, E_LINES + b, s_i, own, T, s, T_oil, dt, P[P_C_OIL])
         else:
             ratio = leaving if PLENUM[i] == 1 or CARRIED == 1 else 0.0
             add_departure(paths[i], -m, own, s, ratio, T_oil, dt)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from screwsim.effects.base import OilContent, OilGas, OilPort, OilRoom, Shaft, Wall
+from screwsim.effects.base import OilContent, OilGas, OilPort, OilRoom, Pulsation, Shaft, Wall
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.slots import FIRST_OWN
 
@@ -97,3 +97,8 @@ class Parts:
         if len(found) > 1:
             raise TypeError("two effects declare a shaft; a scene has one")
         return found[0] if found else None
+
+    @cached_property
+    def pulsations(self) -> list[Pulsation]:
+        """The lines whose pressure pulsates."""
+        return [part for _, part in self.all(Pulsation)]

@@ -77,6 +77,8 @@ class Machinery:
                 self.remember()
                 self.images.append(self.images[0])
                 self.mix(np.array([0.5, 0.5]))
+                if self.composition.pulsating:
+                    self.sample(np.array([0.1]))
 
     @contextmanager
     def _compiling(self, driver: str) -> Iterator[None]:
@@ -146,6 +148,14 @@ class Machinery:
         old[0][: steps + 1], old[1][:steps, :, : self.n], old[2][:steps] = times, dense, quads
         self.kept[:] = 0, steps
         self.module.places__places_along(old[1], steps, self.context)
+
+    def sample(self, angles: Array) -> tuple[Array, Array]:
+        """Return rows of (V, p, work, dm/dφ, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""
+        c = self.composition
+        out = np.empty((len(angles), 4 + self.n))
+        flows = np.empty((len(angles), len(c.plenum_paths) + 2 * len(c.gap_paths)))
+        self.module.trace__sample(angles, *self.last(), self.context, c.n_E, out, flows)
+        return out, flows
 
     def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:
         """Return what the last turn's paths, heat rates and walls, and oil sum up to over one life (`model.ledger`).

@@ -6,6 +6,7 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W],
 `heat_part(i, …)`: the same of one heat rate,
 `wall_state(i, T, m, p, rho, V, phi, P)` → (conductance between gas and wall i [W/K], its temperature [K]),
+`line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself,
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p,
 `gap_share(i, flux, density, oil_ratio, P)` → share of a nozzle's flux [kg/(m² s)] that gap i lets pass,
@@ -22,8 +23,10 @@ and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches),
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
 ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE
 is a constant, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), RESISTED (1: gaps hold flow
-back), WALLS (how many exchange heat with the gas), PUMPED (1: a pump feeds the oil port), FLASHED (1: gas flashes out of
-its oil) and FLASH (the category of that gas), CATEGORIES, Q_STREAMS, and the indices into P that move with them.
+back), WALLS (how many exchange heat with the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump feeds
+the oil port), FLASHED (1: gas flashes out of its oil) and FLASH (the category of that gas), CATEGORIES, Q_STREAMS,
+E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of all), and the indices into P that move
+with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -45,6 +48,7 @@ gap_area: Any = Slot("gap_area")
 heat_rates: Any = Slot("heat_rates")
 heat_part: Any = Slot("heat_part")
 wall_state: Any = Slot("wall_state")
+line_pulse: Any = Slot("line_pulse")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
 gap_share: Any = Slot("gap_share")
@@ -80,6 +84,9 @@ OPENED: Any = Structure("OPENED")
 PUMPED: Any = Structure("PUMPED")
 FLASHED: Any = Structure("FLASHED")
 FLASH: Any = Structure("FLASH")
+PULSATING: Any = Structure("PULSATING")
+E_LINES: Any = Structure("E_LINES")
+ALL_LINES: Any = Structure("ALL_LINES")
 
 # P: parameters of the run; the width of a port to plenum i stands at P_PORT_WIDTH + i
 P_OMEGA, P_PITCH, P_LIFE, P_INJECTION, P_PORT_WIDTH, P_DISCHARGE_WIDTH, P_GAP_WIDTH = range(7)

@@ -52,6 +52,7 @@ _TABLE: dict[str, dict[str, tuple[float, float]]] = {
     "W/(m K)": {"W/(m K)": (1, 1), "mW/(m K)": (1, 1e3)},
     "N/m": {"N/m": (1, 1), "mN/m": (1, 1e3), "kN/m": (1e3, 1), "N/mm": (1e3, 1)},
     "W/(m^2 K)": {"W/(m^2 K)": (1, 1), "kW/(m^2 K)": (1e3, 1)},
+    "1/K": {"1/K": (1, 1), "um/(m K)": (1, 1e6)},
 }
 _SPELLINGS = (("µ", "u"), ("μ", "u"), ("°", "deg"), ("²", "^2"), ("³", "^3"), ("**", "^"), ("·", " "), ("*", " "))
 _TABLE_ONLY = {"rad", "rad/s", "N m/rad", "N m s/rad"}  # pint takes turns, radians and counts for the same thing

@@ -1,0 +1,45 @@
+"""What correlations of heat transfer ask of the gas: conductivity, viscosity, Pr; stated, or CoolProp's at a state.
+
+Source: screwsim. They are constant over the cycle: at the stated reference state, else at suction pressure and the
+warmer of suction gas and injected oil.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from screwsim.effects.base import Around
+from screwsim.faults import Fault, UsageError
+from screwsim.fluid.constants import transport
+
+GAS = ("gas_conductivity", "gas_viscosity", "prandtl")
+STATE = ("reference_pressure", "reference_temperature")
+
+
+def gas_numbers(parameters, around: Around, names: Sequence[str] = GAS) -> dict[str, float]:
+    """Return those named of conductivity [W/(m K)], viscosity [Pa s] and Prandtl number. Raises UsageError."""
+    stated: dict[str, float] = {name: getattr(parameters, name) for name in names}
+    if None not in stated.values():
+        return stated
+    p = parameters.reference_pressure or around.p_s
+    T = parameters.reference_temperature or max(around.T_s, around.T_oil or 0.0)
+    known: dict[str, float] = dict(zip(GAS, transport(around.fluid, p, T), strict=True))
+    return {name: known[name] for name in names}
+
+
+def gas_faults(path: str, parameters, fluid: str, names: Sequence[str] = GAS) -> Iterator[Fault]:
+    """Yield what is stated twice of the gas, or by half, and what CoolProp does not know of its transport."""
+    stated, state = ([name for name in some if getattr(parameters, name) is not None] for some in (names, STATE))
+    if stated and len(stated) < len(names):
+        missing = next(name for name in names if name not in stated)
+        yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(names)})")
+    elif stated and state:
+        yield Fault(f"{path}.{state[0]}", "is given beside the gas's own numbers (remove it)")
+    elif len(state) == 1:
+        missing = next(name for name in STATE if name not in state)
+        yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(STATE)})")
+    elif not stated:
+        try:
+            transport(fluid, parameters.reference_pressure or 1e4, parameters.reference_temperature or 400.0)
+        except UsageError as error:
+            yield Fault(path, f"{error} (state {', '.join(names)})")

@@ -1,0 +1,185 @@
+"""Plenums: the volumes behind both ports are finite, so that their pressure pulsates with the lobes.
+
+What: a plenum's gas is compressed by what the chambers give it and the line does not take (M184), harmonic by harmonic
+of the lobe frequency; the chambers meet that pressure (M185, M186), which is found together with the cycle. The line is
+endless (no reflection) or lets a steady flow through; port, line and check valve take a drop from the mean (M184).
+Source: filling of a volume, plane waves in an endless pipe (textbook acoustics); that pulsations of screw compressors
+come from the flow through the ports: E. Mujic, A. Kovacevic, N. Stosic, I. K. Smith, Noise control by suppression of
+gas pulsation in screw compressors, in: Advances in Noise Analysis, Mitigation and Control, InTech 2016.
+Assumptions: one pressure in a plenum (shorter than a quarter of a wave), isentropic pulsation around the mean, constant
+sound speed, so many harmonics as stated; the check valve stands open and does not flutter.
+Parameters: volume, line area and loss coefficient of suction and discharge, valve_pressure, harmonics.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from math import hypot, pi
+from typing import Any
+
+import numpy as np
+
+from screwsim.declare import count, number, quantity
+from screwsim.effects.base import Effect, LineFlow, Made, Pulsation, Reading, Site, Turn
+from screwsim.faults import Fault
+from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.numerics.made import Entry
+
+Array = np.ndarray
+NAME = "plenums"
+LINES = ("suction", "discharge")
+SHOWN = 4  # harmonics among the figures
+TRACE = 360  # points of a pitch
+LOWEST = -0.9  # offset of the mean at which nothing passes any more
+SHUT = "the {to} line takes all of the pressure (a wider effects.plenums.{to}_area or a smaller {to}_loss)"
+FIGURES = tuple(
+    f"{to}_{what}"
+    for to in LINES
+    for what in ("plenum_pressure", "pulsation_peak_to_peak", *(f"pulsation_harmonic_{k}" for k in range(1, SHOWN + 1)))
+)
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Volumes, what lies behind them, and how finely the pressure is resolved."""
+
+    discharge_volume: float | None = quantity("volume", "of the discharge plenum (absent: none)", None, gt=0.0)
+    suction_volume: float | None = quantity("volume", "of the suction plenum (absent: none)", None, gt=0.0)
+    discharge_area: float | None = quantity(
+        "area", "cross-section of the line, without reflection (absent: its flow is steady)", None, gt=0.0
+    )
+    suction_area: float | None = quantity("area", "cross-section of the suction line, likewise", None, gt=0.0)
+    discharge_loss: float = number("loss coefficient of port, line and valve, with discharge_area", 0.0, ge=0.0)
+    suction_loss: float = number("loss coefficient of port and line, with suction_area", 0.0, ge=0.0)
+    valve_pressure: float = quantity(
+        "pressure_difference", "that holds the check valve open, behind the discharge plenum", 0.0, ge=0.0
+    )
+    harmonics: int = count("of the lobe frequency that are followed", 8, ge=SHOWN, le=24)
+
+
+def pulsation(line: LineFlow, before: Array, volume: float, area: float | None, frequency: float) -> Array:
+    """Return the amplitudes over the line's pressure, a_k − i b_k of each harmonic (M184); frequency [rad/s].
+
+    `before` are those with which the turn was integrated. What is open to the plenum answers a change of its pressure
+    as if it were part of the plenum; taking it as that makes the next guess a better one, and the same answer.
+    """
+    k = np.arange(1, len(before) + 1)
+    flow = np.fft.rfft(line.flow)[1 : len(before) + 1] * (2.0 / len(line.flow))
+    rate = 1j * k * frequency / line.sound**2
+    leaving = 0.0 if area is None else area / line.sound
+    answering = rate * line.open_volume
+    return (flow + answering * before * line.p) / (rate * volume + answering + leaving) / line.p
+
+
+def offset(line: LineFlow, area: float | None, loss: float, valve: float) -> float:
+    """Return by how much the mean pressure exceeds the line's, over that (M184)."""
+    mean = float(np.mean(line.flow))
+    drop = 0.0 if area is None else 0.5 * loss * mean * abs(mean) / (line.rho * area**2)
+    return (drop + valve) / line.p
+
+
+def series(made: Mapping[str, float], to: str, count: int) -> Array:
+    """Return the pressure of a plenum over the line's, at even angles of a pitch (M185)."""
+    phase = 2.0 * pi * np.arange(TRACE) / TRACE
+    total = np.full(TRACE, 1.0 + made[f"{to}_offset"])
+    for k in range(1, count + 1):
+        total += made[f"{to}_cos_{k}"] * np.cos(k * phase) + made[f"{to}_sin_{k}"] * np.sin(k * phase)
+    return total
+
+
+class Behind:
+    """What lies behind one port: the plenum and its line."""
+
+    def __init__(self, to: str, parameters: Parameters) -> None:
+        self.to, self.count = to, parameters.harmonics
+        self.volume = float(getattr(parameters, f"{to}_volume") or 0.0)
+        self.area, self.loss = getattr(parameters, f"{to}_area"), getattr(parameters, f"{to}_loss")
+        self.valve = parameters.valve_pressure if to == "discharge" else 0.0
+        self.names = [f"{to}_{part}_{k}" for k in range(1, self.count + 1) for part in ("cos", "sin")]
+        self._last: tuple[Any, Array] = None, np.empty(0)
+
+    def coefficients(self, turn: Turn) -> Array:
+        """Return a_1, b_1, a_2 … that a turn makes; worked out once a turn."""
+        if self._last[0] is not turn.line:
+            held = np.array([turn.held[name] for name in self.names]).reshape(-1, 2)
+            before, frequency = held[:, 0] - 1j * held[:, 1], 2.0 * pi * turn.omega / turn.pitch
+            found = pulsation(turn.line(self.to), before, self.volume, self.area, frequency)
+            self._last = turn.line, np.column_stack([np.real(found), -np.imag(found)]).ravel()
+        return self._last[1]
+
+    def coefficient(self, i: int, turn: Turn) -> float:
+        """Return one of them."""
+        return float(self.coefficients(turn)[i])
+
+    def offset(self, turn: Turn) -> float:
+        """Return the offset of the mean that a turn makes."""
+        return offset(turn.line(self.to), self.area, self.loss, self.valve)
+
+    def parts(self) -> list[Made | Pulsation]:
+        """Return what declares it: offset and coefficients, one after the other, and the pressure that they make."""
+        first = f"{self.to}_offset"
+        made = [Made(Entry(first, scale=1.0), _nothing, self.offset, LOWEST, SHUT.format(to=self.to))]
+        made += [
+            Made(Entry(name, scale=1.0), _nothing, partial(self.coefficient, i)) for i, name in enumerate(self.names)
+        ]
+        return [*made, Pulsation(self.to, first, tuple(self.names))]
+
+    def figures(self, turn: Turn) -> dict[str, float | None]:
+        """Return mean, swing and harmonics of the pressure [Pa]."""
+        p, pressure = turn.line(self.to).p, series(turn.made, self.to, self.count)
+        pairs = [(turn.made[f"{self.to}_cos_{k}"], turn.made[f"{self.to}_sin_{k}"]) for k in range(1, SHOWN + 1)]
+        found = {f"{self.to}_pulsation_harmonic_{k}": p * hypot(*pair) for k, pair in enumerate(pairs, 1)}
+        found[f"{self.to}_plenum_pressure"] = p * (1.0 + turn.made[f"{self.to}_offset"])
+        return {**found, f"{self.to}_pulsation_peak_to_peak": p * float(np.ptp(pressure))}
+
+
+def _nothing(site: Site) -> float:
+    return 0.0
+
+
+def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
+    behind = [Behind(to, parameters) for to in LINES if getattr(parameters, f"{to}_volume") is not None]
+
+    def read(figures) -> dict[str, float | None]:
+        found: dict[str, float | None] = dict.fromkeys(FIGURES)
+        for one in behind:
+            found |= one.figures(figures.turn)
+        return found
+
+    def traces(figures) -> dict[str, Any]:
+        """Return the pressures [Pa] over a pitch."""
+        turn = figures.turn
+        return {
+            f"{one.to}_plenum_pressure": turn.line(one.to).p * series(turn.made, one.to, one.count) for one in behind
+        }
+
+    return [*(part for one in behind for part in one.parts()), Reading(FIGURES, read, traces)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults, path = [], f"effects.{NAME}"
+    if parameters.suction_volume is None and parameters.discharge_volume is None:
+        faults.append(Fault(path, "has no plenum (write e.g. discharge_volume: 5 l, or remove it)"))
+    for to in LINES:
+        volume, area, loss = (getattr(parameters, f"{to}_{what}") for what in ("volume", "area", "loss"))
+        if loss > 0.0 and area is None:
+            faults.append(Fault(f"{path}.{to}_area", f"is missing ({to}_loss needs it, e.g. 20 cm^2)"))
+        if volume is None and area is not None:
+            faults.append(Fault(f"{path}.{to}_volume", f"is missing ({to}_area needs it, e.g. 5 l)"))
+    if parameters.valve_pressure > 0.0 and parameters.discharge_volume is None:
+        faults.append(Fault(f"{path}.discharge_volume", "is missing (valve_pressure needs it, e.g. 5 l)"))
+    return faults
+
+
+EFFECT = Effect(
+    name=NAME,
+    title="finite volumes behind the ports, whose pressure pulsates",
+    equations=("M184", "M185", "M186", "M187"),
+    source="filling of a volume, plane waves (textbook)",
+    parameters=Parameters,
+    build=build,
+    check=check,
+    machines=(TWIN_SCREW,),
+)

@@ -1,0 +1,122 @@
+"""Clearances under heat: gaps are those of warm rotors in a warm housing, found together with the cycle.
+
+What: a clearance is stated cold, at the temperature of the drawing; rotors and housing expand linearly with their own
+temperatures (M180), across the radius for the tips (M181), the axes' distance for the interlobe gap (M182) and the
+length between thrust bearing and end face for the end gap (M183). All areas of a gap are multiplied by warm over cold.
+Source: linear expansion (textbook); that clearances of screw compressors follow the temperatures of rotors and casing:
+D. Buckney, Clearance management in twin screw compressors, thesis, City, University of London 2017.
+Assumptions: one temperature of the rotors and one of the housing, those of effects.wall_heat or stated ones; no
+bending, no pressure, no play of the bearings; both rotors are of one material.
+Parameters: reference_temperature, rotor_expansion, housing_expansion, axis_distance, bearing_distance;
+rotor_temperature, housing_temperature.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from screwsim.declare import quantity
+from screwsim.effects.base import Effect, Made, Reading, Scaled, Site, Turn
+from screwsim.faults import Fault
+from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.numerics.made import Entry
+
+NAME, WALLS = "thermal_clearances", "wall_heat"
+LUMPS = ("rotor", "housing")
+GAPS = {"tip_leakage": "tip_gap", "interlobe_leakage": "interlobe_gap", "end_face_leakage": "end_face_gap"}
+CLOSED = 0.02  # share of a cold clearance at which warm parts count as touching
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Materials, lengths that expand, and temperatures where no other effect finds them."""
+
+    reference_temperature: float = quantity("temperature", "at which the stated gaps are measured", 293.15, gt=0.0)
+    rotor_expansion: float = quantity("thermal_expansion", "of the rotors (steel)", 11.5e-6, ge=0.0)
+    housing_expansion: float = quantity("thermal_expansion", "of the housing (grey cast iron)", 10.5e-6, ge=0.0)
+    axis_distance: float | None = quantity(
+        "length", "of the rotors (default: machine.profile's; with interlobe_leakage)", None, gt=0.0
+    )
+    bearing_distance: float = quantity("length", "from the thrust bearing to the discharge end face", 0.0, ge=0.0)
+    rotor_temperature: float | None = quantity("temperature", f"stated (default: effects.{WALLS})", None, gt=0.0)
+    housing_temperature: float | None = quantity("temperature", f"stated (default: effects.{WALLS})", None, gt=0.0)
+
+
+def growth(parameters: Parameters, rotor: float, housing: float) -> float:
+    """Return by how much a gap grows per length [1] at the temperatures [K] of rotors and housing (M180)."""
+    warm = parameters.housing_expansion * (housing - parameters.reference_temperature)
+    return warm - parameters.rotor_expansion * (rotor - parameters.reference_temperature)
+
+
+def lengths(parameters: Parameters, machine) -> dict[str, float]:
+    """Return the length [m] over which each gap grows, by effect (M181 to M183)."""
+    profile = machine.settings.profile
+    own = profile.centre_distance if profile is not None else 0.0
+    return {
+        "tip_leakage": 0.5 * machine.settings.rotor_diameter,
+        "interlobe_leakage": parameters.axis_distance or own,
+        "end_face_leakage": parameters.bearing_distance,
+    }
+
+
+def build(parameters: Parameters, machine) -> list[Made | Scaled | Reading]:
+    stated = {lump: getattr(parameters, f"{lump}_temperature") for lump in LUMPS}
+
+    def widening(effect: str, length: float) -> Callable[[Turn], float]:
+        def widened(turn: Turn) -> float:
+            """Return the warm gap over the cold one."""
+            rotor, housing = (stated[lump] or turn.made[f"{lump}_temperature"] for lump in LUMPS)
+            return 1.0 + growth(parameters, rotor, housing) * length / turn.gaps[effect]
+
+        return widened
+
+    def none(site: Site) -> float:
+        return 1.0
+
+    parts: list[Made | Scaled | Reading] = []
+    for effect, length in lengths(parameters, machine).items():
+        name = f"{effect}_widening"
+        beyond = f"warm rotors touch: {GAPS[effect].replace('_', ' ')} closes (a wider effects.{effect}.gap, or cooler)"
+        parts += [Made(Entry(name), none, widening(effect, length), CLOSED, beyond), Scaled(effect, name)]
+
+    def read(figures) -> dict[str, float | None]:
+        """Return the warm gaps [m]."""
+        turn, found = figures.turn, dict.fromkeys(GAPS.values())
+        warm = {GAPS[effect]: gap * turn.made[f"{effect}_widening"] for effect, gap in turn.gaps.items()}
+        return found | warm
+
+    return [*parts, Reading(tuple(GAPS.values()), read)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults, path = [], f"effects.{NAME}"
+    for lump in LUMPS:
+        given = getattr(parameters, f"{lump}_temperature") is not None
+        if given and WALLS in facts.effects:
+            faults.append(
+                Fault(f"{path}.{lump}_temperature", f"is given beside effects.{WALLS}, which finds it (remove it)")
+            )
+        elif not given and WALLS not in facts.effects:
+            remedy = f"write e.g. {lump}_temperature: 330 K, or name effects.{WALLS}, which finds it"
+            faults.append(Fault(f"{path}.{lump}_temperature", f"is missing ({remedy})"))
+    profiled = facts.machine.profile is not None
+    if profiled and parameters.axis_distance is not None:
+        faults.append(Fault(f"{path}.axis_distance", "is given beside machine.profile.centre_distance (remove it)"))
+    if "interlobe_leakage" in facts.effects and not profiled and parameters.axis_distance is None:
+        faults.append(Fault(f"{path}.axis_distance", "is missing (effects.interlobe_leakage needs it, e.g. 120 mm)"))
+    if not any(name in facts.effects for name in GAPS):
+        faults.append(Fault(path, f"has no gap to change (name one of {', '.join(GAPS)}, or remove it)"))
+    return faults
+
+
+EFFECT = Effect(
+    name=NAME,
+    title="gaps of warm rotors in a warm housing",
+    equations=("M180", "M181", "M182", "M183"),
+    source="linear expansion",
+    parameters=Parameters,
+    build=build,
+    check=check,
+    machines=(TWIN_SCREW,),
+)

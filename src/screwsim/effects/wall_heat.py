@@ -1,0 +1,140 @@
+"""Wall heat: housing and rotors exchange heat with the gas, each a lump that settles at a temperature of its own.
+
+What: α A (T_w − T) into the gas (M170) with Nu = 0.023 Re^0.8 (M172) and a wetted area that follows the chamber's
+volume (M173); the lump's temperature is that at which a cycle gives it no more heat than cools it outside (M174).
+Source: N. Stosic, I. K. Smith, A. Kovacevic, Screw Compressors: Mathematical Modelling and Performance Calculation,
+Springer 2005, ch. 2 (coefficient, length); that a rotor has one temperature: N. Stosic, I. K. Smith, A. Kovacevic,
+Numerical investigation of heat transfer on screw compressor rotors, Mecánica Computacional XXIV (2005).
+Assumptions: one temperature a lump, although a housing is warmer where it discharges; no film of oil on the walls; no
+heat from rotor to housing; the gas passes all walls at one share of the tip speed. λ and μ of the gas are constant.
+Parameters: rotor_area, housing_area, characteristic_length, speed_ratio, nusselt_factor; rotor_cooling,
+housing_cooling; rotor_temperature, housing_temperature; reference state or λ, μ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import Around, Effect, Made, Reading, Site, Turn, Wall
+from screwsim.effects.gas_transport import gas_faults, gas_numbers
+from screwsim.faults import Fault
+from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.made import Entry
+
+NAME = "wall_heat"
+LUMPS = ("rotor", "housing")
+GAS = ("gas_conductivity", "gas_viscosity")
+COLDEST = 100.0  # [K] at which a lump is given up that is cooled by more than the gas can give
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The walls of one chamber, the gas that passes them, and what cools them from outside."""
+
+    rotor_area: float = quantity("area", "of both rotors that one chamber wets at its largest volume", ge=0.0)
+    housing_area: float = quantity("area", "of the housing that one chamber wets at its largest volume", ge=0.0)
+    characteristic_length: float = quantity(
+        "length", "of Nu and Re: outer less inner diameter of the male rotor", gt=0.0
+    )
+    speed_ratio: float = number("speed of the gas past the walls over the male tip speed", 1.0, ge=0.0)
+    nusselt_factor: float = number("factor of Nu = C Re^0.8", 0.023, ge=0.0)
+    rotor_cooling: float = quantity("power", "heat taken from the rotors outside the chambers", 0.0, ge=0.0)
+    housing_cooling: float = quantity("power", "heat taken from the housing outside", 0.0, ge=0.0)
+    rotor_temperature: float | None = quantity("temperature", "stated (default: settles)", None, gt=0.0)
+    housing_temperature: float | None = quantity("temperature", "stated (default: settles)", None, gt=0.0)
+    reference_pressure: float | None = quantity("pressure", "at which lambda, mu of the gas are taken", None, gt=0.0)
+    reference_temperature: float | None = quantity("temperature", "at which they are taken", None, gt=0.0)
+    gas_conductivity: float | None = quantity("thermal_conductivity", "lambda of the gas, stated", None, gt=0.0)
+    gas_viscosity: float | None = quantity("viscosity", "mu of the gas, stated", None, gt=0.0)
+
+
+@kernel
+def coefficient(rho, gas_speed, characteristic_length, nusselt_factor, gas_conductivity, gas_viscosity):
+    """Return α [W/(m² K)] between gas and wall (M172)."""
+    reynolds = rho * gas_speed * characteristic_length / gas_viscosity
+    return nusselt_factor * reynolds**0.8 * gas_conductivity / characteristic_length
+
+
+@kernel
+def conductance(
+    V, rho, wall_area, largest_volume, gas_speed, characteristic_length, nusselt_factor, gas_conductivity, gas_viscosity
+):
+    """Return α A [W/K] of a chamber of volume V [m³] that wets `wall_area` [m²] at its largest (M172, M173)."""
+    alpha = coefficient(rho, gas_speed, characteristic_length, nusselt_factor, gas_conductivity, gas_viscosity)
+    return alpha * wall_area * V / largest_volume
+
+
+def numbers(parameters: Parameters, around: Around) -> Mapping[str, float]:
+    """Return what the kernel needs of the scene: speed of the gas, its λ and μ. Raises UsageError."""
+    return {"gas_speed": parameters.speed_ratio * around.tip_speed, **gas_numbers(parameters, around, GAS)}
+
+
+def settled(lump: str, cooling: float, stated: float | None, turn: Turn) -> float:
+    """Return the temperature [K] at which this turn's gas would have given a lump what cools it (M174)."""
+    T, conductance = turn.made[f"{lump}_temperature"], turn.conductance[lump]
+    if stated is not None or conductance == 0.0:
+        return T
+    return T - (turn.heat[lump] + cooling) / conductance
+
+
+def first(stated: float | None, site: Site) -> float:
+    """Return where a lump's temperature [K] begins: half way to that of isentropic compression."""
+    if stated is not None:
+        return stated
+    return site.T_s + 0.5 * site.gas.isentropic_work(site.p_s, site.p_d, site.T_s) / site.gas.c_p
+
+
+def build(parameters: Parameters, machine) -> list[Made | Wall | Reading]:
+    parts: list[Made | Wall | Reading] = []
+    for lump in LUMPS:
+        stated, cooling = (getattr(parameters, f"{lump}_{what}") for what in ("temperature", "cooling"))
+        name = f"{lump}_temperature"
+        values = {
+            "wall_area": getattr(parameters, f"{lump}_area"),
+            "largest_volume": machine.swept_volume,
+            "characteristic_length": parameters.characteristic_length,
+            "nusselt_factor": parameters.nusselt_factor,
+        }
+        beyond = f"the {lump} is cooled by more than the gas gives it (a smaller effects.{NAME}.{lump}_cooling)"
+        parts += [
+            Made(Entry(name), partial(first, stated), partial(settled, lump, cooling, stated), COLDEST, beyond),
+            Wall(lump, conductance, values, name),
+        ]
+
+    def read(figures) -> dict[str, float | None]:
+        """Return temperatures [K], and the heat [W] that the walls give the gas in all."""
+        turn = figures.turn
+        found: dict[str, float | None] = {f"{lump}_temperature": turn.made[f"{lump}_temperature"] for lump in LUMPS}
+        return found | {"wall_heat_power": turn.heat["rotor"] + turn.heat["housing"]}
+
+    return [*parts, Reading(("rotor_temperature", "housing_temperature", "wall_heat_power"), read)]
+
+
+def check(parameters: Parameters, facts) -> list[Fault]:
+    faults, path = [], f"effects.{NAME}"
+    for lump in LUMPS:
+        cooling, stated = (getattr(parameters, f"{lump}_{what}") for what in ("cooling", "temperature"))
+        if cooling > 0.0 and stated is not None:
+            faults.append(
+                Fault(f"{path}.{lump}_cooling", f"is given beside {lump}_temperature (remove one of the two)")
+            )
+        if cooling > 0.0 and getattr(parameters, f"{lump}_area") * parameters.nusselt_factor == 0.0:
+            faults.append(Fault(f"{path}.{lump}_cooling", "cools a wall that no gas warms (remove it)"))
+    return [*faults, *gas_faults(path, parameters, facts.gas.fluid, GAS)]
+
+
+EFFECT = Effect(
+    name=NAME,
+    title="housing and rotors exchange heat with the gas",
+    equations=("M170", "M171", "M172", "M173", "M174"),
+    source="Stosic, Smith, Kovacevic 2005",
+    parameters=Parameters,
+    build=build,
+    check=check,
+    numbers=numbers,
+    machines=(TWIN_SCREW,),
+)

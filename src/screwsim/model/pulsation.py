@@ -1,0 +1,54 @@
+"""Lines whose pressure pulsates: the place that a chamber meets at an angle, in lieu of the line's own.
+
+Source: docs/model.md M185, M186. The pressure is that of the line, an offset to which gas is throttled, and harmonics
+of the lobe frequency, along which the gas is compressed isentropically.
+"""
+
+from __future__ import annotations
+
+import math
+
+from screwsim.model.slots import (
+    DENSITY,
+    ENTHALPY,
+    EXPONENT,
+    FIRST_OWN,
+    OWN_PLENUMS,
+    PLACE,
+    PRESSURE,
+    line_pulse,
+)
+from screwsim.numerics.kernel import kernel
+
+LOWEST = 0.1  # share of the mean pressure below which a guess of the pulsation is not followed
+
+
+@kernel
+def harmonics(phase, P, first, count):
+    """Return Σ a_k cos(k·phase) + b_k sin(k·phase); a_1, b_1, a_2 … stand in P from `first` on."""
+    c = math.cos(phase)
+    s = math.sin(phase)
+    ck = 1.0
+    sk = 0.0
+    total = 0.0
+    for k in range(count):
+        ck, sk = ck * c - sk * s, sk * c + ck * s
+        total += P[first + 2 * k] * ck + P[first + 2 * k + 1] * sk
+    return total
+
+
+@kernel
+def fill_lines(phi, P, R, E, at):
+    """Fill the places of all plenums from E[at] on, those of both lines as they are at phi [rad] (M186)."""
+    for k in range((FIRST_OWN + OWN_PLENUMS) * PLACE):
+        E[at + k] = R[k]
+    for i in range(2):
+        b = at + i * PLACE
+        offset, pulse = line_pulse(i, phi, P)
+        p = E[b + PRESSURE] * (1.0 + offset)
+        rho = E[b + DENSITY] * (1.0 + offset)
+        ratio = max(LOWEST, 1.0 + pulse / (1.0 + offset))
+        inverse = E[b + EXPONENT]
+        E[b + PRESSURE] = p * ratio
+        E[b + DENSITY] = rho * ratio**inverse
+        E[b + ENTHALPY] += p / rho * (ratio ** (1.0 - inverse) - 1.0) / (1.0 - inverse)

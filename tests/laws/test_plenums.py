@@ -1,0 +1,233 @@
+"""Finite volumes behind the ports: closed forms of their pressure, balances, the limit, an independent integration."""
+
+import numpy as np
+import pytest
+from scenes import make, run
+from scipy.integrate import solve_ivp
+
+from screwsim.effects.base import LineFlow
+from screwsim.effects.plenums import offset, pulsation
+from screwsim.explain import explain
+from screwsim.faults import SceneError
+from screwsim.model.slots import DENSITY, DISCHARGE_IN, EXPONENT, P_OMEGA, P_PITCH, PLACE, PRESSURE
+from screwsim.scene import loads
+from screwsim.simulate import simulate
+from screwsim.solution import Solution
+
+ACCURACY = 3e-4
+CARRIED = {"oil.transport": "carried"}
+SIZE = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
+PLENUMS = {**CARRIED, "effects.plenums": SIZE}
+SEEN = ("gas_mass_flow", "indicated_power", "shaft_power", "discharge_temperature", "trapped_mass", "peak_pressure")
+BALANCES = ("mass", "energy", "entropy", "oil_mass")
+
+
+def plenums(**changes):
+    return {**PLENUMS, "effects.plenums": {**SIZE, **changes}}
+
+
+def change(one, other, names=SEEN):
+    """Return the largest relative change of figures."""
+    return max(abs(one.performance[name] / other.performance[name] - 1.0) for name in names)
+
+
+# ---- closed forms --------------------------------------------------------------------------------------------------
+
+
+def wave(k, size):
+    """Return a line flow whose harmonic k is a cosine of that size."""
+    theta = 2.0 * np.pi * np.arange(64) / 64
+    return LineFlow(1.0 + size * np.cos(k * theta), 0.0, 10e5, 50.0, 1.1)
+
+
+@pytest.mark.parametrize("k", [1, 3])
+def test_a_closed_volume_integrates_what_it_is_given(k):
+    """p_k = w c²/(k Ω V), a quarter of a period behind the flow."""
+    line, frequency, volume = wave(k, 0.2), 1200.0, 2e-3
+    found = pulsation(line, np.zeros(8, complex), volume, None, frequency)
+    expected = 0.2 * line.sound**2 / (k * frequency * volume) / line.p
+    assert found[k - 1] == pytest.approx(-1j * expected, rel=1e-12)
+    assert abs(np.delete(found, k - 1)).max() < 1e-12
+
+
+def test_an_endless_pipe_alone_answers_with_its_impedance():
+    """Next to no volume: p = w c/A, in phase."""
+    line, area = wave(2, 0.2), 1e-3
+    found = pulsation(line, np.zeros(8, complex), 1e-12, area, 1200.0)
+    assert found[1] == pytest.approx(0.2 * line.sound / area / line.p, rel=1e-6)
+
+
+def test_what_is_open_makes_a_better_guess_and_the_same_answer():
+    line = wave(1, 0.2)
+    there = pulsation(line, np.zeros(4, complex), 2e-3, 1e-3, 1200.0)
+    assert pulsation(line._replace(open_volume=5e-3), there, 2e-3, 1e-3, 1200.0) == pytest.approx(there, rel=1e-12)
+
+
+def test_the_mean_drop_is_that_of_the_loss_coefficient():
+    """2 · ½ ρ u² with u = 1/(50 · 10⁻³) = 20 m/s is 20 kPa, in the direction of the flow."""
+    line = wave(1, 0.2)
+    assert offset(line, 1e-3, 2.0, 0.0) * line.p == pytest.approx(20e3)
+    assert offset(line._replace(flow=-line.flow), 1e-3, 2.0, 0.0) * line.p == pytest.approx(-20e3)
+    assert offset(line, None, 0.0, 5e3) * line.p == pytest.approx(5e3)
+
+
+# ---- with the cycle ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"operation.speed": "500 rpm"},
+        {"numerics": {"closing": "coupled"}},
+        {"effects.plenums": {**SIZE, "discharge_loss": 4, "suction_loss": 4, "valve_pressure": "0.3 bar"}},
+        {"effects.plenums": {**SIZE, "discharge_volume": "0.3 l", "suction_volume": "1 l"}},
+    ],
+    ids=["", "slow", "coupled", "losses", "small"],
+)
+def test_mass_energy_entropy_and_oil_are_kept(changes):
+    result = run({**PLENUMS, **changes})
+    assert result.status == "ok"
+    assert max(result.balance[name] for name in BALANCES) <= ACCURACY
+    assert abs(result.ledger.relative_residue) <= ACCURACY
+
+
+def test_volumes_without_end_change_nothing():
+    wide = run(plenums(suction_volume="1e4 m^3", discharge_volume="1e4 m^3"))
+    assert change(wide, run(CARRIED)) < ACCURACY
+    assert wide.performance.discharge_pulsation_peak_to_peak < 1.0
+
+
+def test_both_closings_find_one_cycle():
+    one, other = run(PLENUMS), run({**PLENUMS, "numerics": {"closing": "coupled"}})
+    assert change(one, other) < ACCURACY
+    names = [f"{line}_pulsation_harmonic_{k}" for line in ("suction", "discharge") for k in (1, 2)]
+    for name in names:
+        pressure = one.performance[f"{name.partition('_')[0]}_pressure"]
+        assert abs(one.performance[name] - other.performance[name]) < ACCURACY * pressure, name
+
+
+def test_the_first_harmonic_rules_and_half_the_volume_doubles_it():
+    """A steady flow behind: p_1 = w_1 c²/(Ω V), and the flow hardly feels it."""
+    steady = {"discharge_area": None, "suction_area": None}
+    one, half = (run(plenums(**steady, discharge_volume=f"{v} l")).performance for v in (40, 20))
+    assert one.discharge_pulsation_harmonic_1 > 2.0 * one.discharge_pulsation_harmonic_2
+    ratio = half.discharge_pulsation_harmonic_1 / one.discharge_pulsation_harmonic_1
+    assert ratio == pytest.approx(2.0, rel=0.02)
+
+
+def test_the_trace_has_the_figures():
+    result = run(PLENUMS)
+    p, angle = result.performance, result.cycle["angle"]
+    pressure = result.cycle["discharge_plenum_pressure"][angle < 90.0]
+    assert np.ptp(pressure) == pytest.approx(p.discharge_pulsation_peak_to_peak, rel=0.01)
+    assert 2.0 * abs(np.fft.rfft(pressure)[1]) / 90 == pytest.approx(p.discharge_pulsation_harmonic_1, rel=0.01)
+    assert pressure.mean() == pytest.approx(p.discharge_plenum_pressure, rel=1e-4)
+
+
+def test_a_valve_that_takes_pressure_costs_power():
+    """The machine that delivers to a line of that pressure."""
+    steady = {"discharge_area": None, "suction_area": None, "discharge_volume": "1e4 m^3", "suction_volume": "1e4 m^3"}
+    valve = run(plenums(**steady, valve_pressure="1 bar"))
+    line = run({**CARRIED, "operation.discharge.pressure": "13 bar"})
+    assert change(valve, line, ("gas_mass_flow", "indicated_power", "trapped_mass")) < 2 * ACCURACY
+    assert valve.performance.discharge_plenum_pressure == pytest.approx(13e5)
+    assert valve.ledger.exergy_destroyed_plenums > 0.0
+
+
+# ---- an independent integration ------------------------------------------------------------------------------------
+
+
+def monolith(scene, pitches):
+    """Return pressures of the discharge plenum over the last pitch: it and all chambers integrated as one by Radau.
+
+    Plenum: dp/dt = c²(p)/V · (flow in − mean flow − A (p − p_d)/c); the mean flow is that of our solution.
+    """
+    solution = Solution(scene)
+    machinery = solution.machinery
+    machinery.warm_up(solution.rehearse)
+    closed = solution.close()
+    assert closed.status == "ok"
+    assert closed.how == "coupled"
+    ours = solution.figures(closed.q)[0]
+    c, module, context = machinery.composition, machinery.module, machinery.coupled_context
+    size, omega, pitch = scene.effects["plenums"].parameters, c.P[P_OMEGA], c.P[P_PITCH]
+    flow = -solution.balances.streams(closed.q)[2:4, 0].sum() * omega / pitch
+    lines, width = c.n_E_all - 3 * PLACE + PLACE, 4
+    p_d, rho_d, inverse = (machinery.R[PLACE + cell] for cell in (PRESSURE, DENSITY, EXPONENT))
+    sound = np.sqrt(p_d / (inverse * rho_d))
+    E, f, g = np.empty(c.n_E_all), np.empty(c.chambers * machinery.n), np.empty(machinery.nq + 1)
+    held = machinery._coupled_space()["spaces"][0][-c.chambers :]
+    at = c.first_stream + DISCHARGE_IN * width
+
+    def rates(phi, z):
+        module.coupled__all_surroundings(phi, phi + 1e-9, context, E)
+        p, rho = z[-1], rho_d * (z[-1] / p_d) ** inverse
+        E[lines + PRESSURE], E[lines + DENSITY] = p, rho
+        E[lines + 2] = machinery.R[PLACE + 2] + (p / rho - p_d / rho_d) / (1.0 - inverse)
+        held[:] = -1.0
+        module.coupled__all_rates(np.ascontiguousarray(z[:-1]), E, context, f, g)
+        into = -(g[at] + g[at + width]) * omega
+        leaving = flow + size.discharge_area * (p - p_d) / sound
+        return np.append(f, p / (inverse * rho) * (into - leaving) / (size.discharge_volume * omega))
+
+    y, p = closed.y.copy(), p_d
+    grid = np.linspace(0.0, pitch, 361)
+    for _ in range(pitches):
+        machinery.inject(y)
+        z, seen = np.append(y, p), []
+        for a, b in zip(machinery._pitch_knots(), machinery._pitch_knots()[1:], strict=False):
+            angles = grid[(grid >= a) & (grid < b)]
+            found = solve_ivp(rates, (a, b), z, "Radau", rtol=1e-6, atol=1e-12, t_eval=[*angles, b])
+            z = found.y[:, -1]
+            seen.append(found.y[-1, : len(angles)])
+        y, p = machinery.shift(z[:-1]), z[-1]
+    return ours, np.concatenate(seen)
+
+
+@pytest.mark.slow
+def test_one_integration_of_all_finds_the_same_pulsation():
+    """The suction plenum is endless here; a starting error of the pressure is gone after V/(A c), a few pitches."""
+    endless = {"suction_volume": "1e4 m^3", "suction_area": None}
+    scene = make({**plenums(**endless), "numerics": {"closing": "coupled", "accuracy": 1e-4}})
+    ours, pressure = monolith(scene, 12)
+    spectrum = 2.0 * abs(np.fft.rfft(pressure[:360])) / 360
+    for k in (1, 2, 3):
+        assert spectrum[k] == pytest.approx(ours[f"discharge_pulsation_harmonic_{k}"], rel=0.03, abs=20.0), k
+    assert np.mean(pressure) == pytest.approx(12e5, rel=1e-3)
+
+
+# ---- what scenes say -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"suction_volume": None, "discharge_volume": None, "suction_area": None, "discharge_area": None}, "no plenum"),
+        ({"discharge_loss": 2, "discharge_area": None}, "discharge_area: is missing"),
+        ({"suction_volume": None}, "suction_volume: is missing"),
+        ({"discharge_volume": None, "discharge_area": None, "valve_pressure": "1 bar"}, "valve_pressure needs it"),
+        ({"harmonics": 2}, "4"),
+    ],
+)
+def test_contradictions_are_faults(changes, words):
+    with pytest.raises(SceneError, match=words):
+        make(plenums(**changes))
+
+
+def test_a_line_that_takes_all_pressure_fails_with_a_remedy():
+    result = run(plenums(suction_area="1 cm^2", suction_loss=50))
+    assert result.status == "failed"
+    assert "plenums.suction_area" in result.message
+
+
+def test_explain_and_the_scenes_text_tell_of_it():
+    scene = make(PLENUMS)
+    text = " ".join(str(explain(scene)).split())
+    assert "pressure of the discharge line over the angle" in text
+    assert loads(scene.text).text == scene.text
+
+
+def test_without_traces_the_figures_are_the_same():
+    scene = make(PLENUMS)
+    assert simulate(scene, trace=False).performance == run(PLENUMS).performance
