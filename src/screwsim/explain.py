@@ -16,7 +16,7 @@ from screwsim.declare import KINDS
 from screwsim.effects import catalogue
 from screwsim.effects.base import FlowPath, HeatRate, Intake, Plenum, PowerLoss, Reading
 from screwsim.model.compose import Composition, Parts, compose
-from screwsim.scene.fields import Leaf, section_of
+from screwsim.scene.fields import Leaf, Section, section_of
 from screwsim.scene.grid import case_count, dimensions
 from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Scene
@@ -137,6 +137,16 @@ def _parameters(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
     return ", ".join(texts)
 
 
+def _sections(values: Any, under: str = "") -> Iterator[str]:
+    """Yield the sections among the parameters of an effect, with what stands in them."""
+    for name, item in section_of(type(values)).fields.items():
+        value = getattr(values, name)
+        if isinstance(item, Section) and value is not None:
+            own = _parameters(value, skip=())
+            yield f"{under}{name}: {own}" if own else f"{under}{name}"
+            yield from _sections(value, f"{under}{name}.")
+
+
 def _effects(scene: Scene, parts: Parts) -> Iterator[str]:
     for name, active in scene.effects.items():
         yield _row(name, active.effect.title)
@@ -151,6 +161,7 @@ def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
     parameters = _parameters(active.parameters, skip=())
     if parameters:
         yield parameters
+    yield from _sections(active.parameters)
     added = [f"state {name}" for name in effect.states]
     added += [f"plenum {part.name}" for part in built if isinstance(part, Plenum)]
     added += [f"figure {part.figure}" for part in built if isinstance(part, PowerLoss)]

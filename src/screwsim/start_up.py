@@ -1,7 +1,7 @@
 """Start-up: all chambers and the drive from a creeping speed to the steady one against the discharge pressure (M218).
 
-The chambers are not periodic: each carries its own state from pitch to pitch. Within a pitch the chambers are integrated
-under the course of the speed, and the drive under the torque of the chambers, by turns until both agree.
+The chambers are not periodic: each carries its own state from pitch to pitch. Within a pitch the chambers are
+integrated under the course of the speed, and the drive under the torque of the chambers, by turns until both agree.
 """
 
 from __future__ import annotations
@@ -34,10 +34,11 @@ ARRIVED = 2e-3  # distance of a pitch's mean speed from the steady one
 STAYS = 12  # pitches that it stays there
 INSET = 5e-7  # rad, left out at the ends of a pitch, where the speed's course does not repeat
 STEP = 1e-3  # rad, the first
+UNCLOSED = "the cycle at the steady speed did not close (screwsim run says why)"
 
 
 class Pitch(NamedTuple):
-    """One pitch of a start-up: the drive's motion, gas and other torque on the rotors [N m], gas work and loss work [J]."""
+    """One pitch of a start-up: motion of the drive, torque of gas and of losses [N m], gas work [J], chambers' end."""
 
     motion: Motion
     gas_torque: Array
@@ -72,15 +73,17 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
     closed = shaft.settled(solution, solution.close())
     part = solution.parts.shaft
     assert part is not None  # `_steady`
-    if closed.status != "failed":
-        try:
-            steady = part.respond(solution.complete(closed.q))
-        except NoMotion as reason:
-            return StartUp("failed", f"there is no steady speed to start to: {reason}")
+    if closed.status == "failed":
+        return StartUp("failed", UNCLOSED)
+    try:
+        steady = part.respond(solution.complete(closed.q))
+    except NoMotion as reason:
+        return StartUp("failed", f"there is no steady speed to start to: {reason}")
     if closed.status != "ok":
-        return StartUp(closed.status, "the cycle at the steady speed did not close (screwsim run says why)")
+        return StartUp(closed.status, UNCLOSED)
     if creep >= steady.mean_speed:
-        raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {_rpm(steady.mean_speed)} (creep slower)")
+        steadily = _rpm(steady.mean_speed)
+        raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {steadily} (creep slower)")
     return _Run(solution, steady, creep, longest).run()
 
 
@@ -89,6 +92,8 @@ def _steady(scene: Scene, creep: float) -> Solution:
     part = solution.parts.shaft
     if part is None:
         raise UsageError("the scene has no drive to start (name drive under effects)")
+    if solution.parts.geometry.expands:
+        raise UsageError("a start-up is that of a compressor, and the scene's machine is an expander")
     if not math.isfinite(part.train(1.0).motor.most):
         raise UsageError("a start needs the motor's limit (give effects.drive.motor.torque_limit)")
     if not creep > 0.0:
@@ -147,7 +152,7 @@ class _Run:
         return Pitch(motion, gas, loss, work, end, change <= tolerance)
 
     def _chambers_under(self, motion: Motion) -> tuple[Array, float, float, Array] | str:
-        """Return gas torque, torque of the losses, gas work and the states at the end, under the course of the speed."""
+        """Return gas torque, torque of the losses, gas work and the end's states, under the course of the speed."""
         solution = self.solution
         machinery, pitch = solution.machinery, solution.parts.geometry.pitch
         composition = machinery.composition
@@ -206,10 +211,11 @@ class _Run:
 
     def _stalled(self, step: Pitch) -> str:
         load = float(np.mean(step.gas_torque)) + step.loss_torque
+        at_rest = self.train.motor.limited_torque(0.0, self.steady.no_load_speed)
         return (
-            f"the motor cannot start the machine: the rotors stop after {step.motion.time[-1]:.4g} s under {load:.4g} N m "
-            f"in the mean, and the motor gives {self.train.motor.limited_torque(0.0, self.steady.no_load_speed):.4g} N m "
-            "at rest (a larger motor, or an unloaded start: a lower operation.discharge.pressure)"
+            f"the motor cannot start the machine: the rotors stop after {step.motion.time[-1]:.4g} s under "
+            f"{load:.4g} N m in the mean, and the motor gives {at_rest:.4g} N m at rest (a larger motor, or an unloaded "
+            "start: a lower operation.discharge.pressure)"
         )
 
     def _ended(self, status: str, message: str) -> StartUp:
@@ -220,7 +226,8 @@ class _Run:
         lowest = figures["coupling_torque_lowest"]
         warnings = ()
         if lowest < 0.0:
-            warnings = (f"the coupling torque falls to {lowest:.4g} N m: flanks and cords hammer (no play is modelled)",)
+            hammering = "flanks and cords hammer (no play is modelled)"
+            warnings = (f"the coupling torque falls to {lowest:.4g} N m: {hammering}",)
         return StartUp(status, message, warnings, figures, traces)
 
     def _figures(self, traces: dict[str, Array]) -> Figures:
@@ -252,7 +259,7 @@ class _Run:
             loss_work=losses,
             coupling_work=damped,
             stored=stored,
-            residue=abs(residue) / max(abs(motor), abs(gas) + abs(losses), 1e-300),
+            residue=abs(residue) / max(abs(motor), abs(gas) + abs(losses)) if whole else None,
             unsettled=float(sum(not each.settled for each in self.pitches)),
         )
 

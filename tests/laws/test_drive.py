@@ -1,4 +1,4 @@
-"""A drive: speed, motor and twist close with the chambers; the torques and powers of the shaft; a start-up; what goes wrong."""
+"""A drive: speed, motor and twist close with the chambers; the shaft's torques and powers; starts; what goes wrong."""
 
 import math
 from functools import cache
@@ -102,7 +102,7 @@ def test_chambers_and_drive_in_one_system_repeat_the_motion_that_was_closed_by_t
 
 
 def test_the_chambers_feel_the_mean_speed_of_the_drive_over_time():
-    solution, closed, motion = closed_with_drive(1e-6)
+    solution, _, motion = closed_with_drive(1e-6)
     assert motion.mean_speed == pytest.approx(solution.machinery.composition.P[P_OMEGA], rel=1e-9)
     assert shaft.set_course(solution, motion) <= solution.wanted.tolerance
 
@@ -209,7 +209,10 @@ def test_a_drive_that_stops_within_a_pitch_has_no_steady_motion():
     [
         ({"coupling": {}}, "effects.drive.coupling: needs one of linear and rubber_cord"),
         ({"motor": {"law": "line"}}, "effects.drive.motor.slope: is missing (line needs it)"),
-        ({"coupling": {"rubber_cord": {"inner_radius": "300 mm"}}}, "rubber_cord.outer_radius: is not above inner_radius"),
+        (
+            {"coupling": {"rubber_cord": {"inner_radius": "0.3 m"}}},
+            "rubber_cord.outer_radius: is not above inner_radius",
+        ),
         ({"rotor_inertia": "0.1 kg"}, "'0.1 kg' is not an inertia (write e.g. '0.5 kg m^2')"),
     ],
 )

@@ -2,8 +2,8 @@
 
 What: rotor speed ω(φ), motor speed and twist that solve M210 and return to themselves after a pitch (M214).
 How: Fourier collocation at an odd number of angles. The linearised drive, solved harmonic by harmonic, corrects the
-motion, accelerated by Anderson's method, while that converges; else Newton's method does, the pulsation of the torque raised in steps where it does not
-converge at once. The motor's speed is eliminated: ω_m = ω (1 + dΘ/dφ).
+motion, accelerated by Anderson's method, while that converges; else Newton's method does, the pulsation of the torque
+raised in steps where it does not converge at once. The motor's speed is eliminated: ω_m = ω (1 + dΘ/dφ).
 Source: the equations are M210–M213; collocation by trigonometric polynomials, L. N. Trefethen, Spectral Methods in
 MATLAB, SIAM 2000, ch. 3.
 """
@@ -180,7 +180,7 @@ def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array 
         residue = _residue(train, x, torque, omega)
         spectrum = np.stack([np.fft.rfft(residue[:n]), np.fft.rfft(residue[n:-1])], axis=1)
         mean = np.linalg.solve(means, [*(spectrum[0].real / n), residue[-1]])
-        change = -np.concatenate([_solved(linear, spectrum, k) + mean[k] for k in (0, 1)] + [mean[2:]])
+        change = -np.concatenate([*(_solved(linear, spectrum, k) + mean[k] for k in (0, 1)), mean[2:]])
         sizes = _sizes(x, omega)
         size = float(np.max(np.abs(change) / sizes))
         if not size < DIVERGED * best:
@@ -242,7 +242,7 @@ def _residue(train: Train, x: Array, torque: Array, omega: float) -> Array:
     rotors = train.rotor_inertia * u * (D @ (u - u.mean())) - coupling + torque
     at_motor = train.motor_inertia * u * (D @ (motor - motor.mean())) - train.motor.torque(motor, no_load) + coupling
     last = omega * np.mean(1.0 / u) - 1.0 if train.holds_mean else (no_load - train.speed) / train.speed
-    return np.concatenate([rotors, at_motor, [last]])
+    return np.append(np.concatenate([rotors, at_motor]), last)
 
 
 def _jacobian(train: Train, x: Array, omega: float) -> Array:
