@@ -214,8 +214,8 @@ class _Run:
         at_rest = self.train.motor.limited_torque(0.0, self.steady.no_load_speed)
         return (
             f"the motor cannot start the machine: the rotors stop after {step.motion.time[-1]:.4g} s under "
-            f"{load:.4g} N m in the mean, and the motor gives {at_rest:.4g} N m at rest (a larger motor, or an unloaded "
-            "start: a lower operation.discharge.pressure)"
+            f"{load:.4g} N m in the mean, and the motor gives {at_rest:.4g} N m at rest (a larger motor, or a start "
+            "without load: a lower operation.discharge.pressure)"
         )
 
     def _ended(self, status: str, message: str) -> StartUp:

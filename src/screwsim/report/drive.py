@@ -73,7 +73,7 @@ def campbell(cases: Mapping[str, Sequence[Point]], lobes: int, title: str, order
     right.set_ylabel("coupling torque, amplitude (N m)")
     left.legend(loc="center right", bbox_to_anchor=(1.0, 0.4))
     right.set_ylim(bottom=0.2)
-    right.legend(loc="lower left")
+    right.legend(loc="lower left", frameon=True, facecolor="white", edgecolor="none", framealpha=1.0)
     for axes in (left, right):
         axes.set_xlabel("speed $n$ (rpm)")
         plain_ticks(axes.xaxis, 6)
