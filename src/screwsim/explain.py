@@ -14,7 +14,7 @@ from typing import Any
 from screwsim.build import build_parts, regularisation, wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
-from screwsim.effects.base import FlowPath, HeatRate, Intake, Plenum, PowerLoss, Reading
+from screwsim.effects.base import FlowPath, HeatRate, Intake, Plenum, PowerLoss, Reading, Shaft
 from screwsim.model.compose import Composition, Parts, compose
 from screwsim.scene.fields import Leaf, Section, section_of
 from screwsim.scene.grid import case_count, dimensions
@@ -167,6 +167,11 @@ def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
     added += [f"figure {part.figure}" for part in built if isinstance(part, PowerLoss)]
     added += [f"figure {name}" for part in built if isinstance(part, Reading) for name in part.figures]
     added += ["another state of what is sucked in" for part in built if isinstance(part, Intake)]
+    added += [
+        "speed, motor speed and twist over the pitch, closed with the chambers"
+        for part in built
+        if isinstance(part, Shaft)
+    ]
     added += ["heat to the gas" for part in built if isinstance(part, HeatRate)]
     if added:
         yield f"adds: {', '.join(added)}"

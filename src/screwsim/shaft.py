@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.machine.drive.response import NoMotion, Response, differentiation, resampled
+from screwsim.machine.drive.collocation import differentiation, resampled
+from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.model import close as closing
 from screwsim.model import speed
 from screwsim.solution import Solution

@@ -69,10 +69,10 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
 
     Raises UsageError where the scene has no drive, or its motor no limit.
     """
-    solution = _steady(scene, creep)
+    solution = steadily(scene, creep)
     closed = shaft.settled(solution, solution.close())
     part = solution.parts.shaft
-    assert part is not None  # `_steady`
+    assert part is not None  # `steadily`
     if closed.status == "failed":
         return StartUp("failed", UNCLOSED)
     try:
@@ -82,12 +82,13 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
     if closed.status != "ok":
         return StartUp(closed.status, UNCLOSED)
     if creep >= steady.mean_speed:
-        steadily = _rpm(steady.mean_speed)
-        raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {steadily} (creep slower)")
-    return _Run(solution, steady, creep, longest).run()
+        target = _rpm(steady.mean_speed)
+        raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {target} (creep slower)")
+    return Run(solution, steady, creep, longest).run()
 
 
-def _steady(scene: Scene, creep: float) -> Solution:
+def steadily(scene: Scene, creep: float) -> Solution:
+    """Return the scene at its steady speed, prepared; raise UsageError where it cannot be started."""
     solution = Solution(scene)
     part = solution.parts.shaft
     if part is None:
@@ -102,7 +103,7 @@ def _steady(scene: Scene, creep: float) -> Solution:
     return shaft.at_its_speed(solution)
 
 
-class _Run:
+class Run:
     """A start under way: state of chambers and drive, and what is kept of the pitches behind."""
 
     def __init__(self, solution: Solution, steady: Response, creep: float, longest: float) -> None:
@@ -130,7 +131,7 @@ class _Run:
 
     # ---- one pitch -------------------------------------------------------------------------------------------
 
-    def _advance(self) -> Pitch | str:
+    def advance(self) -> Pitch | str:
         """Return the next pitch; a text where the chambers could not be integrated."""
         tolerance, change = self.solution.wanted.tolerance, math.inf
         gas, loss, work, end = self.load, 0.0, 0.0, self.chambers
@@ -150,6 +151,12 @@ class _Run:
                 change = float(np.max(np.abs(motion.speed - before))) / _mean(motion, self.train.pitch)
         self.load = gas + loss
         return Pitch(motion, gas, loss, work, end, change <= tolerance)
+
+    def go_on(self, step: Pitch) -> None:
+        """Begin the next pitch where the last one ended."""
+        m = step.motion
+        self.drive = np.array([m.squares[-1], m.motor_speed[-1], m.twist[-1], m.time[-1]])
+        self.chambers = step.states
 
     def _chambers_under(self, motion: Motion) -> tuple[Array, float, float, Array] | str:
         """Return gas torque, torque of the losses, gas work and the end's states, under the course of the speed."""
@@ -179,7 +186,7 @@ class _Run:
         unsettled = 0
         while len(self.pitches) < MOST_PITCHES:
             try:
-                step = self._advance()
+                step = self.advance()
             except UsageError as reason:
                 return self._ended("failed", str(reason))
             if isinstance(step, str):
@@ -191,10 +198,8 @@ class _Run:
             if step.motion.stalled:
                 return self._ended("failed", self._stalled(step))
             unsettled += not step.settled
-            m = step.motion
-            mean = _mean(m, self.train.pitch)
-            self.drive = np.array([m.squares[-1], m.motor_speed[-1], m.twist[-1], m.time[-1]])
-            self.chambers = step.states
+            self.go_on(step)
+            m, mean = step.motion, _mean(step.motion, self.train.pitch)
             stays = stays + 1 if abs(mean / target - 1.0) <= ARRIVED else 0
             if stays >= STAYS:
                 status = "ok" if unsettled == 0 else "not_closed"

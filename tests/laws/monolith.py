@@ -37,7 +37,7 @@ class Monolith:
         pressures = context[3][: c.chambers * PLACE].reshape(-1, PLACE)[:, PRESSURE]
         gas = -float((pressures - self.low) @ self.E.reshape(c.chambers, self.size)[:, E_SLOPE])
         spring = train.coupling.torque(twist) + train.damping * (motor_speed - omega)
-        drive = train.motor.torque(motor_speed, self.no_load)
+        drive = train.motor.limited_torque(motor_speed, self.no_load)
         own = (
             (spring - gas - self.loss) / (train.rotor_inertia * omega),
             (drive - spring) / (train.motor_inertia * omega),
