@@ -78,7 +78,7 @@ class Parameters:
 
 
 def train_of(parameters: Parameters, speed: float, lobes: int) -> Train:
-    """Return the drive train at a speed [rad/s] of a male rotor with so many lobes."""
+    """Return the drive train at a speed [rad/s] of a shaft with so many pitches a turn."""
     coupling = parameters.coupling
     inertias, held = (parameters.motor_inertia, parameters.rotor_inertia), parameters.speed == "mean"
     return Train(*inertias, coupling.spring, coupling.damping, parameters.motor, held, speed, lobes)
@@ -126,7 +126,7 @@ def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
 
 
 def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
-    lobes = machine.settings.male_lobes
+    lobes = round(2.0 * math.pi / machine.pitch)
 
     def train(speed: float) -> Train:
         return train_of(parameters, speed, lobes)
