@@ -89,11 +89,8 @@ def main() -> None:
     for label, rows in found.items():
         known = [row for row in rows if row.frequency is not None]
         worst = max(known, key=lambda row: row.amplitude or 0.0)
-        print(
-            f"{label}: {known[0].frequency:.4g} to {known[-1].frequency:.4g} Hz from {known[0].speed / RPM:g} rpm on; ",
-            end="",
-        )
-        print(f"largest amplitude {worst.amplitude:.4g} N m at {worst.speed / RPM:.5g} rpm")
+        ends = f"{known[0].frequency:.4g} to {known[-1].frequency:.4g} Hz from {known[0].speed / RPM:g} rpm on"
+        print(f"{label}: {ends}; amplitude {worst.amplitude:.4g} N m at {worst.speed / RPM:.5g} rpm")
     ripple()
 
 

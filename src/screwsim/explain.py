@@ -25,12 +25,13 @@ from screwsim.effects.base import (
     Pulsation,
     Reading,
     Scaled,
+    Shaft,
     Wall,
 )
 from screwsim.machine.settings import TwinScrew
 from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.model.compose import Composition, Parts, compose
-from screwsim.scene.fields import Leaf, section_of
+from screwsim.scene.fields import Leaf, Section, section_of
 from screwsim.scene.grid import case_count, dimensions
 from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Scene
@@ -166,6 +167,16 @@ def _parameters(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
     return ", ".join(texts)
 
 
+def _sections(values: Any, under: str = "") -> Iterator[str]:
+    """Yield the sections among the parameters of an effect, with what stands in them."""
+    for name, item in section_of(type(values)).fields.items():
+        value = getattr(values, name)
+        if isinstance(item, Section) and value is not None:
+            own = _parameters(value, skip=())
+            yield f"{under}{name}: {own}" if own else f"{under}{name}"
+            yield from _sections(value, f"{under}{name}.")
+
+
 def _effects(scene: Scene, parts: Parts) -> Iterator[str]:
     for name, active in scene.effects.items():
         yield _row(name, active.effect.title)
@@ -180,12 +191,18 @@ def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
     parameters = _parameters(active.parameters, skip=())
     if parameters:
         yield parameters
+    yield from _sections(active.parameters)
     added = [f"state {name}" for name in effect.states]
     added += [f"state {part.name}" for part in built if isinstance(part, ChamberState)]
     added += [f"plenum {part.name}" for part in built if isinstance(part, Plenum)]
     added += [f"figure {part.figure}" for part in built if isinstance(part, PowerLoss)]
     added += [f"figure {name}" for part in built if isinstance(part, Reading) for name in part.figures]
     added += ["another state of what is sucked in" for part in built if isinstance(part, Intake)]
+    added += [
+        "speed, motor speed and twist over the pitch, closed with the chambers"
+        for part in built
+        if isinstance(part, Shaft)
+    ]
     added += ["heat to the gas" for part in built if isinstance(part, HeatRate)]
     added += [f"heat between gas and {part.name}" for part in built if isinstance(part, Wall)]
     waves = {name for part in built if isinstance(part, Pulsation) for name in part.harmonics}

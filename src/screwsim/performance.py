@@ -133,9 +133,8 @@ def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
 
 def loss_power(parts: Parts, lines: Lines, known: CycleFigures) -> float:
     """Return the shaft power beside the indicated power [W]: losses, and the lift of the oil."""
-    return sum(_losses(parts.effects, known).values()) + (
-        oil_lift(parts, lines, known) if parts.oil is not None else 0.0
-    )
+    lift = oil_lift(parts, lines, known) if parts.oil is not None else 0.0
+    return sum(_losses(parts.effects, known).values()) + lift
 
 
 def figures(

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.machine.drive.response import NoMotion, Response, differentiation, resampled
+from screwsim.machine.drive.collocation import differentiation, resampled
+from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.model import close as closing
 from screwsim.model import speed
 from screwsim.solution import Solution
@@ -24,7 +25,7 @@ TOO_LARGE = 0.98  # ripple over twice the mean beyond which a course of the spee
 def settled(solution: Any, closed: closing.Closed) -> closing.Closed:
     """Return the cycle closed together with its drive; as it is where the scene has none, or it did not close.
 
-    `not_closed` where the turns do not settle, or the drive has no steady motion; the cycle stays that of the speed before.
+    `not_closed` where the turns do not settle, or the drive has no steady motion: the cycle is that of the last speed.
     """
     part = solution.parts.shaft
     if part is None or closed.status != "ok":
@@ -92,7 +93,7 @@ def _at(scene: Any, omega: float) -> Any:
 
 
 def judged(solution: Any, closed: closing.Closed) -> tuple[str, tuple[str, ...], float | None]:
-    """Return what forbids the motion of a closed cycle's drive, or an empty text; warnings; the residue of its powers."""
+    """Return what forbids the motion of a closed cycle's drive, or an empty text; warnings; its powers' residue."""
     part = solution.parts.shaft
     if part is None:
         return "", (), None

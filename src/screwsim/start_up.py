@@ -1,7 +1,7 @@
 """Start-up: all chambers and the drive from a creeping speed to the steady one against the discharge pressure (M218).
 
-The chambers are not periodic: each carries its own state from pitch to pitch. Within a pitch the chambers are integrated
-under the course of the speed, and the drive under the torque of the chambers, by turns until both agree.
+The chambers are not periodic: each carries its own state from pitch to pitch. Within a pitch the chambers are
+integrated under the course of the speed, and the drive under the torque of the chambers, by turns until both agree.
 """
 
 from __future__ import annotations
@@ -34,10 +34,11 @@ ARRIVED = 2e-3  # distance of a pitch's mean speed from the steady one
 STAYS = 12  # pitches that it stays there
 INSET = 5e-7  # rad, left out at the ends of a pitch, where the speed's course does not repeat
 STEP = 1e-3  # rad, the first
+UNCLOSED = "the cycle at the steady speed did not close (screwsim run says why)"
 
 
 class Pitch(NamedTuple):
-    """One pitch of a start-up: the drive's motion, gas and other torque on the rotors [N m], gas work and loss work [J]."""
+    """One pitch of a start-up: motion of the drive, torque of gas and of losses [N m], gas work [J], chambers' end."""
 
     motion: Motion
     gas_torque: Array
@@ -68,29 +69,32 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
 
     Raises UsageError where the scene has no drive, or its motor no limit.
     """
-    solution = _steady(scene, creep)
+    solution = steadily(scene, creep)
     closed = shaft.settled(solution, solution.close())
     part = solution.parts.shaft
-    assert part is not None  # `_steady`
-    if closed.status != "failed":
-        try:
-            steady = part.respond(solution.complete(closed.q))
-        except NoMotion as reason:
-            return StartUp("failed", f"there is no steady speed to start to: {reason}")
+    assert part is not None  # `steadily`
+    if closed.status == "failed":
+        return StartUp("failed", UNCLOSED)
+    try:
+        steady = part.respond(solution.complete(closed.q))
+    except NoMotion as reason:
+        return StartUp("failed", f"there is no steady speed to start to: {reason}")
     if closed.status != "ok":
-        return StartUp(closed.status, "the cycle at the steady speed did not close (screwsim run says why)")
+        return StartUp(closed.status, UNCLOSED)
     if creep >= steady.mean_speed:
-        raise UsageError(
-            f"the start creeps at {_rpm(creep)}, the steady speed is {_rpm(steady.mean_speed)} (creep slower)"
-        )
-    return _Run(solution, steady, creep, longest).run()
+        target = _rpm(steady.mean_speed)
+        raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {target} (creep slower)")
+    return Run(solution, steady, creep, longest).run()
 
 
-def _steady(scene: Scene, creep: float) -> Solution:
+def steadily(scene: Scene, creep: float) -> Solution:
+    """Return the scene at its steady speed, prepared; raise UsageError where it cannot be started."""
     solution = Solution(scene)
     part = solution.parts.shaft
     if part is None:
         raise UsageError("the scene has no drive to start (name drive under effects)")
+    if solution.parts.geometry.expands:
+        raise UsageError("a start-up is that of a compressor, and the scene's machine is an expander")
     if not math.isfinite(part.train(1.0).motor.most):
         raise UsageError("a start needs the motor's limit (give effects.drive.motor.torque_limit)")
     if not creep > 0.0:
@@ -99,7 +103,7 @@ def _steady(scene: Scene, creep: float) -> Solution:
     return shaft.at_its_speed(solution)
 
 
-class _Run:
+class Run:
     """A start under way: state of chambers and drive, and what is kept of the pitches behind."""
 
     def __init__(self, solution: Solution, steady: Response, creep: float, longest: float) -> None:
@@ -127,7 +131,7 @@ class _Run:
 
     # ---- one pitch -------------------------------------------------------------------------------------------
 
-    def _advance(self) -> Pitch | str:
+    def advance(self) -> Pitch | str:
         """Return the next pitch; a text where the chambers could not be integrated."""
         tolerance, change = self.solution.wanted.tolerance, math.inf
         gas, loss, work, end = self.load, 0.0, 0.0, self.chambers
@@ -148,8 +152,14 @@ class _Run:
         self.load = gas + loss
         return Pitch(motion, gas, loss, work, end, change <= tolerance)
 
+    def go_on(self, step: Pitch) -> None:
+        """Begin the next pitch where the last one ended."""
+        m = step.motion
+        self.drive = np.array([m.squares[-1], m.motor_speed[-1], m.twist[-1], m.time[-1]])
+        self.chambers = step.states
+
     def _chambers_under(self, motion: Motion) -> tuple[Array, float, float, Array] | str:
-        """Return gas torque, torque of the losses, gas work and the states at the end, under the course of the speed."""
+        """Return gas torque, torque of the losses, gas work and the end's states, under the course of the speed."""
         solution = self.solution
         machinery, pitch = solution.machinery, solution.parts.geometry.pitch
         composition = machinery.composition
@@ -176,7 +186,7 @@ class _Run:
         unsettled = 0
         while len(self.pitches) < MOST_PITCHES:
             try:
-                step = self._advance()
+                step = self.advance()
             except UsageError as reason:
                 return self._ended("failed", str(reason))
             if isinstance(step, str):
@@ -188,10 +198,8 @@ class _Run:
             if step.motion.stalled:
                 return self._ended("failed", self._stalled(step))
             unsettled += not step.settled
-            m = step.motion
-            mean = _mean(m, self.train.pitch)
-            self.drive = np.array([m.squares[-1], m.motor_speed[-1], m.twist[-1], m.time[-1]])
-            self.chambers = step.states
+            self.go_on(step)
+            m, mean = step.motion, _mean(step.motion, self.train.pitch)
             stays = stays + 1 if abs(mean / target - 1.0) <= ARRIVED else 0
             if stays >= STAYS:
                 status = "ok" if unsettled == 0 else "not_closed"
@@ -208,10 +216,11 @@ class _Run:
 
     def _stalled(self, step: Pitch) -> str:
         load = float(np.mean(step.gas_torque)) + step.loss_torque
+        at_rest = self.train.motor.limited_torque(0.0, self.steady.no_load_speed)
         return (
-            f"the motor cannot start the machine: the rotors stop after {step.motion.time[-1]:.4g} s under {load:.4g} N m "
-            f"in the mean, and the motor gives {self.train.motor.limited_torque(0.0, self.steady.no_load_speed):.4g} N m "
-            "at rest (a larger motor, or an unloaded start: a lower operation.discharge.pressure)"
+            f"the motor cannot start the machine: the rotors stop after {step.motion.time[-1]:.4g} s under "
+            f"{load:.4g} N m in the mean, and the motor gives {at_rest:.4g} N m at rest (a larger motor, or a start "
+            "without load: a lower operation.discharge.pressure)"
         )
 
     def _ended(self, status: str, message: str) -> StartUp:
@@ -222,9 +231,8 @@ class _Run:
         lowest = figures["coupling_torque_lowest"]
         warnings = ()
         if lowest < 0.0:
-            warnings = (
-                f"the coupling torque falls to {lowest:.4g} N m: flanks and cords hammer (no play is modelled)",
-            )
+            hammering = "flanks and cords hammer (no play is modelled)"
+            warnings = (f"the coupling torque falls to {lowest:.4g} N m: {hammering}",)
         return StartUp(status, message, warnings, figures, traces)
 
     def _figures(self, traces: dict[str, Array]) -> Figures:
@@ -256,7 +264,7 @@ class _Run:
             loss_work=losses,
             coupling_work=damped,
             stored=stored,
-            residue=abs(residue) / max(abs(motor), abs(gas) + abs(losses), 1e-300),
+            residue=abs(residue) / max(abs(motor), abs(gas) + abs(losses)) if whole else None,
             unsettled=float(sum(not each.settled for each in self.pitches)),
         )
 

@@ -1,10 +1,12 @@
 """All chambers and the drive as one system of equations over the angle, integrated by scipy's Radau.
 
-It shares the chambers' right-hand side with the simulator, at a speed that is one of the states; nothing of how chambers
-and drive are closed by turns, of the speed as a curve, or of the collocation.
+It shares the chambers' right-hand side with the simulator, at a speed that is one of the states; nothing of how
+chambers and drive are closed by turns, of the speed as a curve, or of the collocation.
 """
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -35,7 +37,7 @@ class Monolith:
         pressures = context[3][: c.chambers * PLACE].reshape(-1, PLACE)[:, PRESSURE]
         gas = -float((pressures - self.low) @ self.E.reshape(c.chambers, self.size)[:, E_SLOPE])
         spring = train.coupling.torque(twist) + train.damping * (motor_speed - omega)
-        drive = train.motor.torque(motor_speed, self.no_load)
+        drive = train.motor.limited_torque(motor_speed, self.no_load)
         own = (
             (spring - gas - self.loss) / (train.rotor_inertia * omega),
             (drive - spring) / (train.motor_inertia * omega),
@@ -56,7 +58,7 @@ class Monolith:
         y[: self.n] = chambers
         angles, states = [], []
         knots = self.machinery._pitch_knots()
-        for first, last in zip(knots[:-1], knots[1:], strict=True):
+        for first, last in pairwise(knots):
             middle = 0.5 * (first + last)
             found = solve_ivp(
                 lambda s, state, middle=middle: self.rates(s, middle, state),

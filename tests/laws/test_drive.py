@@ -1,4 +1,4 @@
-"""A drive: speed, motor and twist close with the chambers; the torques and powers of the shaft; a start-up; what goes wrong."""
+"""A drive: speed, motor and twist close with the chambers; the shaft's torques and powers; starts; what goes wrong."""
 
 import math
 from functools import cache
@@ -14,7 +14,7 @@ from screwsim.faults import SceneError, UsageError
 from screwsim.model.compose import compose
 from screwsim.model.slots import P_OMEGA
 from screwsim.solution import Solution
-from screwsim.start_up import start_up
+from screwsim.start_up import Run, start_up, steadily
 
 DRIVE = {
     "motor_inertia": "0.8 kg m^2",
@@ -36,6 +36,17 @@ def closed_with_drive(accuracy):
     solution.machinery.warm_up(solution.rehearse)
     closed = shaft.settled(solution, solution.close())
     return solution, closed, solution.parts.shaft.respond(solution.complete(closed.q))
+
+
+def beside(solution, motion, changes):
+    """Return the monolith of a solution: the same scene at a constant speed, with its plenums and widths."""
+    constant = Solution(make({path: value for path, value in changes.items() if "drive" not in path}))
+    constant.machinery.warm_up(constant.rehearse)
+    constant.machinery.R[:] = solution.machinery.R
+    here, there = constant.machinery.composition, solution.machinery.composition
+    here.P[here.widths] = there.P[there.widths]
+    low = solution.complete(solution.machinery.last()[2][solution.machinery.last()[3] - 1]).pitch().low_pressure
+    return Monolith(constant.machinery, motion.train, motion.no_load_speed, low, 0.0)
 
 
 # ---- not named, not there ----
@@ -78,15 +89,9 @@ def test_chambers_and_drive_in_one_system_repeat_the_motion_that_was_closed_by_t
     """Radau on all states together, from the closed state: it comes back to it, with the same speed on the way."""
     solution, closed, motion = closed_with_drive(1e-6)
     assert closed.status == "ok" and motion.ripple > 0.05
-    constant = Solution(make({"operation.speed": "700 rpm", **FINE}))
-    constant.machinery.warm_up(constant.rehearse)
-    constant.machinery.R[:] = solution.machinery.R
-    constant.machinery.composition.P[constant.machinery.composition.widths] = solution.machinery.composition.P[
-        solution.machinery.composition.widths
-    ]
+    together = beside(solution, motion, {**SLOW, **FINE})
     complete = solution.complete(closed.q)
-    loss = (complete.shaft_power - complete.indicated_power) / complete.omega
-    together = Monolith(constant.machinery, motion.train, motion.no_load_speed, complete.pitch().low_pressure, loss)
+    together.loss = (complete.shaft_power - complete.indicated_power) / complete.omega
     start = start_of(solution, motion)
     angles, states, end = together.pitch(start)
     n = together.n
@@ -95,14 +100,14 @@ def test_chambers_and_drive_in_one_system_repeat_the_motion_that_was_closed_by_t
     assert end[n + 2] == pytest.approx(start[n + 2], abs=1e-4 * np.ptp(motion.twist))
     assert end[n + 3] == pytest.approx(motion.train.pitch / motion.mean_speed, rel=1e-6)
     grid = np.linspace(0.0, motion.train.pitch, 361)
-    from screwsim.machine.drive.response import resampled
+    from screwsim.machine.drive.collocation import resampled
 
     ours = np.interp(angles, grid, np.append(resampled(motion.speed, 360), motion.speed[0]))
     assert np.max(np.abs(states[:, n] - ours)) < 1e-3 * np.ptp(motion.speed)
 
 
 def test_the_chambers_feel_the_mean_speed_of_the_drive_over_time():
-    solution, closed, motion = closed_with_drive(1e-6)
+    solution, _, motion = closed_with_drive(1e-6)
     assert motion.mean_speed == pytest.approx(solution.machinery.composition.P[P_OMEGA], rel=1e-9)
     assert shaft.set_course(solution, motion) <= solution.wanted.tolerance
 
@@ -209,7 +214,10 @@ def test_a_drive_that_stops_within_a_pitch_has_no_steady_motion():
     [
         ({"coupling": {}}, "effects.drive.coupling: needs one of linear and rubber_cord"),
         ({"motor": {"law": "line"}}, "effects.drive.motor.slope: is missing (line needs it)"),
-        ({"coupling": {"rubber_cord": {"inner_radius": "300 mm"}}}, "rubber_cord.outer_radius: is not above inner_radius"),
+        (
+            {"coupling": {"rubber_cord": {"inner_radius": "0.3 m"}}},
+            "rubber_cord.outer_radius: is not above inner_radius",
+        ),
         ({"rotor_inertia": "0.1 kg"}, "'0.1 kg' is not an inertia (write e.g. '0.5 kg m^2')"),
     ],
 )
@@ -238,6 +246,30 @@ def test_a_start_ends_at_the_steady_motion():
     torque = found.traces["coupling_torque"][last]
     assert torque.mean() == pytest.approx(steady.coupling_torque_mean, rel=0.02)
     assert 0.5 * np.ptp(torque) == pytest.approx(steady.coupling_torque_amplitude, rel=0.05)
+
+
+def test_a_pitch_of_a_start_is_that_of_chambers_and_drive_in_one_system():
+    """The fifth pitch, at about 88 rad/s: Radau from the same state, under the same constant torque of the losses."""
+    changes = {**DRIVEN, "numerics": {"accuracy": 1e-5}, "operation.speed": "900 rpm"}
+    solution = steadily(make(changes), CREEP)
+    closed = shaft.settled(solution, solution.close())
+    steady = solution.parts.shaft.respond(solution.complete(closed.q))
+    start = Run(solution, steady, CREEP, 10.0)
+    for _ in range(4):
+        start.go_on(start.advance())
+    omega_2, motor_speed, twist, _ = start.drive
+    begins = np.concatenate([start.chambers, [math.sqrt(omega_2), motor_speed, twist, 0.0]])
+    step = start.advance()
+    together = beside(solution, steady, changes)
+    together.loss = step.loss_torque
+    end = together.pitch(begins)[2]
+    n, m = together.n, step.motion
+    assert step.settled
+    assert m.speed[-1] == pytest.approx(end[n], rel=2e-5)
+    assert m.motor_speed[-1] == pytest.approx(end[n + 1], rel=2e-5)
+    assert m.twist[-1] == pytest.approx(end[n + 2], abs=1e-4 * np.max(np.abs(m.twist)))
+    assert m.time[-1] - m.time[0] == pytest.approx(end[n + 3], rel=2e-5)
+    assert np.max(np.abs(step.states / end[:n] - 1.0)) < 1e-4
 
 
 def test_the_energy_of_a_start_closes():

@@ -1,6 +1,7 @@
 """Rules of a sweep: paths and values are checked like the fields, cases are made on demand."""
 
 import math
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +14,7 @@ from screwsim.scene import (
     case_values,
     cross_check,
     leaf_of,
+    load,
     loads,
     read_value,
     value_at,
@@ -196,3 +198,21 @@ def test_a_value_for_a_path_is_read_and_checked(example):
         read_value(scene, "operation.speed", 3)
     with pytest.raises(UsageError, match=r"^operation\.sped: is not known; did you mean 'operation\.speed'\?$"):
         leaf_of(scene, "operation.sped")
+
+
+DRIVE = Path(__file__).parents[2] / "configs" / "drive" / "point.yaml"
+
+
+def test_a_parameter_in_a_section_of_an_effect_is_varied():
+    path = "effects.drive.coupling.linear.spring"
+    scene = load(DRIVE, [f"sweep.{path}=[2 kN m/rad, 9 kN m/rad]"])
+    assert [value_at(case(scene, i), path) for i in range(2)] == [2000.0, 9000.0]
+    assert value_at(case(scene, 0), "effects.drive.coupling.damping") == 6.0
+    assert value_at(scene, "effects.drive.coupling.rubber_cord.cords") is None
+
+
+def test_a_section_of_an_effect_that_is_not_there_cannot_be_varied():
+    with pytest.raises(SceneError, match=r"the section effects\.drive\.coupling\.rubber_cord is not in this scene"):
+        load(DRIVE, ["sweep.effects.drive.coupling.rubber_cord.cords=[100, 200]"])
+    with pytest.raises(UsageError, match="is not in this scene"):
+        leaf_of(load(DRIVE), "effects.drive.coupling.rubber_cord.discs")

@@ -327,8 +327,8 @@ class Shaft:
     """A speed that is not constant over a pitch (M210–M217).
 
     `respond` returns the periodic motion of the drive (`machine.drive.response.Response`) under the torque of a closed
-    cycle, and raises `NoMotion`; `judge` returns (what forbids that motion, or an empty text; warnings; the relative residue
-    of its powers).
+    cycle, and raises `NoMotion`; `judge` returns (what forbids that motion, or an empty text; warnings; the relative
+    residue of its powers).
     """
 
     train: Callable[[float], Any]  # of the speed that the scene states

@@ -1,9 +1,9 @@
 """Drive: motor, coupling and rotors as two masses with a spring; the speed is no longer constant over a lobe pitch.
 
 What: two inertias on a shaft (M210), the coupling between them (M211: a linear spring, or the rubber-cord coupling of
-docs/coupling.md; viscous damping), the motor's line (M212), the gas torque M144 and the torque of the losses (M213) on the
-rotors; their periodic motion (M214), closed together with the chambers (M217), its energies (M215) and the torsional
-frequency (M216).
+docs/coupling.md; viscous damping), the motor's line (M212), the gas torque M144 and the torque of the losses (M213) on
+the rotors; their periodic motion (M214), closed together with the chambers (M217), its energies (M215) and the
+torsional frequency (M216).
 Source: two-mass oscillator (textbook); V. A. Ilyichev, V. S. Korneev, S. A. Korneev 2015 for the rubber cords; M. Kloss
 1916 for the induction motor.
 Assumptions: rotors without play, the female's inertia referred to the male shaft; losses are a constant torque of their
@@ -14,7 +14,7 @@ Parameters: motor_inertia, rotor_inertia, speed, coupling, motor.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -68,8 +68,8 @@ class Parameters:
 
     motor_inertia: float = quantity("inertia", "of the motor and its half of the coupling", gt=0.0)
     rotor_inertia: float = quantity("inertia", "of the rotors and their half, on the male shaft", gt=0.0)
-    coupling: Coupling
-    motor: Motor
+    coupling: Coupling = field(kw_only=True)
+    motor: Motor = field(kw_only=True)
     speed: str = choice(
         "what operation.speed is: the mean speed that a controller holds, or the motor's no-load speed",
         ("mean", "no_load"),
@@ -78,12 +78,10 @@ class Parameters:
 
 
 def train_of(parameters: Parameters, speed: float, lobes: int) -> Train:
-    """Return the drive train at a speed [rad/s] of a male rotor with so many lobes."""
+    """Return the drive train at a speed [rad/s] of a shaft with so many pitches a turn."""
     coupling = parameters.coupling
-    inertias = parameters.motor_inertia, parameters.rotor_inertia
-    return Train(
-        *inertias, coupling.spring, coupling.damping, parameters.motor, parameters.speed == "mean", speed, lobes
-    )
+    inertias, held = (parameters.motor_inertia, parameters.rotor_inertia), parameters.speed == "mean"
+    return Train(*inertias, coupling.spring, coupling.damping, parameters.motor, held, speed, lobes)
 
 
 def load_torque(figures: Any) -> np.ndarray:
@@ -113,8 +111,8 @@ def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
     low, high = float(torque.min()), float(torque.max())
     if low * high < 0.0:
         warnings.append(
-            f"the coupling torque changes its sign ({low:.4g} to {high:.4g} N m): flanks and cords would hammer, and the "
-            "drive has no play (more inertia or damping, or a speed farther from resonance)"
+            f"the coupling torque changes its sign ({low:.4g} to {high:.4g} N m): flanks and cords would hammer, and "
+            "the drive has no play (more inertia or damping, or a speed farther from resonance)"
         )
     order = train.near_resonance(float(motion.twist.mean()), motion.mean_speed)
     if order is not None:
@@ -128,7 +126,7 @@ def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
 
 
 def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
-    lobes = machine.settings.male_lobes
+    lobes = round(2.0 * math.pi / machine.pitch)
 
     def train(speed: float) -> Train:
         return train_of(parameters, speed, lobes)

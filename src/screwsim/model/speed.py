@@ -1,8 +1,9 @@
 """A speed that changes over the lobe pitch, as the chambers feel it (docs/model.md M217).
 
-What depends on time, not on the angle, is divided by the speed: flows and heat. Instead of the speed itself, areas and heat
-rates are multiplied by the mean speed over the speed at the angle, so that nothing else of the model changes. The speed
-over the mean stands in P as a curve of its square, whose slope is the torque: smooth even from a creeping start on.
+What depends on time, not on the angle, is divided by the speed: flows and heat. Instead of the speed itself, areas and
+heat rates are multiplied by the mean speed over the speed at the angle, so that nothing else of the model changes. The
+speed over the mean stands in P as a curve of its square, whose slope is the torque: smooth even from a creeping start
+on.
 """
 
 from __future__ import annotations

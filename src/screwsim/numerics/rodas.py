@@ -10,11 +10,11 @@ the system enlarged by q, at a fraction of the cost; linear invariants (mass) ar
 
 The model is reached by nine slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
 derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state), `lands`
-(whether one step may take all that is left of a segment, from the surroundings at both ends), `error_size` (the size of a step's error; huge for a state that cannot be, which is then tried again with a smaller
-step), `share_in_phase` (the share of a step after which the equations change their form, 1 where they do not: the step
-is made again that long), `conserve` (closes the balances of an accepted step, in its end and its quadratures),
-`keep_places` (fills columns of the dense output beyond the states). Steps land on knots and keep their size across
-them.
+(whether one step may take all that is left of a segment, from the surroundings at both ends), `error_size` (the size
+of a step's error; huge for a state that cannot be, which is then tried again with a smaller step), `share_in_phase`
+(the share of a step after which the equations change their form, 1 where they do not: the step is made again that
+long), `conserve` (closes the balances of an accepted step, in its end and its quadratures), `keep_places` (fills
+columns of the dense output beyond the states). Steps land on knots and keep their size across them.
 """
 
 from __future__ import annotations

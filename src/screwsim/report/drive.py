@@ -1,4 +1,4 @@
-"""Figures of a drive: its torsional frequency and the lobe harmonics over the speed, the coupling's torque, a start-up."""
+"""Figures of a drive: torsional frequency, lobe harmonics and coupling torque over the speed; a start-up."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ RPM = 30.0 / math.pi
 
 
 class Point(NamedTuple):
-    """A drive at one speed: speed [rad/s], torsional frequency [Hz], coupling torque [N m], ripple; None where failed."""
+    """A drive at one speed [rad/s]: torsional frequency [Hz], coupling torque [N m], ripple; None where failed."""
 
     speed: float
     frequency: float | None
@@ -73,7 +73,7 @@ def campbell(cases: Mapping[str, Sequence[Point]], lobes: int, title: str, order
     right.set_ylabel("coupling torque, amplitude (N m)")
     left.legend(loc="center right", bbox_to_anchor=(1.0, 0.4))
     right.set_ylim(bottom=0.2)
-    right.legend(loc="lower left")
+    right.legend(loc="lower left", frameon=True, facecolor="white", edgecolor="none", framealpha=1.0)
     for axes in (left, right):
         axes.set_xlabel("speed $n$ (rpm)")
         plain_ticks(axes.xaxis, 6)

@@ -9,7 +9,7 @@ from typing import Any
 from screwsim.faults import Fault, UsageError
 from screwsim.fluid.oils import OILS
 from screwsim.machine.kinds import SLIDER_CRANK, check_machine
-from screwsim.scene.fields import leaf_paths
+from screwsim.scene.fields import effect_keys, leaf_paths
 from screwsim.scene.operation import check_operation
 from screwsim.scene.types import Scene
 
@@ -154,10 +154,11 @@ def _curve_fault(name: str, column: str, folder: str) -> str | None:
 
 def value_at(scene: Scene, path: str) -> Any:
     """Return the value [SI] at a dotted path, None where an optional section or value is absent."""
-    if path.startswith("effects."):
-        name, _, parameter = path.removeprefix("effects.").rpartition(".")
-        return getattr(scene.effects[name].parameters, parameter)
     value: Any = scene
-    for name in path.split("."):
+    keys = path.split(".")
+    if path.startswith("effects."):
+        effect, keys = effect_keys(path, scene.effects)
+        value = scene.effects[effect].parameters
+    for name in keys:
         value = None if value is None else getattr(value, name)
     return value

@@ -112,6 +112,13 @@ def varies(path: str, leaf: Leaf) -> bool:
     return leaf.kind in SWEEPABLE and path not in FIXED
 
 
+def effect_keys(path: str, names: Iterable[str]) -> tuple[str, list[str]]:
+    """Return the effect, one of `names`, and the keys below it of a path `effects.…`; own effects' names have dots."""
+    rest = path.removeprefix("effects.")
+    name = max((each for each in names if rest.startswith(f"{each}.")), key=len, default=rest.rpartition(".")[0])
+    return name, rest[len(name) + 1 :].split(".")
+
+
 def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] = (), kind: str = TWIN_SCREW) -> Leaf:
     """Return the leaf of a path that may be varied; raise `Refused`. `known` are names of effects not active."""
     leaves = leaf_paths(parameters, kind)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from screwsim.effects import catalogue
 from screwsim.faults import UsageError
 from screwsim.scene.checks import value_at
-from screwsim.scene.fields import Leaf, sweep_leaf
+from screwsim.scene.fields import Leaf, effect_keys, sweep_leaf
 from screwsim.scene.types import Joint, Scene
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert
@@ -114,9 +114,9 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
 def _with_value(scene: Scene, path: str, value: Any) -> Scene:
     if not path.startswith("effects."):
         return _replaced(scene, path.split("."), value)
-    name, _, parameter = path.removeprefix("effects.").rpartition(".")
+    name, keys = effect_keys(path, scene.effects)
     active = scene.effects[name]
-    changed = replace(active, parameters=replace(active.parameters, **{parameter: value}))
+    changed = replace(active, parameters=_replaced(active.parameters, keys, value))
     return replace(scene, effects={**scene.effects, name: changed})
 
 
@@ -133,7 +133,7 @@ def leaf_of(scene: Scene, path: str) -> Leaf:
     except Refused as refusal:
         raise UsageError(f"{path}: {refusal}") from None
     parent = path.rpartition(".")[0]
-    if not parent.startswith("effects.") and value_at(scene, parent) is None:
+    if parent.removeprefix("effects.") not in scene.effects and value_at(scene, parent) is None:
         raise UsageError(f"{path}: the section {parent} is not in this scene (write it first)")
     return leaf
 

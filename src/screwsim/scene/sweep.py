@@ -60,7 +60,8 @@ def _part(name: str, node: Node, leaf_of: LeafOf, problems: list[Problem]) -> li
 def _refuse_absent_section(path: str, root: Node) -> None:
     name = path.partition(".")[0]
     parent = path.rpartition(".")[0]
-    if name in ("effects", "numerics", "output", "operation"):
+    nested = name == "effects" and path.count(".") > 2 and path.split(".")[1] in catalogue()
+    if name in ("effects", "numerics", "output", "operation") and not nested:
         return  # checked by their names, or there by default
     node, found = locate(root, parent)
     if not found or node.value is None:

@@ -49,6 +49,18 @@ def test_a_load_above_the_motors_limit_stops_the_rotors():
     assert len(motion.time) < 361
 
 
+def test_rotors_that_come_to_rest_break_away_when_the_coupling_carries_the_load():
+    """A slack coupling, 250 N m of load at once, a motor of 300 N m: held until Θ = 250 N m (1 + 2 %)/K, then on."""
+    soft = replace(TRAIN, coupling=LinearCoupling(spring=2e3), damping=0.0)
+    motion = run_up(soft, 1e3, moving(3.0, 0.0), np.full(361, 250.0), 3.0)
+    assert not motion.stalled
+    assert motion.held > 0.0
+    stored = soft.stored(motion.speed[-1], motion.motor_speed[-1], motion.twist[-1]) - soft.stored(3.0, 3.0, 0.0)
+    assert motion.motor_work == pytest.approx(motion.damped + 250.0 * soft.pitch + stored, rel=1e-4)
+    i = int(np.argmax(np.diff(motion.time)))  # the row across the rest
+    assert motion.twist[i] < 1.02 * 250.0 / 2e3 < motion.twist[i + 1] + 0.01
+
+
 def test_without_coupling_damping_the_torque_peak_is_that_of_a_step():
     """A step of motor torque on two resting masses: the spring's peak is twice its mean share M J_r/(J_m + J_r)."""
     free = replace(TRAIN, damping=0.0, coupling=LinearCoupling(spring=1e6))

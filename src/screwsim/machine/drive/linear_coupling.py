@@ -35,7 +35,8 @@ class LinearCoupling:
         """Return what a twist means: `sound`, or why it cannot be borne, with the remedy."""
         if self.largest_twist is None or abs(theta) <= self.largest_twist:
             return "sound"
+        found, most = math.degrees(theta), math.degrees(self.largest_twist)
         return (
-            f"the coupling fails: twisted by {math.degrees(theta):.3g} deg, beyond {math.degrees(self.largest_twist):.3g} "
-            "deg (choose a stiffer coupling or a softer start)"
+            f"the coupling fails: twisted by {found:.3g} deg, beyond {most:.3g} deg (choose a stiffer coupling or a "
+            "softer start)"
         )

@@ -1,8 +1,8 @@
 """The drive over one lobe pitch from a given state, under a torque that is given by the angle: a start-up's step.
 
-What: M210 with the angle of the rotors as the independent variable; the square of their speed is a state, so that nothing
-is singular but the time (M218). Rotors that come to rest are held (they do not turn backwards) while the motor winds up the
-coupling, until its torque exceeds the load. Energies are integrated beside.
+What: M210 with the angle of the rotors as the independent variable; the square of their speed is a state, so that
+nothing is singular but the time (M218). Rotors that come to rest are held (they do not turn backwards) while the motor
+winds up the coupling, until its torque exceeds the load. Energies are integrated beside.
 How: DOP853 of scipy, which gives the motion at the angles asked for.
 """
 
@@ -24,7 +24,7 @@ LONGEST_HOLD = 20.0  # s
 
 
 class Motion(NamedTuple):
-    """The drive along angles: squares of the speed and their slopes, motor speed, twist, time, torques; energies at the end.
+    """The drive along angles: squares of the speed, their slopes, motor speed, twist, time, torques; energies.
 
     Speeds [rad/s], twist [rad], time [s], torques [N m]; motor_work, damped [J]; held: time at rest [s]. `stalled`: the
     rotors stopped beyond the last angle for good.
@@ -49,7 +49,7 @@ class Motion(NamedTuple):
 
 
 def run_up(train: Train, no_load: float, state: Array, load: Array, creep: float) -> Motion:
-    """Return the motion from (ω², ω_m, Θ, t) under the torque `load`, given at even angles of a pitch, ends included."""
+    """Return the motion from (ω², ω_m, Θ, t) under the torque `load`, given at even angles of a pitch and its end."""
     grid, least = np.linspace(0.0, train.pitch, len(load)), (STANDSTILL * creep) ** 2
     rates, standstill = _over_angle(train, no_load, load, grid, least)
     y, phi, rows, held, stalled = np.array([*state, 0.0, 0.0]), 0.0, [], 0.0, False
@@ -136,7 +136,5 @@ def _integrated(rates: Any, span: tuple[float, float], y: Array, at: Array | Non
     from scipy.integrate import solve_ivp
 
     size = np.array([no_load**2, no_load, 0.1, 1.0, 1e3, 1e3] if len(y) == 6 else [no_load, 0.1, 1e3, 1e3])
-    longest = (span[1] - span[0]) / 16.0 if len(y) == 6 else 0.01
-    return solve_ivp(
-        rates, span, y, "DOP853", at, events=events, rtol=RTOL, atol=RTOL * size, max_step=max(longest, 1e-9)
-    )
+    longest = max((span[1] - span[0]) / 16.0, 1e-9) if len(y) == 6 else 0.01
+    return solve_ivp(rates, span, y, "DOP853", at, events=events, rtol=RTOL, atol=RTOL * size, max_step=longest)

@@ -3,8 +3,8 @@
 What: two masses, a spring with a damper between them, the motor's torque on one, gas and losses on the other
 (M210–M213); its torsional frequency and the speeds at which a lobe harmonic meets it (M216).
 Source: textbook dynamics of two masses (M210); the spring may be the rubber-cord coupling (docs/coupling.md).
-Assumptions: no gear, or inertias and motor referred to the male rotor; rotors without play, the female's inertia referred
-to the male shaft; viscous damping.
+Assumptions: no gear, or inertias and motor referred to the male rotor; rotors without play, the female's inertia
+referred to the male shaft; viscous damping.
 """
 
 from __future__ import annotations

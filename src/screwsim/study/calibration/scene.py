@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from screwsim.effects import catalogue
+from screwsim.scene.fields import effect_keys
 from screwsim.scene.write import quoted
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.inputs import shown_value
@@ -45,8 +47,8 @@ def keys(path: str) -> list[str]:
     """Return the keys of a dotted path: names of a user's own effects have dots."""
     if not path.startswith("effects."):
         return path.split(".")
-    name, _, parameter = path.removeprefix("effects.").rpartition(".")
-    return ["effects", name, parameter]
+    name, below = effect_keys(path, catalogue())
+    return ["effects", name, *below]
 
 
 def _lines(tree: dict[str, Any], indent: str) -> Iterator[str]:

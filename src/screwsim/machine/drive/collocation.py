@@ -1,0 +1,106 @@
+"""The equations of the drive's steady motion, collocated by trigonometric polynomials over a lobe pitch (M210, M214).
+
+Unknown are the rotors' speed and the twist at `POINTS` evenly spaced angles, then the motor's no-load speed, in one
+vector. The motor's speed is eliminated: ω_m = ω (1 + dΘ/dφ). The last equation gives the mean speed or the no-load one.
+Source: docs/model.md M210–M214; collocation: L. N. Trefethen, Spectral Methods in MATLAB, SIAM 2000, ch. 3.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from screwsim.machine.drive.train import Train
+
+Array = np.ndarray
+POINTS = 181  # of a pitch; odd, so that no harmonic is its own alias
+
+
+@lru_cache(maxsize=4)
+def differentiation(pitch: float, n: int = POINTS) -> Array:
+    """Return the matrix that takes values at n (odd) evenly spaced angles of a period to their derivatives."""
+    i = np.arange(n)
+    gap = i[:, None] - i[None, :]
+    with np.errstate(divide="ignore"):
+        matrix = 0.5 * (-1.0) ** gap / np.sin(math.pi * gap / n)
+    matrix[i, i] = 0.0
+    return matrix * (2.0 * math.pi / pitch)
+
+
+def resampled(values: Array, n: int = POINTS) -> Array:
+    """Return a periodic curve at n points, its higher harmonics left out."""
+    return np.fft.irfft(np.fft.rfft(values)[: n // 2 + 1], n) * (n / len(values))
+
+
+def linearised(train: Train, x: Array) -> Array:
+    """Return the matrices of the linearised equations of each harmonic from the first on, (harmonics, 2, 2)."""
+    u, twist, no_load = float(np.mean(x[:POINTS])), float(np.mean(x[POINTS:-1])), float(x[-1])
+    K = float(train.coupling.stiffness(twist))
+    by_motor = float(train.motor.slopes(u, no_load)[0])
+    i_k = 1j * np.arange(1, POINTS // 2 + 1) * 2.0 * math.pi / train.pitch
+    spring = K + train.damping * u * i_k
+    rows = [
+        [train.rotor_inertia * u * i_k, -spring],
+        [train.motor_inertia * u * i_k - by_motor, train.motor_inertia * (u * i_k) ** 2 - by_motor * u * i_k + spring],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def solved(linear: Array, spectrum: Array, column: int) -> Array:
+    """Return one of the two unknowns of all harmonics but the mean as a curve."""
+    (a, b), (c, d) = np.moveaxis(linear, 0, 2)
+    first, second = spectrum[1:].T
+    found = (d * first - b * second if column == 0 else a * second - c * first) / (a * d - b * c)
+    return np.fft.irfft(np.concatenate([[0.0], found]), POINTS)
+
+
+def linearised_mean(train: Train, x: Array) -> Array:
+    """Return the matrix of the means of speed, twist and no-load speed."""
+    u, twist, no_load = float(np.mean(x[:POINTS])), float(np.mean(x[POINTS:-1])), float(x[-1])
+    K = float(train.coupling.stiffness(twist))
+    by_motor, by_no_load = (float(slope) for slope in train.motor.slopes(u, no_load))
+    last = [-1.0 / u, 0.0, 0.0] if train.holds_mean else [0.0, 0.0, 1.0 / train.speed]
+    return np.array([[0.0, -K, 0.0], [-by_motor, K, -by_no_load], last])
+
+
+def sizes(x: Array, omega: float) -> Array:
+    """Return what changes are relative to: the mean speed, the largest twist."""
+    sizes = np.array([omega, float(np.max(np.abs(x[POINTS:-1]))) + 1e-300, abs(float(x[-1]))])
+    return np.repeat(sizes, [POINTS, POINTS, 1])
+
+
+def residue(train: Train, x: Array, torque: Array, omega: float) -> Array:
+    """Return the residues of M210 at all points, and of the mean speed or of the given no-load speed."""
+    n, D = POINTS, differentiation(train.pitch)
+    u, twist, no_load = x[:n], x[n : 2 * n], float(x[-1])
+    rate = D @ (twist - twist.mean())  # D takes a constant to none but for rounding
+    motor = u * (1.0 + rate)
+    coupling = train.spring(twist)[0] + train.damping * u * rate
+    rotors = train.rotor_inertia * u * (D @ (u - u.mean())) - coupling + torque
+    at_motor = train.motor_inertia * u * (D @ (motor - motor.mean())) - train.motor.torque(motor, no_load) + coupling
+    last = omega * np.mean(1.0 / u) - 1.0 if train.holds_mean else (no_load - train.speed) / train.speed
+    return np.append(np.concatenate([rotors, at_motor]), last)
+
+
+def jacobian(train: Train, x: Array, omega: float) -> Array:
+    """Return the derivatives of `residue`."""
+    n, D = POINTS, differentiation(train.pitch)
+    J_m, J_r, c = train.motor_inertia, train.rotor_inertia, train.damping
+    u, twist, no_load = x[:n], x[n : 2 * n], float(x[-1])
+    rate = D @ twist
+    motor = u * (1.0 + rate)
+    stiffness = train.spring(twist)[1]
+    by_motor, by_no_load = train.motor.slopes(motor, no_load)
+    A, uD = np.zeros((2 * n + 1, 2 * n + 1)), u[:, None] * D
+    A[:n, :n] = J_r * (np.diag(D @ u) + uD) - np.diag(c * rate)
+    A[:n, n:-1] = -np.diag(stiffness) - c * uD
+    A[n:-1, :n] = J_m * (np.diag(D @ motor) + uD * (1.0 + rate)) + np.diag(c * rate - by_motor * (1.0 + rate))
+    A[n:-1, n:-1] = J_m * (uD @ uD) - by_motor[:, None] * uD + np.diag(stiffness) + c * uD
+    A[n:-1, -1] = -by_no_load
+    if train.holds_mean:
+        A[-1, :n] = -omega / (n * u * u)
+    else:
+        A[-1, -1] = 1.0 / train.speed
+    return A

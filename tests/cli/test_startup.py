@@ -1,0 +1,77 @@
+"""`screwsim startup`: what it prints and writes, and its exit codes."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from screwsim import cli, start_up
+from screwsim.outputs import Figures
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+FIGURES = {
+    "time": 1.5,
+    "end_speed": 100.0 * np.pi,
+    "coupling_torque_peak": 300.0,
+    "coupling_torque_peak_time": 0.5,
+    "peak_over_steady": 2.5,
+    "residue": None,
+}
+TIME = np.linspace(0.0, 1.5, 40)
+TRACES = {"time": TIME} | {
+    name: 100.0 + TIME * i
+    for i, name in enumerate(
+        ("angle", "speed", "motor_speed", "twist", "coupling_torque", "motor_torque", "gas_torque", "loss_torque")
+    )
+}
+
+
+@pytest.fixture
+def started(monkeypatch):
+    """Let a start give stated figures; return what it was asked."""
+    asked = {}
+
+    def fake(scene, creep, longest):
+        asked.update(scene=scene, creep=creep, longest=longest)
+        return asked.get("outcome") or start_up.StartUp("ok", "", ("it hammers",), Figures(FIGURES), dict(TRACES))
+
+    monkeypatch.setattr(start_up, "start_up", fake)
+    return asked
+
+
+def test_it_prints_figures_in_customary_units_and_warnings(started, capsys):
+    assert cli.exit_code(["startup", str(CONFIGS / "drive/point.yaml"), "--creep", "60", "--longest", "3"]) == 0
+    out = capsys.readouterr().out
+    assert "status: ok" in out
+    assert "3000  rpm" in out
+    assert "warning: it hammers" in out
+    assert "residue" not in out
+    assert started["creep"] == pytest.approx(2.0 * np.pi)
+    assert started["longest"] == 3.0
+
+
+def test_json_is_one_document_and_a_failed_start_has_exit_code_4(started, capsys):
+    started["outcome"] = start_up.StartUp("failed", "the motor cannot start the machine")
+    assert cli.exit_code(["startup", str(CONFIGS / "drive/point.yaml"), "--json"]) == 4
+    assert json.loads(capsys.readouterr().out) == {
+        "status": "failed",
+        "message": "the motor cannot start the machine",
+        "warnings": [],
+        "figures": {},
+    }
+
+
+def test_traces_and_figure_are_written(started, tmp_path):
+    assert cli.exit_code(["startup", str(CONFIGS / "drive/point.yaml"), "-o", str(tmp_path)]) == 0
+    rows = list(csv.DictReader((tmp_path / "startup.csv").read_text(encoding="utf-8").splitlines()))
+    assert len(rows) == 40
+    assert set(rows[0]) == set(TRACES)
+    assert (tmp_path / "startup.png").stat().st_size > 10_000
+    assert (tmp_path / "startup.pdf").exists()
+
+
+def test_a_scene_without_a_drive_cannot_be_started(capsys):
+    assert cli.exit_code(["startup", str(CONFIGS / "paper/point.yaml")]) == 2
+    assert "the scene has no drive to start (name drive under effects)" in capsys.readouterr().err
