@@ -160,10 +160,10 @@ def _answer(
     result = simulate(other)
     if result.status != "ok":
         return _Answer(f"{result.status.replace('_', ' ')}: {result.message}")
-    found = [result.performance.get(name) for name in figures]
-    if None in found:
-        return _Answer(f"no {figures[found.index(None)]}: {result.notes.get(figures[found.index(None)], '')}")
-    return _Answer("", tuple(map(float, found)))
+    for name in figures:
+        if result.performance.get(name) is None:
+            return _Answer(f"no {name}: {result.notes.get(name, 'it is not simulated')}")
+    return _Answer("", tuple(float(result.performance[name]) for name in figures))
 
 
 def _spread(figure: str, nominal: float, values: np.ndarray, lengths: dict[str, np.ndarray]) -> Spread:
