@@ -152,7 +152,7 @@ def worst(errors: Figures) -> tuple[str, float]:
 
 
 def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Read]:
-    """Return the estimated relative error of every figure of a closed cycle, left as it was, and what was read of it."""
+    """Return the estimated relative error of every figure of a closed cycle, left as it was, and what was read."""
     found, notes = solution.figures(closed.q)
     with _borrowed(solution.machinery):
         machinery = solution.machinery

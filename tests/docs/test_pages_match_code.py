@@ -9,8 +9,9 @@ import pytest
 
 from screwsim.build import regularisation, wanted_of
 from screwsim.machine.geometry import Geometry
+from screwsim.machine.kinds import geometry_of
 from screwsim.model.close import LEAST_WORK
-from screwsim.model.compose import HEAT_SYMBOLS, OilPart, Parts, symbols_of
+from screwsim.model.compose import HEAT_SYMBOLS, OPENING_SYMBOLS, STATE_SYMBOLS, OilPart, Parts, symbols_of
 from screwsim.performance import CycleFigures
 from screwsim.scene import loads
 
@@ -67,6 +68,15 @@ def test_every_symbol_of_a_kernel_is_listed():
     parts = Parts(Geometry(loads(SCENE).machine), None, omega=300.0, widths=(1.0, 1.0, 1.0), effects={}, oil=oil)
     table = NOMENCLATURE.partition("## Names that a kernel may ask for")[2]
     for name in (*HEAT_SYMBOLS, *symbols_of(parts), "TAB"):
+        assert f"`{name}`" in table, name
+
+
+def test_every_symbol_of_a_cylinder_is_listed():
+    machine = "machine: {kind: slider_crank, bore: 5 cm, crank_radius: 2 cm, rod_length: 9 cm, clearance: 3 cm^3}\n"
+    geometry = geometry_of(loads(machine + SCENE.partition("\n")[2]).machine)
+    parts = Parts(geometry, None, omega=300.0, widths=(1.0, 1.0, 1.0), effects={}, oil=None)
+    table = NOMENCLATURE.partition("## Names that a kernel may ask for")[2]
+    for name in (*symbols_of(parts), *STATE_SYMBOLS, *OPENING_SYMBOLS):
         assert f"`{name}`" in table, name
 
 

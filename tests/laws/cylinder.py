@@ -32,7 +32,7 @@ effects:
 )
 SHUT = CHECK.partition("effects:")[0]
 RPM = pi / 30.0
-AREAS = {"check_valves": ("area",), "reed_valves": ("port_area", "perimeter")}
+AREAS = {"check_valves": ("area",), "reed_valves": ("port_area", "perimeter", "mass", "stiffness")}
 
 
 def cylinder(text: str = CHECK, **values) -> Scene:
@@ -41,7 +41,7 @@ def cylinder(text: str = CHECK, **values) -> Scene:
 
 
 def with_areas(scene: Scene, factor: float) -> Scene:
-    """Return the scene with all areas of its valves multiplied."""
+    """Return the scene with so many times the valves, side by side."""
     (name, active), *_ = scene.effects.items()
     fields = [f"{side}_{field}" for side in ("suction", "discharge") for field in AREAS[name]]
     return with_values(

@@ -30,7 +30,7 @@ def plain(node: Node):
 
 def accepts(part, value) -> bool:
     """Return whether a value fits the keywords of a schema that a scene without lists uses."""
-    if "anyOf" in part:
+    if "anyOf" in part and "properties" not in part:
         return any(accepts(each, value) for each in part["anyOf"])
     if value is None:
         return "null" in part.get("type", ()) or None in part.get("enum", ())

@@ -184,6 +184,45 @@ def calibrate(
     return OK if found.status == "ok" else NOT_ALL_OK
 
 
+def tolerance(
+    scene_file: SceneFile,
+    grade: Annotated[int, typer.Option(metavar="IT", help="ISO 286 grade of crank, rod and offset.")] = 10,
+    crank_grade: Annotated[int | None, typer.Option(metavar="IT", help="Grade of the crank alone.")] = None,
+    rod_grade: Annotated[int | None, typer.Option(metavar="IT", help="Grade of the rod alone.")] = None,
+    offset_grade: Annotated[int | None, typer.Option(metavar="IT", help="Grade of the offset alone.")] = None,
+    bore_grade: Annotated[int | None, typer.Option(metavar="IT", help="Grade of the bore (default: exact).")] = None,
+    count: Annotated[int, typer.Option(metavar="N", help="Machines that are drawn.")] = 64,
+    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the random numbers.")] = 1,
+    folder: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Write the figure.")] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Say what errors of a slider-crank's lengths do to its motion and, by Monte Carlo, to the compressor."""
+    scene = base_point(loaded(scene_file, overrides, without))
+    from screwsim.printing import print_json
+    from screwsim.printing.tolerance import print_tolerance, tolerance_document
+    from screwsim.study.progress import for_terminal
+    from screwsim.study.tolerance import tolerances
+
+    grades = {"crank_radius": crank_grade, "rod_length": rod_grade, "offset": offset_grade}
+    asked = {name: grade if own is None else own for name, own in grades.items()}
+    asked |= {} if bore_grade is None else {"bore": bore_grade}
+    found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=for_terminal("tolerance"))
+    if as_json:
+        print_json(tolerance_document(scene, found))
+    else:
+        print_tolerance(scene, found)
+    if folder is not None:
+        from screwsim.report.spread import draw_spread
+
+        deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
+        for path in draw_spread(found.table, found.shifts, deviations, folder):
+            typer.echo(path, err=as_json)
+    return OK if not found.failed else NOT_ALL_OK
+
+
 def add_to(app: typer.Typer) -> None:
     """Add these commands."""
     app.command()(optimum)
@@ -191,3 +230,4 @@ def add_to(app: typer.Typer) -> None:
     app.command("map")(performance_map)
     app.command()(compare)
     app.command()(calibrate)
+    app.command()(tolerance)

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from screwsim.report.annotate import label_points
-from screwsim.report.quantities import ANGLE, GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
+from screwsim.report.quantities import GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, note, plain_ticks
 from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
 from screwsim.results import Results
 
+_LIFTS = {"suction_valve_lift": "suction valve", "discharge_valve_lift": "discharge valve"}
 _NEAR = 170.0  # [degree] marks nearer than this have their texts side by side, not centred
 
 
@@ -26,6 +27,28 @@ def plans(results: Results) -> Iterator[tuple[str, Any]]:
     yield "states", partial(_states, trace)
     if flow_paths(trace.values):
         yield "mass_flows", partial(_flows, trace)
+    if any(name in trace.values for name in _LIFTS):
+        yield "valve_lifts", partial(_valves, trace)
+
+
+def _valves(trace: Trace) -> Any:
+    """Draw the lifts of both valves over the angle, and the pressure above them."""
+    figure = new_figure(SINGLE, 84.0)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    upper.plot(trace.angle, trace.values["pressure"] * PRESSURE.factor, color=COLOURS[0])
+    upper.set_ylabel(PRESSURE.label)
+    clipped = _pressure_axis(upper, trace)
+    for i, (name, words) in enumerate(_LIFTS.items()):
+        lower.plot(trace.angle, trace.values[name], color=COLOURS[i + 1], linestyle=DASHES[i], label=words)
+    lower.axhline(1.0, color=GREY, linewidth=0.4)
+    lower.set_ylim(-0.1, 1.45)  # room for the legend
+    lower.legend(loc="upper center", ncols=2)
+    lower.set_ylabel("lift over that of the stop")
+    lower.set_xlabel(trace.axis.label)
+    for axes in (upper, lower):
+        _angle_axis(axes, trace)
+    note(figure, trace.title, clipped)
+    return figure
 
 
 def _loop(trace: Trace) -> Any:
@@ -72,7 +95,7 @@ def _states(trace: Trace) -> Any:
     lower.plot(trace.angle, values["gas_mass"] * GAS_MASS.factor, color=COLOURS[0])
     lower.set_ylabel(GAS_MASS.label)
     lower.set_ylim(bottom=0.0)
-    lower.set_xlabel(ANGLE.label)
+    lower.set_xlabel(trace.axis.label)
     for axes in (upper, middle, lower):
         _angle_axis(axes, trace)
     _name_marks(upper, trace)
@@ -99,7 +122,7 @@ def _flows(trace: Trace) -> Any:
         axes.tick_params(labelbottom=True)
     if any(len(sides) > 1 for sides in paths.values()):
         figure.legend(*panels[len(paths) - 1].get_legend_handles_labels(), loc="outside upper right", ncols=2)
-    figure.supxlabel(ANGLE.label, fontsize=8.0)
+    figure.supxlabel(trace.axis.label, fontsize=8.0)
     figure.supylabel(MASS_FLOW.label, fontsize=8.0)
     lines = ", ".join(f"{text} {short(angle)}°" for text, angle in trace.marks.items())
     note(figure, trace.title, f"dotted: {lines}" if lines else "")

@@ -59,6 +59,7 @@ RPM = 30.0 / math.pi
 DEGREE = 180.0 / math.pi
 
 ANGLE = Shown("male-rotor angle", r"$\varphi$", "°", 1.0)
+CRANK_ANGLE = Shown("crank angle", r"$\varphi$", "°", 1.0)
 PRESSURE = Shown("pressure", "$p$", "bar", 1e-5)
 VOLUME = Shown("chamber volume", "$V$", "cm³", 1e6)
 TEMPERATURE = celsius("temperature", "$T$")

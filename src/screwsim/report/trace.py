@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.report.families import efficiency_name
-from screwsim.report.quantities import DEGREE, value_of
+from screwsim.report.quantities import ANGLE, CRANK_ANGLE, DEGREE, Shown, value_of
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
 
@@ -26,6 +26,12 @@ class Trace(NamedTuple):
     values: Mapping[str, np.ndarray]
     pressures: Mapping[str, float]
     marks: Mapping[str, float]
+    axis: Shown = ANGLE
+
+
+def angle_axis(results: Results) -> Shown:
+    """Return what the angle of a file's machine is called."""
+    return ANGLE if variable_name("machine.crank_radius") not in results.inputs else CRANK_ANGLE
 
 
 def chosen_trace(results: Results) -> Trace | None:
@@ -43,7 +49,7 @@ def chosen_trace(results: Results) -> Trace | None:
         for symbol, line in (("$p_s$", "suction"), ("$p_d$", "discharge"))
         if np.isfinite(value := _line_pressure(results, line, index))
     }
-    return Trace(title, angle, values, pressures, marks_of(results, index, angle, values))
+    return Trace(title, angle, values, pressures, marks_of(results, index, angle, values), angle_axis(results))
 
 
 def case_title(results: Results, index: tuple[int, ...]) -> str:

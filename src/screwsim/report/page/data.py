@@ -12,7 +12,6 @@ from screwsim.outputs import LEDGER_ENTRY, PERFORMANCE, STATUSES, ledger_entries
 from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
 from screwsim.report.page.pack import bytes_of, floats, steps, thin
 from screwsim.report.quantities import (
-    ANGLE,
     GAS_MASS,
     MASS_FLOW,
     PRESSURE,
@@ -23,7 +22,7 @@ from screwsim.report.quantities import (
     shown_axis,
     shown_figure,
 )
-from screwsim.report.trace import Trace, flow_paths, marks_of, pressure_limit
+from screwsim.report.trace import Trace, angle_axis, flow_paths, marks_of, pressure_limit
 from screwsim.results import Results
 
 MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # shown; all are in the file
@@ -149,7 +148,7 @@ def _cycle(results: Results, shown: Selection) -> dict[str, Any] | None:
     return {
         **_packed(angle, states, STATES_OFF),
         "points": int(angle.size),
-        "angle_label": plain_label(ANGLE),
+        "angle_label": plain_label(angle_axis(results)),
         "flows": _packed(angle, flows, FLOWS_OFF) | {"paths": flow_paths(flows)} if flows else None,
         "marks": _all_marks(results, shown, angle, states | flows),
         "top": _tops(results, shown, angle, states["pressure"]),

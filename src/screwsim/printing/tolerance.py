@@ -1,0 +1,69 @@
+"""What `screwsim tolerance` prints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from screwsim.printing import engineering, shown_name
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.scene import Scene
+from screwsim.study.tolerance import Tolerances
+
+
+def tolerance_document(scene: Scene, found: Tolerances) -> dict[str, Any]:
+    """Return what `tolerance --json` prints."""
+    return {
+        "title": scene.title,
+        "grades": found.grades,
+        "widths": found.widths,
+        "law_of_motion": [row._asdict() for row in found.table],
+        "count": found.count,
+        "seed": found.seed,
+        "hits": found.hits,
+        "failed": found.failed,
+        "message": found.message,
+        "figures": {each.figure: {**each._asdict()} for each in found.spreads},
+    }
+
+
+def print_tolerance(scene: Scene, found: Tolerances) -> None:
+    """Print the kinematic table by grades, and the spread of the figures over the machines drawn."""
+    if scene.title:
+        print(wrapped(scene.title))
+    print("\nlaw of motion, worst corner of crank and rod")
+    print("\n".join(_law(found)))
+    grades = ", ".join(f"{name.replace('_', ' ')} IT{number}" for name, number in found.grades.items())
+    drawn = f"{found.count} machines, lengths uniform over their tolerances ({grades}), seed {found.seed}"
+    print("\n" + wrapped(drawn))
+    print("\n".join(_spreads(found)))
+    print(wrapped("sd: standard deviation over the nominal value; last columns: share of the variance (r^2)"))
+    if found.hits:
+        print(wrapped(f"{found.hits} of {found.count} machines: the piston reaches the head (not simulated)"))
+    if found.failed:
+        print(wrapped(f"{found.failed} of {found.count} machines: {found.message}"))
+
+
+def _law(found: Tolerances) -> list[str]:
+    rows = [
+        (
+            f"IT{row.crank}",
+            f"{1e3 * row.crank_width:.3f}",
+            f"{1e3 * row.rod_width:.3f}",
+            f"{100.0 * row.error:.3f}",
+            f"{1e3 * row.head:.3f}",
+        )
+        for row in found.table
+    ]
+    return plain_table(("grade", "crank mm", "rod mm", "error of the law %", "dead centre +- mm"), rows)
+
+
+def _spreads(found: Tolerances) -> list[str]:
+    rows = []
+    for each in found.spreads:
+        values = (each.nominal, each.low, each.high)
+        (nominal, unit), (low, _), (high, _) = (engineering(each.figure, value) for value in values)
+        spread = f"{100.0 * each.deviation / abs(each.nominal):.4f}"
+        shares = (f"{100.0 * share:.0f}" for share in each.shares.values())
+        rows.append((shown_name(each.figure), nominal, unit, spread, low, high, *shares))
+    shares = (f"{name.replace('_', ' ')} %" for name in found.grades)
+    return plain_table(("figure", "nominal", "", "sd %", "lowest", "highest", *shares), rows, left=1)

@@ -1,0 +1,175 @@
+"""What errors of a slider-crank's lengths do to a compressor: Monte Carlo over tolerances through the cycle.
+
+Source: ISO 286-1 grades (S10), lengths drawn as in S31; docs/slider-crank.md.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.machine.slider_crank.settings import SliderCrank
+from screwsim.machine.slider_crank.tolerance import GRADES, Grade, Links, grade, right, tolerance
+from screwsim.outputs import Result
+from screwsim.scene import Scene, with_values
+from screwsim.study.each import DIED, each
+from screwsim.study.progress import Progress
+
+FIGURES = ("gas_mass_flow", "cooling_capacity", "volumetric_efficiency", "shaft_power", "isentropic_efficiency")
+LENGTHS = ("crank_radius", "rod_length", "offset", "bore")
+DEFAULT_GRADE = 10
+LEAST_SIZE = 1e-3  # [m], from which on ISO 286 has tolerances: a smaller offset has that of this size
+HIT = "the piston reaches the head"
+TURN = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
+Simulate = Callable[[Scene], Result]
+
+
+class Spread(NamedTuple):
+    """One figure [SI] over the machines drawn, and the share of its variance that goes with each length (r²)."""
+
+    figure: str
+    nominal: float
+    mean: float
+    deviation: float
+    low: float
+    high: float
+    shares: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """The kinematic table by grades, and the machines drawn: lengths, shift of the dead centre [m], figures [SI].
+
+    `widths` are those of the tolerances [m]; `hits` counts machines whose piston would reach the head, `failed` those
+    whose cycle did not come out.
+    """
+
+    grades: dict[str, int]
+    widths: dict[str, float]
+    table: tuple[Grade, ...]
+    seed: int
+    count: int
+    hits: int
+    failed: int
+    message: str
+    shifts: np.ndarray
+    values: dict[str, np.ndarray]
+    spreads: tuple[Spread, ...]
+
+
+class _Answer(NamedTuple):
+    message: str
+    values: tuple[float, ...] = ()
+
+
+def widths_of(machine: SliderCrank, grades: dict[str, int]) -> dict[str, float]:
+    """Return the widths of the tolerances [m] of the lengths that have a grade. Raises UsageError."""
+    return {name: tolerance(max(abs(getattr(machine, name)), LEAST_SIZE), number) for name, number in grades.items()}
+
+
+def drawn(machine: SliderCrank, widths: dict[str, float], count: int, seed: int) -> dict[str, np.ndarray]:
+    """Return lengths [m], uniform over their tolerances, which lie symmetric about the nominal ones (S31)."""
+    random = np.random.default_rng(seed)
+    return {name: getattr(machine, name) + width * (random.random(count) - 0.5) for name, width in widths.items()}
+
+
+def changed(scene: Scene, lengths: dict[str, float]) -> tuple[Scene, float]:
+    """Return the scene with other lengths, and the shift of its top dead centre towards the head [m] (S31).
+
+    The head stays where it is: what the piston comes nearer is lost clearance, negative where it would hit the head.
+    """
+    machine = scene.machine
+    assert isinstance(machine, SliderCrank)
+    other = with_values(scene, {f"machine.{name}": value for name, value in lengths.items()})
+    assert isinstance(other.machine, SliderCrank)
+    shift = _top(other.machine) - _top(machine)
+    clearance = other.machine.piston_area * (machine.clearance / machine.piston_area - shift)
+    return with_values(other, {"machine.clearance": clearance}), shift
+
+
+def _top(machine: SliderCrank) -> float:
+    """Return the piston's place at the top dead centre [m] (S4)."""
+    return math.sqrt((machine.rod_length + machine.crank_radius) ** 2 - machine.offset**2)
+
+
+def tolerances(
+    scene: Scene,
+    grades: dict[str, int],
+    *,
+    count: int = 64,
+    seed: int = 1,
+    jobs: int | None = None,
+    simulate: Simulate | None = None,
+    progress: Progress | None = None,
+) -> Tolerances:
+    """Return the study of a scene's mechanism; `grades` are those of the lengths that vary. Raises UsageError."""
+    machine = scene.machine
+    if not isinstance(machine, SliderCrank):
+        raise UsageError(f"machine.kind is {machine.kind}: there is no crank (name a scene of a slider_crank)")
+    if count < 2:
+        raise UsageError(f"--count {count}: is too few for a spread (write e.g. 64)")
+    widths = widths_of(machine, grades)
+    if simulate is None:
+        from screwsim.simulate import simulate as default_simulate
+
+        simulate = partial(default_simulate, trace=False)
+    nominal = simulate(scene)  # before the fork: workers inherit what is compiled here
+    if nominal.status != "ok":
+        raise UsageError(f"the nominal machine: {nominal.status.replace('_', ' ')}: {nominal.message}")
+    figures = tuple(name for name in FIGURES if nominal.performance.get(name) is not None)
+    lengths = drawn(machine, widths, count, seed)
+    answers = each(
+        partial(_answer, scene, lengths, figures, simulate),
+        count,
+        died=lambda number: _Answer(DIED),
+        jobs=jobs,
+        failed=lambda answer: bool(answer.message) and answer.message != HIT,
+        progress=progress,
+    )
+    good = [i for i, answer in enumerate(answers) if not answer.message]
+    bad = [answer.message for answer in answers if answer.message and answer.message != HIT]
+    links = Links(machine.crank_radius, machine.rod_length, machine.offset)
+    table = tuple(grade(right, TURN, links, number, number) for number in GRADES)
+    shifts = np.array([changed(scene, _at(lengths, i))[1] for i in range(count)])[good]
+    values = {name: np.array([answers[i].values[k] for i in good]) for k, name in enumerate(figures)}
+    kept = {name: values_of[good] for name, values_of in lengths.items()}
+    spreads = tuple(_spread(name, float(nominal.performance[name]), values[name], kept) for name in figures if good)
+    hits = sum(answer.message == HIT for answer in answers)
+    message = bad[0] if bad else ""
+    return Tolerances(grades, widths, table, seed, count, hits, len(bad), message, shifts, values, spreads)
+
+
+def _at(lengths: dict[str, np.ndarray], number: int) -> dict[str, float]:
+    return {name: float(values[number]) for name, values in lengths.items()}
+
+
+def _answer(
+    scene: Scene, lengths: dict[str, np.ndarray], figures: tuple[str, ...], simulate: Simulate, number: int
+) -> _Answer:
+    """Return the figures of one machine."""
+    other, _ = changed(scene, _at(lengths, number))
+    assert isinstance(other.machine, SliderCrank)
+    if other.machine.clearance <= 0.0:
+        return _Answer(HIT)
+    result = simulate(other)
+    if result.status != "ok":
+        return _Answer(f"{result.status.replace('_', ' ')}: {result.message}")
+    for name in figures:
+        if result.performance.get(name) is None:
+            return _Answer(f"no {name}: {result.notes.get(name, 'it is not simulated')}")
+    return _Answer("", tuple(float(result.performance[name]) for name in figures))
+
+
+def _spread(figure: str, nominal: float, values: np.ndarray, lengths: dict[str, np.ndarray]) -> Spread:
+    shares = {}
+    for name, length in lengths.items():
+        varies = len(values) > 1 and values.std() > 0.0 and length.std() > 0.0
+        shares[name] = float(np.corrcoef(length, values)[0, 1] ** 2) if varies else 0.0
+    ends = float(values.min()), float(values.max())
+    return Spread(figure, nominal, float(values.mean()), float(values.std()), *ends, shares)
