@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from screwsim.build import build_gas
+from screwsim.fluid.gap_flow import flank_divisor, radial_divisor
 from screwsim.outputs import Result
 from screwsim.scene import load
 from screwsim.scene.lines import lines
@@ -179,6 +180,12 @@ def held(*words: str) -> tuple[str, ...]:
     return tuple(f"effects.{gap}.{word}" for gap in gaps for word in (*words, "passage=2 mm"))
 
 
+def friction_says(divisor: Callable[[float, float, float], float]) -> str:
+    """Return what a fit says of the share that passes a gap as wide and deep as those of the entries."""
+    shares = (1.0 / max(1.0, divisor(reynolds, 2e-3, 40e-6)) for reynolds in (1000.0, 10_000.0))
+    return "of the isentropic nozzle passes {:.0%} at Re = 1000, {:.0%} at 10 000".format(*shares).replace("%", " %")
+
+
 def leak_change(one: Result, other: Result) -> str:
     """Return what the leaks move, and what that makes."""
     gaps = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
@@ -195,7 +202,7 @@ effects_gaps = {
         held("model=nozzle_friction", "friction_fit=radial", "flow_coefficient=1"),
         (),
         BELL,
-        "a share 1/M of the nozzle passes: 0.4 to 1 at Re above 2000, 40 µm",
+        friction_says(radial_divisor),
         leak_change,
         (),
     ),
@@ -204,7 +211,7 @@ effects_gaps = {
         held("model=nozzle_friction", "friction_fit=flank", "flow_coefficient=1"),
         (),
         BELL,
-        "a share 1/M of the nozzle passes: 0.5 to 0.7 at Re above 2000, 40 µm",
+        friction_says(flank_divisor),
         leak_change,
         (),
     ),

@@ -287,7 +287,8 @@ def _intake(book: _Book, cycle: Cycle, gas_rise: float, discharge: State) -> flo
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttle (M163)."""
     intake, T_s = cycle.intake, cycle.lines.T_s
     h_d = float(cycle.machinery.R[R_DISCHARGE + ENTHALPY])
-    flow = -float(cycle.streams[2, 0] + cycle.streams[3, 0]) * cycle.rate
+    drawn = list(_drawn(cycle))
+    flow = -float(cycle.streams[2, 0] + cycle.streams[3, 0]) * cycle.rate - sum(net for net, _ in drawn)
 
     def exergy(state: State) -> float:
         return state.h - cycle.T_0 * state.s
@@ -298,6 +299,7 @@ def _intake(book: _Book, cycle: Cycle, gas_rise: float, discharge: State) -> flo
     )
     share, out = intake.returned, exergy(discharge)
     delivered = (1.0 - share) * flow * (out - line)
+    delivered += sum(net * (out - exergy(State(own.T, own.rho, own.h, own.s))) for net, own in drawn)
     returned = flow * (share * out + (1.0 - share) * line - mixed)
     for name, items in cycle.parts.effects.items():
         for part in (part for part in items if isinstance(part, Intake)):

@@ -148,6 +148,26 @@ PERFORMANCE = {
     "end_face_gap": Variable("m", "clearance of the discharge end faces, warm"),
 }
 
+STAGES = {  # of two stages in a row
+    "intermediate_pressure": Variable("Pa", "pressure between both stages, of the first one's discharge line"),
+    "second_suction_temperature": Variable("K", "temperature of what the second stage sucks"),
+    "intercooler_heat": Variable("W", "heat taken from the gas between both stages"),
+    "vapour_mass_flow": Variable("kg s-1", "vapour of the flash tank that mixes in between both stages"),
+    "gas_mass_flow": Variable("kg s-1", "net mass flow that the first stage sucks"),
+    "first_shaft_power": Variable("W", "shaft power of the first stage"),
+    "second_shaft_power": Variable("W", "shaft power of the second stage"),
+    "shaft_power": Variable("W", "shaft power of both stages"),
+    "first_pressure_ratio": Variable("1", "pressure ratio of the first stage"),
+    "second_pressure_ratio": Variable("1", "pressure ratio of the second stage"),
+    "discharge_temperature": Variable("K", "flow-weighted mean gas temperature at discharge of the second stage"),
+    "isothermal_efficiency": Variable("1", "isothermal efficiency of the whole"),
+    "ideal_isothermal_efficiency": Variable("1", "isothermal efficiency of the whole, with an ideal gas's work"),
+    "isentropic_efficiency": Variable("1", "isentropic efficiency of the whole, without cooling between the stages"),
+    "cooling_capacity": Variable("W", "cooling capacity of the whole"),
+    "cop": Variable("1", "coefficient of performance of the whole"),
+    "flow_mismatch": Variable("1", "what comes to the second stage against what it takes, relative difference"),
+}
+
 BALANCE = {
     "mass": Variable("1", "relative residue of the gas mass balance"),
     "energy": Variable("1", "relative residue of the energy balance"),

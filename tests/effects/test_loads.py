@@ -4,8 +4,10 @@ import math
 from types import SimpleNamespace
 
 import pytest
+from scenes import make
 
 from screwsim.effects import bearings, motor, oil_drag
+from screwsim.faults import SceneError
 from screwsim.fluid.oils import OILS
 
 SIZE = SimpleNamespace(male_lobes=4, female_lobes=6, rotor_diameter=0.16, rotor_length=0.176, profile=None)
@@ -153,3 +155,44 @@ def test_a_generator_gives_less_than_the_shaft():
 def test_a_shaft_that_idles_has_no_efficiency():
     assert electrical(0.0)["motor_efficiency"] is None
     assert electrical(-10.0)["motor_efficiency"] is None  # gives less than the motor loses
+
+
+# ---- a motor's table ----
+
+
+def table_of(tmp_path, *rows, head="load,efficiency"):
+    path = tmp_path / "motor.csv"
+    path.write_text("\n".join(["# efficiencies", head, *(f"{load},{efficiency}" for load, efficiency in rows)]))
+    return str(path)
+
+
+def test_a_table_gives_its_own_efficiencies(tmp_path):
+    rows = [(0.25, 0.90), (0.5, 0.94), (0.75, 0.95), (1.0, 0.948)]
+    name = table_of(tmp_path, *rows)
+    for load, efficiency in rows:
+        assert electrical(1e5 * load, efficiency_file=name)["motor_efficiency"] == pytest.approx(efficiency, rel=1e-12)
+    ends = [electrical(1e5 * load, efficiency_file=name)["motor_loss"] for load in (0.05, 0.25)]
+    assert ends[0] == pytest.approx(ends[1], rel=1e-12)
+    assert electrical(1.3e5, efficiency_file=name)["motor_efficiency"] == pytest.approx(0.948, rel=1e-12)
+
+
+def test_a_table_of_the_formula_is_the_formula(tmp_path):
+    loads = [0.1 + 0.02 * i for i in range(56)]
+    rows = [(load, electrical(1e5 * load)["motor_efficiency"]) for load in loads]
+    tabled = electrical(0.6543e5, efficiency_file=table_of(tmp_path, *rows))["motor_loss"]
+    assert tabled == pytest.approx(electrical(0.6543e5)["motor_loss"], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("rows", "head", "words"),
+    [
+        ([(0.5, 0.9)], "load,efficiency", "two rows"),
+        ([(0.5, 0.9), (0.4, 0.9)], "load,efficiency", "increasing"),
+        ([(0.5, 90), (1.0, 95)], "load,efficiency", "shares, not percent"),
+        ([(0.5, 0.9), (1.0, 0.9)], "load,eta", "columns load, efficiency"),
+    ],
+)
+def test_a_table_that_is_none_is_said(tmp_path, rows, head, words):
+    motor_section = {"rated_power": "100 kW", "efficiency_file": table_of(tmp_path, *rows, head=head)}
+    with pytest.raises(SceneError, match=words):
+        make({"effects.motor": motor_section})

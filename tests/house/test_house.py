@@ -10,7 +10,8 @@ import screwsim
 from screwsim import outputs
 
 ROOT = Path(__file__).parents[2]
-CONFIGS = sorted(path for path in (ROOT / "configs").glob("**/*.yaml") if not path.name.endswith(".fit.yaml"))
+NO_SCENES = (".fit.yaml", ".stages.yaml")
+CONFIGS = sorted(path for path in (ROOT / "configs").glob("**/*.yaml") if not path.name.endswith(NO_SCENES))
 
 
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: str(path.relative_to(ROOT)))
@@ -44,5 +45,6 @@ def test_every_result_has_unit_and_meaning():
         outputs.CYCLE,
         outputs.LEDGER,
         outputs.LEDGER_ENTRY,
+        outputs.STAGES,
     ):
         assert all(about.units and about.long_name for about in table.values())

@@ -70,7 +70,11 @@ def run(
     ] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Simulate one operating point."""
+    """Simulate one operating point, or two stages in a row (a file with stages: [first.yaml, second.yaml])."""
+    from screwsim.study.stages import is_stages
+
+    if is_stages(scene_file):
+        return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
     scene = _base_point(_loaded(scene_file, overrides, without))
     from screwsim.printing import print_json, print_result
     from screwsim.simulate import simulate
@@ -90,6 +94,29 @@ def run(
     else:
         print_result(scene.title, result)
     return OK if result.status == "ok" else NOT_ALL_OK
+
+
+def _run_stages(
+    file: str, output: Path | None, overrides: Overrides, without: Without, knock_out: bool, as_json: bool
+) -> int:
+    if knock_out or without:
+        raise UsageError(f"{file}: stages have no --knock-out and no --without (run one of the two scenes instead)")
+    from screwsim.printing import print_json
+    from screwsim.printing.stages import print_stages
+    from screwsim.study.stages import read_stages, run_stages
+
+    chain = read_stages(file, overrides or ())
+    found = run_stages(chain)
+    if output is not None and found.scenes:
+        from screwsim.results import save
+
+        for name, scene, result in zip(("first", "second"), found.scenes, found.stages, strict=True):
+            save(output.with_stem(f"{output.stem}_{name}"), scene, result)
+    if as_json:
+        print_json(found.as_json())
+    else:
+        print_stages(chain.title, found)
+    return OK if found.status == "ok" else NOT_ALL_OK
 
 
 @app.command()

@@ -2,20 +2,28 @@
 
 What: P_el = (P_shaft + P_loss)/η_d, P_loss = ℓ P_r [c + (1 − c) x²], x = P_shaft/P_r, ℓ = 1/η_r − 1 (M148): of the loss
 at rated load the share c does not depend on the load, the rest goes with its square. Efficiencies and COP on P_el
-follow (M149).
+follow (M149). Or η over the load x from a table: the loss of the motor is interpolated (M204).
 Source: separation of losses of induction machines (textbook; IEC 60034-2-1); IEC 60034-30-1 states η_r by class and
 size: a four-pole IE3 motor of 75 kW at 50 Hz has 0.950, which is the default.
 Assumptions: the loss does not depend on the speed but through the power; it heats neither gas nor oil. An expander's
 generator loses the same at the same load. The ledger divides the shaft power: this loss is beyond it.
-Parameters: rated_power, efficiency, constant_share, drive_efficiency.
+Parameters: rated_power, efficiency, constant_share or efficiency_file, drive_efficiency.
 """
 
 from __future__ import annotations
 
+import csv
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
 
-from screwsim.declare import number, quantity
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from screwsim.declare import file, number, quantity
 from screwsim.effects.base import Effect, Reading
+from screwsim.faults import Fault, UsageError
 
 FIGURES = ("motor_loss", "electrical_power", "motor_efficiency")
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop")
@@ -30,23 +38,65 @@ class Parameters:
         "eta_r: efficiency at rated power (default: IE3, 75 kW, four poles)", 0.95, gt=0.0, le=1.0
     )
     constant_share: float = number("c: share of the rated loss that does not depend on the load", 0.4, ge=0.0, le=1.0)
+    efficiency_file: str | None = file(
+        "CSV with columns load, efficiency (shaft power over rated power, efficiency of the motor), in place of both"
+    )
     drive_efficiency: float = number("eta_d: efficiency of the inverter (1: none)", 1.0, gt=0.0, le=1.0)
 
 
-def motor_loss(parameters: Parameters, shaft_power: float) -> float:
-    """Return the loss of motor and inverter [W] at a shaft power [W], negative for a generator's (M148)."""
-    load, rated = shaft_power / parameters.rated_power, 1.0 / parameters.efficiency - 1.0
-    share = parameters.constant_share
-    inner = shaft_power + rated * parameters.rated_power * (share + (1.0 - share) * load * load)
+Loss = Callable[[float], float]
+
+
+def loss_of_shares(parameters: Parameters) -> Loss:
+    """Return the motor's loss over its rated power by the load, from its two shares (M148)."""
+    rated, share = 1.0 / parameters.efficiency - 1.0, parameters.constant_share
+    return lambda load: rated * (share + (1.0 - share) * load * load)
+
+
+def read_table(path: str) -> list[tuple[float, float]]:
+    """Return (load, efficiency) of a CSV file, two rows or more; raise UsageError in one line where it is none."""
+    try:
+        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+        kept = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+        rows = [(float(row["load"]), float(row["efficiency"])) for row in csv.DictReader(kept)]
+    except (OSError, UnicodeDecodeError, KeyError, TypeError, ValueError):
+        raise UsageError("is no CSV file with numbers in the columns load, efficiency (write one)") from None
+    loads = [load for load, _ in rows]
+    if len(rows) < 2 or loads[0] <= 0.0 or any(b <= a for a, b in pairwise(loads)):
+        raise UsageError("needs two rows or more, loads above 0 and increasing (sort them)")
+    if not all(0.0 < efficiency <= 1.0 for _, efficiency in rows):
+        raise UsageError("has an efficiency that is not above 0 and at most 1 (give shares, not percent)")
+    return rows
+
+
+def loss_of_table(rows: list[tuple[float, float]]) -> Loss:
+    """Return the motor's loss over its rated power by the load, from a table of efficiencies (M204)."""
+    load, efficiency = np.array(rows).T
+    loss, last = load * (1.0 / efficiency - 1.0), float(load[-1])
+    curve = PchipInterpolator(load, loss)
+
+    def at(x: float) -> float:
+        x = abs(x)
+        return float(curve(max(x, load[0]))) if x <= last else float(loss[-1]) * x / last
+
+    return at
+
+
+def motor_loss(parameters: Parameters, shaft_power: float, loss: Loss) -> float:
+    """Return the loss of motor and inverter [W] at a shaft power [W], negative for a generator's (M148, M204)."""
+    inner = shaft_power + parameters.rated_power * loss(shaft_power / parameters.rated_power)
     driven = inner / parameters.drive_efficiency if inner >= 0.0 else inner * parameters.drive_efficiency
     return driven - shaft_power
 
 
 def build(parameters: Parameters, machine) -> list[Reading]:
+    stated = parameters.efficiency_file
+    losses = loss_of_shares(parameters) if stated is None else loss_of_table(read_table(stated))
+
     def read(figures) -> dict[str, float | None]:
         """Return loss, electrical power and what is referred to it (M148, M149)."""
         shaft = figures.shaft_power
-        loss = motor_loss(parameters, shaft)
+        loss = motor_loss(parameters, shaft, losses)
         electrical = shaft + loss
         driving = shaft > 0.0 and electrical > 0.0
         giving = shaft < 0.0 and electrical < 0.0
@@ -60,11 +110,22 @@ def build(parameters: Parameters, machine) -> list[Reading]:
     return [Reading((*FIGURES, *(f"electrical_{name}" for name in ON_ELECTRICAL)), read)]
 
 
+def check(parameters: Parameters, facts) -> list[Fault]:
+    if parameters.efficiency_file is None:
+        return []
+    try:
+        read_table(parameters.efficiency_file)
+    except UsageError as error:
+        return [Fault("effects.motor.efficiency_file", str(error))]
+    return []
+
+
 EFFECT = Effect(
     name="motor",
     title="electrical power of motor and inverter",
-    equations=("M148", "M149"),
+    equations=("M148", "M149", "M204"),
     source="separation of losses; IEC 60034-30-1",
     parameters=Parameters,
     build=build,
+    check=check,
 )

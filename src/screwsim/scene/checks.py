@@ -16,7 +16,8 @@ from screwsim.scene.types import Scene
 VOLUME_COLUMN = "volume_m3"
 CURVE_COLUMNS = {"machine.volume.file": VOLUME_COLUMN}  # any other curve is an area
 AREA_COLUMN = "area_m2"
-READ_ELSEWHERE = {"machine.profile.file"}  # points of a profile, no curve: read with the machine's check
+# points of a profile, efficiencies of a motor: no curves over the angle, read with their own checks
+READ_ELSEWHERE = {"machine.profile.file", "effects.motor.efficiency_file"}
 
 
 def cross_check(scene: Scene) -> list[Fault]:

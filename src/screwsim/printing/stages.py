@@ -1,0 +1,43 @@
+"""Two stages as text: the figures of the whole, then what each stage does."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+from screwsim.engineering import engineering, engineering_temperature, quantity, shown_name
+from screwsim.outputs import STAGES
+
+if TYPE_CHECKING:
+    from screwsim.study.stages import ChainResult
+
+WIDTH = 80
+OF_STAGES = ("gas_mass_flow", "shaft_power", "volumetric_efficiency", "isentropic_efficiency", "discharge_temperature")
+
+
+def print_stages(title: str, found: ChainResult) -> None:
+    """Print the figures of a chain, and some of both its stages."""
+    if title:
+        print(title)
+    print(textwrap.fill(f"status: {found.status}" + (f"; {found.message}" if found.message else ""), WIDTH - 1))
+    for name, value in found.performance.items():
+        if value is not None:
+            print(f"{shown_name(name):<32}{_shown(name, value)}")
+    for which, result in zip(("first", "second"), found.stages, strict=False):
+        if result.performance:
+            figures = ((name, result.performance[name]) for name in OF_STAGES)
+            words = [_figure(name, value) for name, value in figures if value is not None]
+            print(textwrap.fill(f"{which} stage: {', '.join(words)}", WIDTH - 1, subsequent_indent="  "))
+
+
+def _shown(name: str, value: float) -> str:
+    units = STAGES[name].units
+    if units == "K":
+        return engineering_temperature(value)
+    if units != "1":
+        return quantity(units, value)
+    return f"{100.0 * value:.4g} %" if name.endswith("_efficiency") else f"{value:.4g}"
+
+
+def _figure(name: str, value: float) -> str:
+    return f"{shown_name(name)} {' '.join(engineering(name, value))}".rstrip()

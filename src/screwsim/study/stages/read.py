@@ -1,0 +1,135 @@
+"""Read STAGES.yaml: the scenes of both stages and what lies between them; every fault at its line."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from screwsim.declare import choice, quantity
+from screwsim.faults import SceneError, UsageError
+from screwsim.scene import Scene, load
+from screwsim.scene.fields import section_of
+from screwsim.scene.sections import read_section
+from screwsim.scene.values import shown
+from screwsim.scene.yaml_tree import Node, Place, Problem, compose
+
+KEY = "stages"
+NAMES = ("first", "second")
+_REMEDY = "write stages: [first.yaml, second.yaml]"
+
+
+@dataclass(frozen=True)
+class Intercooler:
+    """What lies between the discharge line of the first stage and the suction line of the second."""
+
+    kind: str = choice(
+        "none; cooler: the gas is cooled; economizer: vapour of a flash tank mixes in (two-stage expansion)",
+        ("none", "cooler", "economizer"),
+        "none",
+    )
+    outlet_temperature: float | None = quantity(
+        "temperature", "of the gas behind a cooler (warmer gas only)", None, gt=0.0
+    )
+    pressure_drop: float = quantity("pressure_difference", "between both lines", 0.0, ge=0.0)
+
+
+@dataclass(frozen=True)
+class Chain:
+    """Two scenes in a row. The first one's discharge and the second one's suction line are found, not read."""
+
+    title: str
+    first: Scene
+    second: Scene
+    intercooler: Intercooler
+
+
+def is_stages(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a YAML file describes stages in place of one scene."""
+    root = _root(os.fspath(path), [])
+    return root is not None and KEY in root.value
+
+
+def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> Chain:
+    """Return the chain of a YAML file, its scenes changed by `first.PATH=VALUE` and `second.PATH=VALUE`.
+
+    Raises `SceneError` with one line a fault, `UsageError` for an override that makes no sense.
+    """
+    name = os.fspath(path)
+    problems: list[Problem] = []
+    root = _root(name, problems)
+    chain = None if root is None else _typed(root, _sorted(overrides), problems)
+    if problems or chain is None:
+        raise SceneError([str(each) for each in sorted(dict.fromkeys(problems), key=lambda each: each.place)])
+    return chain
+
+
+def _root(name: str, problems: list[Problem]) -> Node | None:
+    place = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
+    try:
+        with open(name, encoding="utf-8-sig") as stream:
+            text = stream.read()
+    except (OSError, ValueError):
+        return None  # a scene that is not there is told of by those who read scenes
+    root = compose(text, place, problems)
+    return root if root is not None and isinstance(root.value, dict) else None
+
+
+def _sorted(overrides: Iterable[str]) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {name: [] for name in NAMES}
+    for override in overrides:
+        head, _, rest = override.partition(".")
+        if head not in found or not rest:
+            raise UsageError(f"--set {override}: begins with neither first. nor second., the stage whose path it is")
+        found[head].append(rest)
+    return found
+
+
+def _typed(root: Node, overrides: dict[str, list[str]], problems: list[Problem]) -> Chain | None:
+    content: dict[str, Any] = dict(root.value)
+    for extra in (name for name in content if name not in ("title", KEY, "intercooler")):
+        what = f"is not known beside stages (known: title, {KEY}, intercooler)"
+        problems.append(Problem(content[extra].heading, extra, what))
+    between = Intercooler()
+    if "intercooler" in content:
+        between = read_section(section_of(Intercooler), content["intercooler"], "intercooler", problems)
+    files = _files(root, content[KEY], problems)
+    if problems or files is None:
+        return None
+    if (between.kind == "cooler") != (between.outlet_temperature is not None):
+        missing = between.kind == "cooler"
+        what = "is missing (kind: cooler needs it, e.g. 35 degC)" if missing else "belongs to kind: cooler (remove it)"
+        problems.append(Problem(content["intercooler"].place, "intercooler.outlet_temperature", what))
+        return None
+    first, second = (load(file, overrides[name]) for name, file in zip(NAMES, files, strict=True))
+    _check(first, second, between, content, problems)
+    title = content["title"].value if "title" in content else ""
+    return Chain(str(title or ""), first, second, between)
+
+
+def _files(root: Node, node: Node, problems: list[Problem]) -> list[str] | None:
+    names = [item.value for item in node.value] if isinstance(node.value, list) else None
+    if names is None or len(names) != len(NAMES) or not all(isinstance(name, str) for name in names):
+        problems.append(
+            Problem(node.place, KEY, f"is {shown(names or node.value)}, not the files of two scenes ({_REMEDY})")
+        )
+        return None
+    files = [os.path.join(root.place.folder, name) for name in names]
+    for item, file in zip(node.value, files, strict=True):
+        if not os.path.isfile(file):
+            what = f"{shown(item.value)} is not a file (name an existing scene, relative to this file)"
+            problems.append(Problem(item.place, KEY, what))
+    return files
+
+
+def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str, Any], problems: list[Problem]) -> None:
+    """Add what does not go together: gases, expanders, and an economizer without a condenser."""
+    place = content[KEY].place
+    if first.gas != second.gas:
+        problems.append(Problem(place, KEY, "have different gases (write the same section gas in both)"))
+    if "expander" in (first.machine.mode, second.machine.mode):
+        problems.append(Problem(place, KEY, "compress: machine.mode: expander is none (choose compressors)"))
+    if between.kind == "economizer" and second.operation.condensing_temperature is None:
+        what = "economizer needs operation.condensing_temperature in the second scene: its liquid feeds the tank"
+        problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)"))

@@ -1,0 +1,239 @@
+"""The intermediate pressure of two stages, and the figures of the whole (docs/model.md M200–M203)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.build import build_gas
+from screwsim.faults import UsageError
+from screwsim.fluid import constants
+from screwsim.outputs import Figures, Result
+from screwsim.performance import Inlet, efficiencies
+from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthalpy, with_values
+from screwsim.simulate import simulate
+from screwsim.study.stages.read import Chain, Intercooler
+
+GROWTH = 1.25  # factor between the pressures of the search for two that enclose the solution
+EDGE = 1.02  # least pressure ratio of a stage that is tried
+MOST = 40  # pairs of simulations
+_STATED = ("suction.superheat", "suction.quality", "evaporating_temperature", "condensing_temperature", "superheat")
+_STATED += ("subcooling",)
+
+
+@dataclass(frozen=True)
+class ChainResult:
+    """Two stages together; `performance` has the names of M200–M203, `stages` the results of both."""
+
+    status: str
+    message: str = ""
+    stages: tuple[Result, ...] = ()
+    scenes: tuple[Scene, ...] = ()
+    performance: Figures = field(default_factory=Figures)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `run --json` prints of stages."""
+        return {
+            "status": self.status,
+            "message": self.message,
+            "performance": dict(self.performance),
+            "stages": [result.as_json() for result in self.stages],
+        }
+
+
+class _Stop(Exception):
+    """Why no pair of stages can be simulated further; `results` of the stages that there are."""
+
+    def __init__(self, status: str, message: str, results: tuple[Result, ...] = ()) -> None:
+        super().__init__(message)
+        self.status, self.results = status, results
+
+
+class _Pair(NamedTuple):
+    """Both stages at one intermediate pressure: scenes, results, vapour from the tank per gas of the first stage."""
+
+    p: float
+    scenes: tuple[Scene, Scene]
+    results: tuple[Result, Result]
+    vapour: float
+    T: float
+
+    @property
+    def flows(self) -> tuple[float, float]:
+        """Return what comes to the second stage, and what it takes [kg/s]."""
+        first, second = (result.performance.gas_mass_flow for result in self.results)
+        return first * (1.0 + self.vapour), second
+
+    @property
+    def excess(self) -> float:
+        """Return ln of what comes over what is taken: falls with the pressure."""
+        comes, taken = self.flows
+        return float(np.log(max(comes, 1e-12) / max(taken, 1e-12)))
+
+
+def _set_lines(scene: Scene, p_s: float, T_s: float, p_d: float) -> Scene:
+    values: dict[str, Any] = {f"operation.{name}": None for name in _STATED}
+    values |= {"operation.suction.pressure": p_s, "operation.suction.temperature": T_s}
+    changed = with_values(replace(scene, sweep={}, joints=()), {**values, "operation.discharge.pressure": p_d})
+    faults = cross_check(changed)
+    if faults:
+        raise _Stop("failed", f"{faults[0].path}: {faults[0].what}")
+    return replace(changed, text=scene_text(changed))
+
+
+class _Chain:
+    """A chain being solved."""
+
+    def __init__(self, chain: Chain) -> None:
+        self.chain, self.gas = chain, build_gas(chain.first)
+        self.low, self.high = lines(chain.first), lines(chain.second)
+        self.tried = 0
+
+    def pair(self, p: float, trace: bool = False) -> _Pair:
+        """Return both stages at an intermediate pressure [Pa]; raise `_Stop` where one has no result."""
+        self.tried += 1
+        between = self.chain.intercooler
+        scene = _set_lines(self.chain.first, self.low.p_s, self.low.T_s, p)
+        first = self._solved(scene, "first", trace)
+        T_d = first.performance.discharge_temperature
+        vapour, T = self._between(p, T_d, between)
+        other = _set_lines(self.chain.second, p - between.pressure_drop, T, self.high.p_d)
+        second = self._solved(other, "second", trace, (first,))
+        return _Pair(p, (scene, other), (first, second), vapour, T)
+
+    def _solved(self, scene: Scene, name: str, trace: bool, before: tuple[Result, ...] = ()) -> Result:
+        result = simulate(scene, trace=trace)
+        at = f"{lines(scene).p_s / 1e5:.4g} to {lines(scene).p_d / 1e5:.4g} bar"
+        if result.status != "ok":
+            raise _Stop(result.status, f"the {name} stage, {at}: {result.message}", (*before, result))
+        if result.performance.gas_mass_flow <= 0.0 or result.performance.discharge_temperature is None:
+            raise _Stop("failed", f"the {name} stage delivers nothing, {at}", (*before, result))
+        return result
+
+    def _between(self, p: float, T_d: float, between: Intercooler) -> tuple[float, float]:
+        """Return vapour per gas of the first stage, and the suction temperature [K] of the second (M201, M202)."""
+        out = p - between.pressure_drop
+        if between.kind == "cooler":
+            assert between.outlet_temperature is not None  # checked when read
+            return 0.0, min(T_d, between.outlet_temperature)
+        if between.kind == "economizer":
+            fluid = self.chain.first.gas.fluid
+            h_c, T_e = self.liquid(), constants.saturation_temperature(fluid, p)
+            h_g, h_f = (constants.wet_enthalpy(fluid, p, quality) for quality in (1.0, 0.0))
+            if not h_f < h_c < h_g:
+                raise _Stop("failed", f"the condenser's liquid makes no vapour at {p / 1e5:.4g} bar")
+            y = (h_c - h_f) / (h_g - h_c)
+            h = (self.gas.enthalpy(p, T_d) + y * self.gas.vapour(p, T_e).h) / (1.0 + y)
+            return y, self.gas.temperature(out, h)
+        return 0.0, self.gas.temperature(out, self.gas.enthalpy(p, T_d))
+
+    def liquid(self) -> float:
+        """Return the enthalpy [J/kg] of the liquid behind the condenser (M43)."""
+        operation, fluid = self.chain.second.operation, self.chain.second.gas.fluid
+        assert operation.condensing_temperature is not None
+        if operation.subcooling:
+            T = operation.condensing_temperature - operation.subcooling
+            return constants.liquid_enthalpy(fluid, self.high.p_d, T)
+        return constants.saturated_liquid_enthalpy(fluid, operation.condensing_temperature)
+
+    # ---- the pressure ------------------------------------------------------------------------------------------
+
+    def solve(self) -> _Pair:
+        """Return the pair whose flows match (M200); raise `_Stop` where none does."""
+        drop = self.chain.intercooler.pressure_drop
+        least, most = EDGE * self.low.p_s + drop, self.high.p_d / EDGE
+        if not least < most:
+            raise _Stop("failed", "the second stage does not discharge at a higher pressure than the first one sucks")
+        guess = float(np.sqrt(least * most))
+        at = self.pair(guess)
+        guess = float(np.clip(guess * np.exp(at.excess), least, most))
+        a, b = self._enclosed(at, self.pair(guess) if guess != at.p else at, least, most)
+        tolerance = 0.5 * max(scene.numerics.accuracy for scene in at.scenes)
+        while min(abs(a.excess), abs(b.excess)) > tolerance and self.tried < MOST:
+            share = a.excess / (a.excess - b.excess)  # of the way in ln p, kept off the ends
+            p = float(np.exp(np.log(a.p) + min(max(share, 0.02), 0.98) * np.log(b.p / a.p)))
+            middle = self.pair(p)
+            a, b = (middle, b) if middle.excess > 0.0 else (a, middle)
+            if b.p / a.p < 1.0 + 1e-9:
+                break
+        best = min((a, b), key=lambda each: abs(each.excess))
+        return self.pair(best.p, trace=True)
+
+    def _enclosed(self, one: _Pair, other: _Pair, least: float, most: float) -> tuple[_Pair, _Pair]:
+        """Return two pairs, too much gas coming at the lower pressure, too little at the higher one."""
+        a, b = (one, other) if one.p <= other.p else (other, one)
+        while a.excess < 0.0:
+            if a.p <= least * (1.0 + 1e-12):
+                raise _Stop("failed", self._none("takes more", least, "smaller or slower"), a.results)
+            a, b = self.pair(max(a.p / GROWTH, least)), a
+        while b.excess > 0.0:
+            if b.p >= most * (1.0 - 1e-12):
+                raise _Stop("failed", self._none("takes less", most, "larger or faster"), b.results)
+            a, b = b, self.pair(min(b.p * GROWTH, most))
+        return a, b
+
+    def _none(self, what: str, p: float, remedy: str) -> str:
+        return (
+            f"no intermediate pressure: the second stage {what} than the first one gives even at {p / 1e5:.4g} bar "
+            f"(make the second stage {remedy}, or the first one the other way)"
+        )
+
+    # ---- the figures -------------------------------------------------------------------------------------------
+
+    def figures(self, pair: _Pair) -> Figures:
+        """Return the figures of the whole (M203)."""
+        first, second = (result.performance for result in pair.results)
+        power, flow, p = first.shaft_power + second.shaft_power, first.gas_mass_flow, pair.p
+        h_d = self.gas.enthalpy(p, first.discharge_temperature)
+        h_2 = self.gas.enthalpy(p - self.chain.intercooler.pressure_drop, pair.T)
+        T_e = None if pair.vapour == 0.0 else constants.saturation_temperature(self.chain.first.gas.fluid, p)
+        drawn = [] if T_e is None else [(pair.vapour * flow, self.gas.vapour(p, T_e))]
+        place = self.gas.place(self.low.p_s, self.low.T_s)
+        ends = replace(self.low, p_d=self.high.p_d)
+        etas, _ = efficiencies(self.gas, ends, Inlet(place[1], place[2]), flow, power, drawn)
+        comes, taken = pair.flows
+        cooling = self._cooling(pair, flow)
+        return Figures(
+            intermediate_pressure=p,
+            second_suction_temperature=pair.T,
+            intercooler_heat=0.0 if drawn else flow * (h_d - h_2),
+            vapour_mass_flow=pair.vapour * flow if drawn else None,
+            gas_mass_flow=flow,
+            first_shaft_power=first.shaft_power,
+            second_shaft_power=second.shaft_power,
+            shaft_power=power,
+            first_pressure_ratio=p / self.low.p_s,
+            second_pressure_ratio=self.high.p_d / (p - self.chain.intercooler.pressure_drop),
+            discharge_temperature=second.discharge_temperature,
+            **etas,
+            cooling_capacity=cooling,
+            cop=None if cooling is None or power <= 0.0 else cooling / power,
+            flow_mismatch=abs(comes - taken) / max(comes, taken),
+        )
+
+    def _cooling(self, pair: _Pair, flow: float) -> float | None:
+        if self.chain.second.operation.condensing_temperature is None:
+            return None
+        liquid = self.liquid()
+        if pair.vapour > 0.0:
+            liquid = constants.wet_enthalpy(self.chain.first.gas.fluid, pair.p, 0.0)
+        return flow * (suction_enthalpy(self.chain.first) - liquid)
+
+
+def run_stages(chain: Chain) -> ChainResult:
+    """Return both stages at the intermediate pressure at which their flows match; a status where there is none."""
+    solving = _Chain(chain)
+    try:
+        pair = solving.solve()
+        found = solving.figures(pair)
+    except _Stop as stop:
+        return ChainResult(stop.status, str(stop), stop.results)
+    except UsageError as error:
+        return ChainResult("failed", str(error))
+    bound = max(scene.numerics.accuracy for scene in pair.scenes)
+    status, message = "ok", ""
+    if found.flow_mismatch > bound:
+        status, message = "not_closed", f"the flows of both stages differ by {found.flow_mismatch:.2g} of themselves"
+    return ChainResult(status, message, pair.results, pair.scenes, found)

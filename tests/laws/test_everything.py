@@ -1,0 +1,42 @@
+"""All effects that can be on together: they converge, close, and keep the signs of what each of them does."""
+
+from pathlib import Path
+
+import pytest
+
+from screwsim.effects import catalogue
+from screwsim.scene import load
+from screwsim.simulate import simulate
+
+SCENE = Path(__file__).parents[2] / "configs" / "everything.yaml"
+LEFT_OUT = {"oil_heat"}  # droplets take its place
+
+
+def test_only_what_cannot_be_on_is_left_out():
+    assert set(catalogue()) - set(load(SCENE).effects) == LEFT_OUT
+
+
+@pytest.mark.slow
+def test_all_together_close():
+    result = simulate(load(SCENE))
+    assert result.status == "ok"
+    assert not result.warnings
+    balance = result.balance
+    assert max(balance.mass, balance.energy, balance.entropy, balance.oil_mass) <= balance.bound
+    for name in ("economizer_mass_flow", "liquid_injection_mass_flow", "flash_mass_flow"):
+        assert result.performance[name] > 0.0
+    destroyed = {name: value for name, value in result.ledger.items() if name.startswith("exergy_destroyed_")}
+    # the suction line may be a sink of cold that costs nothing (M54)
+    negative = {name for name, value in destroyed.items() if value < -1e-6 * result.ledger.shaft_power}
+    assert negative <= {"exergy_destroyed_suction_line"}
+
+
+@pytest.mark.slow
+def test_throttle_and_bypass_destroy_what_they_do_beside_other_plenums():
+    """Of their own: y ṁ (ψ_d − ψ_m) and ṁ (ψ_m − ψ_s′), whatever an economizer adds behind the suction port."""
+    alone = ["economizer", "liquid_injection", "refrigerant_solubility"]
+    with_it, without = (simulate(load(SCENE, without=names)).ledger for names in ([], alone))
+    for name in ("bypass", "suction_throttle"):
+        per_gas = [book[f"exergy_destroyed_{name}"] / book[f"gas_moved_{name}"] for book in (with_it, without)]
+        assert per_gas[0] == pytest.approx(per_gas[1], rel=0.35)
+        assert per_gas[0] > 0.0

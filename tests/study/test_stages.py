@@ -1,0 +1,152 @@
+"""Two stages: flows match at the pressure found, what lies between them, and chains that have no such pressure."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+
+from screwsim.cli import exit_code
+from screwsim.faults import SceneError, UsageError
+from screwsim.fluid import constants
+from screwsim.scene import lines
+from screwsim.simulate import simulate
+from screwsim.study.stages import is_stages, read_stages, run_stages
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
+from scenes import scene_dict
+
+ACCURACY = 3e-4
+HIGH = {"operation.speed": "1300 rpm"}
+COOLER = {"kind": "cooler", "outlet_temperature": "290 K"}
+CONDENSED = {"operation": {"speed": "1300 rpm", "evaporating_temperature": "10 degC", "superheat": "5 K",
+                           "condensing_temperature": "45 degC"}}  # fmt: skip
+
+
+@pytest.fixture
+def chain(tmp_path):
+    """Write a chain's files, and return how to read it; scenes of one compiled structure."""
+
+    def write(between=None, high=None, low=None, **more):
+        for name, changes in (("low", low or {}), ("high", HIGH if high is None else high)):
+            (tmp_path / f"{name}.yaml").write_text(json.dumps(scene_dict(changes)))
+        content = {"stages": ["low.yaml", "high.yaml"], **more}
+        if between is not None:
+            content["intercooler"] = between
+        path = tmp_path / "chain.yaml"
+        path.write_text(json.dumps(content))
+        return path
+
+    return write
+
+
+def test_flows_match_between_the_pressures_of_both_ends(chain):
+    found = run_stages(read_stages(chain()))
+    assert found.status == "ok"
+    p, (first, second) = found.performance, (result.performance for result in found.stages)
+    assert 1.5e5 < p.intermediate_pressure < 12e5
+    assert second.gas_mass_flow == pytest.approx(first.gas_mass_flow, rel=ACCURACY)
+    assert p.flow_mismatch <= ACCURACY
+    assert p.shaft_power == first.shaft_power + second.shaft_power
+    assert p.first_pressure_ratio * p.second_pressure_ratio == pytest.approx(8.0, rel=1e-12)
+    ideal = p.gas_mass_flow * constants.gas_constant("R134a") * 283.0 * 2.0794415416798357  # ln 8
+    assert p.isothermal_efficiency == pytest.approx(ideal / p.shaft_power, rel=1e-6)
+
+
+def test_stages_are_the_scenes_alone_at_that_pressure(chain):
+    found = run_stages(read_stages(chain()))
+    for scene, result in zip(found.scenes, found.stages, strict=True):
+        assert simulate(scene).performance.shaft_power == pytest.approx(result.performance.shaft_power, rel=1e-9)
+    low, high = (lines(scene) for scene in found.scenes)
+    assert low.p_d == high.p_s == found.performance.intermediate_pressure
+    assert high.T_s == pytest.approx(found.stages[0].performance.discharge_temperature, rel=1e-12)
+    assert found.performance.intercooler_heat == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_cooler_takes_the_heat_between_its_ends_and_saves_power(chain):
+    plain, cooled = (run_stages(read_stages(chain(between))) for between in (None, COOLER))
+    p = cooled.performance
+    T_d = cooled.stages[0].performance.discharge_temperature
+    k = constants.isentropic_exponent("R134a", 283.0)
+    c_p = constants.gas_constant("R134a") * k / (k - 1.0)
+    assert p.second_suction_temperature == 290.0
+    assert p.intercooler_heat == pytest.approx(p.gas_mass_flow * c_p * (T_d - 290.0), rel=1e-6)
+    assert p.shaft_power / p.gas_mass_flow < plain.performance.shaft_power / plain.performance.gas_mass_flow
+
+
+def test_a_cooler_warmer_than_the_gas_does_nothing(chain):
+    warm = run_stages(read_stages(chain({**COOLER, "outlet_temperature": "450 K"}))).performance
+    assert warm.intercooler_heat == pytest.approx(0.0, abs=1e-6)
+    assert warm.shaft_power == pytest.approx(run_stages(read_stages(chain())).performance.shaft_power, rel=1e-9)
+
+
+def test_a_pressure_drop_is_paid_by_the_second_stage(chain):
+    found = run_stages(read_stages(chain({"pressure_drop": "0.2 bar"})))
+    low, high = (lines(scene) for scene in found.scenes)
+    assert low.p_d - high.p_s == pytest.approx(2e4)
+    assert found.performance.second_pressure_ratio == 12e5 / high.p_s
+
+
+def test_a_flash_tank_gives_the_vapour_of_the_liquid_that_goes_through_it(chain):
+    high = {**{f"operation.{k}": v for k, v in CONDENSED["operation"].items()}}
+    high |= {"operation.suction": {}, "operation.discharge": {}}
+    found = run_stages(read_stages(chain({"kind": "economizer"}, high)))
+    assert found.status == "ok"
+    p, pressure = found.performance, found.performance.intermediate_pressure
+    h_c = constants.saturated_liquid_enthalpy("R134a", 318.15)
+    h_g, h_f = (constants.wet_enthalpy("R134a", pressure, quality) for quality in (1.0, 0.0))
+    # vapour and liquid of what leaves the condenser: the liquid goes to the evaporator and the first stage
+    assert p.vapour_mass_flow / p.gas_mass_flow == pytest.approx((h_c - h_f) / (h_g - h_c), rel=1e-9)
+    first, second = (result.performance for result in found.stages)
+    assert second.gas_mass_flow == pytest.approx(first.gas_mass_flow + p.vapour_mass_flow, rel=ACCURACY)
+    assert p.second_suction_temperature < first.discharge_temperature
+    assert p.cop == pytest.approx(p.cooling_capacity / p.shaft_power)
+
+
+@pytest.mark.parametrize(
+    ("speed", "words"),
+    [("10000 rpm", "the second stage takes more"), ("150 rpm", "the second stage")],
+)
+def test_no_pressure_is_a_status(chain, speed, words):
+    found = run_stages(read_stages(chain(high={"operation.speed": speed})))
+    assert found.status in ("failed", "not_closed")
+    assert words in found.message
+
+
+def test_overrides_go_to_their_stage(chain):
+    changed = read_stages(chain(), ["second.operation.speed=1500 rpm", "first.oil_supply.ratio=2"])
+    assert changed.second.operation.speed == pytest.approx(1500 * 3.141592653589793 / 30)
+    assert changed.first.oil_supply.ratio == 2
+    with pytest.raises(UsageError, match=r"begins with neither first\. nor second\."):
+        read_stages(chain(), ["operation.speed=1500 rpm"])
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ({"stages": ["low.yaml"]}, "not the files of two scenes"),
+        ({"stages": ["low.yaml", "none.yaml"]}, "'none.yaml' is not a file"),
+        ({"third": 3}, "third: is not known beside stages"),
+        ({"intercooler": {"kind": "cooler"}}, "outlet_temperature: is missing"),
+        ({"intercooler": {"outlet_temperature": "300 K"}}, "outlet_temperature: belongs to kind: cooler"),
+        ({"intercooler": {"kind": "economizer"}}, "needs operation.condensing_temperature"),
+    ],
+)
+def test_faults_are_said(chain, more, words):
+    with pytest.raises(SceneError) as caught:
+        read_stages(chain(**more))
+    assert words in str(caught.value)
+
+
+def test_the_command_runs_stages_and_scenes(chain, capsys):
+    path = chain()
+    assert is_stages(path)
+    assert not is_stages(path.with_name("low.yaml"))
+    assert not is_stages(path.with_name("missing.yaml"))
+    assert exit_code(["run", str(path), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["status"] == "ok"
+    assert len(document["stages"]) == 2
+    assert exit_code(["run", str(path), "--set", "second.operation.speed=10000 rpm"]) == 4
+    assert "no intermediate pressure" in " ".join(capsys.readouterr().out.split())
+    assert exit_code(["run", str(path), "--without", "tip_leakage"]) == 2
