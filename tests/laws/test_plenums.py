@@ -231,3 +231,11 @@ def test_explain_and_the_scenes_text_tell_of_it():
 def test_without_traces_the_figures_are_the_same():
     scene = make(PLENUMS)
     assert simulate(scene, trace=False).performance == run(PLENUMS).performance
+
+
+def test_a_wave_that_turns_the_flow_round_is_told():
+    quiet, loud = run(PLENUMS), run(plenums(discharge_volume="0.2 l", discharge_area="80 cm^2"))
+    assert 0.0 < quiet.performance.discharge_line_least_flow < quiet.performance.gas_mass_flow
+    assert not quiet.warnings
+    assert loud.performance.discharge_line_least_flow < 0.0
+    assert any("a check valve would shut" in warning for warning in loud.warnings)
