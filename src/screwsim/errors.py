@@ -14,6 +14,7 @@ BY_FLOW += ("specific_power", "cooling_capacity", "cop", "electrical_cop")
 
 TORQUE, FORCE = "gas_torque", "_gas_force"  # over what they swing by: their means pass through zero
 PULSATION = "_pulsation_"  # over the pressure of the line
+LEAST_FLOW = "discharge_line_least_flow"  # over the mean flow, as it passes through zero
 OIL = ("oil_ratio", "oil_flow_ratio", "oil_mass_flow")
 LEAST_OIL = 1e-4  # oil per gas below which its error is that of nothing
 
@@ -66,6 +67,8 @@ def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any]
         return larger(size, 0.1)
     if TORQUE in name:
         return larger(size, abs(known.get("gas_torque_peak_to_peak", 0.0)))
+    if name == LEAST_FLOW:
+        return larger(size, abs(known.get("gas_mass_flow", 0.0)))
     if PULSATION in name:
         return abs(known.get(f"{name.partition('_')[0]}_pressure", 0.0))
     if FORCE in name:

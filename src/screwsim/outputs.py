@@ -140,6 +140,7 @@ PERFORMANCE = {
     "discharge_pulsation_harmonic_4": Variable(
         "Pa", "amplitude of the pressure in the discharge plenum at four times the lobe frequency"
     ),
+    "discharge_line_least_flow": Variable("kg s-1", "least mass flow from the discharge plenum into its line"),
     "rotor_temperature": Variable("K", "temperature of the rotors"),
     "housing_temperature": Variable("K", "temperature of the housing"),
     "wall_heat_power": Variable("W", "net heat from walls to gas: what cools the walls outside, negative"),

@@ -133,6 +133,11 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
             f"the economizer's port draws {found.economizer_draw_ratio:.3g} times the vapour that the liquid makes: "
             "its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
         )
+    if (found.discharge_line_least_flow or 0.0) < 0.0 < (found.gas_mass_flow or 0.0):
+        warnings.append(
+            "the pulsation turns the flow in the discharge line round: a check valve would shut, which is not "
+            "simulated (a larger effects.plenums.discharge_volume or a smaller discharge_area)"
+        )
     if found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
         warnings.append(
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "

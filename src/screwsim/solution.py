@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, cached_property, lru_cache
 
@@ -199,34 +199,42 @@ class Solution:
 
     def _imaged(self, q: closing.Array) -> Turn:
         """Return the turn of these quadratures with what it makes."""
-        turn = self._turn(q)
+        made: dict[str, float] = {}
+        turn = self._turn(q, made)
         for _, part in self.parts.all(Made):
-            value = max(float(part.image(turn)), part.least)
-            turn = turn._replace(made={**turn.made, part.entry.name: value})
+            made[part.entry.name] = max(float(part.image(turn)), part.least)
         return turn
 
-    def _turn(self, q: closing.Array) -> Turn:
-        """Return what a turn of these quadratures tells effects that declare what the cycle makes."""
+    def _turn(self, q: closing.Array, made: dict[str, float]) -> Turn:
+        """Return what a turn of these quadratures tells effects that declare what the cycle makes.
+
+        `made`, empty as yet, gets the numbers with which the turn was integrated.
+        """
         P, rate = self.machinery.composition.P, self.parts.omega / self.parts.geometry.pitch
         sums = rate * self.balances.walls(q)
         names = [wall.name for _, wall in self.parts.walls]
         held = dict(zip(self.parts.made, P[list(self.machinery.composition.made)].tolist(), strict=True))
+        made |= held
         return Turn(
             held,
-            held,
+            made,
             dict(zip(names, sums[:, 0].tolist(), strict=True)),
             dict(zip(names, sums[:, 1].tolist(), strict=True)),
             dict(self._gaps()),
             self.scene.operation.ambient_temperature,
-            cache(lambda to: self._line_flow(q, to)),
+            self._line_flows(q),
             self.parts.omega,
             self.parts.geometry.pitch,
         )
 
-    def _line_flow(self, q: closing.Array, to: str) -> LineFlow:
+    def _line_flows(self, q: closing.Array) -> Callable[[str], LineFlow]:
+        """Return a function that tells of the flow to a line; all is read once, when it is first asked."""
+        taken = cache(lambda: line_flows(self.parts, self.machinery, LINE_POINTS))
+        return cache(lambda to: self._line_flow(q, to, *taken()[to]))
+
+    def _line_flow(self, q: closing.Array, to: str, flow: closing.Array, volume: float) -> LineFlow:
         """Return the flow of the chambers into a line over one pitch; its mean is that of the quadratures."""
         R, number = self.machinery.R, self.parts.number(to)
-        flow, volume = line_flows(self.parts, self.machinery, LINE_POINTS)[to]
         streams = self.balances.streams(q)[2 * number : 2 * number + 2, 0]
         mean = -float(streams.sum()) * self.parts.omega / self.parts.geometry.pitch
         place = R[number * PLACE : (number + 1) * PLACE]

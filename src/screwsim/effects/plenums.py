@@ -7,7 +7,7 @@ Source: filling of a volume, plane waves in an endless pipe (textbook acoustics)
 come from the flow through the ports: E. Mujic, A. Kovacevic, N. Stosic, I. K. Smith, Noise control by suppression of
 gas pulsation in screw compressors, in: Advances in Noise Analysis, Mitigation and Control, InTech 2016.
 Assumptions: one pressure in a plenum (shorter than a quarter of a wave), isentropic pulsation around the mean, constant
-sound speed, so many harmonics as stated; the check valve stands open and does not flutter.
+sound speed, so many harmonics as stated; the check valve stands open (a warning tells where it would shut).
 Parameters: volume, line area and loss coefficient of suction and discharge, valve_pressure, harmonics.
 """
 
@@ -34,10 +34,10 @@ SHOWN = 4  # harmonics among the figures
 TRACE = 360  # points of a pitch
 LOWEST = -0.9  # offset of the mean at which nothing passes any more
 SHUT = "the {to} line takes all of the pressure (a wider effects.plenums.{to}_area or a smaller {to}_loss)"
-FIGURES = tuple(
-    f"{to}_{what}"
-    for to in LINES
-    for what in ("plenum_pressure", "pulsation_peak_to_peak", *(f"pulsation_harmonic_{k}" for k in range(1, SHOWN + 1)))
+FIGURES = (
+    "discharge_line_least_flow",
+    *(f"{to}_{what}" for to in LINES for what in ("plenum_pressure", "pulsation_peak_to_peak")),
+    *(f"{to}_pulsation_harmonic_{k}" for to in LINES for k in range(1, SHOWN + 1)),
 )
 
 
@@ -132,6 +132,10 @@ class Behind:
         pairs = [(turn.made[f"{self.to}_cos_{k}"], turn.made[f"{self.to}_sin_{k}"]) for k in range(1, SHOWN + 1)]
         found = {f"{self.to}_pulsation_harmonic_{k}": p * hypot(*pair) for k, pair in enumerate(pairs, 1)}
         found[f"{self.to}_plenum_pressure"] = p * (1.0 + turn.made[f"{self.to}_offset"])
+        if self.to == "discharge":
+            line = turn.line(self.to)
+            wave = 0.0 if self.area is None else self.area / line.sound * p * float((pressure - pressure.mean()).min())
+            found["discharge_line_least_flow"] = float(np.mean(line.flow)) + wave
         return {**found, f"{self.to}_pulsation_peak_to_peak": p * float(np.ptp(pressure))}
 
 
