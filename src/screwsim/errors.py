@@ -32,12 +32,17 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
             errors[name] = None
             continue
         scale = max(error_scale(name, known), 1e-300)
-        if name.endswith("_power") and PERFORMANCE[name].units == "W":
+        if _is_power(name):
             scale = max(scale, least_power)
         elif name == "work_per_cycle":
             scale = max(scale, least_work)
         errors[name] = abs(value - reference) / scale
     return Figures(errors)
+
+
+def _is_power(name: str) -> bool:
+    """Tell whether a figure is a power, or the heat of walls, which may be next to nothing."""
+    return name == "wall_heat" or (name.endswith("_power") and PERFORMANCE[name].units == "W")
 
 
 def flow_errors(found: Figures, lost: float) -> Figures:
@@ -55,12 +60,12 @@ def flow_errors(found: Figures, lost: float) -> Figures:
 def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any], Any] = max) -> Any:
     """Return what the relative error of a figure is relative to; figures that are None count as zero in `known`.
 
-    Powers are over the larger of shaft and ideal power, efficiencies over max(|η|, 0.1), oil over at least LEAST_OIL of
-    the gas, the net gas flow and what is divided by it over as much as the volumetric efficiency allows, the others
-    over themselves. For arrays `larger` is numpy's maximum.
+    Powers and heat of walls are over the larger of shaft and ideal power, efficiencies over max(|η|, 0.1), oil over at
+    least LEAST_OIL of the gas, the net gas flow and what is divided by it over as much as the volumetric efficiency
+    allows, the others over themselves. For arrays `larger` is numpy's maximum.
     """
     size = abs(known[name])
-    if name.endswith("_power") and PERFORMANCE[name].units == "W":
+    if _is_power(name):
         shaft = known.get("shaft_power", 0.0)
         return larger(abs(shaft), abs(known.get("ideal_isothermal_efficiency", 0.0) * shaft))
     if name.endswith("_efficiency"):

@@ -1,6 +1,7 @@
 """Bit for bit: the same scene gives the same numbers, whatever the number of jobs and whatever ran before."""
 
 import json
+import os
 import subprocess
 import sys
 
@@ -61,3 +62,18 @@ def test_one_run_after_another_changes_no_bit(tmp_path):
         asked = ["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / name)]
         subprocess.run([sys.executable, "-m", "screwsim", *asked], check=True, capture_output=True)
     assert arrays(tmp_path / "first.h5") == arrays(tmp_path / "second.h5")
+
+
+@pytest.mark.slow
+def test_a_module_compiled_now_gives_the_bits_of_one_that_was_loaded(tmp_path):
+    scene = scene_dict({"gas.model": "real", "oil.transport": "carried", "oil_supply.temperature": "328 K"})
+    (tmp_path / "scene.yaml").write_text(json.dumps(scene), encoding="utf-8")
+    place = {**os.environ, "SCREWSIM_CACHE": str(tmp_path / "cache")}
+    (tmp_path / "cache").mkdir()
+    found = []
+    for name in ("compiled.h5", "loaded.h5"):
+        asked = ["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / name)]
+        done = subprocess.run([sys.executable, "-m", "screwsim", *asked], env=place, capture_output=True, text=True)
+        found.append((done.returncode, "compiling" in done.stderr, arrays(tmp_path / name)))
+    assert [each[:2] for each in found] == [(0, True), (0, False)]
+    assert found[0][2] == found[1][2]

@@ -34,7 +34,6 @@ class Kernel:
         self.arguments = tuple(inspect.signature(function).parameters)
         # now: a file may be edited while we run
         self.source = source or textwrap.dedent(inspect.getsource(function))
-        self.fused = source is not None  # long sums of products: multiply and add may round once
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
@@ -221,18 +220,21 @@ def flatten(
                 renames[used] = constant
         tree = _Rename(renames).visit(pruned)
         del found[name]
-        found[name] = decorate(ast.unparse(tree), item.fused)
+        found[name] = decorate(ast.unparse(tree))
 
     for each in kernels:
         visit(each)
     return found
 
 
-def decorate(source: str, fused: bool = False) -> str:
-    """Return a function's source with the compiler's decorator; `fused` lets it join multiplications and additions."""
+def decorate(source: str) -> str:
+    """Return a function's source with the compiler's decorator.
+
+    No `fastmath`: where rounding depends on what is compiled together, a module gives other bits when it was compiled
+    in this process than when it was loaded.
+    """
     counting = "" if "np.empty" in source else ", _nrt=False"  # arrays are borrowed: counting references costs 5x
-    joining = ", fastmath={'contract'}" if fused else ""
-    return f"@njit(cache=True, error_model='numpy'{counting}{joining})\n{source}"
+    return f"@njit(cache=True, error_model='numpy'{counting})\n{source}"
 
 
 def without_wrapper(source: str) -> str:
