@@ -24,7 +24,7 @@ from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
 from screwsim.machine.kinds import geometry_of
 from screwsim.model import close as closing
-from screwsim.model.compose import OilPart, Parts
+from screwsim.model.parts import OilPart, Parts
 from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy

@@ -30,7 +30,8 @@ from screwsim.effects.base import (
 )
 from screwsim.machine.settings import TwinScrew
 from screwsim.machine.slider_crank.settings import SliderCrank
-from screwsim.model.compose import Composition, Parts, compose
+from screwsim.model.compose import Composition, compose
+from screwsim.model.parts import Parts
 from screwsim.scene.fields import Leaf, Section, section_of
 from screwsim.scene.grid import case_count, dimensions
 from screwsim.scene.lines import lines

@@ -18,7 +18,7 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.intake import Suction
 from screwsim.model import ledger as kernels
 from screwsim.model.close import Array, discharge_enthalpy
-from screwsim.model.compose import OilPart
+from screwsim.model.parts import OilPart
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,

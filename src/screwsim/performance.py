@@ -12,7 +12,7 @@ import numpy as np
 from screwsim.effects.base import Plenum, PowerLoss, Reading, Turn
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.close import Array, discharge_enthalpy
-from screwsim.model.compose import Parts
+from screwsim.model.parts import Parts
 from screwsim.model.pitch import Pitch
 from screwsim.outputs import PERFORMANCE, Figures
 from screwsim.scene.lines import Lines

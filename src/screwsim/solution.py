@@ -17,9 +17,10 @@ from screwsim.faults import UsageError
 from screwsim.intake import suction_of
 from screwsim.ledger import Cycle, ledger
 from screwsim.model import close as closing
-from screwsim.model.compose import Parts, compose
+from screwsim.model.compose import compose
 from screwsim.model.continuation import Course, Guess
 from screwsim.model.guess import first_guess
+from screwsim.model.parts import Parts
 from screwsim.model.pitch import Pitch, pitch_of
 from screwsim.model.places import SOME_OIL
 from screwsim.model.run import Machinery

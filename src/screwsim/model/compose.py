@@ -6,36 +6,46 @@ module's text; numbers go into the vector P and the tables TAB, so that one comp
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilPort, Scaled, Wall
-from screwsim.fluid.orifice import orifice_flow
-from screwsim.model import chamber, coupled, landing, ledger, places, pulsation, trace
-from screwsim.model.parts import OilPart, Parts
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate
+from screwsim.model import chamber, coupled, landing, ledger, places, trace
+from screwsim.model.parts import Parts
 from screwsim.model.slots import (
     FEWEST,
     FIRST_OWN,
     OIL_NUMBERS,
-    P_DISCHARGE_WIDTH,
     P_FIRST_OIL,
-    P_OMEGA,
-    P_PITCH,
     P_PORT_WIDTH,
     PLACE,
     PORT_OIL,
     Q_WALLS,
     R_SIZE,
 )
-from screwsim.model.speed import flat_curve, slowness
+from screwsim.model.writing import (
+    Writer,
+    scales,
+    symbols_of,
+    write_areas,
+    write_flash,
+    write_gas,
+    write_heat,
+    write_openings,
+    write_own_states,
+    write_ports,
+    write_pulsations,
+    write_shares,
+    write_speed,
+    write_supply,
+    write_walls,
+)
 from screwsim.numerics import history, rodas
-from screwsim.numerics.kernel import HEADER, Kernel, decorate, flatten, kernel, without_wrapper
-from screwsim.numerics.spline import pack_curve, table_value
+from screwsim.numerics.kernel import HEADER, Kernel, flatten, without_wrapper
 
 # what is called from Python; a wrapper for every small kernel would cost a sixth of the compilation
 CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
@@ -48,33 +58,6 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
 OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
 OWN += ("state_rate", "path_opening", "flash_terms")
-
-# names that a kernel has for the numbers of the injection orifice
-BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
-BORE |= {"separator_pressure": "separator_pressure"}
-
-# symbols that a kernel can ask for and that are not numbers of the scene
-STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
-OPENING_SYMBOLS = ("drop", "width", "held")
-HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
-WALL_SYMBOLS = HEAT_SYMBOLS[:6]
-
-
-@dataclass
-class _Numbers:
-    """P and TAB while they are being laid out; the head of P is filled in last."""
-
-    values: list[float]
-    tables: list[np.ndarray] = field(default_factory=list)
-
-    def add(self, value: float) -> str:
-        self.values.append(float(value))
-        return f"P[{len(self.values) - 1}]"
-
-    def add_table(self, curve: tuple[np.ndarray, ...]) -> str:
-        start = sum(len(table) for table in self.tables)
-        self.tables.append(pack_curve(*curve))
-        return self.add(float(start))
 
 
 @dataclass(frozen=True)
@@ -123,226 +106,6 @@ class Composition:
         return self.first_stream + self.n_sums
 
 
-class _Writer:
-    """Writes the composition's own small functions and collects the kernels they call."""
-
-    def __init__(self, symbols: Mapping[str, float], head: Sequence[float], made: Mapping[str, float]) -> None:
-        self.numbers = _Numbers(list(head))
-        self.made = {name: self.numbers.add(value) for name, value in made.items()}
-        self.symbols = symbols
-        self.kernels: list[Kernel] = []
-        self.text: list[str] = []
-        self.slow = ""  # factor of all that depends on time, where the speed changes over the pitch
-
-    def call(self, kernel: Kernel, values: Mapping[str, float], tables: Mapping[str, Any], free: Sequence[str]) -> str:
-        """Return a call of the kernel.
-
-        Its arguments are free names, numbers of its own, what the cycle makes, or symbols of the scene.
-        """
-        self.kernels.append(kernel)
-        arguments = []
-        for name in kernel.arguments:
-            if name in free:
-                arguments.append(name)
-            elif name in values:
-                arguments.append(self.numbers.add(values[name]))
-            elif name in tables:
-                arguments.append(self.numbers.add_table(tables[name]))
-            elif name in self.made:
-                arguments.append(self.made[name])
-            elif name in self.symbols:
-                arguments.append(self.numbers.add(self.symbols[name]))
-            else:
-                known = ", ".join(sorted({*free, *values, *tables, *self.made, *self.symbols}))
-                raise TypeError(f"kernel {kernel.flat_name}: nothing is called {name!r}; known here: {known}")
-        return f"{kernel.flat_name}({', '.join(arguments)})"
-
-    def function(self, head: str, body: Sequence[str]) -> None:
-        self.text.append(decorate("\n".join([f"def {head}:", *(f"    {line}" for line in body)])))
-
-
-def symbols_of(parts: Parts) -> dict[str, float]:
-    """Return the numbers of the scene that any kernel can ask for by name (docs/nomenclature.md)."""
-    found = {"omega": parts.omega, "pitch": parts.geometry.pitch} | parts.geometry.settings.symbols()
-    if parts.oil is not None:
-        found["oil_density"] = parts.oil.density
-        found["oil_heat_capacity"] = parts.oil.heat_capacity
-        found["oil_room"] = 1.0 / parts.oil.density if parts.oil_room else 0.0
-        found |= {BORE[name]: value for name, value in parts.oil.supply.items() if name in BORE}
-    return found
-
-
-def _write_areas(
-    writer: _Writer, name: str, paths: Sequence[tuple[str, FlowPath]], scales: Mapping[str, Sequence[str]]
-) -> None:
-    body, slow = ([f"slow = {writer.slow}"], "slow * ") if writer.slow else ([], "")
-    for index, (effect, path) in enumerate(paths):
-        coefficient = " * ".join([writer.numbers.add(path.flow_coefficient), *scales.get(effect, ())])
-        call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"))
-        turned = [] if path.mirror is None else [f"    phi = {writer.numbers.add(path.mirror)} - phi"]
-        body += [f"if i == {index}:", *turned, f"    return {slow}{coefficient} * {call}"]
-    writer.function(f"{name}(i, phi, P, TAB)", [*body, "return 0.0"])
-
-
-def _write_heat(writer: _Writer, heats: Sequence[HeatRate]) -> None:
-    arguments = ", ".join([*HEAT_SYMBOLS, "P"])
-    body = ["total = 0.0", "lost = 0.0"]
-    one = []
-    slow = [f"slow = {writer.slow}"] if writer.slow else []
-    factor_of_time = "slow * " if writer.slow else ""
-    for index, part in enumerate(heats):
-        call = factor_of_time + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
-        factor = "d * " if part.oil_factor == "printed" else ""
-        body += [f"heat = {call}", "total += heat", f"lost += {factor}heat"]
-        one += [f"if i == {index}:", f"    heat = {call}", f"    return heat, {factor}heat"]
-    writer.function(f"heat_rates({arguments})", [*slow, *body, "return total, lost"])
-    writer.function(f"heat_part(i, {arguments})", [*slow, *one, "return 0.0, 0.0"])
-
-
-def _write_walls(writer: _Writer, walls: Sequence[Wall]) -> None:
-    if not walls:
-        return
-    body, slow = ([f"slow = {writer.slow}"], "slow * ") if writer.slow else ([], "")
-    for index, wall in enumerate(walls):
-        held = wall.temperature
-        temperature = _made(writer, held) if isinstance(held, str) else writer.numbers.add(held)
-        call = writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
-        body += [f"if i == {index}:", f"    return {slow}{call}, {temperature}"]
-    writer.function(f"wall_state(i, {', '.join(WALL_SYMBOLS)}, P)", [*body, "return 0.0, 0.0"])
-
-
-def _write_pulsations(writer: _Writer, parts: Parts) -> None:
-    if not parts.pulsations:
-        return
-    writer.kernels.append(pulsation.harmonics)
-    body = []
-    for part in parts.pulsations:
-        offset, first = _made(writer, part.offset), _made(writer, part.harmonics[0])
-        phase = f"phi * {writer.numbers.add(2.0 * math.pi / parts.geometry.pitch)}"
-        call = f"{pulsation.harmonics.flat_name}({phase}, P, {first[2:-1]}, {len(part.harmonics) // 2})"
-        body += [f"if i == {parts.number(part.to)}:", f"    return {offset}, {call}"]
-    writer.function("line_pulse(i, phi, P)", [*body, "return 0.0, 0.0"])
-
-
-def _made(writer: _Writer, name: str) -> str:
-    if name not in writer.made:
-        raise TypeError(f"no effect declares {name!r} as made by the cycle; known: {', '.join(writer.made) or 'none'}")
-    return writer.made[name]
-
-
-def _scales(writer: _Writer, parts: Parts) -> dict[str, list[str]]:
-    """Return of each effect the factors of its areas that the cycle makes."""
-    found: dict[str, list[str]] = {}
-    for _, part in parts.all(Scaled):
-        found.setdefault(part.effect, []).append(_made(writer, part.by))
-    return found
-
-
-def _write_gas(writer: _Writer, gas: Any) -> None:
-    free = ("phase", "T", "rho")
-    if gas.phased_state is None:
-        phase, state = "0", writer.call(gas.state, gas.values, {}, free)
-    else:
-        phase, state = (writer.call(kernel, gas.values, {}, free) for kernel in gas.phased_state)
-    writer.function("gas_phase(T, rho)", [f"return {phase}"])
-    writer.function("phased_state(phase, T, rho, P, TAB)", [f"return {state}"])
-    writer.function("gas_state(T, rho, P, TAB)", ["return phased_state(gas_phase(T, rho), T, rho, P, TAB)"])
-    entropy = writer.call(gas.specific_entropy, gas.values, {}, free)
-    writer.function("gas_entropy(T, rho, P, TAB)", [f"return {entropy}"])
-
-
-def _write_speed(writer: _Writer, pitch: float) -> int:
-    """Let all that depends on time follow the speed over the pitch; return where in P its curve begins."""
-    start = len(writer.numbers.values) + 1
-    curve = writer.numbers.add(float(start))
-    for value in flat_curve(pitch):
-        writer.numbers.add(value)
-    writer.kernels.append(slowness)
-    writer.slow = f"{slowness.flat_name}(phi, P[{P_PITCH}], {curve}, P)"
-    return start
-
-
-def _write_supply(writer: _Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
-    if oil is None:
-        body = ["return 0.0"]
-    elif "ratio" in oil.supply:
-        body = [f"return {writer.numbers.add(oil.supply['ratio'])} * m"]
-    else:
-        separator = writer.numbers.add(oil.supply["separator_pressure"])
-        writer.text.append("")
-        call = writer.call(orifice_flow, oil.supply, {}, ("dp",))
-        span = f"P[{P_PITCH}] / P[{P_OMEGA}]" if writer.slow else writer.numbers.add(pitch / omega)
-        body = [f"dp = {separator} - p", f"return {call} * {span}"]
-    writer.function("injected_oil(p, m, P)", body)
-
-
-def _write_ports(writer: _Writer, parts: Parts, port: OilPort) -> None:
-    if parts.pumped:
-        assert port.pumped is not None and parts.oil is not None
-        ratio = writer.numbers.add(parts.oil.supply["ratio"])
-        call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
-        index = _structure(parts)["P_TRAPPED"]
-        slow = f"{writer.slow} * " if writer.slow else ""
-        writer.function("oil_inflow(phi, p, P, TAB)", [f"return {slow}P[{index}] * {ratio} * {call}"])
-        return
-    call = writer.call(port.flow, port.values, {}, ("phi", "p", "width"))
-    slow = f"{writer.slow} * " if writer.slow else ""
-    writer.function("oil_inflow(phi, p, P, TAB)", [f"width = P[{P_DISCHARGE_WIDTH}]", f"return {slow}{call}"])
-
-
-def _write_shares(writer: _Writer, gaps: Sequence[FlowPath]) -> None:
-    body = []
-    for index, path in enumerate(gaps):
-        if path.resistance is not None:
-            values = {**path.values, **path.resistance.values}
-            call = writer.call(path.resistance.share, values, {}, ("flux", "density", "oil_ratio"))
-            body += [f"if i == {index}:", f"    return {call}"]
-    writer.function("gap_share(i, flux, density, oil_ratio, P)", [*body, "return 1.0"])
-
-
-def _named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:
-    """Return a function's body behind those states of y, beyond T and rho, that are asked for by name."""
-    return [*(f"{name} = y[at + {i}]" for i, name in enumerate(states) if i > 1 and name in asked), *body]
-
-
-def _write_own_states(writer: _Writer, own: Sequence[ChamberState], states: Sequence[str]) -> None:
-    body, asked = [], set()
-    slow = f"{writer.slow} * " if writer.slow else ""
-    for index, part in enumerate(own):
-        call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states))
-        body += [f"if i == {index}:", f"    return {slow}{call}"]
-        asked |= set(part.rate.arguments)
-    head = f"state_rate(i, {', '.join(STATE_SYMBOLS)}, y, at, P)"
-    writer.function(head, [*_named_states(body, states, asked), "return 0.0"])
-
-
-def _write_openings(writer: _Writer, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
-    body, asked = [], set()
-    for index, path in enumerate(paths):
-        if path.opening is not None:
-            call = writer.call(path.opening, path.values, {}, (*OPENING_SYMBOLS, *states[2:]))
-            body += [f"if i == {index}:", f"    return {call}"]
-            asked |= set(path.opening.arguments)
-    head = "path_opening(i, drop, width, held, y, at, P)"
-    writer.function(head, [*_named_states(body, states, asked), "return 1.0"])
-
-
-def _write_flash(writer: _Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:
-    content, state = parts.oil_content, parts.plenums[part.plenum]
-    assert content is not None
-    curve = {"curve": (content.pressure, content.flashed)}
-    call = writer.call(table_content, {}, curve, ("p", "TAB"))
-    enthalpy, latent = writer.numbers.add(state.h), writer.numbers.add(content.latent / oil.heat_capacity)
-    body = [f"gas = oil * max(0.0, {call})", f"return gas, gas * {enthalpy}, gas * {latent}"]
-    writer.function("flash_terms(oil, p, P, TAB)", body)
-
-
-@kernel
-def table_content(p, TAB, curve):
-    """Return the gas that flashes of a kilogram of oil at pressure p, from the table at index `curve` of TAB (M196)."""
-    return table_value(p, TAB, curve)
-
-
 def _knots(parts: Parts, law: Any, paths: Sequence[FlowPath], more: Sequence[float]) -> np.ndarray:
     """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
     geometry = parts.geometry
@@ -369,7 +132,7 @@ def _knots(parts: Parts, law: Any, paths: Sequence[FlowPath], more: Sequence[flo
 
 def compose(parts: Parts) -> Composition:
     """Return the composition of what a scene names."""
-    writer = _Writer(symbols_of(parts), _fixed_numbers(parts), parts.made)
+    writer = Writer(symbols_of(parts), _fixed_numbers(parts), parts.made)
     geometry, gas, oil, port = parts.geometry, parts.gas, parts.oil, parts.oil_port
     named = parts.all(FlowPath)
     plenum = [(name, path) for name, path in named if path.to != "neighbour"]
@@ -386,32 +149,32 @@ def compose(parts: Parts) -> Composition:
     opened = any(path.opening is not None for _, path in plenum)
     _refuse(parts, states, opened)
     law = geometry.volume_law()
-    _write_gas(writer, gas)
+    write_gas(writer, gas)
     for name, of_law, sign in (("volume_at", law.volume, ""), ("volume_slope_at", law.slope, "-")):
         call = writer.call(of_law, law.values, law.tables, ("phi", "TAB"))
         body = [f"return {call}"]
         if law.mirror is not None:
             body = [f"phi = {writer.numbers.add(law.mirror)} - phi", f"return {sign}{call}"]
         writer.function(f"{name}(phi, P, TAB)", body)
-    speed_curve = _write_speed(writer, geometry.pitch) if parts.shaft is not None else None
-    scales = _scales(writer, parts)
-    _write_areas(writer, "plenum_area", plenum, scales)
-    _write_areas(writer, "gap_area", gaps, scales)
-    _write_heat(writer, heats)
-    _write_walls(writer, [wall for _, wall in parts.walls])
-    _write_pulsations(writer, parts)
-    _write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
+    speed_curve = write_speed(writer, geometry.pitch) if parts.shaft is not None else None
+    factors = scales(writer, parts)
+    write_areas(writer, "plenum_area", plenum, factors)
+    write_areas(writer, "gap_area", gaps, factors)
+    write_heat(writer, heats)
+    write_walls(writer, [wall for _, wall in parts.walls])
+    write_pulsations(writer, parts)
+    write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
     if port is not None:
-        _write_ports(writer, parts, port)
+        write_ports(writer, parts, port, _structure(parts)["P_TRAPPED"])
     if parts.oil_gas is not None:
         assert oil is not None
-        _write_flash(writer, parts, oil, parts.oil_gas)
+        write_flash(writer, parts, oil, parts.oil_gas)
     if _resisted(parts):
-        _write_shares(writer, [path for _, path in gaps])
+        write_shares(writer, [path for _, path in gaps])
     if own_states:
-        _write_own_states(writer, own_states, states)
+        write_own_states(writer, own_states, states)
     if opened:
-        _write_openings(writer, [path for _, path in plenum], states)
+        write_openings(writer, [path for _, path in plenum], states)
     offsets = sorted({path.offset for _, path in gaps})
     constants = {
         "N": len(states),

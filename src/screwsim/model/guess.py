@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.model.compose import Composition, Parts
+from screwsim.model.compose import Composition
+from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
 
 Array = np.ndarray

@@ -1,0 +1,269 @@
+"""Writing the functions that a composition has of its own (slots.py): calls of kernels with their numbers filled in.
+
+Numbers go into P and TAB, what decides on terms into the text. Where the speed changes over the pitch, all that depends
+on time is multiplied by `Writer.slow`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilPort, Scaled, Wall
+from screwsim.fluid.orifice import orifice_flow
+from screwsim.model import pulsation
+from screwsim.model.parts import OilPart, Parts
+from screwsim.model.slots import P_DISCHARGE_WIDTH, P_OMEGA, P_PITCH
+from screwsim.model.speed import flat_curve, slowness
+from screwsim.numerics.kernel import Kernel, decorate, kernel
+from screwsim.numerics.spline import pack_curve, table_value
+
+# names that a kernel has for the numbers of the injection orifice
+BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
+BORE |= {"separator_pressure": "separator_pressure"}
+
+# symbols that a kernel can ask for and that are not numbers of the scene
+STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
+OPENING_SYMBOLS = ("drop", "width", "held")
+HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
+WALL_SYMBOLS = HEAT_SYMBOLS[:6]
+
+
+@dataclass
+class Numbers:
+    """P and TAB while they are being laid out; the head of P is filled in last."""
+
+    values: list[float]
+    tables: list[np.ndarray] = field(default_factory=list)
+
+    def add(self, value: float) -> str:
+        self.values.append(float(value))
+        return f"P[{len(self.values) - 1}]"
+
+    def add_table(self, curve: tuple[np.ndarray, ...]) -> str:
+        start = sum(len(table) for table in self.tables)
+        self.tables.append(pack_curve(*curve))
+        return self.add(float(start))
+
+
+class Writer:
+    """Writes the composition's own small functions and collects the kernels they call."""
+
+    def __init__(self, symbols: Mapping[str, float], head: Sequence[float], made: Mapping[str, float]) -> None:
+        self.numbers = Numbers(list(head))
+        self.made = {name: self.numbers.add(value) for name, value in made.items()}
+        self.symbols = symbols
+        self.kernels: list[Kernel] = []
+        self.text: list[str] = []
+        self.slow = ""  # factor of all that depends on time, where the speed changes over the pitch
+
+    def call(self, kernel: Kernel, values: Mapping[str, float], tables: Mapping[str, Any], free: Sequence[str]) -> str:
+        """Return a call of the kernel.
+
+        Its arguments are free names, numbers of its own, what the cycle makes, or symbols of the scene.
+        """
+        self.kernels.append(kernel)
+        arguments = []
+        for name in kernel.arguments:
+            if name in free:
+                arguments.append(name)
+            elif name in values:
+                arguments.append(self.numbers.add(values[name]))
+            elif name in tables:
+                arguments.append(self.numbers.add_table(tables[name]))
+            elif name in self.made:
+                arguments.append(self.made[name])
+            elif name in self.symbols:
+                arguments.append(self.numbers.add(self.symbols[name]))
+            else:
+                known = ", ".join(sorted({*free, *values, *tables, *self.made, *self.symbols}))
+                raise TypeError(f"kernel {kernel.flat_name}: nothing is called {name!r}; known here: {known}")
+        return f"{kernel.flat_name}({', '.join(arguments)})"
+
+    def function(self, head: str, body: Sequence[str]) -> None:
+        self.text.append(decorate("\n".join([f"def {head}:", *(f"    {line}" for line in body)])))
+
+
+def symbols_of(parts: Parts) -> dict[str, float]:
+    """Return the numbers of the scene that any kernel can ask for by name (docs/nomenclature.md)."""
+    found = {"omega": parts.omega, "pitch": parts.geometry.pitch} | parts.geometry.settings.symbols()
+    if parts.oil is not None:
+        found["oil_density"] = parts.oil.density
+        found["oil_heat_capacity"] = parts.oil.heat_capacity
+        found["oil_room"] = 1.0 / parts.oil.density if parts.oil_room else 0.0
+        found |= {BORE[name]: value for name, value in parts.oil.supply.items() if name in BORE}
+    return found
+
+
+def write_areas(
+    writer: Writer, name: str, paths: Sequence[tuple[str, FlowPath]], scales: Mapping[str, Sequence[str]]
+) -> None:
+    body, slow = ([f"slow = {writer.slow}"], "slow * ") if writer.slow else ([], "")
+    for index, (effect, path) in enumerate(paths):
+        coefficient = " * ".join([writer.numbers.add(path.flow_coefficient), *scales.get(effect, ())])
+        call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"))
+        turned = [] if path.mirror is None else [f"    phi = {writer.numbers.add(path.mirror)} - phi"]
+        body += [f"if i == {index}:", *turned, f"    return {slow}{coefficient} * {call}"]
+    writer.function(f"{name}(i, phi, P, TAB)", [*body, "return 0.0"])
+
+
+def write_heat(writer: Writer, heats: Sequence[HeatRate]) -> None:
+    arguments = ", ".join([*HEAT_SYMBOLS, "P"])
+    body = ["total = 0.0", "lost = 0.0"]
+    one = []
+    slow = [f"slow = {writer.slow}"] if writer.slow else []
+    factor_of_time = "slow * " if writer.slow else ""
+    for index, part in enumerate(heats):
+        call = factor_of_time + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
+        factor = "d * " if part.oil_factor == "printed" else ""
+        body += [f"heat = {call}", "total += heat", f"lost += {factor}heat"]
+        one += [f"if i == {index}:", f"    heat = {call}", f"    return heat, {factor}heat"]
+    writer.function(f"heat_rates({arguments})", [*slow, *body, "return total, lost"])
+    writer.function(f"heat_part(i, {arguments})", [*slow, *one, "return 0.0, 0.0"])
+
+
+def write_walls(writer: Writer, walls: Sequence[Wall]) -> None:
+    if not walls:
+        return
+    body, slow = ([f"slow = {writer.slow}"], "slow * ") if writer.slow else ([], "")
+    for index, wall in enumerate(walls):
+        held = wall.temperature
+        temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held)
+        call = writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
+        body += [f"if i == {index}:", f"    return {slow}{call}, {temperature}"]
+    writer.function(f"wall_state(i, {', '.join(WALL_SYMBOLS)}, P)", [*body, "return 0.0, 0.0"])
+
+
+def write_pulsations(writer: Writer, parts: Parts) -> None:
+    if not parts.pulsations:
+        return
+    writer.kernels.append(pulsation.harmonics)
+    body = []
+    for part in parts.pulsations:
+        offset, first = made(writer, part.offset), made(writer, part.harmonics[0])
+        phase = f"phi * {writer.numbers.add(2.0 * math.pi / parts.geometry.pitch)}"
+        call = f"{pulsation.harmonics.flat_name}({phase}, P, {first[2:-1]}, {len(part.harmonics) // 2})"
+        body += [f"if i == {parts.number(part.to)}:", f"    return {offset}, {call}"]
+    writer.function("line_pulse(i, phi, P)", [*body, "return 0.0, 0.0"])
+
+
+def made(writer: Writer, name: str) -> str:
+    if name not in writer.made:
+        raise TypeError(f"no effect declares {name!r} as made by the cycle; known: {', '.join(writer.made) or 'none'}")
+    return writer.made[name]
+
+
+def scales(writer: Writer, parts: Parts) -> dict[str, list[str]]:
+    """Return of each effect the factors of its areas that the cycle makes."""
+    found: dict[str, list[str]] = {}
+    for _, part in parts.all(Scaled):
+        found.setdefault(part.effect, []).append(made(writer, part.by))
+    return found
+
+
+def write_gas(writer: Writer, gas: Any) -> None:
+    free = ("phase", "T", "rho")
+    if gas.phased_state is None:
+        phase, state = "0", writer.call(gas.state, gas.values, {}, free)
+    else:
+        phase, state = (writer.call(kernel, gas.values, {}, free) for kernel in gas.phased_state)
+    writer.function("gas_phase(T, rho)", [f"return {phase}"])
+    writer.function("phased_state(phase, T, rho, P, TAB)", [f"return {state}"])
+    writer.function("gas_state(T, rho, P, TAB)", ["return phased_state(gas_phase(T, rho), T, rho, P, TAB)"])
+    entropy = writer.call(gas.specific_entropy, gas.values, {}, free)
+    writer.function("gas_entropy(T, rho, P, TAB)", [f"return {entropy}"])
+
+
+def write_speed(writer: Writer, pitch: float) -> int:
+    """Let all that depends on time follow the speed over the pitch; return where in P its curve begins."""
+    start = len(writer.numbers.values) + 1
+    curve = writer.numbers.add(float(start))
+    for value in flat_curve(pitch):
+        writer.numbers.add(value)
+    writer.kernels.append(slowness)
+    writer.slow = f"{slowness.flat_name}(phi, P[{P_PITCH}], {curve}, P)"
+    return start
+
+
+def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
+    if oil is None:
+        body = ["return 0.0"]
+    elif "ratio" in oil.supply:
+        body = [f"return {writer.numbers.add(oil.supply['ratio'])} * m"]
+    else:
+        separator = writer.numbers.add(oil.supply["separator_pressure"])
+        writer.text.append("")
+        call = writer.call(orifice_flow, oil.supply, {}, ("dp",))
+        span = f"P[{P_PITCH}] / P[{P_OMEGA}]" if writer.slow else writer.numbers.add(pitch / omega)
+        body = [f"dp = {separator} - p", f"return {call} * {span}"]
+    writer.function("injected_oil(p, m, P)", body)
+
+
+def write_ports(writer: Writer, parts: Parts, port: OilPort, trapped: int) -> None:
+    if parts.pumped:
+        assert port.pumped is not None and parts.oil is not None
+        ratio = writer.numbers.add(parts.oil.supply["ratio"])
+        call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
+        slow = f"{writer.slow} * " if writer.slow else ""
+        writer.function("oil_inflow(phi, p, P, TAB)", [f"return {slow}P[{trapped}] * {ratio} * {call}"])
+        return
+    call = writer.call(port.flow, port.values, {}, ("phi", "p", "width"))
+    slow = f"{writer.slow} * " if writer.slow else ""
+    writer.function("oil_inflow(phi, p, P, TAB)", [f"width = P[{P_DISCHARGE_WIDTH}]", f"return {slow}{call}"])
+
+
+def write_shares(writer: Writer, gaps: Sequence[FlowPath]) -> None:
+    body = []
+    for index, path in enumerate(gaps):
+        if path.resistance is not None:
+            values = {**path.values, **path.resistance.values}
+            call = writer.call(path.resistance.share, values, {}, ("flux", "density", "oil_ratio"))
+            body += [f"if i == {index}:", f"    return {call}"]
+    writer.function("gap_share(i, flux, density, oil_ratio, P)", [*body, "return 1.0"])
+
+
+def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:
+    """Return a function's body behind those states of y, beyond T and rho, that are asked for by name."""
+    return [*(f"{name} = y[at + {i}]" for i, name in enumerate(states) if i > 1 and name in asked), *body]
+
+
+def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequence[str]) -> None:
+    body, asked = [], set()
+    slow = f"{writer.slow} * " if writer.slow else ""
+    for index, part in enumerate(own):
+        call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states))
+        body += [f"if i == {index}:", f"    return {slow}{call}"]
+        asked |= set(part.rate.arguments)
+    head = f"state_rate(i, {', '.join(STATE_SYMBOLS)}, y, at, P)"
+    writer.function(head, [*named_states(body, states, asked), "return 0.0"])
+
+
+def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
+    body, asked = [], set()
+    for index, path in enumerate(paths):
+        if path.opening is not None:
+            call = writer.call(path.opening, path.values, {}, (*OPENING_SYMBOLS, *states[2:]))
+            body += [f"if i == {index}:", f"    return {call}"]
+            asked |= set(path.opening.arguments)
+    head = "path_opening(i, drop, width, held, y, at, P)"
+    writer.function(head, [*named_states(body, states, asked), "return 1.0"])
+
+
+def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:
+    content, state = parts.oil_content, parts.plenums[part.plenum]
+    assert content is not None
+    curve = {"curve": (content.pressure, content.flashed)}
+    call = writer.call(table_content, {}, curve, ("p", "TAB"))
+    enthalpy, latent = writer.numbers.add(state.h), writer.numbers.add(content.latent / oil.heat_capacity)
+    body = [f"gas = oil * max(0.0, {call})", f"return gas, gas * {enthalpy}, gas * {latent}"]
+    writer.function("flash_terms(oil, p, P, TAB)", body)
+
+
+@kernel
+def table_content(p, TAB, curve):
+    """Return the gas that flashes of a kilogram of oil at pressure p, from the table at index `curve` of TAB (M196)."""
+    return table_value(p, TAB, curve)
