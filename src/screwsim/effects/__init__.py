@@ -14,12 +14,12 @@ from screwsim.effects.base import Effect
 
 _NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "port_window", "valves"}
 _ORDER = (
+    "suction_port",
+    "discharge_port",
     "check_valves",
     "reed_valves",
     "ring_leakage",
     "cylinder_heat",
-    "suction_port",
-    "discharge_port",
     "tip_leakage",
     "interlobe_leakage",
     "blow_hole",

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from screwsim.model.places import (
     IMPOSSIBLE,
-    STEP,
     angle_terms,
     fill_place,
     neighbour,
@@ -21,6 +20,7 @@ from screwsim.model.places import (
     relative_error,
     share_before_border,
 )
+from screwsim.model.port_oil import add_flash, oil_slopes
 from screwsim.model.pulsation import fill_lines
 from screwsim.model.room import density_of, displaced, gas_mass, locked, with_room
 from screwsim.model.slots import (
@@ -32,12 +32,10 @@ from screwsim.model.slots import (
     E_LINES,
     E_VOLUME,
     FIRST_OWN,
-    FLASH,
     FLASHED,
     FREE,
     GAP_OFFSET,
     HEATED,
-    HOLDS,
     LOOSE,
     N_GAPS,
     N_OFFSETS,
@@ -83,7 +81,6 @@ from screwsim.model.slots import (
     VOLUMED,
     WALLS,
     N,
-    flash_terms,
     gap_area,
     gas_phase,
     gas_state,
@@ -104,8 +101,8 @@ from screwsim.model.streams import (
     place_flow,
     place_slopes,
 )
+from screwsim.model.valve import held_share, opening_by_state, opening_slope, share_before_switch
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.rodas import dense_coefficients, dense_value
 
 OPENING_STEP = 1e-5  # of the width of the regularisation, for differences of an opening by the pressure difference
 SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
@@ -339,116 +336,6 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     for j in range(N):
         own_column(y, j, E, own, state, work, d, other, n_sums, P, R, f, g, J, Jq)
     angle_column(y, E_next, delta, own, work, ds + N * n_sums, n_sums, P, R, f, g, f_phi, g_phi)
-
-
-@kernel
-def opening_slope(i, drop, y, own, P):
-    """Return the opening of plenum path i and its derivative by the pressure difference [1/Pa]."""
-    width = P[P_PORT_WIDTH + PLENUM[i]]
-    held = own[OPENING + N_PLENUM + i]
-    opened = path_opening(i, drop, width, held, y, 0, P)
-    step = OPENING_STEP * width
-    return opened, (path_opening(i, drop + step, width, held, y, 0, P) - opened) / step
-
-
-@kernel
-def opening_by_state(i, drop, j, y, state, P):
-    """Return the derivative of the opening of plenum path i by state j; `state` is a spare one."""
-    width = P[P_PORT_WIDTH + PLENUM[i]]
-    for k in range(N):
-        state[k] = y[k]
-    delta = perturbation(y, 0, j)
-    state[j] += delta
-    return (path_opening(i, drop, width, FREE, state, 0, P) - path_opening(i, drop, width, FREE, y, 0, P)) / delta
-
-
-@kernel
-def held_share(i, y, own, R, P):
-    """Return how far plenum path i is open to a chamber of state y and place `own`; 0 of one that is narrow."""
-    drop = R[R_DISCHARGE * PLENUM[i] + PRESSURE] - own[PRESSURE]
-    held = own[OPENING + N_PLENUM + i]
-    return HOLDS[i] * path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], held, y, 0, P)
-
-
-@kernel
-def share_before_switch(y, y1, u, R, P, TAB, own):
-    """Return the share of a step after which the first one-way path opens or shuts; 1 where none does.
-
-    Beyond it lies at most SWITCHED of the width of the regularisation.
-    """
-    share = 1.0
-    p1, _h, _c, _t, _a, _x, _f = gas_state(y1[0], y1[1], P, TAB)
-    T3, T4 = dense_coefficients(u, 0)
-    rho3, rho4 = dense_coefficients(u, 1)
-    for i in range(N_PLENUM):
-        if ONE_WAY[i] != 0:
-            line = R[R_DISCHARGE * PLENUM[i] + PRESSURE]
-            most = SWITCHED * P[P_PORT_WIDTH + PLENUM[i]]
-            against = -1.0 if own[OPENING + N_PLENUM + i] == 1.0 else 1.0  # of the way in which it switches
-            if against * ONE_WAY[i] * (line - p1) > most:
-                low = 0.0
-                high = share
-                while high - low > 1e-12:
-                    middle = 0.5 * (low + high)
-                    T = dense_value(middle, y[0], y1[0], T3, T4)
-                    rho = dense_value(middle, y[1], y1[1], rho3, rho4)
-                    p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
-                    if against * ONE_WAY[i] * (line - p) > 0.5 * most:
-                        high = middle
-                    else:
-                        low = middle
-                share = high
-    return share
-
-
-@kernel
-def oil_slopes(E, E_next, e, delta, place, row, P, TAB, work, at, d, ds, stride, over_phi):
-    """Set the oil that comes through ports, work[at …], and its derivatives by the own states and by the angle."""
-    p = place[row + PRESSURE]
-    oil = oil_inflow(E[e + E_ANGLE], p, P, TAB)
-    by_p = (oil_inflow(E[e + E_ANGLE], p * (1.0 + STEP), P, TAB) - oil) / (p * STEP)
-    by_phi = (oil_inflow(E_next[e + E_ANGLE], p, P, TAB) - oil) / delta
-    for i in range(2):
-        factor = 1.0 if i == 0 else P[P_H_PORT]
-        work[at + i] = factor * oil
-        work[over_phi + i] = factor * by_phi
-        for j in range(N):
-            work[ds + j * stride + i] = factor * by_p * work[d + j * PLACE + PRESSURE]
-    if FLASHED == 1:
-        flash_slopes(oil, p, by_p, by_phi, P, TAB, work, at, d, ds, stride, over_phi)
-
-
-@kernel
-def add_flash(oil, p, P, TAB, work, first):
-    """Add the gas that flashes out of oil [kg/s] that enters at p [Pa] to sums that begin at `first` (M196)."""
-    width = 4 if CARRIED == 1 else 2
-    gas, enthalpy, heat = flash_terms(oil, p, P, TAB)
-    work[first + FLASH * width] = gas
-    work[first + FLASH * width + 1] = enthalpy
-    work[first + PORT_OIL * width + 3] -= heat
-
-
-@kernel
-def flash_slopes(oil, p, by_p, by_phi, P, TAB, work, at, d, ds, stride, over_phi):
-    """Set the gas that flashes and its derivatives, as `oil_slopes` those of its oil; `at` … are the oil's places."""
-    width = 4 if CARRIED == 1 else 2
-    away = (FLASH - PORT_OIL) * width - 2  # from the oil to the gas
-    gas, enthalpy, heat = flash_terms(oil, p, P, TAB)
-    one, _h, _heat = flash_terms(1.0, p, P, TAB)
-    more, _h, _heat = flash_terms(1.0, p * (1.0 + STEP), P, TAB)
-    slope = oil * (more - one) / (p * STEP) + by_p * one
-    per_gas, h, lost = flash_terms(1.0 / one if one > 0.0 else 0.0, p, P, TAB)
-    work[at + away] = gas
-    work[at + away + 1] = enthalpy
-    work[at + 1] -= heat
-    work[over_phi + away] = by_phi * one * per_gas
-    work[over_phi + away + 1] = by_phi * one * h
-    work[over_phi + 1] -= by_phi * one * lost
-    for j in range(N):
-        by_state = slope * work[d + j * PLACE + PRESSURE]
-        work[ds + j * stride + away] = by_state * per_gas
-        work[ds + j * stride + away + 1] = by_state * h
-        work[ds + j * stride + 1] -= by_state * lost
 
 
 @kernel

@@ -10,7 +10,6 @@ working memory for sums and derivatives.
 
 from __future__ import annotations
 
-from screwsim.model.chamber import add_flash, oil_slopes
 from screwsim.model.places import (
     IMPOSSIBLE,
     angle_terms,
@@ -20,8 +19,10 @@ from screwsim.model.places import (
     relative_error,
     share_before_border,
 )
+from screwsim.model.port_oil import add_flash, oil_slopes
 from screwsim.model.pulsation import fill_lines
 from screwsim.model.room import gas_mass, locked
+from screwsim.model.slopes import gap_slopes, opening_slopes, pulsating_slopes
 from screwsim.model.slots import (
     ALL_LINES,
     BETWEEN,
@@ -29,19 +30,16 @@ from screwsim.model.slots import (
     CARRIED,
     CATEGORIES,
     CHAMBERS,
-    DENSITY,
     DISCHARGE_IN,
     E_ANGLE,
     E_AREAS,
     E_VOLUME,
-    ENTHALPY,
     FIRST_OWN,
     FLASHED,
     GAP_OFFSET,
     N_GAPS,
     N_PLENUM,
     OFFSETS,
-    OIL_RATIO,
     OWN_PLENUMS,
     P_GAP_WIDTH,
     P_H_PORT,
@@ -72,14 +70,10 @@ from screwsim.model.slots import (
 )
 from screwsim.model.streams import (
     add_stream,
-    add_stream_slope,
     category,
     finish,
-    flow_over_angle,
     held_back,
-    held_slopes,
     place_flow,
-    place_slopes,
 )
 from screwsim.numerics.kernel import kernel
 
@@ -186,133 +180,6 @@ def total_rates(y, E, P, R, places, work, f, g):
             if OWN_PLENUMS > 0:
                 for c in range(2 * FIRST_OWN, CATEGORIES):
                     g[Q_STREAMS + n_sums] += work[j * n_sums + c * width] / P[P_OMEGA]
-
-
-@kernel
-def gap_slopes(area, darea, j, ahead, at, context, d, ds):
-    """Add the flow of a gap between chambers j and `ahead`, and its derivatives, to the sums of both."""
-    P, _TAB, _R, places, _changed, work = context
-    width = 4 if CARRIED == 1 else 2
-    if RESISTED == 1:
-        gap = at - BEYOND
-        at = BETWEEN * width
-    n_sums = CATEGORIES * width
-    n_cols = CHAMBERS * N + 1
-    own = j * PLACE
-    other = ahead * PLACE
-    d_phi = d + CHAMBERS * N * PLACE
-    m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, places, own, places, other, P[P_GAP_WIDTH])
-    if RESISTED == 1:
-        m, p_1, rho_1, p_2, rho_2, x_1, x_2 = held_slopes(gap, m, p_1, rho_1, p_2, rho_2, places, own, places, other, P)  # pyright: ignore[reportPossiblyUnboundVariable]
-    source = other if m >= 0.0 else own
-    by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi + own, work, d_phi + other)
-    m *= area
-    mine = ds + (j * n_cols + CHAMBERS * N) * n_sums + at
-    theirs = ds + (ahead * n_cols + CHAMBERS * N) * n_sums + at
-    add_stream(work, j * n_sums + at, m, places, source)
-    add_stream(work, ahead * n_sums + at, -m, places, source)
-    add_stream_slope(work, mine, m, by_phi, places, source, work, d_phi + source)
-    add_stream_slope(work, theirs, -m, -by_phi, places, source, work, d_phi + source)
-    for side in range(2):
-        c = j if side == 0 else ahead
-        by_p = area * (p_1 if side == 0 else p_2)
-        by_rho = area * (rho_1 if side == 0 else rho_2)
-        for k in range(N):
-            row = d + (c * N + k) * PLACE
-            dm = by_p * work[row + PRESSURE] + by_rho * work[row + DENSITY]
-            if RESISTED == 1:
-                dm += area * (x_1 if side == 0 else x_2) * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
-            mine = ds + (j * n_cols + c * N + k) * n_sums + at
-            theirs = ds + (ahead * n_cols + c * N + k) * n_sums + at
-            if source == c * PLACE:
-                add_stream_slope(work, mine, m, dm, places, source, work, row)
-                add_stream_slope(work, theirs, -m, -dm, places, source, work, row)
-            else:
-                add_stream(work, mine, dm, places, source)
-                add_stream(work, theirs, -dm, places, source)
-
-
-@kernel
-def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
-    """Add the flow between chamber j and a plenum (0 suction, 1 discharge), and its derivatives, to its sums."""
-    _P, _TAB, R, places, _changed, work = context
-    width = 4 if CARRIED == 1 else 2
-    n_sums = CATEGORIES * width
-    n_cols = CHAMBERS * N + 1
-    own = j * PLACE
-    if RESISTED == 1:
-        gap = to - BEYOND
-        to = 1 if to >= BEYOND else to
-        x_1 = 0.0
-    b = R_DISCHARGE * to
-    d_phi = d + (CHAMBERS * N + j) * PLACE
-    m, p_1, rho_1, _p, _rho = place_slopes(1.0, places, own, R, b, epsilon)
-    if RESISTED == 1 and gap >= 0:  # pyright: ignore[reportPossiblyUnboundVariable]
-        m, p_1, rho_1, _p, _rho, x_1, _x = held_slopes(gap, m, p_1, rho_1, _p, _rho, places, own, R, b, _P)  # pyright: ignore[reportPossiblyUnboundVariable]
-    at = category(to, m) * width
-    by_phi = m * darea + area * (p_1 * work[d_phi + PRESSURE] + rho_1 * work[d_phi + DENSITY])
-    inward = m >= 0.0
-    m *= area
-    over_phi = ds + (j * n_cols + CHAMBERS * N) * n_sums + at
-    if inward:
-        add_stream(work, j * n_sums + at, m, R, b)
-        add_stream(work, over_phi, by_phi, R, b)
-    else:
-        add_stream(work, j * n_sums + at, m, places, own)
-        add_stream_slope(work, over_phi, m, by_phi, places, own, work, d_phi)
-    for k in range(N):
-        row = d + (j * N + k) * PLACE
-        dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
-        if RESISTED == 1:
-            dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
-        mine = ds + (j * n_cols + j * N + k) * n_sums + at
-        if inward:
-            add_stream(work, mine, dm, R, b)
-        else:
-            add_stream_slope(work, mine, m, dm, places, own, work, row)
-
-
-@kernel
-def pulsating_slopes(area, darea, j, to, epsilon, delta, E, E_next, context, d, ds):
-    """Do what `opening_slopes` does where the places of the plenums change with the angle."""
-    _P, _TAB, _R, places, _changed, work = context
-    width = 4 if CARRIED == 1 else 2
-    n_sums = CATEGORIES * width
-    n_cols = CHAMBERS * N + 1
-    own = j * PLACE
-    if RESISTED == 1:
-        gap = to - BEYOND
-        to = 1 if to >= BEYOND else to
-        x_1 = 0.0
-    b = ALL_LINES + R_DISCHARGE * to
-    d_phi = d + (CHAMBERS * N + j) * PLACE
-    m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, places, own, E, b, epsilon)
-    if RESISTED == 1 and gap >= 0:  # pyright: ignore[reportPossiblyUnboundVariable]
-        m, p_1, rho_1, p_2, rho_2, x_1, _x = held_slopes(gap, m, p_1, rho_1, p_2, rho_2, places, own, E, b, _P)  # pyright: ignore[reportPossiblyUnboundVariable]
-    at = category(to, m) * width
-    by_phi = m * darea + area * (p_1 * work[d_phi + PRESSURE] + rho_1 * work[d_phi + DENSITY])
-    by_phi += area * p_2 * (E_next[b + PRESSURE] - E[b + PRESSURE]) / delta
-    by_phi += area * rho_2 * (E_next[b + DENSITY] - E[b + DENSITY]) / delta
-    inward = m >= 0.0
-    m *= area
-    over_phi = ds + (j * n_cols + CHAMBERS * N) * n_sums + at
-    if inward:
-        add_stream(work, j * n_sums + at, m, E, b)
-        add_stream(work, over_phi, by_phi, E, b)
-        work[over_phi + 1] += m * (E_next[b + ENTHALPY] - E[b + ENTHALPY]) / delta
-    else:
-        add_stream(work, j * n_sums + at, m, places, own)
-        add_stream_slope(work, over_phi, m, by_phi, places, own, work, d_phi)
-    for k in range(N):
-        row = d + (j * N + k) * PLACE
-        dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
-        if RESISTED == 1:
-            dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
-        mine = ds + (j * n_cols + j * N + k) * n_sums + at
-        if inward:
-            add_stream(work, mine, dm, E, b)
-        else:
-            add_stream_slope(work, mine, m, dm, places, own, work, row)
 
 
 @kernel

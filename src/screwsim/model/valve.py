@@ -1,0 +1,89 @@
+"""Openings that depend on a chamber's state (`FlowPath.opening`): their derivatives, and where a one-way path switches.
+
+Source: docs/slider-crank.md S22, S25–S27; docs/numerics.md.
+"""
+
+from __future__ import annotations
+
+from screwsim.model.places import perturbation
+from screwsim.model.slots import (
+    FREE,
+    HOLDS,
+    N_PLENUM,
+    ONE_WAY,
+    OPENING,
+    P_PORT_WIDTH,
+    PLACE,
+    PLENUM,
+    PRESSURE,
+    R_DISCHARGE,
+    N,
+    gas_state,
+    path_opening,
+)
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.rodas import dense_coefficients, dense_value
+
+OPENING_STEP = 1e-5  # of the width of the regularisation, for differences of an opening by the pressure difference
+SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
+SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
+
+
+@kernel
+def opening_slope(i, drop, y, own, P):
+    """Return the opening of plenum path i and its derivative by the pressure difference [1/Pa]."""
+    width = P[P_PORT_WIDTH + PLENUM[i]]
+    held = own[OPENING + N_PLENUM + i]
+    opened = path_opening(i, drop, width, held, y, 0, P)
+    step = OPENING_STEP * width
+    return opened, (path_opening(i, drop + step, width, held, y, 0, P) - opened) / step
+
+
+@kernel
+def opening_by_state(i, drop, j, y, state, P):
+    """Return the derivative of the opening of plenum path i by state j; `state` is a spare one."""
+    width = P[P_PORT_WIDTH + PLENUM[i]]
+    for k in range(N):
+        state[k] = y[k]
+    delta = perturbation(y, 0, j)
+    state[j] += delta
+    return (path_opening(i, drop, width, FREE, state, 0, P) - path_opening(i, drop, width, FREE, y, 0, P)) / delta
+
+
+@kernel
+def held_share(i, y, own, R, P):
+    """Return how far plenum path i is open to a chamber of state y and place `own`; 0 of one that is narrow."""
+    drop = R[R_DISCHARGE * PLENUM[i] + PRESSURE] - own[PRESSURE]
+    held = own[OPENING + N_PLENUM + i]
+    return HOLDS[i] * path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], held, y, 0, P)
+
+
+@kernel
+def share_before_switch(y, y1, u, R, P, TAB, own):
+    """Return the share of a step after which the first one-way path opens or shuts; 1 where none does.
+
+    Beyond it lies at most SWITCHED of the width of the regularisation.
+    """
+    share = 1.0
+    p1, _h, _c, _t, _a, _x, _f = gas_state(y1[0], y1[1], P, TAB)
+    T3, T4 = dense_coefficients(u, 0)
+    rho3, rho4 = dense_coefficients(u, 1)
+    for i in range(N_PLENUM):
+        if ONE_WAY[i] != 0:
+            line = R[R_DISCHARGE * PLENUM[i] + PRESSURE]
+            most = SWITCHED * P[P_PORT_WIDTH + PLENUM[i]]
+            against = -1.0 if own[OPENING + N_PLENUM + i] == 1.0 else 1.0  # of the way in which it switches
+            if against * ONE_WAY[i] * (line - p1) > most:
+                low = 0.0
+                high = share
+                while high - low > 1e-12:
+                    middle = 0.5 * (low + high)
+                    T = dense_value(middle, y[0], y1[0], T3, T4)
+                    rho = dense_value(middle, y[1], y1[1], rho3, rho4)
+                    p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
+                    if against * ONE_WAY[i] * (line - p) > 0.5 * most:
+                        high = middle
+                    else:
+                        low = middle
+                share = high
+    return share
