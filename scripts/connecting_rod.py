@@ -1,6 +1,7 @@
 """Print the reference design of the flexible connecting rod beside its source, and draw its figures.
 
-Run: .venv/bin/python scripts/connecting_rod.py [FOLDER]   (default: results/rod)
+Run: .venv/bin/python scripts/connecting_rod.py [FOLDER]   (default: results/rod). Last comes the same rod under the
+cylinder pressure that a compressor on it has in our simulation (configs/slider_crank/flexible_rod.yaml).
 
 Sizes and load are the source's (validation/slider_crank/rod.csv); material and friction are not stated there and are
 assumptions, said so in the print. Equations and findings: docs/slider-crank.md.
@@ -24,10 +25,13 @@ from screwsim.machine.slider_crank.rod import (
     critical_gamma,
     largest_moment_place,
 )
-from screwsim.machine.slider_crank.rod_strength import Fatigue, SchmidtLoad, friction_power, safety
+from screwsim.machine.slider_crank.rod_strength import Fatigue, SchmidtLoad, friction_power, pressure_load, safety
 from screwsim.report.connecting_rod import draw_rod
+from screwsim.scene import load as load_scene
+from screwsim.simulate import simulate
 
 ROOT = Path(__file__).resolve().parent.parent
+SCENE = ROOT / "configs" / "slider_crank" / "flexible_rod.yaml"
 ALPHA = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
 MODULUS = 206e9  # [Pa], assumed: spring steel
 LIMITS = (400e6, 500e6, 600e6, 700e6)  # [Pa], assumed: fatigue limits of spring steels
@@ -92,6 +96,28 @@ def friction(bending: Bending, rod: FlexibleRod, design: dict[str, float]) -> No
     print(f"{design['friction_power'] / unit:.2f}")
 
 
+def computed(rod: FlexibleRod, schmidt: Bending) -> None:
+    """Print what our cylinder pressure does to the rod, beside the Schmidt-type load."""
+    scene = load_scene(SCENE)
+    result = simulate(scene)
+    cycle, p_s = result.cycle, float(result.performance.suction_pressure)
+    pressure = np.interp(np.degrees(ALPHA), cycle["angle"], cycle["pressure"])
+    print(f"\npressure of {scene.title!r} ({result.status}): {1e-5 * pressure.min():.2f} to ", end="")
+    print(f"{1e-5 * pressure.max():.2f} bar, mean {1e-5 * pressure.mean():.2f}")
+    print(f"{'':>20}{'load N':>16}{'gamma':>8}{'stress MPa':>16}{'amplitude, mean MPa':>22}{'safety factor':>15}")
+    behind = {"mean behind": float(pressure.mean()), "suction behind": p_s}
+    loads = {name: pressure_load(pressure, value, scene.machine.bore) for name, value in behind.items()}
+    for name, load in ({"Schmidt-type": schmidt.load} | loads).items():
+        bending = bend(rod, ALPHA, load)
+        found = safety(bending, Fatigue())
+        shown = f"{load.min():.0f} to {load.max():.0f}"
+        stress = f"{1e-6 * found.lowest:.0f} to {1e-6 * found.highest:.0f}"
+        swing = f"{1e-6 * found.amplitude:.1f}, {1e-6 * found.mean:.1f}"
+        gamma = rod.gamma(float(load.min()))
+        print(f"{name:>20}{shown:>16}{gamma:>8.2f}{stress:>16}{swing:>22}{found.factor:>15.2f}")
+    print(f"gamma at which it buckles: {critical_gamma(rod.beta):.2f}")
+
+
 def main() -> None:
     """Print the reference design and draw its figures."""
     design = read_design()
@@ -103,6 +129,7 @@ def main() -> None:
         found = safety(bend(rod_of(design, modulus), ALPHA, load.load(ALPHA)), Fatigue())
         print(f"E = {1e-9 * modulus:.0f} GPa: amplitude {1e-6 * found.amplitude:.1f} MPa, mean {1e-6 * found.mean:.1f}")
     friction(bending, rod, design)
+    computed(rod, bending)
     folder = sys.argv[1] if len(sys.argv) > 1 else str(ROOT / "results" / "rod")
     for path in draw_rod(rod, bending, folder):
         print(path, file=sys.stderr)

@@ -79,7 +79,10 @@ def explain(scene: Scene) -> Explanation:
     """Return what a scene simulates, and what it leaves out. Raises UsageError for a fluid that is not there."""
     parts = build_parts(scene)
     model = compose(parts)
-    left_out = tuple(name for name in catalogue() if name not in scene.effects)
+    kind = scene.machine.kind
+    left_out = tuple(
+        name for name, effect in catalogue().items() if name not in scene.effects and kind in effect.machines
+    )
     sections = [
         ("Machine", _machine(scene, parts)),
         (f"Active effects ({len(scene.effects)} of {len(scene.effects) + len(left_out)})", _effects(scene, parts)),

@@ -19,7 +19,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from screwsim.declare import file, number, quantity
 from screwsim.effects.base import Effect, Reading
@@ -71,6 +70,8 @@ def read_table(path: str) -> list[tuple[float, float]]:
 
 def loss_of_table(rows: list[tuple[float, float]]) -> Loss:
     """Return the motor's loss over its rated power by the load, from a table of efficiencies (M204)."""
+    from scipy.interpolate import PchipInterpolator
+
     load, efficiency = np.array(rows).T
     loss, last = load * (1.0 / efficiency - 1.0), float(load[-1])
     curve = PchipInterpolator(load, loss)

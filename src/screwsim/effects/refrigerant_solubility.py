@@ -15,12 +15,12 @@ Parameters: separator_temperature.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq
 
 from screwsim.declare import quantity
 from screwsim.effects.base import Drawn, Effect, OilContent, OilGas, Plenum, Site
@@ -44,8 +44,10 @@ class Parameters:
 
 
 @lru_cache(maxsize=1)
-def _saturation() -> tuple[PchipInterpolator, PchipInterpolator]:
+def _saturation() -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Return ln p_sat [Pa] over 1/T and the density of saturated liquid [kg/m³] over T [K]."""
+    from scipy.interpolate import PchipInterpolator
+
     T = np.arange(solubility.LOW, HIGHEST + STEP / 2, STEP)
     p = [constants.dew_pressure(solubility.FLUID, float(each)) for each in T]
     rho = [constants.saturated_liquid_density(solubility.FLUID, float(each)) for each in T]
@@ -71,6 +73,8 @@ def flashed(p: float, T: float, supply: float, latent: float, c_oil: float) -> f
 
     if supply <= 0.0 or excess(0.0) <= 0.0:
         return 0.0
+    from scipy.optimize import brentq
+
     return float(brentq(excess, 0.0, supply, xtol=1e-12))  # type: ignore[arg-type]
 
 
