@@ -92,7 +92,7 @@ def test_the_floor_of_the_oils_mass_is_a_share_of_it(x):
 
 def size_of(y0, y1, error, monkeypatch):
     """Return the size of a step's error of one chamber with carried oil, an ideal gas."""
-    for name, value in {"N": 4, "HEATED": 1, "CARRIED": 1}.items():
+    for name, value in {"N": 4, "HEATED": 1, "CARRIED": 1, "OWN_STATES": 0}.items():
         monkeypatch.setattr(places, name, value)
     place = np.zeros(places.PLACE)
     place[[places.PRESSURE, places.TPT]] = 1e5
