@@ -3,33 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property
 
 import numpy as np
 
 from screwsim import expander, performance
-from screwsim.build import build_parts, build_site, wanted_of
-from screwsim.effects.base import Drawn, LineFlow, Made, Plenum, Turn
-from screwsim.effects.gap import ClearanceParameters
-from screwsim.faults import UsageError
-from screwsim.intake import suction_of
+from screwsim.build import build_site
+from screwsim.effects.base import Drawn, Plenum
 from screwsim.ledger import Cycle, ledger
+from screwsim.making import Making
 from screwsim.model import close as closing
-from screwsim.model.compose import compose
-from screwsim.model.continuation import Course, Guess
+from screwsim.model.continuation import Guess
 from screwsim.model.guess import first_guess
-from screwsim.model.parts import Parts
 from screwsim.model.pitch import Pitch, pitch_of
 from screwsim.model.places import SOME_OIL
-from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
     ENTHALPY,
     FIRST_OWN,
-    OIL_RATIO,
-    OIL_TEMPERATURE,
     PLACE,
     PLENUM_ENTROPY,
     PORT_OIL,
@@ -42,79 +34,15 @@ from screwsim.model.slots import (
     R_SUCTION,
     R_TRAPPED,
 )
-from screwsim.numerics.made import Entries
 from screwsim.outputs import PERFORMANCE, Figures
-from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
-from screwsim.scene.types import Scene
-from screwsim.traces import line_flows, traces
+from screwsim.scene.lines import refrigerating_effect
+from screwsim.traces import traces
 
-LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
 NO_LIQUID = "known only where net gas is delivered in a scene that states evaporating and condensing temperature"
 
 
-@lru_cache(maxsize=8)
-def _shelf(text: str) -> dict[str, Machinery]:
-    return {}
-
-
-def machinery_for(parts: Parts) -> Machinery:
-    """Return working arrays for the parts; those of the last scene of the same structure are used again."""
-    composition = compose(parts)
-    shelf = _shelf(composition.text)
-    if "it" in shelf:
-        shelf["it"].composition = composition
-    else:
-        shelf["it"] = Machinery(composition)
-    return shelf["it"]
-
-
-class Solution:
+class Solution(Making):
     """One scene being solved: the machinery, the lines, and what is asked of the closing."""
-
-    def __init__(self, scene: Scene, course: Course | None = None, set_speed: float | None = None) -> None:
-        """Prepare a scene; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
-        self.scene = scene
-        self.course = course or Course()
-        self.parts = replace(build_parts(scene), set_speed=set_speed)
-        self.wanted = wanted_of(scene)
-        self.lines = lines(scene)
-        self.machinery = machinery_for(self.parts)
-        line = self._suction_place()
-        self.inlet = performance.Inlet(line[DENSITY], line[ENTHALPY])
-        self.suction = suction_of(self.parts.gas, line, self.parts.effects.values())
-        begins = self.suction.place(self._h_isentropic()) if self.suction.changed else line
-        self.pv = self.lines.p_s / self.inlet.density
-        # what tells one scene from the next on a course; tightening changes the composition's own copy
-        self.parameters = np.array(
-            [*self.machinery.composition.P, *begins, self.lines.p_d, *self.parts.geometry.outcomes]
-        )
-        c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
-        self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
-        line_entries = closing.discharge_line(self.machinery.composition.carried)
-        self.entries = Entries([*line_entries, *(part.entry for _, part in self.parts.all(Made))])
-
-    def _suction_place(self) -> tuple[float, ...]:
-        """Return the place of the suction line; wet where the scene gives a quality."""
-        gas, at = self.parts.gas, self.lines
-        if at.quality is None:
-            return gas.place(at.p_s, at.T_s)
-        return gas.place_of_enthalpy(at.p_s, suction_enthalpy(self.scene))
-
-    def _oil_in(self) -> tuple[float, float]:
-        """Return the oil [kg] injected at one angle, and its enthalpy over its heat capacity [K]."""
-        R, oil = self.machinery.R, self.parts.oil
-        if oil is None:
-            return 0.0, 0.0
-        return float(R[R_INJECTED]), oil.temperature + self._pressed(max(oil.source_pressure, float(R[R_PRESSURE])))
-
-    def _pressed(self, p: float) -> float:
-        """Return p/(ρ_oil c_oil) [K], by which a place's oil temperature is higher where the oil takes room (M108)."""
-        oil = self.parts.oil
-        return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
-
-    def _share(self, rho: float, ratio: float) -> float:
-        """Return the gas's share of a volume, 1 where the oil takes no room (M106)."""
-        return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
     def start(self) -> closing.Array:
         """Set the plenums and a first guess; return the state at 0°."""
@@ -182,139 +110,6 @@ class Solution:
         self.wanted = replace(self.wanted, rtol=factor * self.wanted.rtol, tolerance=factor * self.wanted.tolerance)
         self.machinery.composition.P[self.machinery.composition.widths] *= factor
 
-    def made(self) -> closing.Array:
-        """Return what the cycle makes, as the next turn meets it: the discharge line, and what effects declare."""
-        composition = self.machinery.composition
-        return np.concatenate([self._line(), composition.P[list(composition.made)]])
-
-    def set_made(self, values: closing.Array) -> None:
-        """Let the next turn be integrated with these."""
-        line = len(values) - len(self.parts.made)
-        self._set_line(values[:line])
-        self.machinery.composition.P[list(self.machinery.composition.made)] = values[line:]
-
-    def image(self, q: closing.Array) -> closing.Array:
-        """Return what a cycle of these quadratures makes."""
-        line = self._outflow(q)
-        return np.concatenate([line, list(self._imaged(q).made.values())]) if self.parts.made else line
-
-    def _imaged(self, q: closing.Array) -> Turn:
-        """Return the turn of these quadratures with what it makes."""
-        made: dict[str, float] = {}
-        turn = self._turn(q, made)
-        for _, part in self.parts.all(Made):
-            made[part.entry.name] = max(float(part.image(turn)), part.least)
-        return turn
-
-    def _turn(self, q: closing.Array, made: dict[str, float]) -> Turn:
-        """Return what a turn of these quadratures tells effects that declare what the cycle makes.
-
-        `made`, empty as yet, gets the numbers with which the turn was integrated.
-        """
-        P, rate = self.machinery.composition.P, self.parts.omega / self.parts.geometry.pitch
-        sums = rate * self.balances.walls(q)
-        names = [wall.name for _, wall in self.parts.walls]
-        held = dict(zip(self.parts.made, P[list(self.machinery.composition.made)].tolist(), strict=True))
-        made |= held
-        return Turn(
-            held,
-            made,
-            dict(zip(names, sums[:, 0].tolist(), strict=True)),
-            dict(zip(names, sums[:, 1].tolist(), strict=True)),
-            dict(self._gaps()),
-            self.scene.operation.ambient_temperature,
-            self._line_flows(q),
-            self.parts.omega,
-            self.parts.geometry.pitch,
-        )
-
-    def _line_flows(self, q: closing.Array) -> Callable[[str], LineFlow]:
-        """Return a function that tells of the flow to a line; all is read once, when it is first asked."""
-        taken = cache(lambda: line_flows(self.parts, self.machinery, LINE_POINTS))
-        return cache(lambda to: self._line_flow(q, to, *taken()[to]))
-
-    def _line_flow(self, q: closing.Array, to: str, flow: closing.Array, volume: float) -> LineFlow:
-        """Return the flow of the chambers into a line over one pitch; its mean is that of the quadratures."""
-        R, number = self.machinery.R, self.parts.number(to)
-        streams = self.balances.streams(q)[2 * number : 2 * number + 2, 0]
-        mean = -float(streams.sum()) * self.parts.omega / self.parts.geometry.pitch
-        place = R[number * PLACE : (number + 1) * PLACE]
-        p, rho, _h, exponent, *_ = self.parts.gas.place_of_enthalpy(float(place[PRESSURE]), float(place[ENTHALPY]))
-        return LineFlow(flow + (mean - flow.mean()), volume, p, rho, 1.0 / exponent)
-
-    def _gaps(self) -> Iterator[tuple[str, float]]:
-        """Yield the stated clearances [m] by effect."""
-        for name, active in self.scene.effects.items():
-            if isinstance(active.parameters, ClearanceParameters):
-                yield name, active.parameters.gap
-
-    def beyond(self) -> str:
-        """Return why what the cycle makes stopped at its end, and what to do; empty where nothing did."""
-        values = self.machinery.composition.P[list(self.machinery.composition.made)]
-        parts = (part for _, part in self.parts.all(Made))
-        reasons = [
-            part.beyond
-            for part, value in zip(parts, values, strict=True)
-            if value <= part.least + 1e-9 * abs(part.least)
-        ]
-        return reasons[0] if reasons else ""
-
-    def _line(self) -> closing.Array:
-        """Return the discharge line's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
-        place = self.machinery.R[R_DISCHARGE:]
-        cells = (ENTHALPY, OIL_RATIO, OIL_TEMPERATURE) if self.machinery.composition.carried else (ENTHALPY,)
-        return np.array([max(float(place[cell]), 1e-9) for cell in cells])
-
-    def _outflow(self, q: closing.Array) -> closing.Array:
-        """Return the discharge line that an outflow makes (M27): its flow-weighted mean, or the given temperature.
-
-        What flows back beyond the outflow comes from the line and brings no oil. So the plenum is a continuous function
-        of the flows: a state that jumped where the net flow passes zero would leave such a machine without a cycle.
-        """
-        streams = self.balances.streams(q)
-        mean = closing.discharge_enthalpy(streams)
-        plenum = self._line()
-        given = self.scene.operation.discharge.temperature is not None
-        back, out = float(streams[2, 0]), -float(streams[3, 0])
-        own = 1.0 if back <= out else out / back  # share of what flows back that had flowed out before
-        if not given:
-            plenum[0] = mean[0] if mean is not None else 0.0
-            if mean is None or own < 1.0:
-                plenum[0] = own * plenum[0] + (1.0 - own) * self._h_isentropic()
-        if len(plenum) == 3:
-            assert self.parts.oil is not None  # carried
-            present = mean is not None and mean[2] > 0.0
-            dry = 1e-9, self.parts.oil.temperature + self._pressed(self.lines.p_d)
-            plenum[1:] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else dry
-        return plenum
-
-    def _h_isentropic(self) -> float:
-        lines = self.lines
-        if lines.quality is not None:
-            return self.inlet.enthalpy + self.parts.gas.isentropic_work_of_enthalpy(
-                lines.p_s, lines.p_d, self.inlet.enthalpy
-            )
-        return self.inlet.enthalpy + self.parts.gas.isentropic_work(lines.p_s, lines.p_d, lines.T_s)
-
-    def _set_line(self, plenum: closing.Array) -> None:
-        """Give the discharge line its enthalpy and oil.
-
-        An enthalpy on the way that no state of the gas has, extrapolated or of an outflow of nothing, leaves the place.
-        """
-        R = self.machinery.R
-        try:
-            place = self.parts.gas.place_of_enthalpy(self.lines.p_d, float(plenum[0]))
-            if self.suction.returned > 0.0:
-                R[R_SUCTION : R_SUCTION + OIL_RATIO] = self.suction.place(float(plenum[0]))
-        except UsageError:
-            place = None
-        if place is not None:
-            R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
-        if len(plenum) == 3:
-            R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:]
-            if place is not None:
-                R[R_DISCHARGE + DENSITY] *= self._share(place[DENSITY], float(plenum[1])) ** 2
-
     def residue(self, q: closing.Array) -> float:
         """Return the larger of the relative residues of mass and energy."""
         return max(self.balances.residues(q, float(self.machinery.R[R_TRAPPED]), self.inlet.enthalpy, self.pv)[:2])
@@ -323,11 +118,6 @@ class Solution:
         """Return the power [W] and the work of a cycle [J] below which they are rounding."""
         work = closing.LEAST_WORK * max(float(self.machinery.R[R_TRAPPED]), 0.0) * self.pv
         return work * self.lives_per_second, work
-
-    @property
-    def lives_per_second(self) -> float:
-        """Return how many chambers are born a second [1/s]."""
-        return self.parts.omega / self.parts.geometry.pitch
 
     # ---- taking the figures ----------------------------------------------------------------------------------
 

@@ -172,7 +172,8 @@ def test_a_scene_leaves_nothing_behind_for_the_next(way, transport):
 @pytest.mark.parametrize("way", ["histories", "coupled"])
 def test_every_scene_is_solved_as_if_it_were_the_first(way):
     from screwsim.model.run import Machinery
-    from screwsim.solution import Solution, machinery_for
+    from screwsim.prepared import machinery_for
+    from screwsim.solution import Solution
 
     numerics = {"closing": way, "error": "none"}  # an estimate may close again
     ours, other = (make({"numerics": numerics, **changes}) for changes in ({}, OTHER_ANGLES))

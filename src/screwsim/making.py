@@ -1,0 +1,156 @@
+"""What a cycle makes beside its states and that acts back on it: the discharge line, and what effects declare."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cache
+
+import numpy as np
+
+from screwsim.effects.base import LineFlow, Made, Turn
+from screwsim.effects.gap import ClearanceParameters
+from screwsim.faults import UsageError
+from screwsim.model import close as closing
+from screwsim.model.slots import (
+    DENSITY,
+    ENTHALPY,
+    OIL_RATIO,
+    OIL_TEMPERATURE,
+    PLACE,
+    PRESSURE,
+    R_DISCHARGE,
+    R_SUCTION,
+)
+from screwsim.prepared import Prepared
+from screwsim.traces import line_flows
+
+LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
+
+
+class Making(Prepared):
+    """A prepared scene that turns quadratures of a cycle into what that cycle makes."""
+
+    def made(self) -> closing.Array:
+        """Return what the cycle makes, as the next turn meets it: the discharge line, and what effects declare."""
+        composition = self.machinery.composition
+        return np.concatenate([self._line(), composition.P[list(composition.made)]])
+
+    def set_made(self, values: closing.Array) -> None:
+        """Let the next turn be integrated with these."""
+        line = len(values) - len(self.parts.made)
+        self._set_line(values[:line])
+        self.machinery.composition.P[list(self.machinery.composition.made)] = values[line:]
+
+    def image(self, q: closing.Array) -> closing.Array:
+        """Return what a cycle of these quadratures makes."""
+        line = self._outflow(q)
+        return np.concatenate([line, list(self._imaged(q).made.values())]) if self.parts.made else line
+
+    def _imaged(self, q: closing.Array) -> Turn:
+        """Return the turn of these quadratures with what it makes."""
+        made: dict[str, float] = {}
+        turn = self._turn(q, made)
+        for _, part in self.parts.all(Made):
+            made[part.entry.name] = max(float(part.image(turn)), part.least)
+        return turn
+
+    def _turn(self, q: closing.Array, made: dict[str, float]) -> Turn:
+        """Return what a turn of these quadratures tells effects that declare what the cycle makes.
+
+        `made`, empty as yet, gets the numbers with which the turn was integrated.
+        """
+        P, rate = self.machinery.composition.P, self.parts.omega / self.parts.geometry.pitch
+        sums = rate * self.balances.walls(q)
+        names = [wall.name for _, wall in self.parts.walls]
+        held = dict(zip(self.parts.made, P[list(self.machinery.composition.made)].tolist(), strict=True))
+        made |= held
+        return Turn(
+            held,
+            made,
+            dict(zip(names, sums[:, 0].tolist(), strict=True)),
+            dict(zip(names, sums[:, 1].tolist(), strict=True)),
+            dict(self._gaps()),
+            self.scene.operation.ambient_temperature,
+            self._line_flows(q),
+            self.parts.omega,
+            self.parts.geometry.pitch,
+        )
+
+    def _line_flows(self, q: closing.Array) -> Callable[[str], LineFlow]:
+        """Return a function that tells of the flow to a line; all is read once, when it is first asked."""
+        taken = cache(lambda: line_flows(self.parts, self.machinery, LINE_POINTS))
+        return cache(lambda to: self._line_flow(q, to, *taken()[to]))
+
+    def _line_flow(self, q: closing.Array, to: str, flow: closing.Array, volume: float) -> LineFlow:
+        """Return the flow of the chambers into a line over one pitch; its mean is that of the quadratures."""
+        R, number = self.machinery.R, self.parts.number(to)
+        streams = self.balances.streams(q)[2 * number : 2 * number + 2, 0]
+        mean = -float(streams.sum()) * self.parts.omega / self.parts.geometry.pitch
+        place = R[number * PLACE : (number + 1) * PLACE]
+        p, rho, _h, exponent, *_ = self.parts.gas.place_of_enthalpy(float(place[PRESSURE]), float(place[ENTHALPY]))
+        return LineFlow(flow + (mean - flow.mean()), volume, p, rho, 1.0 / exponent)
+
+    def _gaps(self) -> Iterator[tuple[str, float]]:
+        """Yield the stated clearances [m] by effect."""
+        for name, active in self.scene.effects.items():
+            if isinstance(active.parameters, ClearanceParameters):
+                yield name, active.parameters.gap
+
+    def beyond(self) -> str:
+        """Return why what the cycle makes stopped at its end, and what to do; empty where nothing did."""
+        values = self.machinery.composition.P[list(self.machinery.composition.made)]
+        parts = (part for _, part in self.parts.all(Made))
+        reasons = [
+            part.beyond
+            for part, value in zip(parts, values, strict=True)
+            if value <= part.least + 1e-9 * abs(part.least)
+        ]
+        return reasons[0] if reasons else ""
+
+    def _line(self) -> closing.Array:
+        """Return the discharge line's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
+        place = self.machinery.R[R_DISCHARGE:]
+        cells = (ENTHALPY, OIL_RATIO, OIL_TEMPERATURE) if self.machinery.composition.carried else (ENTHALPY,)
+        return np.array([max(float(place[cell]), 1e-9) for cell in cells])
+
+    def _outflow(self, q: closing.Array) -> closing.Array:
+        """Return the discharge line that an outflow makes (M27): its flow-weighted mean, or the given temperature.
+
+        What flows back beyond the outflow comes from the line and brings no oil. So the plenum is a continuous function
+        of the flows: a state that jumped where the net flow passes zero would leave such a machine without a cycle.
+        """
+        streams = self.balances.streams(q)
+        mean = closing.discharge_enthalpy(streams)
+        plenum = self._line()
+        given = self.scene.operation.discharge.temperature is not None
+        back, out = float(streams[2, 0]), -float(streams[3, 0])
+        own = 1.0 if back <= out else out / back  # share of what flows back that had flowed out before
+        if not given:
+            plenum[0] = mean[0] if mean is not None else 0.0
+            if mean is None or own < 1.0:
+                plenum[0] = own * plenum[0] + (1.0 - own) * self._h_isentropic()
+        if len(plenum) == 3:
+            assert self.parts.oil is not None  # carried
+            present = mean is not None and mean[2] > 0.0
+            dry = 1e-9, self.parts.oil.temperature + self._pressed(self.lines.p_d)
+            plenum[1:] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else dry
+        return plenum
+
+    def _set_line(self, plenum: closing.Array) -> None:
+        """Give the discharge line its enthalpy and oil.
+
+        An enthalpy on the way that no state of the gas has, extrapolated or of an outflow of nothing, leaves the place.
+        """
+        R = self.machinery.R
+        try:
+            place = self.parts.gas.place_of_enthalpy(self.lines.p_d, float(plenum[0]))
+            if self.suction.returned > 0.0:
+                R[R_SUCTION : R_SUCTION + OIL_RATIO] = self.suction.place(float(plenum[0]))
+        except UsageError:
+            place = None
+        if place is not None:
+            R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
+        if len(plenum) == 3:
+            R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:]
+            if place is not None:
+                R[R_DISCHARGE + DENSITY] *= self._share(place[DENSITY], float(plenum[1])) ** 2

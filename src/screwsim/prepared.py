@@ -1,0 +1,105 @@
+"""One scene made ready: its machinery, and the states of the lines between which it works."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from screwsim import performance
+from screwsim.build import build_parts, wanted_of
+from screwsim.effects.base import Made
+from screwsim.intake import suction_of
+from screwsim.model import close as closing
+from screwsim.model.compose import compose
+from screwsim.model.continuation import Course
+from screwsim.model.parts import Parts
+from screwsim.model.run import Machinery
+from screwsim.model.slots import (
+    DENSITY,
+    ENTHALPY,
+    R_INJECTED,
+    R_PRESSURE,
+)
+from screwsim.numerics.made import Entries
+from screwsim.scene.lines import lines, suction_enthalpy
+from screwsim.scene.types import Scene
+
+
+@lru_cache(maxsize=8)
+def _shelf(text: str) -> dict[str, Machinery]:
+    return {}
+
+
+def machinery_for(parts: Parts) -> Machinery:
+    """Return working arrays for the parts; those of the last scene of the same structure are used again."""
+    composition = compose(parts)
+    shelf = _shelf(composition.text)
+    if "it" in shelf:
+        shelf["it"].composition = composition
+    else:
+        shelf["it"] = Machinery(composition)
+    return shelf["it"]
+
+
+class Prepared:
+    """A scene, what it names built, its machinery, its lines, and what is asked of the closing."""
+
+    def __init__(self, scene: Scene, course: Course | None = None, set_speed: float | None = None) -> None:
+        """Prepare a scene; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
+        self.scene = scene
+        self.course = course or Course()
+        self.parts = replace(build_parts(scene), set_speed=set_speed)
+        self.wanted = wanted_of(scene)
+        self.lines = lines(scene)
+        self.machinery = machinery_for(self.parts)
+        line = self._suction_place()
+        self.inlet = performance.Inlet(line[DENSITY], line[ENTHALPY])
+        self.suction = suction_of(self.parts.gas, line, self.parts.effects.values())
+        begins = self.suction.place(self._h_isentropic()) if self.suction.changed else line
+        self.pv = self.lines.p_s / self.inlet.density
+        # what tells one scene from the next on a course; tightening changes the composition's own copy
+        self.parameters = np.array(
+            [*self.machinery.composition.P, *begins, self.lines.p_d, *self.parts.geometry.outcomes]
+        )
+        c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
+        self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
+        line_entries = closing.discharge_line(self.machinery.composition.carried)
+        self.entries = Entries([*line_entries, *(part.entry for _, part in self.parts.all(Made))])
+
+    def _suction_place(self) -> tuple[float, ...]:
+        """Return the place of the suction line; wet where the scene gives a quality."""
+        gas, at = self.parts.gas, self.lines
+        if at.quality is None:
+            return gas.place(at.p_s, at.T_s)
+        return gas.place_of_enthalpy(at.p_s, suction_enthalpy(self.scene))
+
+    def _oil_in(self) -> tuple[float, float]:
+        """Return the oil [kg] injected at one angle, and its enthalpy over its heat capacity [K]."""
+        R, oil = self.machinery.R, self.parts.oil
+        if oil is None:
+            return 0.0, 0.0
+        return float(R[R_INJECTED]), oil.temperature + self._pressed(max(oil.source_pressure, float(R[R_PRESSURE])))
+
+    def _pressed(self, p: float) -> float:
+        """Return p/(ρ_oil c_oil) [K], by which a place's oil temperature is higher where the oil takes room (M108)."""
+        oil = self.parts.oil
+        return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
+
+    def _share(self, rho: float, ratio: float) -> float:
+        """Return the gas's share of a volume, 1 where the oil takes no room (M106)."""
+        return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
+
+    def _h_isentropic(self) -> float:
+        lines = self.lines
+        if lines.quality is not None:
+            return self.inlet.enthalpy + self.parts.gas.isentropic_work_of_enthalpy(
+                lines.p_s, lines.p_d, self.inlet.enthalpy
+            )
+        return self.inlet.enthalpy + self.parts.gas.isentropic_work(lines.p_s, lines.p_d, lines.T_s)
+
+    @property
+    def lives_per_second(self) -> float:
+        """Return how many chambers are born a second [1/s]."""
+        return self.parts.omega / self.parts.geometry.pitch
