@@ -105,7 +105,7 @@ def test_rotors_know_the_share_of_each():
     assert np.max(np.abs(slope - exact)) < 0.02 * np.max(np.abs(exact))  # the table is a spline over every degree
     falling = np.minimum(exact, 0.0).sum(), np.where(exact < 0.0, male, 0.0).sum()
     assert falling[1] / falling[0] == pytest.approx(geometry.profile.rotors.sections.male_share, abs=0.02)
-    pitch = Pitch(np.arange(POINTS), np.where(exact < 0.0, 2e5, 1e5), slope, male, 1e5, 50.0)
+    pitch = Pitch(np.arange(POINTS), np.where(exact < 0.0, 2e5, 1e5), slope, male, 1e5, 50.0, high_pressure=2e5)
     shaft, female = gas_torque.on_rotors(gas_torque.Parameters(), pitch, 1.5)
     assert shaft + female / 1.5 == pytest.approx(50.0, rel=1e-12)
     assert shaft / 50.0 == pytest.approx(geometry.profile.rotors.sections.male_share, abs=0.02)
