@@ -148,10 +148,11 @@ def test_one_text_is_one_kernel_and_another_is_another():
     assert set(flatten((first, *others))) >= {first.flat_name, *(other.flat_name for other in others)}
 
 
-def test_only_written_kernels_let_multiplications_and_additions_join():
+def test_nothing_is_rounded_otherwise_than_it_is_written():
+    """Where the compiler may join or reorder operations, the last bits depend on what is compiled together."""
     item = written("def once(x):\n    return 2.0 * x + 1.0\n", "gas")
-    assert "contract" in flatten((item,))[item.flat_name]
-    assert "contract" not in flatten((inner,))[HERE + "inner"]
+    texts = [flatten((item,))[item.flat_name], flatten((inner,))[HERE + "inner"]]
+    assert not any("fastmath" in text for text in texts)
 
 
 @kernel
