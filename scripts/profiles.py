@@ -220,6 +220,7 @@ def main() -> None:
             filling, efficiency = (float(x) for x in text.split()[:2])
             studies.setdefault(name, []).append((float(value), filling, efficiency))
     if folder is not None:
+        Path(folder).mkdir(parents=True, exist_ok=True)
         draw(results, studies, folder)
     paths(with_values(b, {"numerics.accuracy": 1e-4}))
     published(alike)
