@@ -50,8 +50,9 @@ def test_radau_gives_the_same(text):
     ours = simulate(scene, trace=False)
     theirs = simulate(with_values(scene, {"numerics.integrator": "scipy-radau"}), trace=False)
     assert ours.status == theirs.status == "ok"
+    near = 4e-4 if text is not CHECK else 2e-3  # scipy's steps do not end where a check valve switches
     for name in ("volumetric_efficiency", "indicated_power", "discharge_temperature", "trapped_mass"):
-        assert theirs.performance[name] == pytest.approx(ours.performance[name], rel=4e-4), name
+        assert theirs.performance[name] == pytest.approx(ours.performance[name], rel=near), name
 
 
 @BOTH
