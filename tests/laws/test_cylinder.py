@@ -46,13 +46,13 @@ def test_mass_energy_and_entropy_close(text):
 
 @BOTH
 def test_radau_gives_the_same(text):
-    scene = cylinder(text, numerics__accuracy=1e-4)
+    # scipy's steps do not end where a check valve switches: at 1e-4 they see it by chance
+    scene = cylinder(text, numerics__accuracy=1e-5 if text is CHECK else 1e-4)
     ours = simulate(scene, trace=False)
     theirs = simulate(with_values(scene, {"numerics.integrator": "scipy-radau"}), trace=False)
     assert ours.status == theirs.status == "ok"
-    near = 4e-4 if text is not CHECK else 2e-3  # scipy's steps do not end where a check valve switches
     for name in ("volumetric_efficiency", "indicated_power", "discharge_temperature", "trapped_mass"):
-        assert theirs.performance[name] == pytest.approx(ours.performance[name], rel=near), name
+        assert theirs.performance[name] == pytest.approx(ours.performance[name], rel=4e-4), name
 
 
 @BOTH
