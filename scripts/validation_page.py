@@ -46,8 +46,8 @@ rows and estimates say nothing about whether the model is right.
 
 ## Limits of validity
 
-What the model leaves out or takes as given, with the size of each on R134a at 2/45 °C and 2950 rpm: estimates by
-`validation/limits`, which says how; its table stands below.
+What the scenes above leave out or take as given, with the size of each on R134a at 2/45 °C and 2950 rpm: estimates by
+`validation/limits`, which says how and what can be simulated instead; its table stands below.
 
 {limits}
 """

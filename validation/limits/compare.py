@@ -1,4 +1,4 @@
-"""What the model leaves out, and how large each is on configs/r134a at 2/45 °C, 2950 rpm: estimates, no evidence."""
+"""What configs/r134a leaves out, and how large each is at 2/45 °C, 2950 rpm: estimates, no evidence."""
 
 from __future__ import annotations
 
@@ -14,11 +14,13 @@ from screwsim.outputs import Figures
 from screwsim.scene import Scene, load
 from screwsim.study.validation import Comparison, Row, equal, read_table, sibling, solved
 
-TITLE = "What the model leaves out"
+TITLE = "What the validated scenes leave out"
 CITATION = "Estimates by the formulas in the notes; solubility: Grebner 1992 with the Heil model"
 ABOUT = (
-    "Each row is the size of one thing that the model leaves out or takes as given, at R134a 2/45 °C and 2950 rpm. "
-    "None is held against a measurement, but for the solubility that one of them needs."
+    "Each row is the size of one thing that the scenes of this page leave out or take as given, at R134a 2/45 °C and "
+    "2950 rpm. None is held against a measurement, but for the solubility that one of them needs. Refrigerant in "
+    "the oil, the room of the oil and heat of walls can be simulated instead: effects.refrigerant_solubility, "
+    "oil_volume and wall_heat (effects.md)."
 )
 GAS_CONSTANT, M_R134A, M_OIL = 8.314462618, 0.102032, 0.590
 WALL, CASING = 100.0, 10.0  # [W/(m² K)] gas to wall inside; outside of the casing, free convection and radiation

@@ -18,6 +18,7 @@ from screwsim.study.validation.asking import sibling
 from screwsim.study.validation.record import VERDICTS, Comparison, NotRun
 
 FOLDER, MODULE = "validation", "compare.py"
+LONGEST = ("plain", "paper", "cross_code")  # begun first, so that none of them is left to one worker at the end
 DIED = "its worker died (run this source alone)"
 
 
@@ -74,14 +75,16 @@ def run_sources(
             hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
             raise UsageError(f"{name}: no source of that name in {folder} ({hint})")
     wanted = list(dict.fromkeys(names)) or known
-    return each(
-        partial(_numbered, folder, tuple(wanted)),
-        len(wanted),
-        died=lambda number: Outcome(wanted[number], None, DIED, 0.0),
+    begun = sorted(wanted, key=lambda name: LONGEST.index(name) if name in LONGEST else len(LONGEST))
+    outcomes = each(
+        partial(_numbered, folder, tuple(begun)),
+        len(begun),
+        died=lambda number: Outcome(begun[number], None, DIED, 0.0),
         jobs=jobs,
         failed=lambda outcome: outcome.comparison is None,
         progress=progress,
     )
+    return sorted(outcomes, key=lambda outcome: wanted.index(outcome.name))
 
 
 def _numbered(folder: Path, names: tuple[str, ...], number: int) -> Outcome:
