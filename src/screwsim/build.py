@@ -32,6 +32,8 @@ from screwsim.scene.types import ActiveEffect, Scene
 
 Numbered = FlowPath | HeatRate | Wall | ChamberState
 WIDTH = 0.5  # of the regularisation over the wanted accuracy
+HISTORIES_FINER = 1e-4  # wanted accuracy from which on steps of histories are finer in proportion to it ...
+HISTORIES_FINEST = 0.1  # ... down to this factor
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
 
@@ -161,7 +163,8 @@ def wanted_of(scene: Scene) -> closing.Wanted:
     """Return tolerances from the wanted accuracy (docs/numerics.md)."""
     numerics = scene.numerics
     rtol = numerics.rtol or 0.3 * numerics.accuracy
-    return closing.Wanted(rtol, 0.2 * numerics.accuracy, numerics.accuracy, numerics.closing)
+    of_histories = 1.0 if numerics.rtol else max(HISTORIES_FINEST, min(1.0, numerics.accuracy / HISTORIES_FINER))
+    return closing.Wanted(rtol, 0.2 * numerics.accuracy, numerics.accuracy, numerics.closing, of_histories)
 
 
 def prepare(scene: Scene) -> None:

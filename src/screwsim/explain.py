@@ -318,7 +318,8 @@ def _numerics(scene: Scene) -> Iterator[str]:
     numerics, wanted = scene.numerics, wanted_of(scene)
     yield _row("accuracy", f"{numerics.accuracy:g} wanted of the performance figures; bound of the balances")
     origin = "given" if numerics.rtol is not None else "from the accuracy"
-    yield _row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g} ({origin})")
+    histories = f", of histories {wanted.of_histories * wanted.rtol:.3g}" if wanted.of_histories < 1.0 else ""
+    yield _row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g}{histories} ({origin})")
     yield _row("closing", CLOSING.get(numerics.closing, numerics.closing))
     suction, discharge, gaps = regularisation(scene)
     text = f"pressure differences below {suction:.3g} Pa (suction port), {discharge:.3g} Pa (discharge port)"

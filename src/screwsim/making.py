@@ -124,7 +124,7 @@ class Making(Prepared):
         plenum = self._line()
         given = self.scene.operation.discharge.temperature is not None
         back, out = float(streams[2, 0]), -float(streams[3, 0])
-        own = 1.0 if back <= out else out / back  # share of what flows back that had flowed out before
+        own = 1.0 if back <= max(out, 0.0) else out / back  # share of what flows back that had flowed out before
         if not given:
             plenum[0] = mean[0] if mean is not None else 0.0
             if mean is None or own < 1.0:

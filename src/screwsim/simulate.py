@@ -25,6 +25,7 @@ REMEDIES = {  # of the limits of an equation of state, by a word of what the gas
     "lowest": "use warmer suction gas or oil, or a wider suction port",
 }
 
+HOT = 1000.0  # [K] beyond what a machine stands
 UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
 
 
@@ -68,8 +69,11 @@ def _unclosed(solution: Solution, closed: closing.Closed) -> str:
     if closed.change < UNSETTLED:
         return "no further try closed it either: the accuracy may be too fine (a larger numerics.accuracy)"
     _, dense, _, steps = solution.machinery.last()
+    hottest = dense[:steps, 1, 0].max()
+    if hottest < HOT:
+        return "no further try closed it either: its turns do not settle (smaller leaks, or another speed)"
     return (
-        f"no further try closed it either: its turns do not settle, with gas at up to {dense[:steps, 1, 0].max():.2g} "
+        f"no further try closed it either: its turns do not settle, with gas at up to {hottest:.2g} "
         "K; gas that all but cannot get out heats, empties and fills the chambers anew without end (a wider discharge "
         "port, smaller leaks or a lower speed)"
     )
@@ -173,6 +177,10 @@ def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
     return (f"the estimated error of {name}, {size:.2g}, is above the wanted accuracy {scene.numerics.accuracy:.2g}",)
 
 
+def _finite(table: Figures) -> bool:
+    return all(math.isfinite(value) for value in table.values() if value is not None)
+
+
 def _judged(solution: Solution, accurate: Accurate, trace: bool) -> tuple[Figures, dict[str, str], Figures, Figures]:
     """Return figures, why some are None, the balances and the ledger of a closed cycle."""
     closed = accurate.closed
@@ -234,10 +242,11 @@ def _solved(solution: Solution, trace: bool) -> Result:
         closed, numerics = accurate.closed, _numerics(solution, accurate)
         found, notes, balance, book = _judged(solution, accurate, trace)
     solution.note(closed)
-    bad = not all(math.isfinite(value) for value in found.values() if value is not None)
-    if bad:
+    if not _finite(found) or (closed.status == "ok" and not _finite(book)):
         message = "a figure is not finite; ask for a tighter numerics.accuracy"
         return Result("failed", message, effects=effects, states=states, numerics=numerics)
+    if not _finite(book):  # of a cycle that is none, states between steps may be none of the gas
+        book, balance["entropy"] = Figures(), None
     forbidden, of_drive, balance["drive"] = shaft.judged(solution, closed)
     status, message = closed.status, ""
     residues = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}

@@ -9,10 +9,12 @@ from found_scenes import (
     COLD_OIL,
     DRENCHED,
     FAINT,
+    FILLED_WITH_LIQUID,
     FLOODED,
     HELIUM,
     HOT,
     LEAPT_OVER,
+    NO_OUTFLOW,
     SHUT_IN,
     SLOW_TO_HEAT,
     STARVED,
@@ -87,6 +89,7 @@ def found_cases() -> list[Case]:
         Case(
             "found: a step along a closing port",
             LEAPT_OVER,
+            NO_OUTFLOW,
             "no knot for 125° along which a wide port closes: so long a step saw nothing of it and was off by 0.7 %",
             radau=True,
         ),
@@ -120,4 +123,19 @@ def found_cases() -> list[Case]:
         ),
         Case("found: tiny work, many turns", FAINT, finer, says=("no net gas is delivered",), slow=True),
         Case("found: tiny work, much oil", DRENCHED, new_map, says=("the oil would fill",), slow=True),
+        Case(
+            "found: nothing flows at the discharge port",
+            NO_OUTFLOW,
+            "a turn on the way neither lets out nor takes in gas at the port: there is no mean state of what flows out",
+            most=20_000_000,
+            says=("closing without acceleration",),
+            slow=True,
+        ),
+        Case(
+            "found: filled with liquid",
+            FILLED_WITH_LIQUID,
+            "cold oil condenses the gas until a chamber holds liquid alone; the choking of what flows from it, a cubic "
+            "across the border of the phases, dipped below none",
+            most=400_000,
+        ),
     ]

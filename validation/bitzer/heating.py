@@ -2,9 +2,9 @@
 
     python validation/bitzer/heating.py
 
-The curves' loss 1 - λ grows about threefold from π = 2.45 to 8.18; that of the fitted machine does not. Here the machine
-has, one at a time and together, walls that exchange heat with the gas, and oil with R134a dissolved in it; nothing is
-fitted anew. Sizes of the walls and the separator's temperature are assumed.
+The curves' loss 1 - λ grows about threefold from π = 2.45 to 8.18; that of the fitted machine does not. Here the
+machine has, one at a time and together, walls that exchange heat with the gas, and oil with R134a dissolved in it;
+nothing is fitted anew. Sizes of the walls and the separator's temperature are assumed.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ MACHINES = {
 
 def loss(changes: tuple[str, ...], evaporating: float) -> float:
     """Return 1 - λ [points] of the machine with changes, at an evaporating temperature [degC]."""
-    condition = f"operation.evaporating_temperature={evaporating} degC"
-    result = simulate(load(str(MACHINE), (condition, "operation.condensing_temperature=45 degC", *changes)), trace=False)
+    conditions = (f"operation.evaporating_temperature={evaporating} degC", "operation.condensing_temperature=45 degC")
+    result = simulate(load(str(MACHINE), (*conditions, *changes)), trace=False)
     assert result.status == "ok", result.message
     return 100.0 * (1.0 - result.performance.volumetric_efficiency)
 

@@ -48,12 +48,16 @@ MAX_EVALUATIONS = 10_000_000  # of one chamber's rates, after which a cycle that
 
 @dataclass(frozen=True)
 class Wanted:
-    """What counts as closed: `tolerance` on changes of mass and work, `bound` on the balances, `rtol` of a step."""
+    """What counts as closed: `tolerance` on changes of mass and work, `bound` on the balances, `rtol` of a step.
+
+    Steps of histories have `of_histories` times that `rtol`.
+    """
 
     rtol: float
     tolerance: float
     bound: float
     closing: str
+    of_histories: float = 1.0
 
 
 @dataclass
@@ -186,7 +190,7 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
     made = task.made()
     before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
     gaps: list[float] = []
-    finest = rtol = wanted.rtol
+    finest = rtol = wanted.of_histories * wanted.rtol
     first_rtol, first_gap = finest if hope.gap <= GOOD else FIRST_RTOL, 1.0
     for turn in range(1, MAX_TURNS + 1):
         point = _vector(task, y, angles, made)

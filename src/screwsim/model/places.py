@@ -54,6 +54,7 @@ SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: 
 BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
 IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
 NO_OIL = 1e-13  # oil per gas, of either sign, that is rounding; `balance.oil_temperature_slope` has a floor above it
+LEAST = 1e-6  # exponent and choking of a neighbour: a cubic across a border of the phases may dip below none
 
 
 @kernel
@@ -102,7 +103,7 @@ def neighbour(phi, middle, times, dense, steps, hints, side, R, columns, E, at):
     E[at + DENSITY] = columns[1]
     E[at + ENTHALPY] = columns[N + 1]
     for k in range(3):  # exponent, choking: constants of an ideal gas, the same everywhere
-        E[at + EXPONENT + k] = columns[N + 2 + k] if VARIES == 1 else R[R_SUCTION + EXPONENT + k]
+        E[at + EXPONENT + k] = max(LEAST, columns[N + 2 + k]) if VARIES == 1 else R[R_SUCTION + EXPONENT + k]
     if HEATED == 1:
         E[at + OIL_TEMPERATURE] = columns[2]
     if CARRIED == 1:
