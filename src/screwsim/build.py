@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from screwsim.effects.base import (
     Around,
@@ -22,9 +22,9 @@ from screwsim.effects.base import (
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
-from screwsim.machine.kinds import geometry_of
+from screwsim.machine.kinds import Machine, geometry_of
 from screwsim.model import close as closing
-from screwsim.model.parts import OilPart, Parts
+from screwsim.model.parts import Effects, OilPart, Parts
 from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
@@ -68,15 +68,57 @@ def build_oil(scene: Scene) -> OilPart | None:
     return OilPart(known.density, known.heat_capacity, supply.temperature, oil.transport, numbers, source)
 
 
-def build_parts(scene: Scene) -> Parts:
-    """Return what the scene names, built for the composer."""
-    geometry = geometry_of(scene.machine)
-    suction, discharge, gaps = regularisation(scene)
+class _Built(NamedTuple):
+    """Parts of an effect, and what they were built of beside the machine."""
+
+    active: ActiveEffect
+    numbers: Mapping[str, float]
+    parts: list[Any]
+
+
+class Stock:
+    """What was built of machine and effects for the scene before: the next of a sweep shares most of it.
+
+    Sections that are the same objects give the same parts, which is what `model.compose.Composer` looks for.
+    """
+
+    def __init__(self) -> None:
+        self._geometry: Any = None
+        self._built: dict[str, _Built] = {}
+        self._effects = Effects()
+
+    def geometry(self, machine: Machine) -> Any:
+        """Return the geometry of a machine."""
+        if self._geometry is None or self._geometry.settings is not machine:
+            self._geometry = geometry_of(machine)
+            self._built.clear()
+        return self._geometry
+
+    def effects(self, scene: Scene, geometry: Any) -> Effects:
+        """Return the parts of a scene's effects, on the geometry that was asked for last."""
+        around = _around(scene)
+        found = {name: self._effect(name, active, geometry, around) for name, active in scene.effects.items()}
+        same = list(found) == list(self._built) and all(found[name] is self._built[name] for name in found)
+        if not same:
+            self._built = found
+            self._effects = Effects(_acting({name: built.parts for name, built in found.items()}))
+        return self._effects
+
+    def _effect(self, name: str, active: ActiveEffect, geometry: Any, around: Around) -> _Built:
+        effect, last = active.effect, self._built.get(name)
+        numbers = effect.numbers(active.parameters, around) if effect.numbers is not None else {}
+        if last is not None and last.active is active and last.numbers == numbers:
+            return last
+        return _Built(active, numbers, _built(active, numbers, geometry))
+
+
+def build_parts(scene: Scene, stock: Stock | None = None) -> Parts:
+    """Return what the scene names, built for the composer; what it shares with the scene before is in stock."""
+    stock = stock or Stock()
+    geometry = stock.geometry(scene.machine)
+    effects = stock.effects(scene, geometry)
     gas = build_gas(scene)
-    effects = {name: _built(active, geometry, scene) for name, active in scene.effects.items()}
-    effects = _acting(effects)
-    plenums = [part for items in effects.values() for part in items if isinstance(part, Plenum)]
-    made = [part for items in effects.values() for part in items if isinstance(part, Made)]
+    plenums, made = ([part for _, part in effects.all(kind)] for kind in (Plenum, Made))
     names = [part.entry.name for part in made]
     if len(set(names)) < len(names):
         raise TypeError(f"two effects declare the same of {', '.join(sorted(names))} as made by the cycle")
@@ -84,7 +126,7 @@ def build_parts(scene: Scene) -> Parts:
         geometry=geometry,
         gas=gas,
         omega=scene.operation.speed,
-        widths=(suction, discharge, gaps),
+        widths=regularisation(scene),
         effects=effects,
         oil=build_oil(scene),
         plenums={part.name: part.state(build_site(scene, gas)) for part in plenums},
@@ -93,10 +135,9 @@ def build_parts(scene: Scene) -> Parts:
     )
 
 
-def _oil_content(effects: Mapping[str, list[Any]], scene: Scene, gas: IdealGas | RealGas) -> OilContent | None:
+def _oil_content(effects: Effects, scene: Scene, gas: IdealGas | RealGas) -> OilContent | None:
     """Return what the oil brings dissolved; None where no effect declares it."""
-    parts = (part for items in effects.values() for part in items if isinstance(part, OilGas))
-    return next((part.content(build_site(scene, gas)) for part in parts), None)
+    return next((part.content(build_site(scene, gas)) for _, part in effects.all(OilGas)), None)
 
 
 def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
@@ -122,12 +163,11 @@ def _around(scene: Scene) -> Around:
     return Around(scene.gas.fluid, at.p_s, at.T_s, at.p_d, tip_speed, T_oil, known)
 
 
-def _built(active: ActiveEffect, geometry: Any, scene: Scene) -> list[Any]:
+def _built(active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) -> list[Any]:
     """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
     built = list(active.effect.build(active.parameters, geometry))
     if active.effect.numbers is not None:
-        found = active.effect.numbers(active.parameters, _around(scene))
-        built = [_with(part, found) if isinstance(part, Numbered) else part for part in built]
+        built = [_with(part, numbers) if isinstance(part, Numbered) else part for part in built]
     if not geometry.expands:
         return built
     life, pitch = geometry.life, geometry.pitch
