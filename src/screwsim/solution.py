@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim import expander, performance
 from screwsim.build import build_site
-from screwsim.effects.base import Drawn, Plenum
+from screwsim.effects.base import Drawn, Plenum, Reading
 from screwsim.ledger import Cycle, ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
@@ -142,7 +142,7 @@ class Solution(Making):
             oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
             oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
             pitch=cache(lambda: self._pitch(q)),
-            turn=self._imaged(q),
+            turn=self._imaged(q) if parts.all(Reading) else None,
         )
 
     def _pitch(self, q: closing.Array) -> Pitch:
@@ -192,7 +192,7 @@ class Solution(Making):
             found["wall_heat"] = (
                 float(q[Q_WALLS : Q_WALLS + 2 * len(m.composition.walls) : 2].sum()) * self.lives_per_second
             )
-        return Figures(found | performance.readings(self.parts.effects, known, found)), notes
+        return Figures(found | performance.readings(self.parts, known, found)), notes
 
     def complete(self, q: closing.Array) -> performance.CycleFigures:
         """Return what a shaft asks of the cycle: what is known of it, and the shaft power."""
@@ -306,7 +306,7 @@ class Solution(Making):
         found = traces(self.parts, self.machinery)
         degrees, pitch = found["angle"], math.degrees(self.parts.geometry.pitch)
         known = self._known(q) if self.parts.shaft is None else self.complete(q)
-        for name, values in performance.pitch_traces(self.parts.effects, known).items():
+        for name, values in performance.pitch_traces(self.parts, known).items():
             grid = np.linspace(0.0, pitch, len(values) + 1)
             found[name] = np.interp(degrees, grid, np.append(values, values[0]), period=pitch)
         return found

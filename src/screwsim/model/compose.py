@@ -81,6 +81,7 @@ class Composition:
     states: tuple[str, ...]
     plenum_paths: tuple[str, ...]
     gap_paths: tuple[tuple[str, int], ...]  # effect, lobe offset
+    ends: tuple[str, ...]  # of plenum paths and gaps: line or plenum to which what leaves through them goes
     heats: tuple[str, ...]  # the effect of each heat rate
     n_place: int  # columns of a history beyond the states
     n_sums: int
@@ -224,6 +225,7 @@ def compose(parts: Parts) -> Composition:
         states=states,
         plenum_paths=tuple(name for name, _ in plenum),
         gap_paths=tuple((name, path.offset) for name, path in gaps),
+        ends=(*(path.to for _, path in plenum), *("discharge" for _ in gaps)),
         heats=tuple(name for name, _ in heating),
         n_place=5 if gas.varies else 2,
         n_sums=structure["CATEGORIES"] * (4 if carried else 2),
