@@ -26,11 +26,10 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
     Powers [W] and work [J] below the least ones are rounding.
     """
     known = {name: 0.0 if value is None else value for name, value in better.items()}
-    errors: dict[str, float | None] = {}
+    errors: dict[str, float | None] = dict.fromkeys(found)
     for name, value in found.items():
         reference = better.get(name)
         if value is None or reference is None:
-            errors[name] = None
             continue
         scale = max(error_scale(name, known), 1e-300)
         if _is_power(name):

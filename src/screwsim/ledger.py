@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from math import log
 from typing import Any
 
@@ -190,8 +191,14 @@ def _figures(book: _Book, cycle: Cycle, gas_rise: float, oil_rise: float | None)
         "relative_residue": residue / abs(cycle.shaft_power) if cycle.shaft_power != 0.0 else None,
     }
     for name, entry in book.entries.items():
-        found |= {f"{quantity}_{name}": value for quantity, value in vars(entry).items()}
+        found |= zip(_titles(name), vars(entry).values(), strict=True)
     return Figures(found)
+
+
+@cache
+def _titles(name: str) -> tuple[str, ...]:
+    """Return what the figures of an entry are called."""
+    return tuple(f"{quantity}_{name}" for quantity in vars(Entry()))
 
 
 def _names(cycle: Cycle) -> list[str]:
