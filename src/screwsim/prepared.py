@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -22,7 +21,7 @@ from screwsim.model.slots import (
     R_INJECTED,
     R_PRESSURE,
 )
-from screwsim.numerics.made import Entries
+from screwsim.numerics.made import Entries, Entry
 from screwsim.scene.lines import lines, suction_enthalpy
 from screwsim.scene.types import Scene
 
@@ -30,6 +29,11 @@ from screwsim.scene.types import Scene
 @lru_cache(maxsize=8)
 def _shelf(text: str) -> dict[str, Machinery]:
     return {}
+
+
+@lru_cache(maxsize=8)
+def _entries(entries: tuple[Entry, ...]) -> Entries:
+    return Entries(entries)
 
 
 class Series:
@@ -58,7 +62,7 @@ class Prepared:
         self.scene = scene
         self.series = series or Series()
         self.course = self.series.course
-        self.parts = replace(build_parts(scene, self.series.stock), set_speed=set_speed)
+        self.parts = build_parts(scene, self.series.stock, set_speed)
         self.wanted = wanted_of(scene)
         self.lines = lines(scene)
         self.machinery = machinery_for(self.parts, self.series.composer)
@@ -73,7 +77,7 @@ class Prepared:
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
         line_entries = closing.discharge_line(self.machinery.composition.carried)
-        self.entries = Entries([*line_entries, *(part.entry for _, part in self.parts.all(Made))])
+        self.entries = _entries((*line_entries, *(part.entry for _, part in self.parts.all(Made))))
 
     def _suction_place(self) -> tuple[float, ...]:
         """Return the place of the suction line; wet where the scene gives a quality."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -82,6 +83,7 @@ class Hope(NamedTuple):
 NO_HOPE = Hope((0.0, 0.0), 1.0)
 
 
+@cache
 def discharge_line(carried: bool) -> tuple[Entry, ...]:
     """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature."""
     ratio = Entry("discharge_oil_ratio", floor=LEAST_OIL)
@@ -188,7 +190,7 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
     """
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
-    angles = np.linspace(0.0, c.P[P_LIFE], 8 * c.chambers, endpoint=False) + 1e-3
+    angles = _angles(float(c.P[P_LIFE]), c.chambers)
     accelerate = Anderson(HISTORY_DEPTH)
     made = task.made()
     before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
@@ -226,6 +228,12 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
         made = task.entries.values(mixed[len(mixed) - len(made) :], made_image)
         task.set_made(made)
     return Closed("not_closed", q, y, turn, "histories", finest, change=gap)
+
+
+@lru_cache(maxsize=8)
+def _angles(life: float, chambers: int) -> Array:
+    """Return where the last history's states are compared and mixed [rad]."""
+    return np.linspace(0.0, life, 8 * chambers, endpoint=False) + 1e-3
 
 
 def _states(mixed: Array, raw: Array, c: Composition) -> Array:

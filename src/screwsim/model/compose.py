@@ -7,7 +7,7 @@ module's text; numbers go into the vector P and the tables TAB, so that one comp
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -249,7 +249,10 @@ def compose(parts: Parts) -> Composition:
 
 
 class Composer:
-    """Composes the scenes of a series: one that differs from the last by its operation alone is not written anew."""
+    """Composes the scenes of a series: one that differs from the last by its operation alone is not written anew.
+
+    It fills its numbers into the same composition: there is one scene at a time.
+    """
 
     def __init__(self) -> None:
         self._last: tuple[Parts, Composition] | None = None
@@ -258,8 +261,9 @@ class Composer:
         """Return what `compose` does."""
         if self._last is None or not _alike(parts, self._last[0]):
             self._last = parts, compose(parts)
-            return self._last[1]
-        return _filled(self._last[1], parts)
+        else:
+            _fill(self._last[1], parts)
+        return self._last[1]
 
 
 def _alike(parts: Parts, other: Parts) -> bool:
@@ -279,14 +283,16 @@ def _supplied(parts: Parts) -> tuple[str, ...]:
     return () if parts.oil is None else (parts.oil.transport, *parts.oil.supply)
 
 
-def _filled(composition: Composition, parts: Parts) -> Composition:
-    """Return the composition with the numbers of parts that are alike."""
-    recipe, head, named = composition.recipe, _fixed_numbers(parts), operating(parts)
-    P = recipe.P.copy()
+def _fill(composition: Composition, parts: Parts) -> None:
+    """Fill the numbers of parts that are alike into a composition."""
+    recipe, P, head = composition.recipe, composition.P, _fixed_numbers(parts)
+    P[:] = recipe.P
     P[: len(head)] = head
-    P[list(composition.made)] = list(parts.made.values())
-    P[recipe.places] = [named[name] for name in recipe.names]
-    return replace(composition, P=P)
+    if composition.made:
+        P[list(composition.made)] = list(parts.made.values())
+    if recipe.places:
+        named = operating(parts)
+        P[recipe.places] = [named[name] for name in recipe.names]
 
 
 def _refuse(parts: Parts, states: Sequence[str], opened: bool) -> None:
