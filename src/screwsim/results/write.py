@@ -16,6 +16,7 @@ from screwsim.results.atomic import make_folder, replacing
 from screwsim.results.guarded import GuardedFile
 from screwsim.results.netcdf import (
     Layout,
+    Selection,
     chunks_of,
     flag_attributes,
     number_attributes,
@@ -155,15 +156,15 @@ def _fill(
     """Write columns over cases of `shape` chunk by chunk, those of a variable of the shape `full`."""
     places = list(_places(shape, chunks_of(full)[: len(shape)]))
     pieces = regrouped(tables, (size for _, size, _ in places))
-    for (place, _, part), table in zip(places, pieces, strict=True):
+    for (first, _, part), table in zip(places, pieces, strict=True):
+        selection = Selection(full, first, part)
         for column in columns:
-            values = column.values(table)
-            column.data[place] = values.reshape((*part, *values.shape[1:]))
+            selection.write(column.data, column.values(table))
         yield
 
 
-def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tuple[Any, ...], int, tuple[int, ...]]]:
-    """Yield (selection, number of cases, shape of the selection) of each chunk, in the order of the cases."""
+def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tuple[int, ...], int, tuple[int, ...]]]:
+    """Yield (place of its first case, number of cases, shape) of each chunk, in the order of the cases."""
     split = next((index for index, size in enumerate(chunk) if size > 1), len(shape) - 1)
     if not shape:
         yield (), 1, ()
@@ -172,7 +173,8 @@ def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tu
     for outer in np.ndindex(*shape[:split]):
         for start in range(0, shape[split], chunk[split]):
             size = min(chunk[split], shape[split] - start)
-            yield (*outer, slice(start, start + size)), size * math.prod(inner), (size, *inner)
+            part = (*(1 for _ in outer), size, *inner)
+            yield (*outer, start, *(0 for _ in inner)), size * math.prod(inner), part
 
 
 def _group(layout: Layout, name: str, axes: Sequence[Axis]) -> tuple[Any, list[str], tuple[int, ...]]:
