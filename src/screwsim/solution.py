@@ -157,8 +157,8 @@ class Solution(Making):
 
     def figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
         """Return performance figures of the last history, whose quadratures are q, and why some are None."""
-        R, m = self.machinery.R, self.machinery
-        geometry = self.parts.geometry
+        m, geometry = self.machinery, self.parts.geometry
+        R = m.R
         limit = geometry.life if geometry.expands else geometry.widest_discharge()
         times, dense, _, steps = m.last()
         known = self._known(q)
@@ -175,24 +175,28 @@ class Solution(Making):
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
         )
         own = self._own_figures(q)
-        found |= own
-        notes |= dict.fromkeys((name for name, value in own.items() if value is None), NO_LIQUID)
+        if own:
+            found |= own
+            notes |= dict.fromkeys((name for name, value in own.items() if value is None), NO_LIQUID)
         gain = own.get("economizer_capacity_gain") or 0.0
         effect = None if self._effect is None else self._effect * (1.0 + gain)
         cooling, reasons = performance.refrigeration(found, self.inlet.density, effect)
-        found, notes = found | cooling, notes | reasons
+        found |= cooling
+        notes |= reasons
         if self.suction.changed:
             place = self.suction.place(float(R[R_DISCHARGE + ENTHALPY]))
             found["intake_pressure"] = place[PRESSURE]
             found["intake_temperature"] = self.suction.temperature(place, self.lines.T_s)
         if geometry.expands:
             changed, reasons = expander.figures(found, self._h_isentropic() - self.inlet.enthalpy, self._filled())
-            found, notes = found | changed, {name: why for name, why in notes.items() if name not in changed} | reasons
+            found |= changed
+            notes = {name: why for name, why in notes.items() if name not in changed} | reasons
         if m.composition.walls:
             found["wall_heat"] = (
                 float(q[Q_WALLS : Q_WALLS + 2 * len(m.composition.walls) : 2].sum()) * self.lives_per_second
             )
-        return Figures(found | performance.readings(self.parts, known, found)), notes
+        found |= performance.readings(self.parts, known, found)
+        return found, notes
 
     def complete(self, q: closing.Array) -> performance.CycleFigures:
         """Return what a shaft asks of the cycle: what is known of it, and the shaft power."""

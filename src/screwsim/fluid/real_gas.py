@@ -161,7 +161,7 @@ class RealGas:
                 f"it boils at {self.saturation_temperature(p) or found.T_c:.6g} K; "
                 "give a higher temperature or a lower pressure"
             )
-        return float(self._run("density")(p, T, self.R, found.T_c, found.rho_c))
+        return _vapour_density(self, p, T)
 
     def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
         """Return (T, ρ) at p and a given enthalpy or entropy: vapour, two phases or liquid."""
@@ -294,6 +294,12 @@ class RealGas:
 
 
 @lru_cache(maxsize=64)  # a few states of the lines are asked for again and again
+def _vapour_density(gas: RealGas, p: float, T: float) -> float:
+    found = saturation(gas.fluid)
+    return float(_compiled(gas)["density"](p, T, gas.R, found.T_c, found.rho_c))
+
+
+@lru_cache(maxsize=64)
 def _at_pressure(gas: RealGas, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
     """Return (T, ρ) at p and a given enthalpy or entropy; what is not positive is no density."""
     found, known = saturation(gas.fluid), gas.known
