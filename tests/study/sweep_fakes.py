@@ -3,11 +3,14 @@
 import multiprocessing
 import os
 import re
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
+from multiprocessing import connection
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +101,19 @@ def mortal(scenes: Iterable[Scene]) -> Iterator[Result]:
     with open(os.environ["SWEEP_FAKES_PIDS"], "a") as stream:
         stream.write(f"{os.getpid()}\n")
     return slow(scenes)
+
+
+def torn(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Once, where the file that SWEEP_FAKES_TORN names is there, be killed when half of the results are sent."""
+    with suppress(FileNotFoundError):
+        os.unlink(os.environ["SWEEP_FAKES_TORN"])
+        connection.Connection._send = _half  # of this process, which ends with it
+    return chained(scenes)
+
+
+def _half(self: connection.Connection, raw: bytes, *_: object) -> None:
+    os.write(self.fileno(), raw[: len(raw) // 2])
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def faulty(case: Scene) -> Result:
