@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from screwsim.effects.base import (
     Around,
@@ -22,12 +22,13 @@ from screwsim.effects.base import (
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
-from screwsim.machine.kinds import geometry_of
+from screwsim.fluid.settings import GasSettings
+from screwsim.machine.kinds import Machine, geometry_of
 from screwsim.model import close as closing
-from screwsim.model.parts import OilPart, Parts
+from screwsim.model.parts import Effects, OilPart, Parts
 from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, only
-from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
+from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import ActiveEffect, Scene
 
 Numbered = FlowPath | HeatRate | Wall | ChamberState
@@ -37,7 +38,10 @@ HISTORIES_FINEST = 0.1  # ... down to this factor
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
 
-def build_gas(scene: Scene) -> IdealGas | RealGas:
+Gas = IdealGas | RealGas
+
+
+def build_gas(scene: Scene) -> Gas:
     """Return the gas of a scene; k of an ideal one from CoolProp at suction temperature where none is given (M6)."""
     fluid, k = scene.gas.fluid, scene.gas.isentropic_exponent
     if scene.gas.model == "real":
@@ -47,7 +51,7 @@ def build_gas(scene: Scene) -> IdealGas | RealGas:
     return IdealGas(constants.gas_constant(fluid), k)
 
 
-def build_oil(scene: Scene) -> OilPart | None:
+def build_oil(scene: Scene, at: Lines) -> OilPart | None:
     """Return the oil of a scene with its supply."""
     oil, supply = scene.oil, scene.oil_supply
     if oil is None or supply is None:
@@ -63,22 +67,73 @@ def build_oil(scene: Scene) -> OilPart | None:
             "diameter": diameter,
             "length": supply.orifice_length or 2.0 * diameter,
             "number": supply.orifice_count,
-            "separator_pressure": lines(scene).p_d,
+            "separator_pressure": at.p_d,
         }
-    at = lines(scene)
     source = at.p_s if supply.source == "suction" else at.p_d
     return OilPart(known.density, known.heat_capacity, supply.temperature, oil.transport, numbers, source)
 
 
-def build_parts(scene: Scene) -> Parts:
-    """Return what the scene names, built for the composer."""
-    geometry = geometry_of(scene.machine)
-    suction, discharge, gaps = regularisation(scene)
-    gas = build_gas(scene)
-    effects = {name: _built(active, geometry, scene) for name, active in scene.effects.items()}
-    effects = _acting(effects)
-    plenums = [part for items in effects.values() for part in items if isinstance(part, Plenum)]
-    made = [part for items in effects.values() for part in items if isinstance(part, Made)]
+class _Built(NamedTuple):
+    """Parts of an effect, and what they were built of beside the machine."""
+
+    active: ActiveEffect
+    numbers: Mapping[str, float]
+    parts: list[Any]
+
+
+class Stock:
+    """What was built of machine and effects for the scene before: the next of a sweep shares most of it.
+
+    Sections that are the same objects give the same parts, which is what `model.compose.Composer` looks for.
+    """
+
+    def __init__(self) -> None:
+        self._gas: tuple[GasSettings, Gas] | None = None
+        self._geometry: Any = None
+        self._built: dict[str, _Built] = {}
+        self._effects = Effects()
+
+    def gas(self, scene: Scene) -> Gas:
+        """Return the gas of a scene; the same one where nothing but the scene's gas tells it."""
+        settings = scene.gas
+        if settings.model != "real" and settings.isentropic_exponent is None:
+            return build_gas(scene)
+        if self._gas is None or self._gas[0] is not settings:
+            self._gas = settings, build_gas(scene)
+        return self._gas[1]
+
+    def geometry(self, machine: Machine) -> Any:
+        """Return the geometry of a machine."""
+        if self._geometry is None or self._geometry.settings is not machine:
+            self._geometry = geometry_of(machine)
+            self._built.clear()
+        return self._geometry
+
+    def effects(self, scene: Scene, geometry: Any, at: Lines) -> Effects:
+        """Return the parts of a scene's effects, on the geometry that was asked for last."""
+        around = _around(scene, at)
+        found = {name: self._effect(name, active, geometry, around) for name, active in scene.effects.items()}
+        same = list(found) == list(self._built) and all(found[name] is self._built[name] for name in found)
+        if not same:
+            self._built = found
+            self._effects = Effects(_acting({name: built.parts for name, built in found.items()}))
+        return self._effects
+
+    def _effect(self, name: str, active: ActiveEffect, geometry: Any, around: Around) -> _Built:
+        effect, last = active.effect, self._built.get(name)
+        numbers = effect.numbers(active.parameters, around) if effect.numbers is not None else {}
+        if last is not None and last.active is active and last.numbers == numbers:
+            return last
+        return _Built(active, numbers, _built(active, numbers, geometry))
+
+
+def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | None = None) -> Parts:
+    """Return what the scene names, built for the composer; what it shares with the scene before is in stock."""
+    stock, at = stock or Stock(), lines(scene)
+    geometry = stock.geometry(scene.machine)
+    effects = stock.effects(scene, geometry, at)
+    gas = stock.gas(scene)
+    plenums, made = ([part for _, part in effects.all(kind)] for kind in (Plenum, Made))
     names = [part.entry.name for part in made]
     if len(set(names)) < len(names):
         raise TypeError(f"two effects declare the same of {', '.join(sorted(names))} as made by the cycle")
@@ -86,19 +141,19 @@ def build_parts(scene: Scene) -> Parts:
         geometry=geometry,
         gas=gas,
         omega=scene.operation.speed,
-        widths=(suction, discharge, gaps),
+        widths=_widths(scene, at),
         effects=effects,
-        oil=build_oil(scene),
+        oil=build_oil(scene, at),
         plenums={part.name: part.state(build_site(scene, gas)) for part in plenums},
         made={part.entry.name: part.guess(build_site(scene, gas)) for part in made},
+        set_speed=set_speed,
         oil_content=_oil_content(effects, scene, gas),
     )
 
 
-def _oil_content(effects: Mapping[str, list[Any]], scene: Scene, gas: IdealGas | RealGas) -> OilContent | None:
+def _oil_content(effects: Effects, scene: Scene, gas: Gas) -> OilContent | None:
     """Return what the oil brings dissolved; None where no effect declares it."""
-    parts = (part for items in effects.values() for part in items if isinstance(part, OilGas))
-    return next((part.content(build_site(scene, gas)) for part in parts), None)
+    return next((part.content(build_site(scene, gas)) for _, part in effects.all(OilGas)), None)
 
 
 def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
@@ -115,21 +170,20 @@ def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
     return {name: [part for part in items if acts(part)] for name, items in effects.items()}
 
 
-def _around(scene: Scene) -> Around:
+def _around(scene: Scene, at: Lines) -> Around:
     """Return what effects can ask of the scene."""
-    at, oil, supply = lines(scene), scene.oil, scene.oil_supply
+    oil, supply = scene.oil, scene.oil_supply
     T_oil = supply.temperature if supply is not None else None
     tip_speed = scene.machine.surface_speed(scene.operation.speed)
     known = oil.at(T_oil) if oil is not None and T_oil is not None else None
     return Around(scene.gas.fluid, at.p_s, at.T_s, at.p_d, tip_speed, T_oil, known)
 
 
-def _built(active: ActiveEffect, geometry: Any, scene: Scene) -> list[Any]:
+def _built(active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) -> list[Any]:
     """Return what an effect is made of; the flow paths of an expander are those of the machine run backwards."""
     built = list(active.effect.build(active.parameters, geometry))
     if active.effect.numbers is not None:
-        found = active.effect.numbers(active.parameters, _around(scene))
-        built = [_with(part, found) if isinstance(part, Numbered) else part for part in built]
+        built = [_with(part, numbers) if isinstance(part, Numbered) else part for part in built]
     if not geometry.expands:
         return built
     life, pitch = geometry.life, geometry.pitch
@@ -140,11 +194,11 @@ def _with(part: Numbered, numbers: Mapping[str, float]) -> Numbered:
     return replace(part, values={**part.values, **numbers})
 
 
-def build_site(scene: Scene, gas: IdealGas | RealGas) -> Site:
+def build_site(scene: Scene, gas: Gas) -> Site:
     """Return what the state of an effect's own plenum can be made of."""
     at, effect = lines(scene), refrigerating_effect(scene)
     liquid = None if effect is None else suction_enthalpy(scene) - effect
-    around = _around(scene)
+    around = _around(scene, at)
     return Site(gas, scene.gas.fluid, at.p_s, at.T_s, at.p_d, liquid, effect, around.T_oil, around.oil)
 
 
@@ -155,7 +209,11 @@ def regularisation(scene: Scene) -> tuple[float, float, float]:
     narrower ε would let that error jump across the flow law's steep middle, a wider one costs accuracy that no step
     can regain (docs/numerics.md).
     """
-    width, at = WIDTH * scene.numerics.accuracy, lines(scene)
+    return _widths(scene, lines(scene))
+
+
+def _widths(scene: Scene, at: Lines) -> tuple[float, float, float]:
+    width = WIDTH * scene.numerics.accuracy
     return width * at.p_s, width * at.p_d, width * max(at.p_s, at.p_d)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import Any
 
 from screwsim.outputs import PERFORMANCE, Figures
@@ -25,11 +26,10 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
     Powers [W] and work [J] below the least ones are rounding.
     """
     known = {name: 0.0 if value is None else value for name, value in better.items()}
-    errors: dict[str, float | None] = {}
+    errors: dict[str, float | None] = dict.fromkeys(found)
     for name, value in found.items():
         reference = better.get(name)
         if value is None or reference is None:
-            errors[name] = None
             continue
         scale = max(error_scale(name, known), 1e-300)
         if _is_power(name):
@@ -40,6 +40,7 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
     return Figures(errors)
 
 
+@cache
 def _is_power(name: str) -> bool:
     """Tell whether a figure is a power, or the heat of walls, which may be next to nothing."""
     return name == "wall_heat" or (name.endswith("_power") and PERFORMANCE[name].units == "W")
@@ -70,17 +71,25 @@ def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any]
         return larger(abs(shaft), abs(known.get("ideal_isothermal_efficiency", 0.0) * shaft))
     if name.endswith("_efficiency"):
         return larger(size, 0.1)
-    if TORQUE in name:
-        return larger(size, abs(known.get("gas_torque_peak_to_peak", 0.0)))
-    if name == LEAST_FLOW:
-        return larger(size, abs(known.get("gas_mass_flow", 0.0)))
-    if PULSATION in name:
-        return abs(known.get(f"{name.partition('_')[0]}_pressure", 0.0))
-    if FORCE in name:
-        return larger(size, abs(known.get(f"{name.removesuffix('_peak')}_peak", 0.0)))
+    swing = _swing(name)
+    if swing is not None:
+        over = abs(known.get(swing, 0.0))
+        return over if PULSATION in name else larger(size, over)
     if name in NET:
         filling = abs(known.get("volumetric_efficiency", 0.0))
         size = size * larger(filling, 0.1) / (filling + 0.1 * (filling == 0.0))
     if name in OIL:
         size = larger(size, LEAST_OIL * (abs(known.get("gas_mass_flow", 0.0)) if name == "oil_mass_flow" else 1.0))
     return size
+
+
+@cache
+def _swing(name: str) -> str | None:
+    """Return the figure by which one whose mean may vanish swings; None of the others."""
+    if TORQUE in name:
+        return "gas_torque_peak_to_peak"
+    if name == LEAST_FLOW:
+        return "gas_mass_flow"
+    if PULSATION in name:
+        return f"{name.partition('_')[0]}_pressure"
+    return f"{name.removesuffix('_peak')}_peak" if FORCE in name else None

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from math import log
 from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath, Intake, OilGas, PowerLoss, Pulsation, Reading
+from screwsim.effects.base import Intake, OilGas, PowerLoss, Pulsation, Reading
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.intake import Suction
 from screwsim.model import ledger as kernels
@@ -155,12 +156,7 @@ def ledger(cycle: Cycle) -> Figures:
         cycle.rate * sums for sums in cycle.machinery.account(sucked.s, cycle.behind("discharge", line).s)
     )
     _at_their_lines(cycle, paths)
-    acting = [
-        name
-        for name, items in cycle.parts.effects.items()
-        if not (items and all(isinstance(part, Reading) for part in items))
-    ]
-    book = _Book(cycle.T_0, {name: Entry() for name in acting})
+    book = _Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
     _paths(book, cycle, paths, sucked, given)
     _pulsations(book, cycle, (suction, sucked), (given, discharge), line)
     gas_rise = _gas(book, cycle, suction, line, discharge)
@@ -173,6 +169,13 @@ def ledger(cycle: Cycle) -> Figures:
         oil_rise = _oil(book, cycle, paths, heats[:warmed], oil)
     _losses(book, cycle)
     return _figures(book, cycle, gas_rise, oil_rise)
+
+
+def _acting(cycle: Cycle) -> Iterator[str]:
+    """Yield the effects that do more than read the cycle."""
+    for name, items in cycle.parts.effects.items():
+        if not (items and all(isinstance(part, Reading) for part in items)):
+            yield name
 
 
 def _figures(book: _Book, cycle: Cycle, gas_rise: float, oil_rise: float | None) -> Figures:
@@ -188,22 +191,19 @@ def _figures(book: _Book, cycle: Cycle, gas_rise: float, oil_rise: float | None)
         "relative_residue": residue / abs(cycle.shaft_power) if cycle.shaft_power != 0.0 else None,
     }
     for name, entry in book.entries.items():
-        found |= {f"{quantity}_{name}": value for quantity, value in vars(entry).items()}
+        found |= zip(_titles(name), vars(entry).values(), strict=True)
     return Figures(found)
+
+
+@cache
+def _titles(name: str) -> tuple[str, ...]:
+    """Return what the figures of an entry are called."""
+    return tuple(f"{quantity}_{name}" for quantity in vars(Entry()))
 
 
 def _names(cycle: Cycle) -> list[str]:
     c = cycle.machinery.composition
     return [*c.plenum_paths, *(name for name, _ in c.gap_paths)]
-
-
-def _ends(cycle: Cycle) -> list[str]:
-    """Return of each path where what leaves through it goes: a line, or a plenum."""
-    return [part.to if part.to != "neighbour" else "discharge" for part in _flow_paths(cycle)]
-
-
-def _to_discharge(cycle: Cycle) -> list[bool]:
-    return [end == "discharge" for end in _ends(cycle)]
 
 
 def _pressure(cycle: Cycle, end: str) -> float:
@@ -216,15 +216,8 @@ def _at_their_lines(cycle: Cycle, paths: Array) -> None:
     """Let oil that takes room have the temperature to which throttling to its line brings it, in place (M109)."""
     if not cycle.parts.oil_room:
         return
-    for row, end in zip(paths, _ends(cycle), strict=True):
+    for row, end in zip(paths, cycle.machinery.composition.ends, strict=True):
         row[kernels.OUT_OIL_T] -= row[kernels.OUT_OIL] * cycle.pressed(_pressure(cycle, end))
-
-
-def _flow_paths(cycle: Cycle) -> Iterator[FlowPath]:
-    """Yield the flow paths in the order of the composition: those to a line, then the gaps."""
-    found = [part for items in cycle.parts.effects.values() for part in items if isinstance(part, FlowPath)]
-    yield from (part for part in found if part.to != "neighbour")
-    yield from (part for part in found if part.to == "neighbour")
 
 
 def _paths(book: _Book, cycle: Cycle, paths: Array, suction: State, discharge: State) -> None:
@@ -232,15 +225,15 @@ def _paths(book: _Book, cycle: Cycle, paths: Array, suction: State, discharge: S
     states = {"suction": suction, "discharge": discharge} | {
         name: State(own.T, own.rho, own.h, own.s) for name, own in cycle.parts.plenums.items()
     }
-    for name, end, row in zip(_names(cycle), _ends(cycle), paths, strict=True):
+    for name, end, row in zip(_names(cycle), cycle.machinery.composition.ends, paths.tolist(), strict=True):
         target = states[end]
         left = target.generated(row[kernels.OUT_MASS], row[kernels.OUT_ENTHALPY], row[kernels.OUT_ENTROPY])
-        moved = float(row[kernels.MOVED])
-        energy = float(row[kernels.CARRIES]) - moved * suction.h
-        book.add(name, gas=moved, energy=energy, entropy=float(row[kernels.GENERATED] + left))
+        moved = row[kernels.MOVED]
+        energy = row[kernels.CARRIES] - moved * suction.h
+        book.add(name, gas=moved, energy=energy, entropy=row[kernels.GENERATED] + left)
         if end != "discharge" and row[kernels.OUT_MASS] > 0.0:
             # the line stays at T_s: what the gas brings above that leaves as heat at T_s (M54)
-            heat = float(row[kernels.OUT_ENTHALPY] - row[kernels.OUT_MASS] * target.h)
+            heat = row[kernels.OUT_ENTHALPY] - row[kernels.OUT_MASS] * target.h
             entry = SUCTION_LINE if end == "suction" else f"{end}_plenum"
             book.add(entry, energy=heat, exergy=heat * (1.0 - cycle.T_0 / target.T))
 
@@ -301,13 +294,12 @@ def _intake(book: _Book, cycle: Cycle, gas_rise: float, discharge: State) -> flo
     delivered = (1.0 - share) * flow * (out - line)
     delivered += sum(net * (out - exergy(State(own.T, own.rho, own.h, own.s))) for net, own in drawn)
     returned = flow * (share * out + (1.0 - share) * line - mixed)
-    for name, items in cycle.parts.effects.items():
-        for part in (part for part in items if isinstance(part, Intake)):
-            if part.returned > 0.0:
-                energy = share * flow * (discharge.h - intake.line[ENTHALPY])
-                book.add(name, gas=share * flow, energy=energy, exergy=returned)
-            if part.pressure_ratio < 1.0:
-                book.add(name, gas=flow, exergy=gas_rise - delivered - returned)
+    for name, part in cycle.parts.all(Intake):
+        if part.returned > 0.0:
+            energy = share * flow * (discharge.h - intake.line[ENTHALPY])
+            book.add(name, gas=share * flow, energy=energy, exergy=returned)
+        if part.pressure_ratio < 1.0:
+            book.add(name, gas=flow, exergy=gas_rise - delivered - returned)
     return delivered
 
 
@@ -346,14 +338,9 @@ def _flash(book: _Book, cycle: Cycle, sums: Array) -> float:
     content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
     if content is None:
         return 0.0
-    for name, items in cycle.parts.effects.items():
-        if any(isinstance(part, OilGas) for part in items):
-            book.add(
-                name,
-                gas=flashed,
-                energy=flashed * content.latent,
-                entropy=float(sums[kernels.FLASH_GENERATED]),
-            )
+    for name, _ in cycle.parts.all(OilGas):
+        generated = float(sums[kernels.FLASH_GENERATED])
+        book.add(name, gas=flashed, energy=flashed * content.latent, entropy=generated)
     return flashed * content.latent * (1.0 - cycle.T_0 / cycle.parts.oil.temperature)
 
 
@@ -384,9 +371,9 @@ def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
 def _mixing(book: _Book, cycle: Cycle, paths: Array, T_mean: float) -> None:
     """Enter the mixing of the oil that leaves to the discharge line to its mean temperature there (M53)."""
     c_oil = cycle.parts.oil.heat_capacity
-    for name, to_discharge, row in zip(_names(cycle), _to_discharge(cycle), paths, strict=True):
-        mass, mass_T, mass_log = (float(row[i]) for i in (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG))
-        if mass > 0.0 and to_discharge:
+    for name, end, row in zip(_names(cycle), cycle.machinery.composition.ends, paths.tolist(), strict=True):
+        mass, mass_T, mass_log = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG))
+        if mass > 0.0 and end == "discharge":
             book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
 
 
@@ -399,9 +386,9 @@ def _carried(book: _Book, cycle: Cycle, paths: Array) -> float:
     if out > 0.0:
         _mixing(book, cycle, paths, out_T / out)
     lost = 0.0
-    columns = (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG)
-    for end in dict.fromkeys(end for end in _ends(cycle) if end != "discharge"):
-        to_end = np.array([other == end for other in _ends(cycle)], bool)
+    columns, ends = (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG), cycle.machinery.composition.ends
+    for end in dict.fromkeys(end for end in ends if end != "discharge"):
+        to_end = np.array([other == end for other in ends], bool)
         taken = [float(paths[to_end, column].sum()) for column in columns]
         rise = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
         lost += rise
@@ -451,19 +438,14 @@ def _not_carried(book: _Book, cycle: Cycle, paths: Array, sums: Array) -> float:
 # ---- losses ------------------------------------------------------------------------------------------------------
 
 
-def _power_losses(cycle: Cycle) -> Iterator[tuple[str, PowerLoss]]:
-    for name, items in cycle.parts.effects.items():
-        yield from ((name, part) for part in items if isinstance(part, PowerLoss))
-
-
 def _kept(cycle: Cycle) -> float:
     """Return the power [W] that losses leave in the oil as pressure."""
-    return sum(float(part.kept(cycle.known)) for _, part in _power_losses(cycle) if part.kept is not None)
+    return sum(float(part.kept(cycle.known)) for _, part in cycle.parts.all(PowerLoss) if part.kept is not None)
 
 
 def _losses(book: _Book, cycle: Cycle) -> None:
     """Enter every power beside the gas work: dissipated at T_0, but for what stays in the oil as pressure (M58)."""
-    for name, part in _power_losses(cycle):
+    for name, part in cycle.parts.all(PowerLoss):
         power = float(part.power(cycle.known))
         kept = float(part.kept(cycle.known)) if part.kept is not None else 0.0
         book.add(name, energy=power, exergy=power - kept)

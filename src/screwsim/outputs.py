@@ -234,6 +234,21 @@ LEDGER_ENTRY = {  # of each effect, `<name>_<effect>`
     "exergy_destroyed": Variable("W", "exergy destroyed"),
 }
 
+KNOCK_OUT_STATUSES = (*STATUSES, "needed")  # the scene cannot do without the effect
+KNOCK_OUT = {  # of each effect that is left out, with what that changes
+    name: Variable(units, f"{meaning} without the effect")
+    for name, units, meaning in (
+        ("shaft_power", "W", "shaft power"),
+        ("specific_work", "J kg-1", "shaft power over net gas flow"),
+        ("cooling_capacity", "W", "cooling capacity"),
+        ("cop", "1", "coefficient of performance"),
+    )
+}
+KNOCK_OUT |= {
+    f"change_of_{name}": each._replace(long_name=f"{each.long_name}, less that with it")
+    for name, each in KNOCK_OUT.items()
+}
+
 
 def ledger_variable(name: str) -> Variable:
     """Return unit and meaning of a ledger's total, or of an entry `<quantity>_<effect>`."""

@@ -134,7 +134,7 @@ def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
 def loss_power(parts: Parts, lines: Lines, known: CycleFigures) -> float:
     """Return the shaft power beside the indicated power [W]: losses, and the lift of the oil."""
     lift = oil_lift(parts, lines, known) if parts.oil is not None else 0.0
-    return sum(_losses(parts.effects, known).values()) + lift
+    return sum(_losses(parts, known).values()) + lift
 
 
 def figures(
@@ -157,7 +157,7 @@ def figures(
     geometry, gas, oil = parts.geometry, parts.gas, parts.oil
     rate = parts.omega / geometry.pitch  # chamber lives per second
     flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate)
-    losses = _losses(parts.effects, known)
+    losses = _losses(parts, known)
     lift = oil_lift(parts, lines, known) if oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     found: dict[str, float | None] = dict.fromkeys(PERFORMANCE)
@@ -228,28 +228,21 @@ def refrigeration(
     return figures, {}
 
 
-def _losses(effects: Mapping[str, Sequence[Any]], known: CycleFigures) -> dict[str, float]:
-    return {
-        part.figure: float(part.power(known))
-        for parts in effects.values()
-        for part in parts
-        if isinstance(part, PowerLoss)
-    }
+def _losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
+    return {part.figure: float(part.power(known)) for _, part in parts.all(PowerLoss)}
 
 
-def readings(
-    effects: Mapping[str, Sequence[Any]], known: CycleFigures, found: Mapping[str, Any]
-) -> dict[str, float | None]:
+def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> dict[str, float | None]:
     """Return the figures that effects read from the closed cycle, all other figures known."""
-    parts = [part for items in effects.values() for part in items if isinstance(part, Reading)]
-    if not parts:
+    reading = [part for _, part in parts.all(Reading)]
+    if not reading:
         return {}
     names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop")
     complete = replace(known, **{name: found[name] for name in names})
-    return {name: value for part in parts for name, value in part.read(complete).items()}
+    return {name: value for part in reading for name, value in part.read(complete).items()}
 
 
-def pitch_traces(effects: Mapping[str, Sequence[Any]], known: CycleFigures) -> dict[str, Array]:
+def pitch_traces(parts: Parts, known: CycleFigures) -> dict[str, Array]:
     """Return the curves over one pitch that effects read from the closed cycle."""
-    parts = [part for items in effects.values() for part in items if isinstance(part, Reading)]
-    return {name: trace for part in parts if part.traces is not None for name, trace in part.traces(known).items()}
+    traces = [part.traces for _, part in parts.all(Reading) if part.traces is not None]
+    return {name: trace for read in traces for name, trace in read(known).items()}

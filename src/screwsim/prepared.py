@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from screwsim import performance
-from screwsim.build import build_parts, wanted_of
+from screwsim.build import Stock, build_parts, wanted_of
 from screwsim.effects.base import Made
 from screwsim.intake import suction_of
 from screwsim.model import close as closing
-from screwsim.model.compose import compose
+from screwsim.model.compose import Composer
 from screwsim.model.continuation import Course
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
@@ -22,7 +21,7 @@ from screwsim.model.slots import (
     R_INJECTED,
     R_PRESSURE,
 )
-from screwsim.numerics.made import Entries
+from screwsim.numerics.made import Entries, Entry
 from screwsim.scene.lines import lines, suction_enthalpy
 from screwsim.scene.types import Scene
 
@@ -32,9 +31,21 @@ def _shelf(text: str) -> dict[str, Machinery]:
     return {}
 
 
-def machinery_for(parts: Parts) -> Machinery:
+@lru_cache(maxsize=8)
+def _entries(entries: tuple[Entry, ...]) -> Entries:
+    return Entries(entries)
+
+
+class Series:
+    """What the scenes of a series leave to the next: what was built, what was composed, the cycles that closed."""
+
+    def __init__(self) -> None:
+        self.stock, self.composer, self.course = Stock(), Composer(), Course()
+
+
+def machinery_for(parts: Parts, composer: Composer | None = None) -> Machinery:
     """Return working arrays for the parts; those of the last scene of the same structure are used again."""
-    composition = compose(parts)
+    composition = (composer or Composer()).compose(parts)
     shelf = _shelf(composition.text)
     if "it" in shelf:
         shelf["it"].composition = composition
@@ -46,27 +57,27 @@ def machinery_for(parts: Parts) -> Machinery:
 class Prepared:
     """A scene, what it names built, its machinery, its lines, and what is asked of the closing."""
 
-    def __init__(self, scene: Scene, course: Course | None = None, set_speed: float | None = None) -> None:
+    def __init__(self, scene: Scene, series: Series | None = None, set_speed: float | None = None) -> None:
         """Prepare a scene; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
         self.scene = scene
-        self.course = course or Course()
-        self.parts = replace(build_parts(scene), set_speed=set_speed)
+        self.series = series or Series()
+        self.course = self.series.course
+        self.parts = build_parts(scene, self.series.stock, set_speed)
         self.wanted = wanted_of(scene)
         self.lines = lines(scene)
-        self.machinery = machinery_for(self.parts)
+        self.machinery = machinery_for(self.parts, self.series.composer)
         line = self._suction_place()
         self.inlet = performance.Inlet(line[DENSITY], line[ENTHALPY])
         self.suction = suction_of(self.parts.gas, line, self.parts.effects.values())
         begins = self.suction.place(self._h_isentropic()) if self.suction.changed else line
         self.pv = self.lines.p_s / self.inlet.density
         # what tells one scene from the next on a course; tightening changes the composition's own copy
-        self.parameters = np.array(
-            [*self.machinery.composition.P, *begins, self.lines.p_d, *self.parts.geometry.outcomes]
-        )
+        P, outcomes = self.machinery.composition.P, self.parts.geometry.outcomes
+        self.parameters = np.concatenate([P, [*begins, self.lines.p_d, *outcomes]])
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
         line_entries = closing.discharge_line(self.machinery.composition.carried)
-        self.entries = Entries([*line_entries, *(part.entry for _, part in self.parts.all(Made))])
+        self.entries = _entries((*line_entries, *(part.entry for _, part in self.parts.all(Made))))
 
     def _suction_place(self) -> tuple[float, ...]:
         """Return the place of the suction line; wet where the scene gives a quality."""

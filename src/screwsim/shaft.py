@@ -72,7 +72,7 @@ def at_its_speed(solution: Solution) -> Solution:
     if part is None or part.train(solution.scene.operation.speed).holds_mean:
         return solution
     stated = solution.scene.operation.speed
-    solution = Solution(solution.scene, solution.course, stated)
+    solution = Solution(solution.scene, solution.series, stated)
     for _ in range(MOST_SPEEDS):
         closed = settled(solution, solution.close())
         if closed.status != "ok":
@@ -82,7 +82,7 @@ def at_its_speed(solution: Solution) -> Solution:
         except NoMotion:
             return solution
         change = abs(found / solution.scene.operation.speed - 1.0)
-        solution = Solution(_at(solution.scene, found), solution.course, stated)
+        solution = Solution(_at(solution.scene, found), solution.series, stated)
         if change <= 0.1 * solution.wanted.tolerance:
             break
     return solution

@@ -12,9 +12,9 @@ from screwsim.build import prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
 from screwsim.ledger import entropy_residue
 from screwsim.model import close as closing
-from screwsim.model.continuation import Course
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
 from screwsim.outputs import Figures, Result
+from screwsim.prepared import Series
 from screwsim.scene.types import Scene
 from screwsim.solution import Solution
 
@@ -198,7 +198,7 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
     `trace` keeps the cycle over the angle; the ledger is left out without it where the scene says `numerics.error:
     none`. Raises UsageError when the scene asks for a fluid that is not there.
     """
-    return _simulate(scene, trace, Course())
+    return _simulate(scene, trace, Series())
 
 
 def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Result]:
@@ -207,18 +207,18 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
     That costs a fraction of `simulate` along a sweep, and changes results by less than the tolerances: they depend on
     the scenes before. A scene that is not ok ends the course; the next begins afresh.
     """
-    course = Course()
+    series = Series()
     for scene in scenes:
-        yield _simulate(scene, trace, course)
+        yield _simulate(scene, trace, series)
 
 
-def _simulate(scene: Scene, trace: bool, course: Course) -> Result:
-    solution = Solution(scene, course)
+def _simulate(scene: Scene, trace: bool, series: Series) -> Result:
+    solution = Solution(scene, series)
     machinery = solution.machinery
     machinery.warm_up(solution.rehearse)
     result = _solved(shaft.at_its_speed(solution), trace)
     if result.status != "ok":
-        course.forget()
+        series.course.forget()
     return result
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim import expander, performance
 from screwsim.build import build_site
-from screwsim.effects.base import Drawn, Plenum
+from screwsim.effects.base import Drawn, Plenum, Reading
 from screwsim.ledger import Cycle, ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
@@ -142,7 +142,7 @@ class Solution(Making):
             oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
             oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
             pitch=cache(lambda: self._pitch(q)),
-            turn=self._imaged(q),
+            turn=self._imaged(q) if parts.all(Reading) else None,
         )
 
     def _pitch(self, q: closing.Array) -> Pitch:
@@ -157,8 +157,8 @@ class Solution(Making):
 
     def figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
         """Return performance figures of the last history, whose quadratures are q, and why some are None."""
-        R, m = self.machinery.R, self.machinery
-        geometry = self.parts.geometry
+        m, geometry = self.machinery, self.parts.geometry
+        R = m.R
         limit = geometry.life if geometry.expands else geometry.widest_discharge()
         times, dense, _, steps = m.last()
         known = self._known(q)
@@ -175,24 +175,28 @@ class Solution(Making):
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
         )
         own = self._own_figures(q)
-        found |= own
-        notes |= dict.fromkeys((name for name, value in own.items() if value is None), NO_LIQUID)
+        if own:
+            found |= own
+            notes |= dict.fromkeys((name for name, value in own.items() if value is None), NO_LIQUID)
         gain = own.get("economizer_capacity_gain") or 0.0
         effect = None if self._effect is None else self._effect * (1.0 + gain)
         cooling, reasons = performance.refrigeration(found, self.inlet.density, effect)
-        found, notes = found | cooling, notes | reasons
+        found |= cooling
+        notes |= reasons
         if self.suction.changed:
             place = self.suction.place(float(R[R_DISCHARGE + ENTHALPY]))
             found["intake_pressure"] = place[PRESSURE]
             found["intake_temperature"] = self.suction.temperature(place, self.lines.T_s)
         if geometry.expands:
             changed, reasons = expander.figures(found, self._h_isentropic() - self.inlet.enthalpy, self._filled())
-            found, notes = found | changed, {name: why for name, why in notes.items() if name not in changed} | reasons
+            found |= changed
+            notes = {name: why for name, why in notes.items() if name not in changed} | reasons
         if m.composition.walls:
             found["wall_heat"] = (
                 float(q[Q_WALLS : Q_WALLS + 2 * len(m.composition.walls) : 2].sum()) * self.lives_per_second
             )
-        return Figures(found | performance.readings(self.parts.effects, known, found)), notes
+        found |= performance.readings(self.parts, known, found)
+        return found, notes
 
     def complete(self, q: closing.Array) -> performance.CycleFigures:
         """Return what a shaft asks of the cycle: what is known of it, and the shaft power."""
@@ -306,7 +310,7 @@ class Solution(Making):
         found = traces(self.parts, self.machinery)
         degrees, pitch = found["angle"], math.degrees(self.parts.geometry.pitch)
         known = self._known(q) if self.parts.shaft is None else self.complete(q)
-        for name, values in performance.pitch_traces(self.parts.effects, known).items():
+        for name, values in performance.pitch_traces(self.parts, known).items():
             grid = np.linspace(0.0, pitch, len(values) + 1)
             found[name] = np.interp(degrees, grid, np.append(values, values[0]), period=pitch)
         return found

@@ -46,5 +46,6 @@ def test_every_result_has_unit_and_meaning():
         outputs.LEDGER,
         outputs.LEDGER_ENTRY,
         outputs.STAGES,
+        outputs.KNOCK_OUT,
     ):
         assert all(about.units and about.long_name for about in table.values())

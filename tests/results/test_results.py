@@ -16,7 +16,7 @@ import xarray as xr
 from result_fakes import CYCLE, GRID, SCENE, fake_simulate, scene
 
 from screwsim.faults import UsageError
-from screwsim.outputs import BALANCE, NUMERICS, PERFORMANCE, Figures, Result
+from screwsim.outputs import BALANCE, KNOCK_OUT, KNOCK_OUT_STATUSES, NUMERICS, PERFORMANCE, Figures, Result
 from screwsim.results import open_results, save
 from screwsim.scene import case, case_count
 
@@ -70,6 +70,44 @@ def test_the_ledger_reads_back_on_the_axes_of_the_sweep(single, swept):
     assert many["gas_moved_tip_leakage"].shape == (3, 10)
     assert math.isnan(many["exergy_destroyed_tip_leakage"][0, 5])  # the case that fails
     assert many["exergy_destroyed_tip_leakage"][1, 7] == 7.0
+
+
+def knocked_out() -> Result:
+    """Return a result with the knock-out of two effects, of which the scene needs one."""
+    nothing = dict.fromkeys(KNOCK_OUT)
+    found = {"shaft_power": 9.0, "change_of_shaft_power": -1.0}
+    return replace(
+        fake_simulate(scene()),
+        knock_out=(
+            Figures(effect="suction_port", status="needed", message="write it", **nothing),
+            Figures(effect="tip_leakage", status="ok", message="", **(nothing | found)),
+        ),
+    )
+
+
+def test_a_knock_out_reads_back_by_effect(tmp_path):
+    save(tmp_path / "x.h5", scene(), knocked_out())
+    found = open_results(tmp_path / "x.h5").knock_out
+    assert found["effect"].tolist() == ["suction_port", "tip_leakage"]
+    assert [KNOCK_OUT_STATUSES[number] for number in found["status"]] == ["needed", "ok"]
+    assert found["message"].tolist() == ["write it", ""]
+    np.testing.assert_array_equal(found["change_of_shaft_power"], [np.nan, -1.0])
+    assert found.about["change_of_shaft_power"].units == "W"
+    assert set(found) == {"effect", "status", "message", *KNOCK_OUT}
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_knock_out_opens_in_xarray(engine, tmp_path):
+    save(tmp_path / "x.h5", scene(), knocked_out())
+    with xr.open_dataset(tmp_path / "x.h5", group="knock_out", engine=engine) as data:
+        assert data.effect.attrs["labels"].split("\n") == ["suction_port", "tip_leakage"]
+        assert data.shaft_power.dims == ("effect",) and data.shaft_power.attrs["units"] == "W"
+    own = open_results(tmp_path / "x.h5").to_xarray("knock_out")
+    assert float(own.shaft_power.sel(effect="tip_leakage")) == 9.0
+
+
+def test_a_run_without_a_knock_out_stores_none(single):
+    assert len(open_results(single).knock_out) == 0
 
 
 def test_a_sweep_without_cycles_stores_no_ledger(tmp_path):

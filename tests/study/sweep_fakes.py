@@ -1,11 +1,16 @@
 """Simulators for sweeps: slow, deadly, faulty; functions of a module, so that workers can be given them."""
 
+import multiprocessing
 import os
+import re
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
+from multiprocessing import connection
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +103,19 @@ def mortal(scenes: Iterable[Scene]) -> Iterator[Result]:
     return slow(scenes)
 
 
+def torn(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Once, where the file that SWEEP_FAKES_TORN names is there, be killed when half of the results are sent."""
+    with suppress(FileNotFoundError):
+        os.unlink(os.environ["SWEEP_FAKES_TORN"])
+        connection.Connection._send = _half  # of this process, which ends with it
+    return chained(scenes)
+
+
+def _half(self: connection.Connection, raw: bytes, *_: object) -> None:
+    os.write(self.fileno(), raw[: len(raw) // 2])
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
 def faulty(case: Scene) -> Result:
     """Raise at ratio 2."""
     if case.oil_supply.ratio == 2.0:
@@ -128,6 +146,21 @@ def start(output: Path, jobs: int, simulator: str = "slow") -> subprocess.Popen:
     return subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE)
 
 
+def swept_with(pids: Path, output: Path) -> None:
+    """Sweep on two workers that leave their numbers in a file."""
+    os.environ["SWEEP_FAKES_PIDS"] = str(pids)
+    run_sweep(grid_scene(), output, jobs=2, simulate_many=mortal)
+
+
+def forked(pids: Path, output: Path) -> multiprocessing.Process:
+    """Start `swept_with` in a process of its own, forked from one that has imported all it needs."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["__main__", __name__])
+    process = context.Process(target=swept_with, args=(pids, output))
+    process.start()
+    return process
+
+
 def parts_of(output: Path) -> Path:
     """Return the folder of a sweep's parts."""
     return output.with_name(output.name + ".parts")
@@ -148,8 +181,15 @@ def wait_for_parts(output: Path, count: int) -> int:
     return held(output)
 
 
+def without_moments(path: Path) -> bytes:
+    """Return a file's bytes without the moments at which it was written."""
+    return re.sub(rb"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", b"", path.read_bytes())
+
+
 def assert_same(one: Path, other: Path) -> None:
     """Assert that two files differ in nothing but their history."""
+    if without_moments(one) == without_moments(other):
+        return
     first, second = open_results(one), open_results(other)
     for group in ("inputs", "performance", "balance", "error", "numerics", "cycle", "ledger"):
         left, right = getattr(first, group), getattr(second, group)

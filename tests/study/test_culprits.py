@@ -16,6 +16,7 @@ from sweep_fakes import (
     grid_scene,
     mortal,
     start,
+    torn,
     wait_for_parts,
 )
 
@@ -48,6 +49,16 @@ def test_a_case_that_kills_only_after_another_is_found_too(tmp_path):
     results = open_results(tmp_path / "out.h5")
     assert summary.failed == 4
     assert results.messages[1, 7].startswith("worker died")
+
+
+def test_a_worker_that_is_killed_while_it_sends_its_results_costs_nothing(tmp_path, monkeypatch):
+    """The pool would wait for ever for the other half of the message."""
+    monkeypatch.setenv("SWEEP_FAKES_TORN", str(tmp_path / "torn"))
+    (tmp_path / "torn").touch()
+    summary = run_sweep(grid_scene(), tmp_path / "out.h5", jobs=2, simulate_many=torn)
+    assert summary.failed == 3 and not (tmp_path / "torn").exists()
+    run_sweep(grid_scene(), tmp_path / "one.h5", jobs=1, simulate_many=chained)
+    assert_same(tmp_path / "one.h5", tmp_path / "out.h5")
 
 
 def test_a_case_that_never_ends_is_failed_and_no_other(tmp_path):

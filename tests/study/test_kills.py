@@ -3,13 +3,13 @@
 import os
 import random
 import signal
-import subprocess
 import time
 from contextlib import suppress
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import pytest
-from sweep_fakes import assert_same, chained, grid_scene, held, mortal, start
+from sweep_fakes import assert_same, chained, forked, grid_scene, held, mortal
 
 from screwsim.study.sweep import run_sweep
 
@@ -24,11 +24,11 @@ def reference(tmp_path_factory) -> Path:
     return output
 
 
-def running(output: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[subprocess.Popen, Path]:
+def running(output: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[BaseProcess, Path]:
     """Return a sweep on two workers that has begun with its cases, and the file of their process numbers."""
     pids = output.with_name("pids")
-    monkeypatch.setenv("SWEEP_FAKES_PIDS", str(pids))
-    process = start(output, 2, "mortal")
+    monkeypatch.setenv("SWEEP_FAKES_PIDS", str(pids))  # for what goes on here
+    process = forked(pids, output)
     deadline = time.monotonic() + 60.0
     while not (pids.exists() and pids.read_text()):
         assert time.monotonic() < deadline, "no case has begun"
@@ -42,7 +42,7 @@ def test_a_parent_that_is_killed_at_any_moment(seed, reference, tmp_path, monkey
     process, _ = running(output, monkeypatch)
     time.sleep(random.Random(seed).uniform(0.0, SPAN))
     process.kill()
-    process.communicate(timeout=10)
+    process.join(10.0)
     there = 120 if output.exists() else held(output)
     assert run_sweep(grid_scene(), output, jobs=2, simulate_many=mortal).reused == there
     assert_same(reference, output)
@@ -57,6 +57,6 @@ def test_a_worker_that_is_killed_at_any_moment(seed, reference, tmp_path, monkey
     time.sleep(chance.uniform(0.0, SPAN))
     with suppress(ProcessLookupError):  # it ended before
         os.kill(int(chance.choice(pids.read_text().split())), signal.SIGKILL)
-    process.communicate(timeout=60)
-    assert process.returncode == 0
+    process.join(60.0)
+    assert process.exitcode == 0
     assert_same(reference, output)

@@ -34,8 +34,13 @@ class Limits(NamedTuple):
     T_max: float
 
 
+@cache
+def _version() -> str:
+    return importlib.metadata.version("CoolProp")
+
+
 def _file() -> Path:
-    return cache_folder() / f"coolprop-{importlib.metadata.version('CoolProp')}.jsonl"
+    return cache_folder() / f"coolprop-{_version()}.jsonl"
 
 
 @cache

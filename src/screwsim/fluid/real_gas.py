@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import inf, log
 from types import ModuleType
 from typing import Any
@@ -128,7 +128,11 @@ class RealGas:
 
     def _run(self, what: str) -> Callable[..., Any]:
         """Return a compiled kernel of this gas."""
-        return _compiled(self)[what]
+        return self._kernels[what]
+
+    @cached_property
+    def _kernels(self) -> dict[str, Callable[..., Any]]:
+        return _compiled(self)
 
     def saturation_temperature(self, p: float) -> float | None:
         """Return the saturation temperature [K] at p [Pa]; None where there is none."""
@@ -157,14 +161,11 @@ class RealGas:
                 f"it boils at {self.saturation_temperature(p) or found.T_c:.6g} K; "
                 "give a higher temperature or a lower pressure"
             )
-        return float(self._run("density")(p, T, self.R, found.T_c, found.rho_c))
+        return _vapour_density(self, p, T)
 
     def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
         """Return (T, ρ) at p and a given enthalpy or entropy: vapour, two phases or liquid."""
-        found, known = saturation(self.fluid), self.known
-        T, rho = self._run("at_pressure")(
-            p, wanted, entropy, known.T_min, 2.0 * known.T_max, found.p_c, self.R, found.T_c, found.rho_c
-        )
+        known, (T, rho) = self.known, _at_pressure(self, p, wanted, entropy)
         if not rho > 0.0:
             what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
             raise UsageError(
@@ -290,6 +291,20 @@ class RealGas:
         if p > known.p_max:
             return f"{known.name} at {p:.6g} Pa is above the equation's highest pressure, {known.p_max:.6g} Pa"
         return None
+
+
+@lru_cache(maxsize=64)  # a few states of the lines are asked for again and again
+def _vapour_density(gas: RealGas, p: float, T: float) -> float:
+    found = saturation(gas.fluid)
+    return float(_compiled(gas)["density"](p, T, gas.R, found.T_c, found.rho_c))
+
+
+@lru_cache(maxsize=64)
+def _at_pressure(gas: RealGas, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
+    """Return (T, ρ) at p and a given enthalpy or entropy; what is not positive is no density."""
+    found, known = saturation(gas.fluid), gas.known
+    at_pressure = _compiled(gas)["at_pressure"]
+    return at_pressure(p, wanted, entropy, known.T_min, 2.0 * known.T_max, found.p_c, gas.R, found.T_c, found.rho_c)
 
 
 @lru_cache(maxsize=64)

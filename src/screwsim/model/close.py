@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -86,6 +87,7 @@ class Hope(NamedTuple):
 NO_HOPE = Hope((0.0, 0.0), 1.0)
 
 
+@cache
 def discharge_line(carried: bool) -> tuple[Entry, ...]:
     """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature."""
     ratio = Entry("discharge_oil_ratio", floor=LEAST_OIL)
@@ -114,11 +116,16 @@ class Balances:
 
     def mass_in(self, q: Array) -> float:
         """Return the gas [kg] that a life takes in beyond what it gives back: nothing, where the cycle is closed."""
-        return float(np.delete(self.streams(q)[:, 0], BETWEEN).sum())
+        return float(self._outer(q)[:, 0].copy().sum())
+
+    def _outer(self, q: Array) -> Array:
+        """Return the sums of all categories but that between chambers."""
+        streams = self.streams(q)
+        return np.concatenate([streams[:BETWEEN], streams[BETWEEN + 1 :]])
 
     def residues(self, q: Array, trapped: float, h_suction: float, pv: float) -> tuple[float, float, float]:
         """Return relative residues of gas mass, energy and oil mass over one life (M37–M39); pv is p/ρ at suction."""
-        flows = np.delete(self.streams(q), BETWEEN, axis=0)
+        flows = self._outer(q)
         mass = flows[:, 0]
         enthalpy = flows[:, 1] - h_suction * mass
         energy = enthalpy.sum() + q[0]
@@ -170,9 +177,11 @@ def _logarithms(states: Array, c: Composition) -> Array:
     rows = np.maximum(raw, 1e-300)
     if c.carried:
         little = rows[:, 3] <= LEAST_OIL
-        rows[little, 2:4] = 1.0, LEAST_OIL
+        if little.any():
+            rows[little, 2:4] = 1.0, LEAST_OIL
     logs = np.log(rows)
-    logs[:, signed] = raw[:, signed]
+    if signed:
+        logs[:, signed] = raw[:, signed]
     return logs.ravel()
 
 
@@ -185,7 +194,7 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
     """
     machinery, wanted = task.machinery, task.wanted
     c = machinery.composition
-    angles = np.linspace(0.0, c.P[P_LIFE], 8 * c.chambers, endpoint=False) + 1e-3
+    angles = _angles(float(c.P[P_LIFE]), c.chambers)
     accelerate = Anderson(HISTORY_DEPTH)
     made = task.made()
     before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
@@ -225,16 +234,25 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
     return Closed("not_closed", q, y, turn, "histories", finest, change=gap)
 
 
+@lru_cache(maxsize=8)
+def _angles(life: float, chambers: int) -> Array:
+    """Return where the last history's states are compared and mixed [rad]."""
+    return np.linspace(0.0, life, 8 * chambers, endpoint=False) + 1e-3
+
+
 def _states(mixed: Array, raw: Array, c: Composition) -> Array:
     """Return states from mixed `_logarithms`; oil too little to count keeps its raw value: mixing makes none."""
     rows, raw, signed = mixed.reshape(-1, len(c.states)), raw.reshape(-1, len(c.states)), list(c.signed)
     logs = rows.copy()
-    logs[:, signed] = 0.0
+    if signed:
+        logs[:, signed] = 0.0
     states = np.exp(logs)
-    states[:, signed] = rows[:, signed]
+    if signed:
+        states[:, signed] = rows[:, signed]
     if c.carried:
         little = raw[:, 3] <= LEAST_OIL
-        states[little, 2:4] = raw[little, 2:4]
+        if little.any():
+            states[little, 2:4] = raw[little, 2:4]
     return states.ravel()
 
 

@@ -29,6 +29,7 @@ from screwsim.model.slots import (
 )
 from screwsim.model.writing import (
     Writer,
+    operating,
     scales,
     symbols_of,
     write_areas,
@@ -61,6 +62,15 @@ OWN += ("state_rate", "path_opening", "flash_terms")
 
 
 @dataclass(frozen=True)
+class Recipe:
+    """P as it was composed, and which of its numbers, by place and name, may be others while the structure stays."""
+
+    P: np.ndarray
+    places: list[int]
+    names: list[str]  # of `writing.operating`
+
+
+@dataclass(frozen=True)
 class Composition:
     """A model ready to be compiled (`text`) and run (`P`, `TAB`, `knots`)."""
 
@@ -71,6 +81,7 @@ class Composition:
     states: tuple[str, ...]
     plenum_paths: tuple[str, ...]
     gap_paths: tuple[tuple[str, int], ...]  # effect, lobe offset
+    ends: tuple[str, ...]  # of plenum paths and gaps: line or plenum to which what leaves through them goes
     heats: tuple[str, ...]  # the effect of each heat rate
     n_place: int  # columns of a history beyond the states
     n_sums: int
@@ -78,6 +89,7 @@ class Composition:
     n_E_all: int
     chambers: int
     carried: bool
+    recipe: Recipe
     n_widths: int = 3  # of the regularisation, from P_PORT_WIDTH on
     n_R: int = R_SIZE
     ported: bool = False
@@ -202,16 +214,18 @@ def compose(parts: Parts) -> Composition:
     structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets)
     structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
     held = (FIRST_OWN + len(parts.plenums)) * PLACE if parts.pulsations else 0
+    numbers = writer.numbers
     return Composition(
         text=_module_text(
             tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())
         ),
-        P=np.array(writer.numbers.values),
-        TAB=np.concatenate([*writer.numbers.tables, np.zeros(1)]),
+        P=np.array(numbers.values),
+        TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
         knots=_knots(parts, law, [path for _, path in named], port.knots if port is not None else ()),
         states=states,
         plenum_paths=tuple(name for name, _ in plenum),
         gap_paths=tuple((name, path.offset) for name, path in gaps),
+        ends=(*(path.to for _, path in plenum), *("discharge" for _ in gaps)),
         heats=tuple(name for name, _ in heating),
         n_place=5 if gas.varies else 2,
         n_sums=structure["CATEGORIES"] * (4 if carried else 2),
@@ -219,6 +233,7 @@ def compose(parts: Parts) -> Composition:
         n_E_all=structure["ALL_LINES"] + held,
         chambers=geometry.chambers,
         carried=carried,
+        recipe=Recipe(np.array(numbers.values), list(numbers.named), list(numbers.named.values())),
         n_widths=3 + len(parts.plenums),
         n_R=(FIRST_OWN + len(parts.plenums)) * PLACE if parts.plenums or parts.pulsations else R_SIZE,
         ported=port is not None,
@@ -231,6 +246,53 @@ def compose(parts: Parts) -> Composition:
         starts=tuple(part.start for part in own_states),
         pulsating=bool(parts.pulsations),
     )
+
+
+class Composer:
+    """Composes the scenes of a series: one that differs from the last by its operation alone is not written anew.
+
+    It fills its numbers into the same composition: there is one scene at a time.
+    """
+
+    def __init__(self) -> None:
+        self._last: tuple[Parts, Composition] | None = None
+
+    def compose(self, parts: Parts) -> Composition:
+        """Return what `compose` does."""
+        if self._last is None or not _alike(parts, self._last[0]):
+            self._last = parts, compose(parts)
+        else:
+            _fill(self._last[1], parts)
+        return self._last[1]
+
+
+def _alike(parts: Parts, other: Parts) -> bool:
+    """Tell whether no more than `_fixed_numbers`, `operating` and what the cycle makes differs.
+
+    Machine and effects must be the same objects: what is in them is not looked at.
+    """
+    if parts.geometry is not other.geometry or parts.effects is not other.effects or parts.gas != other.gas:
+        return False
+    if parts.oil_content is not None or list(parts.plenums) != list(other.plenums):
+        return False
+    return list(parts.made) == list(other.made) and _supplied(parts) == _supplied(other)
+
+
+def _supplied(parts: Parts) -> tuple[str, ...]:
+    """Return what of the oil decides on the structure: nothing without oil, its transport, names of its supply."""
+    return () if parts.oil is None else (parts.oil.transport, *parts.oil.supply)
+
+
+def _fill(composition: Composition, parts: Parts) -> None:
+    """Fill the numbers of parts that are alike into a composition."""
+    recipe, P, head = composition.recipe, composition.P, _fixed_numbers(parts)
+    P[:] = recipe.P
+    P[: len(head)] = head
+    if composition.made:
+        P[list(composition.made)] = list(parts.made.values())
+    if recipe.places:
+        named = operating(parts)
+        P[recipe.places] = [named[name] for name in recipe.names]
 
 
 def _refuse(parts: Parts, states: Sequence[str], opened: bool) -> None:

@@ -7,6 +7,7 @@ the last cycle alone where they do not. It changes what a closing costs, and its
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ class Guess(NamedTuple):
 
 
 class _Cycle(NamedTuple):
+    angles: tuple[float, ...]  # pitch, life, injection
     parameters: Array
     history: tuple[Array, Array, int]
     values: Array  # state at 0°, trapped mass, work, what the cycle makes
@@ -63,7 +65,8 @@ class Course:
         history = times[: steps + 1].copy(), dense[:steps].copy(), steps
         values = np.concatenate([closed.y[: machinery.n], seen_of(machinery, closed), made])
         self._gap = closed.first_gap if self._guessed else None
-        self._cycles = [*self._cycles, _Cycle(parameters, history, values)][-DEPTH:]
+        cycle = _Cycle(_angles(machinery), parameters, history, values)
+        self._cycles = [*self._cycles, cycle][-DEPTH:]
 
     def guess(self, machinery: Machinery, parameters: Array) -> Guess | None:
         """Install a history for these parameters and return what goes with it; None where no cycle is near."""
@@ -88,9 +91,13 @@ class Course:
         """Return the cycles of the same composition that live the same angles."""
         if machinery.composition.text != self._text:
             return []
-        angles = [P_PITCH, P_LIFE, P_INJECTION]
-        here = machinery.composition.P[angles]
-        return [cycle for cycle in self._cycles if np.array_equal(cycle.parameters[angles], here)]
+        here = _angles(machinery)
+        return [cycle for cycle in self._cycles if cycle.angles == here]
+
+
+def _angles(machinery: Machinery) -> tuple[float, ...]:
+    P = machinery.composition.P
+    return float(P[P_PITCH]), float(P[P_LIFE]), float(P[P_INJECTION])
 
 
 def _possible(states: Array, signed: Sequence[int]) -> bool:
@@ -98,8 +105,8 @@ def _possible(states: Array, signed: Sequence[int]) -> bool:
 
     `signed` are the rows of states that may be.
     """
-    others = [row for row in range(2, len(states)) if row not in signed]
-    return bool(np.all(states[:2] > 0.0) and np.all(states[others] >= 0.0))
+    others = states[[row for row in range(2, len(states)) if row not in signed]] if signed else states[2:]
+    return bool((states[:2] > 0.0).all() and (others >= 0.0).all())
 
 
 def _distance(a: Array, b: Array) -> float:
@@ -109,18 +116,19 @@ def _distance(a: Array, b: Array) -> float:
 
 def _weights(known: list[Array], wanted: Array) -> list[Array]:
     """Return weights of the newest parameter vectors that make the wanted one, the best guess first."""
-    scale = np.max(np.abs([*known, wanted]), axis=0)
-    scale[scale == 0.0] = 1.0
     last = np.ones(1)
     if len(known) < 2:
         return [last]
-    line = (known[-1] - known[-2]) / scale
+    points = np.array([*known, wanted])
+    scale = np.abs(points).max(axis=0)
+    scale[scale == 0.0] = 1.0
+    ways = (points - known[-1]) / scale
+    line = -ways[-3]  # from the last but one to the last
     length = float(line @ line)
     if length == 0.0:
         return [last]
     places = []
-    for point in (*known, wanted):
-        way = (point - known[-1]) / scale
+    for way in ways:
         place = float(way @ line) / length
         off = way - place * line
         places.append(place if float(off @ off) <= ON_LINE**2 * float(way @ way) else None)
@@ -137,7 +145,7 @@ def _polynomials(places: list[float | None]) -> list[Array]:
         nodes = [place for place in known[first:] if place is not None]
         if len(nodes) < len(known) - first or len(set(nodes)) < len(nodes):
             continue
-        weights = np.array([np.prod([(x - b) / (a - b) for b in nodes if b != a]) for a in nodes])
-        if np.max(np.abs(weights)) <= LARGEST:
-            return [weights]
+        weights = [prod((x - b) / (a - b) for b in nodes if b != a) for a in nodes]
+        if max(map(abs, weights)) <= LARGEST:
+            return [np.array(weights)]
     return []

@@ -27,6 +27,21 @@ class OilPart:
     source_pressure: float = 0.0
 
 
+class Effects(dict[str, Sequence[Any]]):
+    """The parts of every effect by its name; what is in it stays as it is, so that a kind is looked up once."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self._found: dict[type, list[tuple[str, Any]]] = {}
+
+    def all(self, kind: type) -> list[tuple[str, Any]]:
+        """Return (effect, part) of all parts of a kind, in the order of the effects."""
+        if kind not in self._found:
+            parts = ((name, part) for name, items in self.items() for part in items)
+            self._found[kind] = [(name, part) for name, part in parts if isinstance(part, kind)]
+        return self._found[kind]
+
+
 @dataclass(frozen=True)
 class Parts:
     """What a scene names, built: the machine's geometry, the gas, operation, oil, and every effect's parts.
@@ -46,9 +61,14 @@ class Parts:
     set_speed: float | None = None  # [rad/s] that the scene states, where omega follows from it
     oil_content: OilContent | None = None
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.effects, Effects):
+            object.__setattr__(self, "effects", Effects(self.effects))
+
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
-        return [(name, part) for name, items in self.effects.items() for part in items if isinstance(part, kind)]
+        assert isinstance(self.effects, Effects)
+        return self.effects.all(kind)
 
     def number(self, to: str) -> int:
         """Return the number of the plenum to which a flow path leads (slots.PLENUM)."""

@@ -26,6 +26,9 @@ from screwsim.numerics.spline import pack_curve, table_value
 BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
 BORE |= {"separator_pressure": "separator_pressure"}
 
+# names of numbers that no kernel can ask for: of the oil's supply, and the time between two chambers
+SUPPLY, SPAN = "oil_supply.", "pitch / omega"
+
 # symbols that a kernel can ask for and that are not numbers of the scene
 STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
 OPENING_SYMBOLS = ("drop", "width", "held")
@@ -39,9 +42,12 @@ class Numbers:
 
     values: list[float]
     tables: list[np.ndarray] = field(default_factory=list)
+    named: dict[int, str] = field(default_factory=dict)  # places in P of what `operating` names
 
-    def add(self, value: float) -> str:
+    def add(self, value: float, name: str | None = None) -> str:
         self.values.append(float(value))
+        if name is not None:
+            self.named[len(self.values) - 1] = name
         return f"P[{len(self.values) - 1}]"
 
     def add_table(self, curve: tuple[np.ndarray, ...]) -> str:
@@ -61,10 +67,18 @@ class Writer:
         self.text: list[str] = []
         self.slow = ""  # factor of all that depends on time, where the speed changes over the pitch
 
-    def call(self, kernel: Kernel, values: Mapping[str, float], tables: Mapping[str, Any], free: Sequence[str]) -> str:
+    def call(
+        self,
+        kernel: Kernel,
+        values: Mapping[str, float],
+        tables: Mapping[str, Any],
+        free: Sequence[str],
+        prefix: str | None = None,
+    ) -> str:
         """Return a call of the kernel.
 
-        Its arguments are free names, numbers of its own, what the cycle makes, or symbols of the scene.
+        Its arguments are free names, numbers of its own (`operating` names them with the prefix, if any), what the
+        cycle makes, or symbols of the scene.
         """
         self.kernels.append(kernel)
         arguments = []
@@ -72,13 +86,13 @@ class Writer:
             if name in free:
                 arguments.append(name)
             elif name in values:
-                arguments.append(self.numbers.add(values[name]))
+                arguments.append(self.numbers.add(values[name], None if prefix is None else prefix + name))
             elif name in tables:
                 arguments.append(self.numbers.add_table(tables[name]))
             elif name in self.made:
                 arguments.append(self.made[name])
             elif name in self.symbols:
-                arguments.append(self.numbers.add(self.symbols[name]))
+                arguments.append(self.numbers.add(self.symbols[name], name))
             else:
                 known = ", ".join(sorted({*free, *values, *tables, *self.made, *self.symbols}))
                 raise TypeError(f"kernel {kernel.flat_name}: nothing is called {name!r}; known here: {known}")
@@ -97,6 +111,13 @@ def symbols_of(parts: Parts) -> dict[str, float]:
         found["oil_room"] = 1.0 / parts.oil.density if parts.oil_room else 0.0
         found |= {BORE[name]: value for name, value in parts.oil.supply.items() if name in BORE}
     return found
+
+
+def operating(parts: Parts) -> dict[str, float]:
+    """Return the numbers of P that may change while machine, gas and effects stay, by names of their own."""
+    found = symbols_of(parts) | {SPAN: parts.geometry.pitch / parts.omega}
+    supply = parts.oil.supply if parts.oil is not None else {}
+    return found | {SUPPLY + name: value for name, value in supply.items()}
 
 
 def write_areas(
@@ -193,12 +214,12 @@ def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float
     if oil is None:
         body = ["return 0.0"]
     elif "ratio" in oil.supply:
-        body = [f"return {writer.numbers.add(oil.supply['ratio'])} * m"]
+        body = [f"return {writer.numbers.add(oil.supply['ratio'], SUPPLY + 'ratio')} * m"]
     else:
-        separator = writer.numbers.add(oil.supply["separator_pressure"])
+        separator = writer.numbers.add(oil.supply["separator_pressure"], SUPPLY + "separator_pressure")
         writer.text.append("")
-        call = writer.call(orifice_flow, oil.supply, {}, ("dp",))
-        span = f"P[{P_PITCH}] / P[{P_OMEGA}]" if writer.slow else writer.numbers.add(pitch / omega)
+        call = writer.call(orifice_flow, oil.supply, {}, ("dp",), SUPPLY)
+        span = f"P[{P_PITCH}] / P[{P_OMEGA}]" if writer.slow else writer.numbers.add(pitch / omega, SPAN)
         body = [f"dp = {separator} - p", f"return {call} * {span}"]
     writer.function("injected_oil(p, m, P)", body)
 
@@ -206,7 +227,7 @@ def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float
 def write_ports(writer: Writer, parts: Parts, port: OilPort, trapped: int) -> None:
     if parts.pumped:
         assert port.pumped is not None and parts.oil is not None
-        ratio = writer.numbers.add(parts.oil.supply["ratio"])
+        ratio = writer.numbers.add(parts.oil.supply["ratio"], SUPPLY + "ratio")
         call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
         slow = f"{writer.slow} * " if writer.slow else ""
         writer.function("oil_inflow(phi, p, P, TAB)", [f"return {slow}P[{trapped}] * {ratio} * {call}"])

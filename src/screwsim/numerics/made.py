@@ -38,6 +38,7 @@ class Entries:
         self.entries = tuple(entries)
         self.names = tuple(entry.name for entry in entries)
         self.linear = np.array([entry.scale is not None for entry in entries], bool)
+        self._mixed = bool(self.linear.any())  # or all in logarithms
         self.scales = np.array([1.0 if entry.scale is None else entry.scale for entry in entries])
         self.floors = np.array([entry.floor for entry in entries])
         self.carried = [(i, self.names.index(entry.of)) for i, entry in enumerate(entries) if entry.of]
@@ -47,15 +48,18 @@ class Entries:
 
     def change(self, new: Array, old: Array) -> float:
         """Return the largest change, each over its own measure."""
-        changes = np.abs(new - old) / np.where(self.linear, self.scales, np.maximum(old, self.floors))
+        sizes = np.maximum(old, self.floors)
+        changes = np.abs(new - old) / (np.where(self.linear, self.scales, sizes) if self._mixed else sizes)
         for what, amount in self.carried:
             if max(new[amount], old[amount]) <= self.floors[amount]:
                 changes[what] = 0.0  # the temperature of next to nothing
-        return float(np.max(changes))
+        return float(changes.max())
 
     def coordinates(self, values: Array) -> Array:
         """Return what is mixed: logarithms, or values over their scale; an amount too small to count is its floor."""
-        found = np.where(self.linear, values / self.scales, np.log(np.maximum(values, LEAST)))
+        found = np.log(np.maximum(values, LEAST))
+        if self._mixed:
+            found = np.where(self.linear, values / self.scales, found)
         for what, amount in self.carried:
             if values[amount] <= self.floors[amount]:
                 found[amount], found[what] = np.log(self.floors[amount]), 0.0
@@ -63,7 +67,10 @@ class Entries:
 
     def values(self, coordinates: Array, raw: Array) -> Array:
         """Return the values of coordinates; amounts too small to count keep their raw values."""
-        found = np.where(self.linear, coordinates * self.scales, np.exp(np.where(self.linear, 0.0, coordinates)))
+        if self._mixed:
+            found = np.where(self.linear, coordinates * self.scales, np.exp(np.where(self.linear, 0.0, coordinates)))
+        else:
+            found = np.exp(coordinates)
         for what, amount in self.carried:
             if raw[amount] <= self.floors[amount]:
                 found[amount], found[what] = raw[amount], raw[what]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from screwsim.outputs import STATUSES
+from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES
 from screwsim.results.read import Group, Results
 from screwsim.results.schema import Axis
 
-_PREFIXED = ("balance", "error", "numerics", "cycle", "ledger")
+_PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out")
+_OWN = {"cycle": "angle", "knock_out": "effect"}  # the dimension of its own that a group has
 
 
 def dataset(results: Results, group: str | None) -> Any:
@@ -27,9 +28,9 @@ def dataset(results: Results, group: str | None) -> Any:
         for axis in results.axis_list
         for inner in (axis, *axis.joined)
     }
-    if any("angle" in part for _, part in parts):
-        angle = results.cycle.about["angle"]
-        coordinates["angle"] = ("angle", results.cycle["angle"], angle._asdict())
+    for name, part in ((_OWN[part.name], part) for _, part in parts if part.name in _OWN):
+        if name in part:
+            coordinates[name] = (name, part[name], part.about[name]._asdict())
     return xr.Dataset(variables, coordinates, dict(results.attributes))
 
 
@@ -43,11 +44,13 @@ def _variables(part: Group, prefix: str, axes: tuple[Axis, ...]) -> dict[str, An
     joined = {inner.name for axis in axes for inner in axis.joined}
     found = {}
     for name in part:
-        if name == "angle" or name in joined:
+        own = _OWN.get(part.name)
+        if name == own or name in joined:
             continue
         values, about = part[name], part.about[name]._asdict()
-        dimensions = [*names, "angle"] if part.name == "cycle" else names[: values.ndim]
+        dimensions = [*names, own] if own is not None else names[: values.ndim]
         if name == "status":
-            about |= {"flag_values": list(range(len(STATUSES))), "flag_meanings": " ".join(STATUSES)}
+            words = KNOCK_OUT_STATUSES if part.name == "knock_out" else STATUSES
+            about |= {"flag_values": list(range(len(words))), "flag_meanings": " ".join(words)}
         found[prefix + name] = (dimensions, values, about)
     return found

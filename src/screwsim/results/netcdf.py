@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 from itertools import count
 from typing import Any
 
@@ -24,17 +25,42 @@ _TEXT_LIMIT = 2000  # [byte]
 
 
 def set_attributes(target: Any, attributes: Mapping[str, Any]) -> None:
-    """Write attributes; texts with a fixed length, UTF-8."""
-    import h5py
+    """Write new attributes; texts with a fixed length, UTF-8.
+
+    By HDF5's own calls: a file has hundreds of them, and the checks of h5py's take longer than the writing.
+    """
+    from h5py import h5a
 
     for name, value in attributes.items():
         if isinstance(value, str):
-            raw = value.encode() or b"\0"  # a length of zero is not possible
-            target.attrs.create(name, raw, dtype=h5py.string_dtype("utf-8", len(raw)))
-        elif isinstance(value, int):
-            target.attrs.create(name, np.int32(value))
+            data = np.array(value.encode() or b"\0")  # a length of zero is not possible
+            kind = _text_type(data.itemsize)
         else:
-            target.attrs.create(name, value)
+            data = np.asarray(np.int32(value) if isinstance(value, int) else value)
+            kind = _number_type(data.dtype.str)
+        attribute = h5a.create(target.id, name.encode(), kind, _space(data.shape))
+        attribute.write(data, mtype=kind)
+
+
+@cache
+def _text_type(length: int) -> Any:
+    import h5py
+
+    return h5py.h5t.py_create(h5py.string_dtype("utf-8", length), logical=True)
+
+
+@cache
+def _number_type(name: str) -> Any:
+    from h5py import h5t
+
+    return h5t.py_create(np.dtype(name), logical=True)
+
+
+@cache
+def _space(shape: tuple[int, ...]) -> Any:
+    from h5py import h5s
+
+    return h5s.create_simple(shape)
 
 
 class Layout:
@@ -43,6 +69,8 @@ class Layout:
     def __init__(self, file: Any) -> None:
         self.file = file
         self._ids = count()
+        self._scales: dict[tuple[int, str], Any] = {}  # of each group
+        self._kinds: dict[tuple[Any, ...], tuple[Any, Any, Any]] = {}  # type, space and storage of like variables
 
     def group(self, name: str) -> Any:
         """Make a group that remembers the order of its members, as netCDF-4 does."""
@@ -52,16 +80,17 @@ class Layout:
         """Make a dimension with its coordinate variable."""
         data = group.create_dataset(name, data=values, **_storage(values.shape))
         set_attributes(data, about)
-        self._scale(data, name)
+        self._scale(group, data, name)
 
     def dimension(self, group: Any, name: str, size: int) -> None:
         """Make a dimension without values, unless the group has it."""
         if name not in group:
-            self._scale(group.create_dataset(name, (size,), ">f4"), _BARE.format(size))
+            self._scale(group, group.create_dataset(name, (size,), ">f4"), name, _BARE.format(size))
 
-    def _scale(self, data: Any, name: str) -> None:
-        data.make_scale(name)
-        data.attrs.create("_Netcdf4Dimid", np.int32(next(self._ids)))
+    def _scale(self, group: Any, data: Any, name: str, shown: str | None = None) -> None:
+        data.make_scale(shown or name)
+        set_attributes(data, {"_Netcdf4Dimid": next(self._ids)})
+        self._scales[group.id.id, name] = data.id
 
     def variable(
         self, group: Any, name: str, values: np.ndarray, dimensions: Sequence[str], about: Mapping[str, Any]
@@ -73,11 +102,23 @@ class Layout:
         self, group: Any, name: str, shape: tuple[int, ...], dtype: Any, dimensions: Sequence[str], about: Mapping
     ) -> Any:
         """Make a variable whose values are written later, and return it."""
-        fill = about.get("_FillValue")
-        data = group.create_dataset(name, shape, dtype, fillvalue=fill, **_storage(shape))
+        from h5py import h5ds
+
+        data = self._made(group, name, shape, np.dtype(dtype), about.get("_FillValue"))
         set_attributes(data, about)
         for index, dimension in enumerate(dimensions):
-            data.dims[index].attach_scale(group[dimension])
+            h5ds.attach_scale(data.id, self._scales[group.id.id, dimension], index)
+        return data
+
+    def _made(self, group: Any, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: Any) -> Any:
+        """Make a dataset like the first of its kind, which h5py makes."""
+        from h5py import Dataset, h5d
+
+        kind = shape, dtype.str, None if fill is None else fill.tobytes()
+        if kind in self._kinds:
+            return Dataset(h5d.create(group.id, name.encode(), *self._kinds[kind]))
+        data = group.create_dataset(name, shape, dtype, fillvalue=fill, **_storage(shape))
+        self._kinds[kind] = data.id.get_type(), data.id.get_space(), data.id.get_create_plist()
         return data
 
     def texts(
@@ -102,6 +143,22 @@ class Layout:
         self.dimension(group, length, characters.size)
         about = {"units": "1", "long_name": long_name, "_Encoding": "utf-8"}
         self.variable(group, name, characters, (length,), about)
+
+
+class Selection:
+    """A block of values of variables of one shape, from the place `first` on; dimensions behind its own whole."""
+
+    def __init__(self, shape: tuple[int, ...], first: tuple[int, ...], block: tuple[int, ...]) -> None:
+        from h5py import h5s
+
+        size = (*block, *shape[len(block) :])
+        self._memory, self._file = h5s.create_simple(size), h5s.create_simple(shape)
+        if shape:
+            self._file.select_hyperslab((*first, *(0 for _ in shape[len(block) :])), size)
+
+    def write(self, data: Any, values: np.ndarray) -> None:
+        """Write as many values into a variable, in C order."""
+        data.id.write(self._memory, self._file, np.ascontiguousarray(values))
 
 
 def number_attributes(variable: Variable) -> dict[str, Any]:

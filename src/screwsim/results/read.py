@@ -16,7 +16,7 @@ from screwsim.results.netcdf import SEPARATOR
 from screwsim.results.schema import SCHEMA, Axis
 
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
-_OPTIONAL = ("cycle", "ledger")  # groups that only come with traces
+_OPTIONAL = ("cycle", "ledger", "knock_out")  # the first two come with traces, the last where it was asked for
 _REMEDY = "give a file that `screwsim run` or `screwsim sweep` wrote"
 
 
@@ -75,6 +75,7 @@ class Results:
     numerics: Group
     cycle: Group  # with `angle`; empty unless the traces were kept
     ledger: Group  # empty unless the traces were kept
+    knock_out: Group  # over `effect`; empty unless it was asked for, of one run
 
     @property
     def scene_yaml(self) -> str:
@@ -180,20 +181,24 @@ def _about(data: Any) -> Variable:
 
 
 def _axis(data: Any) -> Axis:
-    values = data[()]
-    if "labels" in data.attrs:
-        values = np.array(_text(data.attrs["labels"]).split("\n"))[values]
+    values = _labelled(data) if "labels" in data.attrs else data[()]
     return Axis(_text(data.attrs["path"]), values, *_about(data))
 
 
 def _values(group: Any, name: str) -> np.ndarray:
     """Return a variable; texts as str, also those that are stored as numbers of a text in `<name>_text`."""
     values = np.asarray(group[name][()])
+    if group[name].is_scale and "labels" in group[name].attrs:
+        return _labelled(group[name])
     if f"{name}_text" in group:
         words = _words(group, name)
         large = values.size * max(map(len, words)) > _LONG_TEXTS
         return np.array(words, object if large else np.str_)[values]
     return np.array(_string(values)) if values.dtype.kind == "S" else values
+
+
+def _labelled(data: Any) -> np.ndarray:
+    return np.array(_text(data.attrs["labels"]).split("\n"))[data[()]]
 
 
 def _words(group: Any, name: str) -> list[str]:

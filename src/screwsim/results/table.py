@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -120,12 +121,19 @@ def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
 
 def _fill_row(row: np.ndarray, result: Result) -> None:
     for group in GROUPS:
-        for name, value in getattr(result, group).items():
-            if name in NUMERICS_TEXT:
-                continue
-            if (group, name) not in COLUMN:
-                raise ValueError(f"{group}.{name} has no entry in screwsim.outputs (add its unit and meaning there)")
-            row[COLUMN[group, name]] = np.nan if value is None else value
+        figures = getattr(result, group)
+        names, columns = _columns(group, tuple(figures))
+        row[columns] = np.array([figures[name] for name in names], float)  # None becomes NaN
+
+
+@lru_cache(maxsize=64)
+def _columns(group: str, names: tuple[str, ...]) -> tuple[list[str], list[int]]:
+    """Return which of a group's names are numbers, and their columns."""
+    numbers = [name for name in names if name not in NUMERICS_TEXT]
+    for name in numbers:
+        if (group, name) not in COLUMN:
+            raise ValueError(f"{group}.{name} has no entry in screwsim.outputs (add its unit and meaning there)")
+    return numbers, [COLUMN[group, name] for name in numbers]
 
 
 def numbered(texts: Iterable[str]) -> Texts:

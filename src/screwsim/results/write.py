@@ -11,11 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Result, cycle_variable, ledger_variable
+from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figures, Result, cycle_variable, ledger_variable
 from screwsim.results.atomic import make_folder, replacing
 from screwsim.results.guarded import GuardedFile
+from screwsim.results.knock_out import write_knock_out
 from screwsim.results.netcdf import (
     Layout,
+    Selection,
     chunks_of,
     flag_attributes,
     number_attributes,
@@ -83,18 +85,26 @@ class _Column:
 def save(path: str | Path, scene: Scene, results: Result | Sequence[Result], command: str = "run") -> None:
     """Write one result, or those of all cases of the scene's sweep (last axis fastest), to an HDF5 file.
 
+    Of one result the knock-out is written, too, where there is one.
     The cycle is kept for one result, and for a sweep when the scene says `output.keep: cycle`. An existing file
     is replaced. Raise UsageError in one line when the system refuses; the old file stays then.
     """
     if isinstance(results, Result):
-        table, axes = table_of([results], keep_cycle=True), ()
+        one = InMemory(table_of([results], keep_cycle=True))
+        write_tables(Path(path), scene, (), one, command, knock_out=results.knock_out)
     else:
-        table, axes = table_of(results, keep_cycle=scene.output.keep == "cycle"), axes_of(scene)
-    write_tables(Path(path), scene, axes, InMemory(table), command)
+        table = table_of(results, keep_cycle=scene.output.keep == "cycle")
+        write_tables(Path(path), scene, axes_of(scene), InMemory(table), command)
 
 
 def write_tables(
-    path: Path, scene: Scene, axes: Sequence[Axis], source: Tables, command: str, folder: Path | None = None
+    path: Path,
+    scene: Scene,
+    axes: Sequence[Axis],
+    source: Tables,
+    command: str,
+    folder: Path | None = None,
+    knock_out: Sequence[Figures] = (),
 ) -> None:
     """Write the results of all cases on the axes, chunk by chunk: no more than one chunk of each is in memory.
 
@@ -108,12 +118,14 @@ def write_tables(
     make_folder(path.parent)
     with replacing(path, folder) as temporary, closing(GuardedFile(temporary)) as target:
         with h5py.File(target, "w", **_FORMAT, **_NO_CACHE) as file:
-            for _ in _write(file, scene, axes, source, command):
+            for _ in _write(file, scene, axes, source, command, knock_out):
                 target.check()
         target.check()
 
 
-def _write(file: Any, scene: Scene, axes: Sequence[Axis], source: Tables, command: str) -> Iterator[None]:
+def _write(
+    file: Any, scene: Scene, axes: Sequence[Axis], source: Tables, command: str, knock_out: Sequence[Figures]
+) -> Iterator[None]:
     """Write the file; yield after each chunk of cases."""
     names = _names(source)
     stated = {"effects": ", ".join(names.effects), "states": ", ".join(names.states)}
@@ -127,6 +139,8 @@ def _write(file: Any, scene: Scene, axes: Sequence[Axis], source: Tables, comman
     yield from _fill(columns, shape, shape, source.tables(traces=False))
     if traces:
         yield from _fill(traces, shape, (*shape, names.angle.size), source.tables(traces=True))
+    if knock_out:
+        write_knock_out(layout, knock_out)
 
 
 def _names(source: Tables) -> _Names:
@@ -155,15 +169,15 @@ def _fill(
     """Write columns over cases of `shape` chunk by chunk, those of a variable of the shape `full`."""
     places = list(_places(shape, chunks_of(full)[: len(shape)]))
     pieces = regrouped(tables, (size for _, size, _ in places))
-    for (place, _, part), table in zip(places, pieces, strict=True):
+    for (first, _, part), table in zip(places, pieces, strict=True):
+        selection = Selection(full, first, part)
         for column in columns:
-            values = column.values(table)
-            column.data[place] = values.reshape((*part, *values.shape[1:]))
+            selection.write(column.data, column.values(table))
         yield
 
 
-def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tuple[Any, ...], int, tuple[int, ...]]]:
-    """Yield (selection, number of cases, shape of the selection) of each chunk, in the order of the cases."""
+def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tuple[int, ...], int, tuple[int, ...]]]:
+    """Yield (place of its first case, number of cases, shape) of each chunk, in the order of the cases."""
     split = next((index for index, size in enumerate(chunk) if size > 1), len(shape) - 1)
     if not shape:
         yield (), 1, ()
@@ -172,7 +186,8 @@ def _places(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[tu
     for outer in np.ndindex(*shape[:split]):
         for start in range(0, shape[split], chunk[split]):
             size = min(chunk[split], shape[split] - start)
-            yield (*outer, slice(start, start + size)), size * math.prod(inner), (size, *inner)
+            part = (*(1 for _ in outer), size, *inner)
+            yield (*outer, start, *(0 for _ in inner)), size * math.prod(inner), part
 
 
 def _group(layout: Layout, name: str, axes: Sequence[Axis]) -> tuple[Any, list[str], tuple[int, ...]]:

@@ -98,7 +98,7 @@ def values_of(scene: Scene, cases: range) -> list[tuple[Any, ...]]:
 
 def case(scene: Scene, index: int) -> Scene:
     """Return one case of the grid, as a scene without a sweep and without text (`scene_text` makes it)."""
-    return replace(with_values(scene, case_values(scene, index)), sweep={}, joints=(), text="")
+    return with_values(replace(scene, sweep={}, joints=(), text=""), case_values(scene, index))
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
@@ -108,7 +108,7 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
     """
     for path, value in values.items():
         scene = _with_value(scene, path, value)
-    return replace(scene, text="")
+    return replace(scene, text="") if scene.text else scene
 
 
 def _with_value(scene: Scene, path: str, value: Any) -> Scene:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.study.cases import Block
-from screwsim.study.workers import TICK, Chunks, Lost, Work, drain, stop, submit, worker_died
+from screwsim.study.workers import TICK, Chunks, Guard, Lost, Work, drain, stop, submit, worker_died
 
 _DIED = "worker died (run this case alone, with `screwsim run --set …`)"
 _HUNG = "ran longer than {:g} s and was ended (allow more with --case-limit, or run this case alone)"
@@ -54,8 +54,10 @@ class _Alone:
     def run(self, blocks: Sequence[Block]) -> Any:
         """Return the outcome of blocks, or a Death."""
         began = time.monotonic()
-        future = submit(self._start(), self._work.task, blocks)
+        executor = self._start()
+        guard, future = Guard(executor), submit(executor, self._work.task, blocks)
         while not wait([future], TICK).done:
+            guard.look()
             self._work.tick()
         if not worker_died(future):
             return future.result()

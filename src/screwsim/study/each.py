@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import Any, TypeVar
 
 from screwsim.study.progress import Progress, Silent
-from screwsim.study.workers import LocalPool, cores, stop
+from screwsim.study.workers import Guard, LocalPool, cores, stop
 
 Answer = TypeVar("Answer")
 DIED = "worker died (run this case alone, with `screwsim run --set …`)"
@@ -81,6 +81,7 @@ def _run(
     progress: Progress,
 ) -> list[range]:
     """Run chunks on a pool; return those that were not done when a worker died, none when none did."""
+    guard = Guard(pool)
     running: dict[Future[list[Any]], range] = {}
     lost: list[range] = []
     try:
@@ -96,6 +97,7 @@ def _run(
                     lost.append(chunk)
                 else:
                     finish(chunk, future.result())
+            guard.look()
             progress.tick()
     except BaseException:  # Ctrl-C: workers must not go on
         stop(pool)

@@ -1,31 +1,40 @@
-"""One part of a sweep as a file: the table of consecutive cases, written whole or not at all, with checksums."""
+"""One part of a sweep as a file: the table of consecutive cases, written whole or not at all, with checksums.
+
+An archive of few arrays, because each costs as much as thousands of numbers: `about` holds all words as JSON.
+"""
 
 from __future__ import annotations
 
+import json
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from screwsim.results.atomic import replacing
 from screwsim.results.table import FIGURES, TEXTS, Table, Texts
 
-_TRACE, _LEDGER, _WORDS, _NUMBER = "trace_", "ledger_", "words_", "number_"
+_TRACE = "trace_"
 _UNREADABLE = (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile)
 
 
 def write_part(path: Path, table: Table) -> None:
     """Write a part; raise UsageError, in one line, when the system refuses."""
+    about = {
+        "effects": table.effects,
+        "states": table.states,
+        "words": {name: table.texts[name].words for name in TEXTS},
+        "ledger": list(table.ledger),
+    }
     arrays = {
+        "about": np.frombuffer(json.dumps(about).encode(), np.uint8),
         "status": table.status,
         "figures": table.figures,
-        "effects": np.array(table.effects, np.str_),
-        "states": np.array(table.states, np.str_),
+        "numbers": np.array([table.texts[name].number for name in TEXTS], np.int32),
         "angle": table.angle,
-        **{_WORDS + name: np.array(table.texts[name].words, np.str_) for name in TEXTS},
-        **{_NUMBER + name: table.texts[name].number for name in TEXTS},
+        "ledger": np.array(list(table.ledger.values()), float),
         **{_TRACE + name: trace for name, trace in table.traces.items()},
-        **{_LEDGER + name: values for name, values in table.ledger.items()},
     }
     with replacing(path) as temporary, temporary.open("wb") as stream:
         np.savez(stream, allow_pickle=False, **arrays)
@@ -34,16 +43,17 @@ def write_part(path: Path, table: Table) -> None:
 def read_part(path: Path, traces: bool = True) -> Table:
     """Return the table of a part, with all traces or none."""
     with np.load(path, allow_pickle=False) as stored:
-        names = [name for name in stored.files if traces or not name.startswith(_TRACE)]
+        about, numbers = _about(stored), stored["numbers"]
+        ledger = stored["ledger"] if about["ledger"] else ()
         return Table(
             status=stored["status"],
             figures=stored["figures"],
-            texts={name: Texts(_strings(stored[_WORDS + name]), stored[_NUMBER + name]) for name in TEXTS},
-            effects=_strings(stored["effects"]),
-            states=_strings(stored["states"]),
+            texts={name: Texts(tuple(about["words"][name]), numbers[i]) for i, name in enumerate(TEXTS)},
+            effects=tuple(about["effects"]),
+            states=tuple(about["states"]),
             angle=stored["angle"],
-            traces={name.removeprefix(_TRACE): stored[name] for name in names if name.startswith(_TRACE)},
-            ledger={name.removeprefix(_LEDGER): stored[name] for name in names if name.startswith(_LEDGER)},
+            traces={name: stored[_TRACE + name] for name in _traces(stored)} if traces else {},
+            ledger=dict(zip(about["ledger"], ledger, strict=True)),
         )
 
 
@@ -51,20 +61,25 @@ def read_head(path: Path) -> Table:
     """Return a part without its cases: texts, effects, states, angles, and the names of traces and ledger."""
     none = np.empty(0)
     with np.load(path, allow_pickle=False) as stored:
+        about = _about(stored)
         return Table(
             status=none,
             figures=none,
-            texts={name: Texts(_strings(stored[_WORDS + name]), none) for name in TEXTS},
-            effects=_strings(stored["effects"]),
-            states=_strings(stored["states"]),
+            texts={name: Texts(tuple(about["words"][name]), none) for name in TEXTS},
+            effects=tuple(about["effects"]),
+            states=tuple(about["states"]),
             angle=stored["angle"],
-            traces={name.removeprefix(_TRACE): none for name in stored.files if name.startswith(_TRACE)},
-            ledger={name.removeprefix(_LEDGER): none for name in stored.files if name.startswith(_LEDGER)},
+            traces=dict.fromkeys(_traces(stored), none),
+            ledger=dict.fromkeys(about["ledger"], none),
         )
 
 
-def _strings(array: np.ndarray) -> tuple[str, ...]:
-    return tuple(array.tolist())
+def _about(stored: Any) -> dict[str, Any]:
+    return json.loads(stored["about"].tobytes())
+
+
+def _traces(stored: Any) -> list[str]:
+    return [name.removeprefix(_TRACE) for name in stored.files if name.startswith(_TRACE)]
 
 
 def is_whole(path: Path, cases: int) -> bool:

@@ -16,6 +16,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
+from multiprocessing import connection
 from typing import Any, Protocol
 
 from screwsim.faults import UsageError
@@ -24,6 +25,7 @@ CHUNK_SECONDS = 1.0  # [s] what a crash may lose per worker; a part costs some m
 _FIRST = 1  # [blocks] of the chunks that tell how long cases take
 LOST = "the scheduler, or its connection, was lost (start it again; the sweep resumes)"
 TICK = 0.25  # [s]
+GRACE = 1.0  # [s] in which a pool has to notice the death of a worker
 
 
 class Pool(Protocol):
@@ -138,6 +140,29 @@ def stop(executor: Executor) -> None:
         process.kill()  # it holds nothing: only this process writes files
 
 
+class Guard:
+    """Breaks a pool of processes that does not notice the death of a worker.
+
+    One that is killed while it sends a result leaves half a message, for whose rest the pool waits for ever.
+    """
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+        self._died: float | None = None
+
+    def look(self) -> None:
+        """Look after the pool, some times a second."""
+        processes = list((getattr(self._executor, "_processes", None) or {}).values())
+        if not processes or not connection.wait([process.sentinel for process in processes], 0.0):
+            self._died = None
+        elif self._died is None:
+            self._died = time.monotonic()
+        elif time.monotonic() - self._died >= GRACE:
+            for process in processes:
+                process.kill()
+            self._executor._result_queue._writer.close()  # type: ignore[attr-defined]  # the last end: the rest never comes
+
+
 @dataclass(frozen=True)
 class Work:
     """What to do with chunks: `task(payload(blocks))` runs in a worker, the others are called in this process."""
@@ -160,6 +185,7 @@ class Lost:
 def drain(chunks: Chunks, work: Work) -> list[Lost]:
     """Run chunks, two a worker, until none is left or a worker dies; return those in flight at its death."""
     executor = work.pool.executor(work.pool.workers())
+    guard = Guard(executor)
     running: dict[Future[Any], tuple[range, float]] = {}
     lost: list[Lost] = []
     try:
@@ -177,6 +203,7 @@ def drain(chunks: Chunks, work: Work) -> list[Lost]:
                     lost.append(Lost(blocks, time.monotonic() - began))
                 else:
                     work.finish(blocks, future.result())
+            guard.look()
             work.tick()
     except BaseException:  # Ctrl-C or a full disk: workers must not go on
         stop(executor)

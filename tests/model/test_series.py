@@ -1,0 +1,84 @@
+"""What the scenes of a series share: built and composed once, with the numbers of each scene for itself."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scenes import ECONOMIZER, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, make
+
+from screwsim.build import Stock, build_parts
+from screwsim.model.compose import Composer, compose
+from screwsim.scene import with_values
+
+SCENES = {
+    "plain": {},
+    "carried": {"oil.transport": "carried"},
+    "economizer": ECONOMIZER,
+    "orifice": OIL_PORT,
+    "pumped": PUMPED_PORT,
+    "soluble": SOLUBLE,
+    "room": OIL_VOLUME,
+    "gaps": HELD_GAPS,
+    "gas": {"gas": {"fluid": "R134a", "model": "ideal", "isentropic_exponent": 1.12}},
+    "walls": {
+        "oil.transport": "carried",
+        "effects.wall_heat": {"rotor_area": "400 cm^2", "housing_area": "150 cm^2", "characteristic_length": "58 mm"},
+    },
+}
+OPERATION = {  # of which the structure knows nothing
+    "operation.speed": 290.0,
+    "operation.discharge.pressure": 11e5,
+    "oil_supply.temperature": 297.0,
+    "oil.density": 970.0,
+    "oil.heat_capacity": 2100.0,
+}
+BUILT = {"machine.volume.max": 5.9e-4, "machine.male_lobes": 5, "effects.tip_leakage.gap": 4.4e-5}
+
+
+class Shared:
+    """One series of scenes."""
+
+    def __init__(self):
+        self.stock, self.composer = Stock(), Composer()
+
+    def __call__(self, scene):
+        return self.composer.compose(build_parts(scene, self.stock))
+
+
+def assert_same(one, other):
+    for field in dataclasses.fields(one):
+        if field.name != "recipe":
+            left, right = getattr(one, field.name), getattr(other, field.name)
+            same = np.array_equal(left, right) if isinstance(left, np.ndarray) else left == right
+            assert same, field.name
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_series_composes_each_scene_as_if_it_were_alone(name):
+    scene, shared = make(SCENES[name]), Shared()
+    for path, value in ({"operation.speed": 300.0} | OPERATION | BUILT).items():
+        changed = with_values(scene, {path: value})
+        found = shared(changed)
+        assert_same(found, compose(build_parts(changed)))
+        found.P[:] = np.nan  # what a solution does to its numbers is of no matter to the next
+
+
+@pytest.mark.parametrize("path", OPERATION)
+@pytest.mark.parametrize("name", ["plain", "carried", "room", "gas"])
+def test_another_operation_is_not_composed_anew(name, path):
+    scene, shared = make(SCENES[name]), Shared()
+    assert shared(scene) is shared(with_values(scene, {path: OPERATION[path]}))
+
+
+@pytest.mark.parametrize("path", BUILT)
+def test_another_machine_or_effect_is_composed_anew(path):
+    scene, shared = make(), Shared()
+    assert shared(scene) is not shared(with_values(scene, {path: BUILT[path]}))
+
+
+def test_what_decides_on_the_structure_is_composed_anew():
+    """An oil that is carried or not, pumped or pushed through a bore, and effects that are there or not."""
+    shared = Shared()
+    for changes in ({}, {"oil.transport": "carried"}, OIL_PORT, PUMPED_PORT, SOLUBLE, {}):
+        scene = make(changes)
+        assert_same(shared(scene), compose(build_parts(scene)))
