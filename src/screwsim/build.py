@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 from screwsim.effects.base import (
@@ -77,6 +78,7 @@ def build_parts(scene: Scene) -> Parts:
     effects = _acting(effects)
     plenums = [part for items in effects.values() for part in items if isinstance(part, Plenum)]
     made = [part for items in effects.values() for part in items if isinstance(part, Made)]
+    site = cache(lambda: build_site(scene, gas))
     names = [part.entry.name for part in made]
     if len(set(names)) < len(names):
         raise TypeError(f"two effects declare the same of {', '.join(sorted(names))} as made by the cycle")
@@ -87,8 +89,8 @@ def build_parts(scene: Scene) -> Parts:
         widths=(suction, discharge, gaps),
         effects=effects,
         oil=build_oil(scene),
-        plenums={part.name: part.state(build_site(scene, gas)) for part in plenums},
-        made={part.entry.name: part.guess(build_site(scene, gas)) for part in made},
+        plenums={part.name: part.state(site()) for part in plenums},
+        made={part.entry.name: part.guess(site()) for part in made},
         oil_content=_oil_content(effects, scene, gas),
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -49,6 +50,7 @@ class Prepared:
     def __init__(self, scene: Scene, course: Course | None = None, set_speed: float | None = None) -> None:
         """Prepare a scene; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
         self.scene = scene
+        self._read: tuple[Any, Any, dict[str, Any]] = None, None, {}  # of the last history
         self.course = course or Course()
         self.parts = replace(build_parts(scene), set_speed=set_speed)
         self.wanted = wanted_of(scene)

@@ -123,6 +123,9 @@ class Solution(Making):
 
     def _known(self, q: closing.Array) -> performance.CycleFigures:
         """Return what a power loss or a reading can ask of the cycle."""
+        return self.once("known", q, lambda: self._newly_known(q))
+
+    def _newly_known(self, q: closing.Array) -> performance.CycleFigures:
         R, oil, parts = self.machinery.R, self.scene.oil, self.parts
         T_oil = parts.oil.temperature if parts.oil is not None else None
         injected, p_injection = float(R[R_INJECTED]), float(R[R_PRESSURE])
@@ -157,6 +160,10 @@ class Solution(Making):
 
     def figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
         """Return performance figures of the last history, whose quadratures are q, and why some are None."""
+        found, notes = self.once("figures", q, lambda: self._new_figures(q))
+        return Figures(found), dict(notes)
+
+    def _new_figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
         R, m = self.machinery.R, self.machinery
         geometry = self.parts.geometry
         limit = geometry.life if geometry.expands else geometry.widest_discharge()

@@ -48,7 +48,14 @@ class Parts:
 
     def all(self, kind: type) -> list[tuple[str, Any]]:
         """Return (effect, part) of all parts of a kind, in the order of the effects."""
-        return [(name, part) for name, items in self.effects.items() for part in items if isinstance(part, kind)]
+        if kind not in self._by_kind:
+            named = ((name, part) for name, items in self.effects.items() for part in items)
+            self._by_kind[kind] = [(name, part) for name, part in named if isinstance(part, kind)]
+        return self._by_kind[kind].copy()
+
+    @cached_property
+    def _by_kind(self) -> dict[type, list[tuple[str, Any]]]:
+        return {}
 
     def number(self, to: str) -> int:
         """Return the number of the plenum to which a flow path leads (slots.PLENUM)."""
