@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from math import hypot, pi
 from typing import Any
 
@@ -82,11 +82,15 @@ def offset(line: LineFlow, area: float | None, loss: float, valve: float) -> flo
 
 def series(made: Mapping[str, float], to: str, count: int) -> Array:
     """Return the pressure of a plenum over the line's, at even angles of a pitch (M185)."""
+    amplitudes = [made[f"{to}_{part}_{k}"] for k in range(1, count + 1) for part in ("cos", "sin")]
+    return 1.0 + made[f"{to}_offset"] + _waves(count) @ np.array(amplitudes)
+
+
+@lru_cache(maxsize=4)
+def _waves(count: int) -> Array:
+    """Return cosine and sine of each harmonic over a pitch, a column each."""
     phase = 2.0 * pi * np.arange(TRACE) / TRACE
-    total = np.full(TRACE, 1.0 + made[f"{to}_offset"])
-    for k in range(1, count + 1):
-        total += made[f"{to}_cos_{k}"] * np.cos(k * phase) + made[f"{to}_sin_{k}"] * np.sin(k * phase)
-    return total
+    return np.column_stack([wave(k * phase) for k in range(1, count + 1) for wave in (np.cos, np.sin)])
 
 
 class Behind:
