@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim import expander, performance
 from screwsim.build import build_site
-from screwsim.effects.base import Drawn, Plenum
+from screwsim.effects.base import Drawn, Plenum, Turn
 from screwsim.ledger import Cycle, ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
@@ -175,7 +175,7 @@ class Solution(Making):
             self.inlet,
             self.balances.streams(q),
             known,
-            delivered=1.0 - self.suction.returned,
+            delivered=0.0 if self._shut(known.turn) else 1.0 - self.suction.returned,
             work=float(q[0]),
             trapped=float(R[R_TRAPPED]),
             d=self._oil_ratio(),
@@ -200,6 +200,10 @@ class Solution(Making):
                 float(q[Q_WALLS : Q_WALLS + 2 * len(m.composition.walls) : 2].sum()) * self.lives_per_second
             )
         return Figures(found | performance.readings(self.parts.effects, known, found)), notes
+
+    def _shut(self, turn: Turn | None) -> bool:
+        """Tell whether a check valve shuts a line for good: then nothing is delivered, but for rounding."""
+        return turn is not None and any(part.shut is not None and part.shut(turn) for part in self.parts.pulsations)
 
     def complete(self, q: closing.Array) -> performance.CycleFigures:
         """Return what a shaft asks of the cycle: what is known of it, and the shaft power."""

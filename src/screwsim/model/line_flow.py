@@ -39,10 +39,10 @@ def faces_line(phi, P, TAB):
     for i in range(N_PLENUM):
         if PLENUM[i] < FIRST_OWN and plenum_area(i, phi, P, TAB) > 0.0:
             return True
+    found = False
     for i in range(N_GAPS):
-        if phi + OFFSETS[GAP_OFFSET[i]] * P[P_PITCH] > P[P_LIFE]:
-            return True
-    return False
+        found = found or phi + OFFSETS[GAP_OFFSET[i]] * P[P_PITCH] > P[P_LIFE]
+    return found
 
 
 @kernel
