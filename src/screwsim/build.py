@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import cache
 from typing import Any, NamedTuple
 
 from screwsim.effects.base import (
@@ -134,6 +135,7 @@ def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | Non
     effects = stock.effects(scene, geometry, at)
     gas = stock.gas(scene)
     plenums, made = ([part for _, part in effects.all(kind)] for kind in (Plenum, Made))
+    site = cache(lambda: build_site(scene, gas))
     names = [part.entry.name for part in made]
     if len(set(names)) < len(names):
         raise TypeError(f"two effects declare the same of {', '.join(sorted(names))} as made by the cycle")
@@ -144,8 +146,8 @@ def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | Non
         widths=_widths(scene, at),
         effects=effects,
         oil=build_oil(scene, at),
-        plenums={part.name: part.state(build_site(scene, gas)) for part in plenums},
-        made={part.entry.name: part.guess(build_site(scene, gas)) for part in made},
+        plenums={part.name: part.state(site()) for part in plenums},
+        made={part.entry.name: part.guess(site()) for part in made},
         set_speed=set_speed,
         oil_content=_oil_content(effects, scene, gas),
     )

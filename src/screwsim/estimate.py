@@ -205,7 +205,7 @@ class Snapshot:
 
     def __init__(self, machinery: Any) -> None:
         self.machinery = machinery
-        self.P, self.R = machinery.composition.P.copy(), machinery.R.copy()
+        self.P, self.R, self.stamp = machinery.composition.P.copy(), machinery.R.copy(), machinery.stamp
         times, dense, quads, steps = machinery.last()
         self.history = times[: steps + 1].copy(), dense[:steps].copy(), quads[:steps].copy()
 
@@ -213,6 +213,7 @@ class Snapshot:
         """Leave the machinery as it was."""
         self.machinery.composition.P[:], self.machinery.R[:] = self.P, self.R
         self.machinery.restore(*self.history)
+        self.machinery.stamp = self.stamp  # it is the same history again
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -22,13 +23,23 @@ from screwsim.model.slots import (
     R_SUCTION,
 )
 from screwsim.prepared import Prepared
-from screwsim.traces import line_flows
 
 LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
 
 
 class Making(Prepared):
     """A prepared scene that turns quadratures of a cycle into what that cycle makes."""
+
+    def once(self, name: str, q: closing.Array, read: Callable[[], Any]) -> Any:
+        """Return what `read` gives of the last history, whose quadratures are q; read once for as long as it stands."""
+        machinery = self.machinery
+        state = q.tobytes(), machinery.composition.P.tobytes(), machinery.R.tobytes()
+        if self._read[:2] != (machinery.stamp, state):
+            self._read = machinery.stamp, state, {}
+        found = self._read[2]
+        if name not in found:
+            found[name] = read()
+        return found[name]
 
     def made(self) -> closing.Array:
         """Return what the cycle makes, as the next turn meets it: the discharge line, and what effects declare."""
@@ -48,6 +59,9 @@ class Making(Prepared):
 
     def _imaged(self, q: closing.Array) -> Turn:
         """Return the turn of these quadratures with what it makes."""
+        return self.once("turn", q, lambda: self._newly_imaged(q))
+
+    def _newly_imaged(self, q: closing.Array) -> Turn:
         made: dict[str, float] = {}
         turn = self._turn(q, made)
         for _, part in self.parts.all(Made):
@@ -78,17 +92,17 @@ class Making(Prepared):
 
     def _line_flows(self, q: closing.Array) -> Callable[[str], LineFlow]:
         """Return a function that tells of the flow to a line; all is read once, when it is first asked."""
-        taken = cache(lambda: line_flows(self.parts, self.machinery, LINE_POINTS))
-        return cache(lambda to: self._line_flow(q, to, *taken()[to]))
+        taken = cache(lambda: self.machinery.into_lines(LINE_POINTS))
+        return cache(lambda to: self._line_flow(q, self.parts.number(to), *taken()))
 
-    def _line_flow(self, q: closing.Array, to: str, flow: closing.Array, volume: float) -> LineFlow:
+    def _line_flow(self, q: closing.Array, number: int, flows: closing.Array, volumes: closing.Array) -> LineFlow:
         """Return the flow of the chambers into a line over one pitch; its mean is that of the quadratures."""
-        R, number = self.machinery.R, self.parts.number(to)
+        R, flow = self.machinery.R, flows[number]
         streams = self.balances.streams(q)[2 * number : 2 * number + 2, 0]
         mean = -float(streams.sum()) * self.parts.omega / self.parts.geometry.pitch
         place = R[number * PLACE : (number + 1) * PLACE]
         p, rho, _h, exponent, *_ = self.parts.gas.place_of_enthalpy(float(place[PRESSURE]), float(place[ENTHALPY]))
-        return LineFlow(flow + (mean - flow.mean()), volume, p, rho, 1.0 / exponent)
+        return LineFlow(flow + (mean - flow.mean()), float(volumes[number]), p, rho, 1.0 / exponent)
 
     def _gaps(self) -> Iterator[tuple[str, float]]:
         """Yield the stated clearances [m] by effect."""

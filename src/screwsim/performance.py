@@ -156,7 +156,7 @@ def figures(
     """
     geometry, gas, oil = parts.geometry, parts.gas, parts.oil
     rate = parts.omega / geometry.pitch  # chamber lives per second
-    flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate)
+    flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate) + 0.0  # nothing has no sign
     losses = _losses(parts, known)
     lift = oil_lift(parts, lines, known) if oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -60,6 +61,7 @@ class Prepared:
     def __init__(self, scene: Scene, series: Series | None = None, set_speed: float | None = None) -> None:
         """Prepare a scene; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
         self.scene = scene
+        self._read: tuple[Any, Any, dict[str, Any]] = None, None, {}  # of the last history
         self.series = series or Series()
         self.course = self.series.course
         self.parts = build_parts(scene, self.series.stock, set_speed)

@@ -139,10 +139,14 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
         )
     if (found.discharge_line_least_flow or 0.0) < 0.0 < (found.gas_mass_flow or 0.0):
         warnings.append(
-            "the pulsation turns the flow in the discharge line round: a check valve would shut, which is not "
-            "simulated (a larger effects.plenums.discharge_volume or a smaller discharge_area)"
+            "the pulsation turns the flow in the discharge line round: a check valve would shut (name "
+            "effects.plenums.discharge_valve, a larger discharge_volume or a smaller discharge_area)"
         )
-    if found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
+    if found.gas_mass_flow == 0.0 and any(part.shut is not None for part in solution.parts.pulsations):
+        warnings.append(
+            "a check valve of effects.plenums stays shut: against the line's pressure the machine delivers nothing"
+        )
+    elif found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
         warnings.append(
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
             "operation.discharge.temperature, or where that is not given the temperature of isentropic compression"

@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim import expander, performance
 from screwsim.build import build_site
-from screwsim.effects.base import Drawn, Plenum, Reading
+from screwsim.effects.base import Drawn, Plenum, Reading, Turn
 from screwsim.ledger import Cycle, ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
@@ -123,6 +123,9 @@ class Solution(Making):
 
     def _known(self, q: closing.Array) -> performance.CycleFigures:
         """Return what a power loss or a reading can ask of the cycle."""
+        return self.once("known", q, lambda: self._newly_known(q))
+
+    def _newly_known(self, q: closing.Array) -> performance.CycleFigures:
         R, oil, parts = self.machinery.R, self.scene.oil, self.parts
         T_oil = parts.oil.temperature if parts.oil is not None else None
         injected, p_injection = float(R[R_INJECTED]), float(R[R_PRESSURE])
@@ -157,6 +160,10 @@ class Solution(Making):
 
     def figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
         """Return performance figures of the last history, whose quadratures are q, and why some are None."""
+        found, notes = self.once("figures", q, lambda: self._new_figures(q))
+        return Figures(found), dict(notes)
+
+    def _new_figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
         m, geometry = self.machinery, self.parts.geometry
         R = m.R
         limit = geometry.life if geometry.expands else geometry.widest_discharge()
@@ -168,7 +175,7 @@ class Solution(Making):
             self.inlet,
             self.balances.streams(q),
             known,
-            delivered=1.0 - self.suction.returned,
+            delivered=0.0 if self._shut(known.turn) else 1.0 - self.suction.returned,
             work=float(q[0]),
             trapped=float(R[R_TRAPPED]),
             d=self._oil_ratio(),
@@ -197,6 +204,10 @@ class Solution(Making):
             )
         found |= performance.readings(self.parts, known, found)
         return found, notes
+
+    def _shut(self, turn: Turn | None) -> bool:
+        """Tell whether a check valve shuts a line for good: then nothing is delivered, but for rounding."""
+        return turn is not None and any(part.shut is not None and part.shut(turn) for part in self.parts.pulsations)
 
     def complete(self, q: closing.Array) -> performance.CycleFigures:
         """Return what a shaft asks of the cycle: what is known of it, and the shaft power."""

@@ -47,31 +47,6 @@ def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
     return found
 
 
-def line_flows(parts: Parts, machinery: Machinery, points: int) -> dict[str, tuple[np.ndarray, float]]:
-    """Return of each line the flow [kg/s] of all chambers into it over one pitch, and the mean volume open to it [m³].
-
-    The angles are `points` even ones from the youngest chamber's 0° on.
-    """
-    c, geometry = machinery.composition, parts.geometry
-    angles = np.arange(c.chambers * points) * (geometry.pitch / points)
-    out, flows = machinery.sample(angles)
-    paths = [path for _, path in parts.all(FlowPath) if path.to != "neighbour"]
-    _smooth_plenum_flows(
-        flows, [i for i, path in enumerate(paths) if parts.number(path.to) < FIRST_OWN], parts.omega * out[:, 3]
-    )
-    for k, (_, offset) in enumerate(c.gap_paths):  # what lies ahead of the last chamber is the discharge line
-        flows[angles + offset * geometry.pitch <= geometry.life, len(c.plenum_paths) + 2 * k] = 0.0
-    found = {}
-    for to in ("suction", "discharge"):
-        columns = [i for i, path in enumerate(paths) if path.to == to]
-        ports = flows[:, columns]
-        beyond = flows[:, len(c.plenum_paths) :: 2].sum(axis=1) if to == "discharge" else 0.0
-        into = -(ports.sum(axis=1) + beyond).reshape(c.chambers, points).sum(axis=0)
-        volume = np.where((ports != 0.0).any(axis=1), out[:, 0], 0.0).reshape(c.chambers, points).sum(axis=0)
-        found[to] = into, float(volume.mean())
-    return found
-
-
 def trace_angles(life: float) -> np.ndarray:
     """Return the angles of a trace [degree]: every degree of a life [rad], and its end."""
     end = math.degrees(life)

@@ -1,7 +1,9 @@
 """Two stages: flows match at the pressure found, what lies between them, and chains that have no such pressure."""
 
 import json
+import re
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -150,3 +152,53 @@ def test_the_command_runs_stages_and_scenes(chain, capsys):
     assert exit_code(["run", str(path), "--set", "second.operation.speed=10000 rpm"]) == 4
     assert "no intermediate pressure" in " ".join(capsys.readouterr().out.split())
     assert exit_code(["run", str(path), "--without", "tip_leakage"]) == 2
+
+
+def test_explain_tells_of_what_lies_between_and_of_both_stages(chain, capsys):
+    path = str(chain({**COOLER, "pressure_drop": "0.1 bar"}, title="a plant"))
+    assert exit_code(["explain", path, "--set", "second.operation.speed=1234 rpm"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert text.startswith("a plant Two stages, 1.5 bar to 12 bar.")
+    assert "A cooler leaves the gas at 290 K" in text
+    assert "pressure drop of 0.1 bar" in text
+    assert text.index("The first stage") < text.index("The second stage") < text.index("1234 rpm")
+    assert exit_code(["explain", path, "--without", "oil_heat"]) == 2
+
+
+def fits(part, value):
+    """Tell whether a value fits the keywords that the schema of stages uses."""
+    kinds = {"object": dict, "array": list, "string": str, "null": type(None)}
+    types = part.get("type", [])
+    if types and not any(isinstance(value, kinds[kind]) for kind in ([types] if isinstance(types, str) else types)):
+        return False
+    if ("enum" in part and value not in part["enum"]) or ("const" in part and value != part["const"]):
+        return False
+    if isinstance(value, list):
+        short = part["minItems"] <= len(value) <= part["maxItems"]
+        return short and all(fits(part["items"], item) for item in value)
+    if isinstance(value, dict):
+        known = part.get("properties", {})
+        inside = all(fits(known[name], item) for name, item in value.items() if name in known)
+        closed = part.get("additionalProperties", True) or set(value) <= set(known)
+        branch = part.get("then" if fits(part["if"], value) else "else", {}) if "if" in part else {}
+        return inside and closed and set(part.get("required", ())) <= set(value) and (not branch or fits(branch, value))
+    return not isinstance(value, str) or bool(re.search(part.get("pattern", ""), value))
+
+
+def test_the_schema_takes_what_is_read_and_nothing_else(chain, capsys):
+    assert exit_code(["schema", "--stages"]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    takes = partial(fits, schema)
+    for between in (None, {"kind": "none"}, COOLER, {"kind": "economizer", "pressure_drop": "0.1 bar"}):
+        assert takes(json.loads(chain(between).read_text())), between
+    files = ["low.yaml", "high.yaml"]
+    for other in (
+        {"stages": files[:1]},
+        {"stages": files, "cooler": {}},
+        {"stages": files, "intercooler": {"kind": "cooler"}},
+        {"stages": files, "intercooler": {"kind": "none", "outlet_temperature": "290 K"}},
+        {"stages": files, "intercooler": {"kind": "flash"}},
+        {"title": "none"},
+    ):
+        assert not takes(other), other
+    assert exit_code(["schema", "--stages", "--fit"]) == 2

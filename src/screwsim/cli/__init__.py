@@ -163,7 +163,14 @@ def sweep(
 
 @app.command()
 def explain(scene_file: SceneFile, overrides: Overrides = None, without: Without = None) -> None:
-    """Say what is simulated, and what is left out."""
+    """Say what is simulated, and what is left out: of a scene, or of two stages in a row."""
+    from screwsim.study.stages import explain_stages, is_stages, read_stages
+
+    if is_stages(scene_file):
+        if without:
+            raise UsageError(f"{scene_file}: stages have no --without (explain one of the two scenes instead)")
+        typer.echo(explain_stages(read_stages(scene_file, overrides or ())))
+        return
     scene = _loaded(scene_file, overrides, without)
     from screwsim.explain import explain as explained
 
@@ -296,10 +303,18 @@ def validate(
 @app.command()
 def schema(
     fit: Annotated[bool, typer.Option("--fit", help="That of a fit (screwsim calibrate) instead.")] = False,
+    stages: Annotated[bool, typer.Option("--stages", help="That of two stages in a row instead.")] = False,
 ) -> None:
     """Print the JSON Schema of a scene."""
     from screwsim.printing import print_json
 
+    if fit and stages:
+        raise UsageError("--fit and --stages are schemas of different files (ask for one of the two)")
+    if stages:
+        from screwsim.study.stages import stages_schema
+
+        print_json(stages_schema())
+        return
     if fit:
         from screwsim.study.calibration.schema import fit_schema
 

@@ -12,7 +12,7 @@ from functools import cache
 
 from screwsim.effects.base import Effect
 
-_NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "port_window", "valves"}
+_NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "line_valve", "port_window", "valves"}
 _ORDER = (
     "suction_port",
     "discharge_port",

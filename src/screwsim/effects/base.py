@@ -306,12 +306,14 @@ class Pulsation:
     """The pressure of a line over the angle, made by the cycle: an offset and harmonics of the lobe frequency (M185).
 
     `to` is 'suction' or 'discharge'; `offset` and `harmonics` name `Made` numbers, over the line's pressure: a_1, b_1,
-    a_2 … of cosines and sines, declared one after the other.
+    a_2 … of cosines and sines, declared one after the other. `shut` tells whether a turn finds the line shut by a check
+    valve: nothing passes then, in the mean or ever.
     """
 
     to: str
     offset: str
     harmonics: tuple[str, ...]
+    shut: Callable[[Turn], bool] | None = None
 
 
 @dataclass(frozen=True)

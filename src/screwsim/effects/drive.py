@@ -29,6 +29,7 @@ from screwsim.machine.drive.response import NoMotion, Response, respond
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, check_coupling
 from screwsim.machine.drive.train import Train
 
+KEPT = 3  # motions: before and after a turn, and of the turn that estimates the error
 FIGURES = (
     "mean_speed",
     "no_load_speed",
@@ -131,13 +132,14 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
     def train(speed: float) -> Train:
         return train_of(parameters, speed, lobes)
 
-    last: dict[Any, Response | NoMotion] = {}  # figures, traces and the closing ask for the same motion
+    last: dict[Any, Response | NoMotion] = {}  # figures, traces and the closing ask for the same motions
 
     def motion(figures) -> Response:
         load = load_torque(figures)
         key = load.tobytes(), figures.set_speed, figures.omega
         if key not in last:
-            last.clear()
+            if len(last) == KEPT:
+                del last[next(iter(last))]
             try:
                 last[key] = respond(train(figures.set_speed), load, figures.omega)
             except NoMotion as reason:

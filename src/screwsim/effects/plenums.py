@@ -2,27 +2,30 @@
 
 What: a plenum's gas is compressed by what the chambers give it and the line does not take (M184), harmonic by harmonic
 of the lobe frequency; the chambers meet that pressure (M185, M186), which is found together with the cycle. The line is
-endless (no reflection) or lets a steady flow through; port, line and check valve take a drop from the mean (M184).
+endless (no reflection) or lets a steady flow through; port and line take a drop from the mean (M184). A check valve
+between plenum and line lets nothing back, and shuts for good where the machine would deliver nothing (M220–M222).
 Source: filling of a volume, plane waves in an endless pipe (textbook acoustics); that pulsations of screw compressors
 come from the flow through the ports: E. Mujic, A. Kovacevic, N. Stosic, I. K. Smith, Noise control by suppression of
 gas pulsation in screw compressors, in: Advances in Noise Analysis, Mitigation and Control, InTech 2016.
 Assumptions: one pressure in a plenum (shorter than a quarter of a wave), isentropic pulsation around the mean, constant
-sound speed, so many harmonics as stated; the check valve stands open (a warning tells where it would shut).
-Parameters: volume, line area and loss coefficient of suction and discharge, valve_pressure, harmonics.
+sound speed, so many harmonics as stated; a check valve is tight and has no mass (a warning tells where one would shut).
+Parameters: volume, line area, loss coefficient and check valve of suction and discharge, harmonics.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from math import hypot, pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from screwsim.declare import count, number, quantity
+from screwsim.effects import line_valve
 from screwsim.effects.base import Effect, LineFlow, Made, Pulsation, Reading, Site, Turn
+from screwsim.effects.line_valve import Valve
 from screwsim.faults import Fault
 from screwsim.machine.kinds import TWIN_SCREW
 from screwsim.numerics.made import Entry
@@ -33,6 +36,7 @@ LINES = ("suction", "discharge")
 SHOWN = 4  # harmonics among the figures
 TRACE = 360  # points of a pitch
 LOWEST = -0.9  # offset of the mean at which nothing passes any more
+EMPTY = -0.999  # the same behind a check valve, which may hold the line's pressure off a plenum near that of suction
 SHUT = "the {to} line takes all of the pressure (a wider effects.plenums.{to}_area or a smaller {to}_loss)"
 FIGURES = (
     "discharge_line_least_flow",
@@ -51,11 +55,10 @@ class Parameters:
         "area", "cross-section of the line, without reflection (absent: its flow is steady)", None, gt=0.0
     )
     suction_area: float | None = quantity("area", "cross-section of the suction line, likewise", None, gt=0.0)
-    discharge_loss: float = number("loss coefficient of port, line and valve, with discharge_area", 0.0, ge=0.0)
+    discharge_loss: float = number("loss coefficient of port and line, with discharge_area", 0.0, ge=0.0)
     suction_loss: float = number("loss coefficient of port and line, with suction_area", 0.0, ge=0.0)
-    valve_pressure: float = quantity(
-        "pressure_difference", "that holds the check valve open, behind the discharge plenum", 0.0, ge=0.0
-    )
+    discharge_valve: Valve | None = None
+    suction_valve: Valve | None = None
     harmonics: int = count("of the lobe frequency that are followed", 8, ge=SHOWN, le=24)
 
 
@@ -73,20 +76,42 @@ def pulsation(line: LineFlow, before: Array, volume: float, area: float | None, 
     return (flow + answering * before * line.p) / (rate * volume + answering + leaving) / line.p
 
 
-def offset(line: LineFlow, area: float | None, loss: float, valve: float) -> float:
+def offset(line: LineFlow, area: float | None, loss: float) -> float:
     """Return by how much the mean pressure exceeds the line's, over that (M184)."""
     mean = float(np.mean(line.flow))
-    drop = 0.0 if area is None else 0.5 * loss * mean * abs(mean) / (line.rho * area**2)
-    return (drop + valve) / line.p
+    return 0.0 if area is None else 0.5 * loss * mean * abs(mean) / (line.rho * area**2) / line.p
+
+
+class Mean(NamedTuple):
+    """What a turn makes of a plenum with a check valve: offset, amplitudes, least flow [kg/s], whether it stays shut.
+
+    The amplitudes a_k − i b_k are over the line's pressure, as the offset is; the flow counts along the valve.
+    """
+
+    offset: float
+    amplitudes: Array
+    least: float
+    shut: bool
+
+
+def answer(line: LineFlow, before: Array, capacity: float, frequency: float) -> Array:
+    """Return the flow [kg/s] into the line and what is open to the plenum, taken as part of it (see `pulsation`)."""
+    k, count = np.arange(1, len(before) + 1), len(line.flow)
+    phases = np.exp(2j * pi * np.outer(np.arange(count), k) / count)
+    return line.flow + line.p * capacity * np.real(phases @ (1j * k * frequency * before))
 
 
 def series(made: Mapping[str, float], to: str, count: int) -> Array:
     """Return the pressure of a plenum over the line's, at even angles of a pitch (M185)."""
+    amplitudes = [made[f"{to}_{part}_{k}"] for k in range(1, count + 1) for part in ("cos", "sin")]
+    return 1.0 + made[f"{to}_offset"] + _waves(count) @ np.array(amplitudes)
+
+
+@lru_cache(maxsize=4)
+def _waves(count: int) -> Array:
+    """Return cosine and sine of each harmonic over a pitch, a column each."""
     phase = 2.0 * pi * np.arange(TRACE) / TRACE
-    total = np.full(TRACE, 1.0 + made[f"{to}_offset"])
-    for k in range(1, count + 1):
-        total += made[f"{to}_cos_{k}"] * np.cos(k * phase) + made[f"{to}_sin_{k}"] * np.sin(k * phase)
-    return total
+    return np.column_stack([wave(k * phase) for k in range(1, count + 1) for wave in (np.cos, np.sin)])
 
 
 class Behind:
@@ -96,18 +121,50 @@ class Behind:
         self.to, self.count = to, parameters.harmonics
         self.volume = float(getattr(parameters, f"{to}_volume") or 0.0)
         self.area, self.loss = getattr(parameters, f"{to}_area"), getattr(parameters, f"{to}_loss")
-        self.valve = parameters.valve_pressure if to == "discharge" else 0.0
+        self.valve: Valve | None = getattr(parameters, f"{to}_valve")
+        self.along = 1.0 if to == "discharge" else -1.0
         self.names = [f"{to}_{part}_{k}" for k in range(1, self.count + 1) for part in ("cos", "sin")]
-        self._last: tuple[Any, Array] = None, np.empty(0)
+        self._last: tuple[Any, Mean | None, Array] = None, None, np.empty(0)
 
     def coefficients(self, turn: Turn) -> Array:
-        """Return a_1, b_1, a_2 … that a turn makes; worked out once a turn."""
+        """Return a_1, b_1, a_2 … that a turn makes."""
+        return self._found(turn)[1]
+
+    def _found(self, turn: Turn) -> tuple[Mean | None, Array]:
+        """Return what a turn makes of a plenum with a valve (without: None), and its coefficients; once a turn."""
         if self._last[0] is not turn.line:
             held = np.array([turn.held[name] for name in self.names]).reshape(-1, 2)
             before, frequency = held[:, 0] - 1j * held[:, 1], 2.0 * pi * turn.omega / turn.pitch
-            found = pulsation(turn.line(self.to), before, self.volume, self.area, frequency)
-            self._last = turn.line, np.column_stack([np.real(found), -np.imag(found)]).ravel()
-        return self._last[1]
+            line, mean = turn.line(self.to), None
+            if self.valve is None:
+                found = pulsation(line, before, self.volume, self.area, frequency)
+            else:
+                mean = self._valved(self.valve, line, before, turn.held[f"{self.to}_offset"], frequency)
+                found = mean.amplitudes
+            self._last = turn.line, mean, np.column_stack([np.real(found), -np.imag(found)]).ravel()
+        return self._last[1:]
+
+    def _valved(self, valve: Valve, line: LineFlow, before: Array, held: float, frequency: float) -> Mean:
+        """Return what a turn makes of a plenum with a check valve (M220–M222), met at an offset that was held."""
+        flow, p = self.along * line.flow, line.p
+        given = self.along * answer(line, before, line.open_volume / line.sound**2, frequency)
+        impedance = 0.0 if self.area is None else line.sound / self.area
+        capacity = (self.volume + line.open_volume) / line.sound**2
+        behind = line_valve.Behind(capacity, impedance, frequency, line.rho)
+        mean, least = max(float(flow.mean()), 0.0), 0.0
+        pressure = line_valve.closed(given, behind)
+        level = valve.pressure - (0.0 if self.area is None else float(pressure.max()))
+        if mean > 0.0 and self.area is None:
+            level, least = float(valve.drop(np.array([mean]), line.rho)[0][0]), mean
+        elif mean > 0.0:
+            passed = line_valve.through(valve, given, behind)
+            pressure, least = passed.pressure, float(passed.flow.min())
+            level = float(pressure.mean()) + abs(offset(line, self.area, self.loss)) * p
+        spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
+        stands = self.along * line_valve.standing(held, line.flow)
+        shut = stands < level / p
+        along = self.along * (stands if shut else level / p)
+        return Mean(along, self.along * spectrum / p, 0.0 if shut else least, shut)
 
     def coefficient(self, i: int, turn: Turn) -> float:
         """Return one of them."""
@@ -115,16 +172,23 @@ class Behind:
 
     def offset(self, turn: Turn) -> float:
         """Return the offset of the mean that a turn makes."""
-        return offset(turn.line(self.to), self.area, self.loss, self.valve)
+        mean = self._found(turn)[0]
+        return offset(turn.line(self.to), self.area, self.loss) if mean is None else mean.offset
+
+    def shut(self, turn: Turn) -> bool:
+        """Tell whether the check valve stays shut over the whole pitch."""
+        mean = self._found(turn)[0]
+        return mean is not None and mean.shut
 
     def parts(self) -> list[Made | Pulsation]:
         """Return what declares it: offset and coefficients, one after the other, and the pressure that they make."""
         first = f"{self.to}_offset"
-        made = [Made(Entry(first, scale=1.0), _nothing, self.offset, LOWEST, SHUT.format(to=self.to))]
+        least = LOWEST if self.valve is None else EMPTY
+        made = [Made(Entry(first, scale=1.0), _nothing, self.offset, least, SHUT.format(to=self.to))]
         made += [
             Made(Entry(name, scale=1.0), _nothing, partial(self.coefficient, i)) for i, name in enumerate(self.names)
         ]
-        return [*made, Pulsation(self.to, first, tuple(self.names))]
+        return [*made, Pulsation(self.to, first, tuple(self.names), None if self.valve is None else self.shut)]
 
     def figures(self, turn: Turn) -> dict[str, float | None]:
         """Return mean, swing and harmonics of the pressure [Pa]."""
@@ -135,7 +199,8 @@ class Behind:
         if self.to == "discharge":
             line = turn.line(self.to)
             wave = 0.0 if self.area is None else self.area / line.sound * p * float((pressure - pressure.mean()).min())
-            found["discharge_line_least_flow"] = float(np.mean(line.flow)) + wave
+            mean = self._found(turn)[0]
+            found["discharge_line_least_flow"] = float(np.mean(line.flow)) + wave if mean is None else mean.least
         return {**found, f"{self.to}_pulsation_peak_to_peak": p * float(np.ptp(pressure))}
 
 
@@ -172,15 +237,15 @@ def check(parameters: Parameters, facts) -> list[Fault]:
             faults.append(Fault(f"{path}.{to}_area", f"is missing ({to}_loss needs it, e.g. 20 cm^2)"))
         if volume is None and area is not None:
             faults.append(Fault(f"{path}.{to}_volume", f"is missing ({to}_area needs it, e.g. 5 l)"))
-    if parameters.valve_pressure > 0.0 and parameters.discharge_volume is None:
-        faults.append(Fault(f"{path}.discharge_volume", "is missing (valve_pressure needs it, e.g. 5 l)"))
+        elif volume is None and getattr(parameters, f"{to}_valve") is not None:
+            faults.append(Fault(f"{path}.{to}_volume", f"is missing ({to}_valve needs it, e.g. 5 l)"))
     return faults
 
 
 EFFECT = Effect(
     name=NAME,
     title="finite volumes behind the ports, whose pressure pulsates",
-    equations=("M184", "M185", "M186", "M187"),
+    equations=("M184", "M185", "M186", "M187", "M220", "M221", "M222"),
     source="filling of a volume, plane waves (textbook)",
     parameters=Parameters,
     build=build,

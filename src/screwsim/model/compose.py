@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate
-from screwsim.model import chamber, coupled, landing, ledger, places, trace
+from screwsim.model import chamber, coupled, landing, ledger, line_flow, places, trace
 from screwsim.model.parts import Parts
 from screwsim.model.slots import (
     FEWEST,
@@ -51,6 +51,7 @@ from screwsim.numerics.kernel import HEADER, Kernel, flatten, without_wrapper
 # what is called from Python; a wrapper for every small kernel would cost a sixth of the compilation
 CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
 CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian", "places__places_along", "ledger__account")
+CALLED += ("line_flow__into_lines",)
 
 # what the integrator calls of both drivers
 DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "conserve")
@@ -370,6 +371,8 @@ def _module_text(
     model |= flatten((trace.peak_pressure, trace.sample, trace.work_along, ledger.account), own, numbers=numbers)
     if constants["HEATED"] and not constants["CARRIED"]:
         model |= flatten((trace.oil_with_outflow,), own, numbers=numbers)
+    if numbers["PULSATING"]:
+        model |= flatten((line_flow.into_lines,), own, numbers=numbers)
     if numbers["PORTED"]:
         model |= flatten((trace.port_oil,), own, numbers=numbers)
     blocks = flatten(kernels)

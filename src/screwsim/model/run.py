@@ -48,6 +48,7 @@ class Machinery:
         self._warm: set[str] = set()
         self.compile_time = 0.0
         self.integrator = "rodas4"
+        self.stamp = object()  # another one with every other last history
         self.watch: Callable[[], None] = lambda: None  # called now and then; what it raises ends the work
 
     @staticmethod
@@ -65,6 +66,7 @@ class Machinery:
         self.R[:] = 0.0
         self.hints[:] = 0
         self.kept[:] = 0
+        self.stamp = object()
         self.images.clear()
 
     def warm_up(self, start: Callable[[], Array]) -> None:
@@ -78,7 +80,7 @@ class Machinery:
                 self.images.append(self.images[0])
                 self.mix(np.array([0.5, 0.5]))
                 if self.composition.pulsating:
-                    self.sample(np.array([0.1]))
+                    self.into_lines(1)
 
     @contextmanager
     def _compiling(self, driver: str) -> Iterator[None]:
@@ -105,6 +107,7 @@ class Machinery:
         self.histories.reverse()
         self.kept[1] = self.kept[0]
         self.kept[0] = 0
+        self.stamp = object()
 
     def last(self) -> tuple[Array, Array, Array, int]:
         """Return (times, dense, quadratures, steps) of the last turn."""
@@ -127,6 +130,7 @@ class Machinery:
         old = self.histories[0]
         old[0][: steps + 1], target = times, old[1][:steps]
         self.kept[:] = 0, steps
+        self.stamp = object()
         np.multiply(dense, weights[-1], out=target)
         for weight, (t, d, n) in zip(weights[:-1], histories[:-1], strict=True):
             self.module.history__add_history(times, steps, t, d, n, weight, target)
@@ -147,6 +151,7 @@ class Machinery:
         old = self.histories[0]
         old[0][: steps + 1], old[1][:steps, :, : self.n], old[2][:steps] = times, dense, quads
         self.kept[:] = 0, steps
+        self.stamp = object()
         self.module.places__places_along(old[1], steps, self.context)
 
     def sample(self, angles: Array) -> tuple[Array, Array]:
@@ -156,6 +161,16 @@ class Machinery:
         flows = np.empty((len(angles), len(c.plenum_paths) + 2 * len(c.gap_paths)))
         self.module.trace__sample(angles, *self.last(), self.context, c.n_E, out, flows)
         return out, flows
+
+    def into_lines(self, points: int) -> tuple[Array, Array]:
+        """Return the flow [kg/s] into suction and discharge line, and the mean volume [m³] that is open to each.
+
+        The flow at `points` even angles of a pitch, from the youngest chamber's 0° on; only of lines that pulsate.
+        """
+        into, volume = np.zeros((2, points)), np.zeros(2)
+        times, dense, _, steps = self.last()
+        self.module.line_flow__into_lines(times, dense, steps, self.context, self.composition.n_E, into, volume)
+        return into, volume
 
     def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:
         """Return what the last turn's paths, heat rates and walls, and oil sum up to over one life (`model.ledger`).
@@ -183,6 +198,7 @@ class Machinery:
         old, steps = self.histories[0], len(dense)
         old[0][: steps + 1], old[1][:steps], old[2][:steps] = times, dense, quads
         self.kept[:] = 0, steps
+        self.stamp = object()
 
     # ---- all chambers together -------------------------------------------------------------------------------
 

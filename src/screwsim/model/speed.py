@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.spline import pack_curve, table_value
+from screwsim.numerics.spline import pack_curve
 
 Array = np.ndarray
 ROWS = 361  # of the curve over a pitch
@@ -23,7 +23,16 @@ ROWS = 361  # of the curve over a pitch
 def slowness(phi, pitch, curve, P):
     """Return the mean speed over the speed where a chamber is at phi [rad]; it repeats every pitch."""
     s = phi - pitch * math.floor(phi / pitch)
-    return 1.0 / math.sqrt(table_value(s, P, curve))
+    rows = int(curve) + 1
+    s = min(max(s, P[rows]), P[rows + ROWS - 1])
+    i = min(int(s * (ROWS - 1) / pitch), ROWS - 2)  # rows are evenly spaced but for rounding
+    if P[rows + i] > s and i > 0:
+        i -= 1
+    elif P[rows + i + 1] <= s and i < ROWS - 2:
+        i += 1
+    s -= P[rows + i]
+    c = rows + ROWS + 4 * i
+    return 1.0 / math.sqrt(P[c] + s * (P[c + 1] + s * (P[c + 2] + s * P[c + 3])))
 
 
 def flat_curve(pitch: float) -> Array:

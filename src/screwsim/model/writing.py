@@ -203,8 +203,7 @@ def write_speed(writer: Writer, pitch: float) -> int:
     """Let all that depends on time follow the speed over the pitch; return where in P its curve begins."""
     start = len(writer.numbers.values) + 1
     curve = writer.numbers.add(float(start))
-    for value in flat_curve(pitch):
-        writer.numbers.add(value)
+    writer.numbers.values.extend(flat_curve(pitch).tolist())
     writer.kernels.append(slowness)
     writer.slow = f"{slowness.flat_name}(phi, P[{P_PITCH}], {curve}, P)"
     return start

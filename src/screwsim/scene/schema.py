@@ -84,7 +84,8 @@ def _complete(effects: dict[str, Section]) -> dict[str, Any]:
 
 def _section(section: Section) -> dict[str, Any]:
     properties = {
-        name: _section(item) if isinstance(item, Section) else _leaf(item) for name, item in section.fields.items()
+        name: _section(item) if isinstance(item, Section) else leaf_schema(item)
+        for name, item in section.fields.items()
     }
     return {
         "type": ["object", "null"],
@@ -94,7 +95,8 @@ def _section(section: Section) -> dict[str, Any]:
     }
 
 
-def _leaf(leaf: Leaf) -> dict[str, Any]:
+def leaf_schema(leaf: Leaf) -> dict[str, Any]:
+    """Return the schema of a field: its value, what it is, and null where it may be left out."""
     limits = limits_text(leaf)
     found = {"description": f"{leaf.doc} ({limits})" if limits else leaf.doc, **value_schema(leaf)}
     if not leaf.required and leaf.default is not None:

@@ -48,12 +48,14 @@ def linearised(train: Train, x: Array) -> Array:
     return np.moveaxis(np.array(rows), 2, 0)
 
 
-def solved(linear: Array, spectrum: Array, column: int) -> Array:
-    """Return one of the two unknowns of all harmonics but the mean as a curve."""
-    (a, b), (c, d) = np.moveaxis(linear, 0, 2)
-    first, second = spectrum[1:].T
-    found = (d * first - b * second if column == 0 else a * second - c * first) / (a * d - b * c)
-    return np.fft.irfft(np.concatenate([[0.0], found]), POINTS)
+def solved(linear: Array, spectra: Array) -> Array:
+    """Return both unknowns of all harmonics but the mean as curves (2, points), from the spectra (2, harmonics)."""
+    (a, b), (c, d) = linear.transpose(1, 2, 0)
+    (first, second), determinant = spectra[:, 1:], a * d - b * c
+    found = np.zeros_like(spectra)
+    found[0, 1:] = (d * first - b * second) / determinant
+    found[1, 1:] = (a * second - c * first) / determinant
+    return np.fft.irfft(found, POINTS)
 
 
 def linearised_mean(train: Train, x: Array) -> Array:

@@ -169,9 +169,9 @@ def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array 
     linear, means, scale = linearised(train, x), linearised_mean(train, x), sizes(x, omega)
     for _ in range(MOST_CORRECTIONS):
         left = residue(train, x, torque, omega)
-        spectrum = np.stack([np.fft.rfft(left[:n]), np.fft.rfft(left[n:-1])], axis=1)
-        mean = np.linalg.solve(means, [*(spectrum[0].real / n), left[-1]])
-        change = -np.concatenate([*(solved(linear, spectrum, k) + mean[k] for k in (0, 1)), mean[2:]])
+        spectra = np.fft.rfft(left[:-1].reshape(2, n))
+        mean = np.linalg.solve(means, [*(spectra[:, 0].real / n), left[-1]])
+        change = -np.append(solved(linear, spectra) + mean[:2, None], mean[2])
         size = float(np.max(np.abs(change) / sizes(x, omega)))
         if not size < DIVERGED * best:
             break

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.motor_line import Motor
 
 Array = np.ndarray
@@ -46,6 +47,8 @@ class Train:
 
     def spring(self, theta: Array) -> tuple[Array, Array]:
         """Return torque [N m] and tangent stiffness [N m/rad] of the coupling at many twists [rad]."""
+        if isinstance(self.coupling, LinearCoupling):
+            return self.coupling.spring * theta, np.full(len(theta), self.coupling.spring)
         twists = theta.tolist()
         torque = np.array([self.coupling.torque(each) for each in twists])
         return torque, np.array([self.coupling.stiffness(each) for each in twists])

@@ -1,0 +1,215 @@
+"""Solve the hard cases with each effect alone added, and store what became of them (docs/effects.md).
+
+Run: hard_with_effects.py [EFFECT …] solves them with the effects named (default: those not stored yet) and stores the
+outcome in tests/hard/with_effects.json; hard_with_effects.py --table prints the table of what is stored.
+
+The numbers of the effects are those of scripts/effects.py and scripts/effects_loads.py. Of the cases of
+tests/hard/hard_cases.py are taken those that deserve `ok`, keep the base's laws and ideal gas, so that all share the
+structure of an effect, and may take at most a million evaluations; `effect` is added to the case's own changes, and oil
+is carried along (a case for which that is said as well as `paper` is taken once).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+STORED = ROOT / "tests" / "hard" / "with_effects.json"
+sys.path[:0] = [str(ROOT / "tests" / "hard"), str(ROOT / "tests" / "laws")]
+from hard_cases import CASES  # noqa: E402
+from scenes import DROP, HELD_GAPS, make  # noqa: E402
+
+from screwsim.faults import SceneError  # noqa: E402
+from screwsim.outputs import Result  # noqa: E402
+from screwsim.simulate import simulate  # noqa: E402
+
+DEAREST = 1_000_000  # evaluations that a case may take without the effects
+LIMIT = 90  # processor seconds of a case
+CARRIED = {"oil.transport": "carried"}
+PORT = {"effects.oil_injection": {"opens": "365 deg", "closes": "455 deg"}}
+WALLS = {
+    "effects.wall_heat": {
+        "rotor_area": "400 cm^2",
+        "housing_area": "150 cm^2",
+        "characteristic_length": "58 mm",
+    }
+}
+LINES = {"discharge_volume": "3 l", "suction_volume": "8 l", "discharge_area": "15 cm^2", "suction_area": "40 cm^2"}
+VALVES = {"discharge_valve": {"area": "12 cm^2", "pressure": "0.1 bar"}, "suction_valve": {"area": "40 cm^2"}}
+EFFECTS: dict[str, dict[str, Any]] = {
+    "none": {},
+    "economizer": {
+        "effects.economizer": {"temperature": "20 degC", "opens": "385 deg", "closes": "485 deg", "area": "1 cm^2"}
+    },
+    "oil_injection": PORT,
+    "oil_volume": {"effects.oil_volume": {}},
+    "gap models": HELD_GAPS,
+    "refrigerant_solubility": {
+        **PORT,
+        "oil_supply.temperature": "325 K",
+        "effects.refrigerant_solubility": {"separator_temperature": "70 degC"},
+    },
+    "wall_heat": WALLS,
+    "thermal_clearances": {**WALLS, "effects.thermal_clearances": {"axis_distance": "125 mm"}},
+    "plenums": {"effects.plenums": LINES},
+    "plenums, check valves": {"effects.plenums": {**LINES, **VALVES}},
+    "droplets": {"effects.oil_heat": DROP, "effects.droplets": {"diameter": "60 um", "slip": 0.02}},
+    "slide_valve": {"effects.slide_valve": {"slot_area": "60 cm^2", "closes": "640 deg", "position": 0.5}},
+    "bypass, share": {"effects.bypass": {"share": 0.3}},
+    "bypass, chamber": {
+        "effects.bypass": {"source": "chamber", "area": "5 cm^2", "opens": "400 deg", "passage": "90 deg"}
+    },
+    "suction_throttle": {"effects.suction_throttle": {"pressure_ratio": 0.7}},
+    "oil_drag": {
+        "effects.oil_drag": {"tip_gap": "0.1 mm", "tip_land": "3 mm", "end_gap": "0.1 mm", "end_solidity": 0.6}
+    },
+    "bearings": {
+        "effects.bearings": {
+            "load": "gas",
+            "radial_area": "60 cm^2",
+            "axial_area": "30 cm^2",
+            "friction_coefficient": 0.0018,
+            "bore": "60 mm",
+        }
+    },
+    "motor": {"effects.motor": {"rated_power": "15 kW", "efficiency": 0.921}},
+    "gas_torque": {"effects.gas_torque": {"male_share": 0.9}},
+}
+KEEP = ("gas.", "numerics.closing", "machine.volume.law", "machine.male_lobes")
+SECTIONS = {"effects", "oil", "gas", "machine.volume", "machine.suction_port", "machine.discharge_port"}
+
+
+class Stopped(Exception):
+    """A case took too long."""
+
+
+def chosen() -> list[Any]:
+    """Return the cases, one of each set of changes but for the oil's transport."""
+    found: dict[str, Any] = {}
+    for case in CASES:
+        structural = any(path in SECTIONS or path.startswith(KEEP) for path in case.changes)
+        if case.status == "ok" and not structural and case.guess is None and case.most <= DEAREST:
+            text = json.dumps({**case.changes, **CARRIED}, sort_keys=True)
+            found.setdefault(text, case)
+    return list(found.values())
+
+
+@contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Raise Stopped where the work takes more of the processor's time."""
+
+    def stop(*_: Any) -> None:
+        raise Stopped
+
+    signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+
+
+def finite(result: Result) -> bool:
+    """Tell whether every number of a result is finite, and every pressure, temperature and mass positive."""
+    tables = (result.performance, result.balance, result.error, result.ledger, result.numerics)
+    numbers = [value for table in tables for value in table.values() if isinstance(value, float)]
+    traces = [trace for name, trace in result.cycle.items() if name != "oil_temperature"]
+    positive = [result.cycle[name] for name in ("pressure", "gas_temperature", "gas_mass") if name in result.cycle]
+    return bool(
+        np.all(np.isfinite(numbers))
+        and all(np.all(np.isfinite(trace)) for trace in traces)
+        and all(np.all(trace > 0.0) for trace in positive)
+    )
+
+
+def solved(case: Any, effect: dict[str, Any]) -> dict[str, Any]:
+    """Return what became of a case with an effect: status, and of what is ok balances over the bound, evaluations."""
+    changes = {**CARRIED, **{path: value for path, value in effect.items() if path not in case.changes}}
+    changes |= {path: value for path, value in case.changes.items() if path != "oil.transport"}
+    if effect.get("effects.oil_heat") is DROP and any(path.startswith("effects.oil_heat") for path in case.changes):
+        return {"status": "left out"}
+    try:
+        scene = make(changes)
+    except SceneError as error:
+        return {"status": "refused", "message": str(error).replace("\n", " ")[:300]}
+    try:
+        with limited(LIMIT):
+            result = simulate(scene)
+    except Stopped:
+        return {"status": "stopped", "message": f"after {LIMIT} s"}
+    found: dict[str, Any] = {"status": result.status, "message": result.message[:300]}
+    if result.status == "ok" and not finite(result):
+        return {"status": "not finite", "message": ""}
+    if result.status == "ok":
+        b = result.balance
+        found["balance"] = float(f"{max(b.mass, b.energy, b.entropy, b.oil_mass or 0.0) / b.bound:.3g}")
+        found["evaluations"] = result.numerics.rhs_evaluations
+    return found
+
+
+def solve(name: str) -> dict[str, Any]:
+    """Return the outcomes of all cases with one effect, by the case's name."""
+    started = time.process_time()
+    found = {case.name: solved(case, EFFECTS[name]) for case in chosen()}
+    print(f"{name}: {time.process_time() - started:.0f} s of the processor", file=sys.stderr, flush=True)
+    return found
+
+
+def stored() -> dict[str, dict[str, Any]]:
+    """Return what is stored: outcomes by effect and case."""
+    return json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
+
+
+def row(name: str, outcomes: dict[str, dict[str, Any]]) -> str:
+    """Return an effect's row of the table."""
+    counts = dict.fromkeys(("ok", "refused"), 0)
+    others: list[str] = []
+    for case, each in outcomes.items():
+        if each["status"] in counts:
+            counts[each["status"]] += 1
+        elif each["status"] != "left out":
+            others.append(f"{case}: {each['status']}")
+    fine = {case: each for case, each in outcomes.items() if each["status"] == "ok"}
+    balance = max(each["balance"] for each in fine.values())
+    dearest = max(fine, key=lambda case: fine[case]["evaluations"])
+    most = f"{fine[dearest]['evaluations']} ({dearest})"
+    cells = [name, *map(str, counts.values()), "; ".join(others) or "–", f"{balance:.2f}", most]
+    return f"| {' | '.join(cells)} |"
+
+
+def table() -> str:
+    """Return the table of what is stored."""
+    known = stored()
+    head = ("effect", "ok", "refused", "neither", "worst balance over its bound", "most evaluations")
+    lines = (f"| {' | '.join(head)} |", "|---" * len(head) + "|")
+    return "\n".join([*lines, *(row(name, known[name]) for name in EFFECTS if name in known)])
+
+
+def main() -> None:
+    """Solve and store, or print what is stored."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("effects", nargs="*", metavar="EFFECT", help=", ".join(EFFECTS))
+    parser.add_argument("--table", action="store_true", help="print the table of what is stored")
+    asked = parser.parse_args()
+    unknown = sorted(set(asked.effects) - set(EFFECTS))
+    if unknown:
+        parser.error(f"no effect {', '.join(unknown)}; known: {', '.join(EFFECTS)}")
+    if not asked.table:
+        for name in asked.effects or [name for name in EFFECTS if name not in stored()]:
+            found = stored() | {name: solve(name)}
+            STORED.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    print(table())
+
+
+if __name__ == "__main__":
+    main()

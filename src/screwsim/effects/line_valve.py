@@ -1,0 +1,112 @@
+"""A check valve between a plenum and its line: shut against the flow, open while the plenum presses against it.
+
+What: a disc without mass that its weight or a soft spring holds down lifts as far as holds the pressure difference at
+the cracking pressure, and is an orifice where it is fully open (M220). What a plenum does behind it, over a pitch: what
+the chambers give is stored, or leaves through the valve into an endless line (M221); and the pressure at which a
+machine that delivers nothing stands against the valve (M222).
+Source: textbook orifice; periodic solution by Fourier collocation (L. N. Trefethen, Spectral Methods in MATLAB, SIAM
+2000, ch. 3) and Newton's method. Derivatives of trigonometric polynomials are skew, the valve's law is monotone: there
+is one solution.
+Flows and pressures here count along the valve: on the suction side both are those of M184 with the other sign.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.declare import quantity
+from screwsim.machine.drive.collocation import differentiation, resampled
+
+Array = np.ndarray
+POINTS = 65  # of a pitch; odd, so that no harmonic is its own alias
+MOST_STEPS = 60
+CONVERGED = 1e-11  # residue over the largest flow
+LEAST_SHARE = 1e-4  # of a step of Newton's method, before it is taken whatever it does
+MOST_CHANGE = 0.4  # of a shut plenum's pressure in a turn
+
+
+@dataclass(frozen=True)
+class Valve:
+    """A check valve of a line."""
+
+    area: float | None = quantity("area", "that is free when fully open (absent: wide)", None, gt=0.0)
+    pressure: float = quantity("pressure_difference", "that opens it, and holds it open", 0.0, ge=0.0)
+
+    def drop(self, flow: Array, rho: float) -> tuple[Array, Array]:
+        """Return the pressure [Pa] that an open valve takes of flows [kg/s], and its slope by the flow (M220)."""
+        if self.area is None:
+            return np.full_like(flow, self.pressure), np.zeros_like(flow)
+        orifice = flow**2 / (2.0 * rho * self.area**2)
+        lifted = orifice > self.pressure
+        return np.where(lifted, orifice, self.pressure), np.where(lifted, flow / (rho * self.area**2), 0.0)
+
+
+class Behind(NamedTuple):
+    """What a plenum works against: its capacity [kg/Pa], its line's impedance [Pa s/kg], lobe frequency, ρ."""
+
+    capacity: float
+    impedance: float
+    frequency: float
+    rho: float
+
+
+class Passed(NamedTuple):
+    """A pitch at `POINTS` even angles: flow through the valve [kg/s] and pressure of the plenum beyond its line's."""
+
+    flow: Array
+    pressure: Array
+
+
+def through(valve: Valve, given: Array, behind: Behind) -> Passed:
+    """Return what a valve lets pass of the flow `given` [kg/s] to its plenum over a pitch; its mean is positive (M221).
+
+    capacity · dp/dt = given − u, p = drop of the valve + impedance · (u − mean), u ≥ 0.
+    """
+    w, mean = resampled(np.asarray(given), POINTS), float(np.mean(given))
+    D = behind.capacity * behind.frequency * differentiation(2.0 * np.pi, POINTS)
+    beyond = behind.impedance + 1.0 / (behind.capacity * behind.frequency)  # slope of the pressure where it is shut
+    largest = float(np.max(np.abs(w)))
+
+    def residue(z: Array) -> tuple[Array, Array, Array, Array]:
+        u, shut = np.maximum(z, 0.0), z <= 0.0
+        drop, slope = valve.drop(u, behind.rho)
+        p = drop + behind.impedance * u + np.where(shut, beyond * z, 0.0)
+        return D @ p + u - w, p, np.where(shut, beyond, slope + behind.impedance), np.where(shut, 0.0, 1.0)
+
+    z = np.full(POINTS, mean)
+    left, p, by_p, by_u = residue(z)
+    for _ in range(MOST_STEPS):
+        size = float(np.max(np.abs(left)))
+        if size <= CONVERGED * largest:
+            break
+        change, share = np.linalg.solve(D * by_p + np.diag(by_u), -left), 1.0
+        while True:
+            trial = residue(z + share * change)
+            if float(np.max(np.abs(trial[0]))) < size or share < LEAST_SHARE:
+                break
+            share *= 0.5
+        z, (left, p, by_p, by_u) = z + share * change, trial
+    return Passed(np.maximum(z, 0.0), p - behind.impedance * mean)
+
+
+def closed(given: Array, behind: Behind) -> Array:
+    """Return the pressure of a plenum whose valve stays shut, beyond its mean [Pa], at `POINTS` angles."""
+    spectrum = np.fft.rfft(resampled(np.asarray(given), POINTS))
+    k = np.arange(1, len(spectrum))
+    spectrum[1:] /= 1j * k * behind.frequency * behind.capacity
+    spectrum[0] = 0.0
+    return np.fft.irfft(spectrum, POINTS)
+
+
+def standing(held: float, flow: Array) -> float:
+    """Return the mean pressure over the line's, less one, of a plenum whose valve stays shut, from that held (M222).
+
+    It changes as long as the chambers' flow [kg/s] into it has a mean, by that over what moves, until nothing passes in
+    the mean. Leaks grow with the pressure, so that a share of the pressure itself is the right step.
+    """
+    moved = float(np.mean(np.abs(flow)))
+    share = float(np.mean(flow)) / moved if moved > 0.0 else 0.0
+    return held + (1.0 + held) * float(np.clip(share, -MOST_CHANGE, MOST_CHANGE))

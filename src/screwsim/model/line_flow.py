@@ -1,0 +1,119 @@
+"""The flow of all chambers into both lines over one pitch, read from a closed cycle (docs/model.md M184).
+
+Angles at which a chamber is open to neither line are passed over.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from screwsim.model.chamber import path_flows, surroundings
+from screwsim.model.room import gas_mass_slope
+from screwsim.model.slots import (
+    CHAMBERS,
+    E_SLOPE,
+    E_VOLUME,
+    FIRST_OWN,
+    GAP_OFFSET,
+    N_GAPS,
+    N_PLENUM,
+    OFFSETS,
+    P_LIFE,
+    P_OMEGA,
+    P_PITCH,
+    PLENUM,
+    VOLUMED,
+    N,
+    plenum_area,
+)
+from screwsim.numerics.history import locate, read
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.rodas import dense_slope
+
+ASIDE = 1e-6  # rad: beyond an angle, on the side on which a jump is read
+
+
+@kernel
+def faces_line(phi, P, TAB):
+    """Tell whether a chamber at phi [rad] is open to a line, by a port or by a gap beyond the last chamber."""
+    for i in range(N_PLENUM):
+        if PLENUM[i] < FIRST_OWN and plenum_area(i, phi, P, TAB) > 0.0:
+            return True
+    found = False
+    for i in range(N_GAPS):
+        found = found or phi + OFFSETS[GAP_OFFSET[i]] * P[P_PITCH] > P[P_LIFE]
+    return found
+
+
+@kernel
+def mass_slope(theta, step, times, dense, E, y, P):
+    """Return dm/dφ [kg/rad] of the gas in a chamber at the share theta of a step."""
+    h = times[step + 1] - times[step]
+    rise = dense_slope(theta, dense[step, 0, 1], dense[step, 1, 1], dense[step, 2, 1], dense[step, 3, 1]) / h
+    if VOLUMED == 0:
+        return E[E_VOLUME] * rise + E[E_SLOPE] * y[1]
+    x_rise = dense_slope(theta, dense[step, 0, 3], dense[step, 1, 3], dense[step, 2, 3], dense[step, 3, 3]) / h
+    return gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[1], rise, y[3], x_rise, P)
+
+
+@kernel
+def from_balance(flows, mass_rate):
+    """Where one port to a line alone is open, take its flow [kg/s] from the mass balance.
+
+    Between steps a wide port's tiny Δp carries the whole error of the interpolated pressure; dm/dφ does not.
+    """
+    opened = 0
+    port = 0
+    others = 0.0
+    for i in range(N_PLENUM + 2 * N_GAPS):
+        if i < N_PLENUM and PLENUM[i] < FIRST_OWN:
+            if flows[i] != 0.0:
+                opened += 1
+                port = i
+        else:
+            others += flows[i]
+    if opened == 1:
+        flows[port] = mass_rate - others
+
+
+@kernel
+def into_lines(times, dense, steps, context, n_e, into, volume):
+    """Add to into[line, k] the flow [kg/s] at even angles of a pitch, to volume[line] the mean volume [m³] open to it.
+
+    Lines are 0 suction, 1 discharge; both arrays are zero before.
+    """
+    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, _own, _work = context
+    E = np.empty(n_e)
+    y = np.empty(N)
+    flows = np.empty(N_PLENUM + 2 * N_GAPS)
+    points = into.shape[1]
+    i = 0
+    for a in range(CHAMBERS * points):
+        phi = a * (P[P_PITCH] / points)
+        if not faces_line(phi, P, TAB):
+            continue
+        inward = phi + ASIDE
+        i = locate(phi, inward, times, steps, i)
+        read(phi, times, dense, i, y)
+        surroundings(phi, inward, context, E)
+        path_flows(y, E, context, flows)
+        theta = (phi - times[i]) / (times[i + 1] - times[i])
+        from_balance(flows, P[P_OMEGA] * mass_slope(theta, i, times, dense, E, y, P))
+        add_lines(flows, phi, E[E_VOLUME], a % points, points, P, into, volume)
+
+
+@kernel
+def add_lines(flows, phi, V, k, points, P, into, volume):
+    """Add the flows of a chamber of volume V [m³] at phi [rad] to both lines."""
+    for line in range(2):
+        faces = False
+        for i in range(N_PLENUM):
+            if PLENUM[i] == line:
+                into[line, k] -= flows[i]
+                if flows[i] != 0.0:
+                    faces = True
+        if faces:
+            volume[line] += V / points
+    for i in range(N_GAPS):  # what lies ahead of the last chamber is the discharge line
+        if phi + OFFSETS[GAP_OFFSET[i]] * P[P_PITCH] > P[P_LIFE]:
+            into[1, k] -= flows[N_PLENUM + 2 * i]

@@ -1,0 +1,42 @@
+"""What a file of stages simulates, in words: what lies between both, then each stage as a scene."""
+
+from __future__ import annotations
+
+import textwrap
+
+from screwsim.declare import KINDS
+from screwsim.explain import WIDTH, explain
+from screwsim.scene.lines import lines
+from screwsim.scene.units import format_quantity
+from screwsim.study.stages.read import NAMES, Chain, Intercooler
+
+
+def explain_stages(chain: Chain) -> str:
+    """Return the text. Raises UsageError for a fluid that is not there."""
+    p_s, p_d = lines(chain.first).p_s, lines(chain.second).p_d
+    ends = " to ".join(format_quantity(KINDS["pressure"], p) for p in (p_s, p_d))
+    found = (
+        f"Two stages, {ends}. The pressure between them is found: that at which what the first stage gives is what the "
+        f"second one takes (M200). {_between(chain.intercooler)} The discharge line of the first scene and the suction "
+        "line of the second follow from that, in place of what these scenes state."
+    )
+    head = [chain.title] if chain.title else []
+    blocks = [*head, textwrap.fill(found, WIDTH)]
+    for name, scene in zip(NAMES, (chain.first, chain.second), strict=True):
+        title = f"The {name} stage"
+        blocks += [f"{title}\n{'=' * len(title)}", str(explain(scene))]
+    return "\n\n".join(blocks)
+
+
+def _between(between: Intercooler) -> str:
+    words = {
+        "none": "The second stage takes the gas as the first one leaves it (M201).",
+        "cooler": "A cooler leaves the gas at {T} where it is warmer (M201).",
+        "economizer": "Vapour of a flash tank between condenser and evaporator mixes with the gas (M202).",
+    }[between.kind]
+    if between.outlet_temperature is not None:
+        words = words.format(T=format_quantity(KINDS["temperature"], between.outlet_temperature))
+    if between.pressure_drop > 0.0:
+        lost = format_quantity(KINDS["pressure_difference"], between.pressure_drop)
+        words += f" Both lines differ by a pressure drop of {lost}."
+    return words

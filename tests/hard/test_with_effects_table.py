@@ -1,0 +1,36 @@
+"""What is stored of the hard cases with each effect added: no case is lost, and the page shows the table."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts"))
+import hard_with_effects
+
+PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
+STORED = hard_with_effects.stored()
+CASES = {case.name: case for case in hard_with_effects.chosen()}
+
+
+@pytest.mark.parametrize("name", STORED)
+def test_every_case_is_ok_or_refused_with_a_remedy(name):
+    outcomes = STORED[name]
+    assert set(outcomes) == set(CASES)
+    for case, each in outcomes.items():
+        assert each["status"] in ("ok", "refused", "left out"), (case, each)
+        if each["status"] == "ok":
+            assert each["balance"] <= 1.0, case
+        if each["status"] == "refused":
+            assert "(" in each["message"], case
+
+
+def test_the_page_shows_what_is_stored():
+    assert len(STORED) > 5
+    assert hard_with_effects.table() in PAGE.read_text(encoding="utf-8")
+
+
+def test_a_case_is_solved_again_as_stored():
+    name = "dead volume 0.1"
+    assert hard_with_effects.solved(CASES[name], hard_with_effects.EFFECTS["none"])["status"] == "ok"
+    assert STORED["none"][name]["status"] == "ok"

@@ -1,0 +1,129 @@
+"""Check valves of lines: no flow against them, the limits of wide and shut ones, what a plenum does behind them."""
+
+import numpy as np
+import pytest
+from scenes import make, run
+from scipy.integrate import solve_ivp
+
+from screwsim.effects.line_valve import POINTS, Behind, Valve, closed, standing, through
+from screwsim.explain import explain
+
+ACCURACY = 3e-4
+BALANCES = ("mass", "energy", "entropy", "oil_mass")
+SIZE = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
+BEHIND = Behind(capacity=8e-8, impedance=1.3e5, frequency=1200.0, rho=45.0)
+PHASE = 2.0 * np.pi * np.arange(64) / 64
+
+
+def plenums(**changes):
+    return {"oil.transport": "carried", "effects.plenums": {**SIZE, **changes}}
+
+
+# ---- the law and the plenum behind it ------------------------------------------------------------------------------
+
+
+def test_an_open_valve_is_held_up_by_its_pressure_and_an_orifice_beyond():
+    """½ ρ u² of 1 kg/s through 10 cm² at 45 kg/m³ is 11.1 kPa."""
+    drop, _ = Valve(area=1e-3, pressure=2e3).drop(np.array([0.01, 1.0]), 45.0)
+    assert drop == pytest.approx([2e3, 1.0 / (2.0 * 45.0 * 1e-6)])
+
+
+@pytest.mark.parametrize("swing", [0.3, 1.5, 6.0])
+@pytest.mark.parametrize("valve", [Valve(), Valve(area=5e-4), Valve(area=5e-4, pressure=3e3)])
+def test_nothing_flows_back_and_the_mean_passes(swing, valve):
+    given = 0.2 * (1.0 + swing * np.cos(PHASE) + 0.3 * swing * np.sin(3.0 * PHASE))
+    flow, _ = through(valve, given, BEHIND)
+    assert flow.min() >= 0.0
+    assert flow.mean() == pytest.approx(given.mean(), rel=1e-9)
+
+
+def test_a_wide_valve_that_never_shuts_is_none():
+    """p_k = w_k/(i k Ω C + 1/Z)."""
+    given = 0.2 * (1.0 + 0.3 * np.cos(PHASE) + 0.1 * np.sin(2.0 * PHASE))
+    flow, pressure = through(Valve(), given, BEHIND)
+    found = np.fft.rfft(pressure)[1:3] * 2.0 / POINTS
+    k = np.array([1, 2])
+    expected = 0.2 * np.array([0.3, -0.1j]) / (1j * k * BEHIND.frequency * BEHIND.capacity + 1.0 / BEHIND.impedance)
+    assert found == pytest.approx(expected, rel=1e-9)
+    assert pressure.mean() == pytest.approx(0.0, abs=1e-6 * abs(expected[0]))
+    assert flow.min() > 0.0
+
+
+@pytest.mark.parametrize("valve", [Valve(), Valve(area=5e-4, pressure=3e3)])
+def test_an_integration_in_time_ends_on_the_same_pitch(valve):
+    """Stepped on until nothing changes: dp/dt = (given − u(p))/C, the valve's law solved for u by bisection."""
+    given = 0.2 * (1.0 + 2.0 * np.cos(PHASE))
+
+    def passed(p):
+        low, high = 0.0, 10.0
+        for _ in range(60):
+            u = 0.5 * (low + high)
+            drop = float(valve.drop(np.array([u]), BEHIND.rho)[0][0])
+            low, high = (u, high) if drop + BEHIND.impedance * (u - 0.2) < p else (low, u)
+        return low
+
+    def rate(t, p):
+        return [(0.2 * (1.0 + 2.0 * np.cos(BEHIND.frequency * t)) - passed(p[0])) / BEHIND.capacity]
+
+    period, p = 2.0 * np.pi / BEHIND.frequency, 0.0
+    grid = period * np.arange(POINTS) / POINTS
+    for _ in range(12):
+        found = solve_ivp(rate, (0.0, period), [p], rtol=1e-6, atol=1.0, max_step=period / 40, t_eval=[*grid, period])
+        p = found.y[0, -1]
+    ours = through(valve, given, BEHIND).pressure
+    assert np.max(np.abs(ours - found.y[0, :-1])) < 0.01 * np.ptp(ours)
+
+
+def test_a_shut_plenum_stores_all_it_is_given():
+    """C dp/dt = w − mean, so p_1 = w_1/(i Ω C)."""
+    pressure = closed(-0.1 + 0.2 * np.cos(PHASE), BEHIND)
+    assert np.fft.rfft(pressure)[1] * 2.0 / POINTS == pytest.approx(0.2 / (1j * BEHIND.frequency * BEHIND.capacity))
+
+
+def test_a_plenum_falls_while_the_machine_draws_from_it():
+    assert standing(-0.1, -0.1 + np.cos(PHASE)) < -0.1
+    assert standing(-0.1, np.cos(PHASE)) == pytest.approx(-0.1)
+
+
+# ---- with the cycle ------------------------------------------------------------------------------------------------
+
+
+def test_a_wide_valve_changes_nothing_where_the_flow_never_turns():
+    without, wide = run(plenums()), run(plenums(discharge_valve={}, suction_valve={}))
+    assert without.performance.discharge_line_least_flow > 0.0
+    for name, value in without.performance.items():
+        if value is not None and "harmonic" not in name:  # the least flow: of all harmonics, not of eight
+            near = 0.01 if name == "discharge_line_least_flow" else 1e-5
+            assert wide.performance[name] == pytest.approx(value, rel=near), name
+    assert max(wide.balance[name] for name in BALANCES) <= ACCURACY
+
+
+def test_a_wave_that_would_turn_the_flow_round_shuts_it_for_a_while():
+    small = {"discharge_volume": "0.2 l", "discharge_area": "80 cm^2"}
+    without, valve = (run(plenums(**small, **more)) for more in ({}, {"discharge_valve": {"area": "12 cm^2"}}))
+    assert without.performance.discharge_line_least_flow < 0.0
+    assert valve.status == "ok"
+    assert valve.performance.discharge_line_least_flow == pytest.approx(0.0, abs=1e-12)
+    assert not any("a check valve would shut" in warning for warning in valve.warnings)
+    assert max(valve.balance[name] for name in BALANCES) <= ACCURACY
+    assert valve.performance.gas_mass_flow > 0.0
+
+
+def test_a_machine_that_delivers_nothing_stands_against_a_shut_valve():
+    """Without it gas runs back through the machine; with it the plenum falls to where the leaks take all that comes."""
+    changes = {**plenums(), "oil_supply.ratio": 0, "effects.tip_leakage.gap": "0.2 mm", "operation.speed": "300 rpm"}
+    back = run(changes)
+    shut = run({**changes, "effects.plenums": {**SIZE, "discharge_valve": {"pressure": "0.1 bar"}}})
+    assert back.performance.gas_mass_flow < 0.0
+    assert shut.status == "ok"
+    assert shut.performance.gas_mass_flow == 0.0
+    assert shut.performance.discharge_line_least_flow == 0.0
+    assert shut.performance.suction_pressure < shut.performance.discharge_plenum_pressure < 12e5
+    assert shut.balance.mass <= ACCURACY
+    assert shut.balance.energy <= ACCURACY
+    assert any("stays shut" in warning for warning in shut.warnings)
+
+
+def test_explain_tells_of_the_valve():
+    text = str(explain(make(plenums(discharge_valve={"area": "12 cm^2"}))))
+    assert "discharge_valve" in text
