@@ -206,8 +206,10 @@ def main() -> None:
         parser.error(f"no effect {', '.join(unknown)}; known: {', '.join(EFFECTS)}")
     if not asked.table:
         for name in asked.effects or [name for name in EFFECTS if name not in stored()]:
-            found = stored() | {name: solve(name)}
-            STORED.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+            outcomes = solve(name)
+            STORED.write_text(
+                json.dumps(stored() | {name: outcomes}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
+            )
     print(table())
 
 
