@@ -152,7 +152,8 @@ def solved(case: Any, effect: dict[str, Any]) -> dict[str, Any]:
         return {"status": "not finite", "message": ""}
     if result.status == "ok":
         b = result.balance
-        found["balance"] = float(f"{max(b.mass, b.energy, b.entropy, b.oil_mass or 0.0) / b.bound:.3g}")
+        oil = b.oil_mass if result.performance.oil_mass_flow else 0.0  # without any it is a residue of nothing
+        found["balance"] = float(f"{max(b.mass, b.energy, b.entropy, oil) / b.bound:.3g}")
         found["evaluations"] = result.numerics.rhs_evaluations
     return found
 
@@ -206,8 +207,10 @@ def main() -> None:
         parser.error(f"no effect {', '.join(unknown)}; known: {', '.join(EFFECTS)}")
     if not asked.table:
         for name in asked.effects or [name for name in EFFECTS if name not in stored()]:
-            found = stored() | {name: solve(name)}
-            STORED.write_text(json.dumps(found, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+            outcomes = solve(name)
+            STORED.write_text(
+                json.dumps(stored() | {name: outcomes}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
+            )
     print(table())
 
 
