@@ -59,17 +59,18 @@ def close_accurately(solution: Any) -> Accurate:
     watch = Watch(machinery)
     solution.tighten(course.tightness)
     closed, errors = shaft.settled(solution, _close_somehow(solution)), Figures()
-    figures = None
+    figures, largest = None, 0.0
     watch.lap("closing")
     for attempt in range(TRIES):
         if closed.status != "ok" or numerics.integrator != "rodas4" or numerics.error == "none":
             break
         errors, figures = estimated_errors(solution, closed)
+        largest = worst(errors)[1]
         watch.lap("estimating")
-        if worst(errors)[1] <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
+        if largest <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
             break
         before = Snapshot(machinery)
-        factor = max(TIGHTER, AIM * numerics.accuracy / worst(errors)[1])
+        factor = max(TIGHTER, AIM * numerics.accuracy / largest)
         course.tightness *= factor
         solution.tighten(factor)
         tighter = shaft.settled(solution, closing.again(solution, closed))
@@ -78,7 +79,7 @@ def close_accurately(solution: Any) -> Accurate:
             before.put_back()
             break
         closed = replace(tighter, needed=closed.needed, first_gap=closed.first_gap)
-    course.tightness = _next_tightness(course.tightness, worst(errors)[1] / numerics.accuracy)
+    course.tightness = _next_tightness(course.tightness, largest / numerics.accuracy)
     times, counts = watch.times, watch.counts["closing"]
     return Accurate(closed, errors, counts, times["closing"], times["estimating"], figures)
 
@@ -146,9 +147,11 @@ class Watch:
 
 def worst(errors: Figures) -> tuple[str, float]:
     """Return the figure of the largest estimated error, and that error."""
-    known = {name: error for name, error in errors.items() if error is not None}
-    name = max(known, key=known.__getitem__, default="")
-    return name, known.get(name, 0.0)
+    return max(
+        ((name, error) for name, error in errors.items() if error is not None),
+        key=lambda known: known[1],
+        default=("", 0.0),
+    )
 
 
 def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Read]:

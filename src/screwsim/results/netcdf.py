@@ -29,7 +29,7 @@ def set_attributes(target: Any, attributes: Mapping[str, Any]) -> None:
 
     By HDF5's own calls: a file has hundreds of them, and the checks of h5py's take longer than the writing.
     """
-    from h5py import h5a
+    from h5py import h5a  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
     for name, value in attributes.items():
         if isinstance(value, str):
@@ -102,7 +102,7 @@ class Layout:
         self, group: Any, name: str, shape: tuple[int, ...], dtype: Any, dimensions: Sequence[str], about: Mapping
     ) -> Any:
         """Make a variable whose values are written later, and return it."""
-        from h5py import h5ds
+        from h5py import h5ds  # pyright: ignore[reportAttributeAccessIssue]
 
         data = self._made(group, name, shape, np.dtype(dtype), about.get("_FillValue"))
         set_attributes(data, about)
@@ -112,7 +112,7 @@ class Layout:
 
     def _made(self, group: Any, name: str, shape: tuple[int, ...], dtype: np.dtype, fill: Any) -> Any:
         """Make a dataset like the first of its kind, which h5py makes."""
-        from h5py import Dataset, h5d
+        from h5py import Dataset, h5d  # pyright: ignore[reportAttributeAccessIssue]
 
         kind = shape, dtype.str, None if fill is None else fill.tobytes()
         if kind in self._kinds:

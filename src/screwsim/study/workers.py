@@ -5,6 +5,7 @@ A pool of processes is the default; `screwsim.study.cluster` makes one of dask's
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -115,7 +116,11 @@ def start_method() -> str:
 
 
 def _start_worker() -> None:
-    """Leave Ctrl-C to the parent, and end with it: a pool's worker waits for ever when its parent is killed."""
+    """Leave Ctrl-C to the parent, and end with it: a pool's worker waits for ever when its parent is killed.
+
+    What it inherits is no garbage, and is not looked through for it again and again.
+    """
+    gc.freeze()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "SIGALRM"):
         signal.signal(signal.SIGALRM, signal.SIG_DFL)  # it ends a case that hangs
