@@ -41,7 +41,8 @@ class Machinery:
         self.hints = np.zeros(64, np.int64)
         work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + composition.first_stream)
         paths = len(composition.plenum_paths)
-        own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(paths), np.full(paths, FREE)])
+        stops = np.zeros(2 * len(composition.stops) + 3)
+        own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(paths), np.full(paths, FREE), stops])
         self._spaces = (np.zeros(self.columns), own, work)
         self.counts = np.zeros(4, np.int64)
         self._together: dict[str, Any] = {}
