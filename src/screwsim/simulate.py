@@ -14,6 +14,7 @@ from screwsim.ledger import entropy_residue
 from screwsim.model import close as closing
 from screwsim.model.continuation import Course
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
+from screwsim.model.stops import MOST_IMPACTS
 from screwsim.outputs import Figures, Result
 from screwsim.scene.types import Scene
 from screwsim.solution import Solution
@@ -25,6 +26,7 @@ REMEDIES = {  # of the limits of an equation of state, by a word of what the gas
     "lowest": "use warmer suction gas or oil, or a wider suction port",
 }
 
+RESTLESS = 500  # impacts of a turn that does not settle, above which the reeds are why
 UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
 
 
@@ -68,10 +70,20 @@ def _unclosed(solution: Solution, closed: closing.Closed) -> str:
     if closed.change < UNSETTLED:
         return "no further try closed it either: the accuracy may be too fine (a larger numerics.accuracy)"
     _, dense, _, steps = solution.machinery.last()
+    if solution.machinery.impacts > RESTLESS:
+        return f"no further try closed it either: its turns do not settle, with {_restless(solution.machinery.impacts)}"
     return (
         f"no further try closed it either: its turns do not settle, with gas at up to {dense[:steps, 1, 0].max():.2g} "
         "K; gas that all but cannot get out heats, empties and fills the chambers anew without end (a wider discharge "
         "port, smaller leaks or a lower speed)"
+    )
+
+
+def _restless(impacts: int) -> str:
+    """Return what to do about reeds that hardly come to rest."""
+    return (
+        f"{impacts} impacts of its reeds in a turn; reeds that lose so little at an impact bounce on and on (a smaller "
+        "effects.reed_valves.seat_restitution or stop_restitution)"
     )
 
 
@@ -82,6 +94,8 @@ def _failure(solution: Solution, closed: closing.Closed) -> str:
     lock = _hydraulic_lock(solution, closed)
     if lock:
         return lock
+    if solution.machinery.impacts > MOST_IMPACTS:
+        return f"the turn was left at {math.degrees(closed.angle):.2f} deg after {_restless(solution.machinery.impacts)}"
     reason = solution.parts.gas.why_outside(float(closed.y[0]), float(closed.y[1]))
     if reason is not None:
         return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {_remedied(reason)}"

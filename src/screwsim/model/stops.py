@@ -41,19 +41,13 @@ NEAR = 0.01  # of the tolerance of a step: a position so near to seat or stop ha
 TURNED = 0.1  # of that tolerance: a push off seat or stop up to which what rests has not left it too late
 LOW = 0.1  # of that tolerance: a bounce that rises no higher is none
 PLACED = 1e-11  # rad: how well an angle can be met at all
-MOST_IMPACTS = 20000  # of a turn
+MOST_IMPACTS = 5000  # of a turn
 
 
 @kernel
 def modes():
     """Return where in a chamber's own place the modes stand; what is due, impacts and angles follow."""
     return OPENING + 2 * N_PLENUM
-
-
-@kernel
-def impacts(own):
-    """Return the number of impacts of the turn so far."""
-    return own[modes() + 2 * STOPS]
 
 
 @kernel
