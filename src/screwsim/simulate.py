@@ -65,13 +65,13 @@ def _remedied(reason: str) -> str:
 def _unclosed(solution: Solution, closed: closing.Closed) -> str:
     """Return what may help a cycle that did not close."""
     numerics = solution.scene.numerics
+    if solution.machinery.impacts > RESTLESS:
+        return f"its turns do not settle, with {_restless(solution.machinery.impacts)}"
     if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
         return "try numerics.closing: coupled, or a tighter numerics.accuracy"
     if closed.change < UNSETTLED:
         return "no further try closed it either: the accuracy may be too fine (a larger numerics.accuracy)"
     _, dense, _, steps = solution.machinery.last()
-    if solution.machinery.impacts > RESTLESS:
-        return f"no further try closed it either: its turns do not settle, with {_restless(solution.machinery.impacts)}"
     return (
         f"no further try closed it either: its turns do not settle, with gas at up to {dense[:steps, 1, 0].max():.2g} "
         "K; gas that all but cannot get out heats, empties and fills the chambers anew without end (a wider discharge "
@@ -95,7 +95,9 @@ def _failure(solution: Solution, closed: closing.Closed) -> str:
     if lock:
         return lock
     if solution.machinery.impacts > MOST_IMPACTS:
-        return f"the turn was left at {math.degrees(closed.angle):.2f} deg after {_restless(solution.machinery.impacts)}"
+        return (
+            f"the turn was left at {math.degrees(closed.angle):.2f} deg after {_restless(solution.machinery.impacts)}"
+        )
     reason = solution.parts.gas.why_outside(float(closed.y[0]), float(closed.y[1]))
     if reason is not None:
         return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {_remedied(reason)}"

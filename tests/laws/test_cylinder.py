@@ -46,7 +46,8 @@ def test_mass_energy_and_entropy_close(text):
 
 @BOTH
 def test_radau_gives_the_same(text):
-    # scipy's steps do not end where a check valve switches: at 1e-4 they see it by chance
+    # scipy's steps do not end where a check valve switches: at 1e-4 they see it by chance; where reeds meet seat and
+    # stop they do
     scene = cylinder(text, numerics__accuracy=1e-5 if text is CHECK else 1e-4)
     ours = simulate(scene, trace=False)
     theirs = simulate(with_values(scene, {"numerics.integrator": "scipy-radau"}), trace=False)
@@ -91,6 +92,29 @@ def test_hard_cases_close(text, changes):
     assert found.status == "ok", found.message
     assert 0.0 <= found.performance.volumetric_efficiency < 1.0 + (0.3 if text is REEDS else 0.0)
     assert max(size for size in found.error.values() if size is not None) <= scene.numerics.accuracy
+
+
+@pytest.mark.parametrize("factor", [0.01, 100.0])
+@pytest.mark.parametrize("name", ["stiffness", "mass", "stop"])
+def test_soft_and_stiff_light_and_heavy_reeds_close(name, factor):
+    scene = cylinder(REEDS)
+    parameters = scene.effects["reed_valves"].parameters
+    fields = [f"{side}_{name}" for side in ("suction", "discharge")]
+    values = {f"effects.reed_valves.{field}": factor * getattr(parameters, field) for field in fields}
+    found = simulate(with_values(scene, values), trace=False)
+    assert found.status == "ok", found.message
+    assert found.numerics.rhs_evaluations < 60_000
+    assert max(size for size in found.error.values() if size is not None) <= scene.numerics.accuracy
+
+
+@pytest.mark.parametrize(("restitution", "status"), [(0.0, "ok"), (0.9, "ok"), (0.999, "not_closed")])
+def test_reeds_that_bounce_without_end_are_said_to(restitution, status):
+    scene = cylinder(REEDS, numerics__closing="histories")
+    scene = with_values(scene, {f"effects.reed_valves.{end}_restitution": restitution for end in ("seat", "stop")})
+    found = simulate(scene, trace=False)
+    assert found.status == status
+    assert found.numerics.rhs_evaluations < 4_000_000
+    assert ("impacts of its reeds" in found.message) == (status != "ok")
 
 
 def test_a_ratio_too_high_delivers_nothing():

@@ -200,8 +200,8 @@ class Stops:
 
     `position` and `speed` name states that the same effect declares, neither positive; the speed is the rate of the
     position over a frequency Ω. `push` returns the acceleration at rest over Ω² of the position; its arguments are `p`,
-    `p_suction`, `p_discharge`, names of states beyond T and rho, and `values`. `restitution` is the speed after over the
-    speed before an impact, of seat and stop.
+    `p_suction`, `p_discharge`, names of states beyond T and rho, and `values`. `restitution` is the speed after over
+    that before an impact, of seat and stop.
     """
 
     position: str

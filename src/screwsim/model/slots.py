@@ -24,12 +24,12 @@ and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches),
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
 ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE
-is a constant, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), STOPS (how many of those
-states move between a seat and a stop; then STOP_POSITION and STOP_SPEED, their places in a state, are, too), RESISTED (1: gaps hold flow
-back), WALLS (how many exchange heat with the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump feeds
-the oil port), FLASHED (1: gas flashes out of its oil) and FLASH (the category of that gas), CATEGORIES, Q_STREAMS,
-E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of all), and the indices into P that move
-with them.
+is a constant, too), STOPS (how many of them move between a seat and a stop; then STOP_POSITION and STOP_SPEED, where
+they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), RESISTED (1: gaps hold
+flow back), WALLS (how many exchange heat with the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump
+feeds the oil port), FLASHED (1: gas flashes out of its oil) and FLASH (the category of that gas), CATEGORIES,
+Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of all), and the indices into
+P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """

@@ -37,7 +37,7 @@ MOVES = 0.0
 STOPPED = 1.0
 LEAVES = 2.0  # due: what rested moves from here on
 
-NEAR = 0.01  # of the tolerance of a step: a position so near to seat or stop has met it
+NEAR = 0.001  # of the tolerance of a step: a position so near to seat or stop has met it
 TURNED = 0.1  # of that tolerance: a push off seat or stop up to which what rests has not left it too late
 LOW = 0.1  # of that tolerance: a bounce that rises no higher is none
 PLACED = 1e-11  # rad: how well an angle can be met at all

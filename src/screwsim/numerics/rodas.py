@@ -250,9 +250,8 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
             phi = end if landing else phi + trial
             times[step] = phi
             fresh = True
-            if JUMPS == 1:
-                if not jump(y, rtol, context):
-                    return TOO_MANY_JUMPS, phi, h
+            if JUMPS == 1 and not jump(y, rtol, context):
+                return TOO_MANY_JUMPS, phi, h
     return OK, phi, h
 
 
