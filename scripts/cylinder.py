@@ -12,6 +12,7 @@ from screwsim.errors import relative_errors
 from screwsim.estimate import worst
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
+from screwsim.solution import Solution
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("r134a", "air")
@@ -44,6 +45,26 @@ effects:
   check_valves: {suction_area: 2 cm^2, discharge_area: 1.5 cm^2}
 numerics: {accuracy: 3e-5}
 """
+RESTLESS = """\
+machine: {kind: slider_crank, bore: 50 mm, crank_radius: 20 mm, rod_length: 90 mm, offset: 3 mm, clearance: 0.435 cm^3}
+gas: {fluid: Air, isentropic_exponent: 1.4}
+operation: {speed: 2070 rpm, suction: {pressure: 1 bar, temperature: 300 K}, discharge: {pressure: 5.18 bar}}
+effects:
+  reed_valves:
+    suction_port_area: 0.911 cm^2
+    suction_perimeter: 42 mm
+    suction_stop: 1.64 mm
+    suction_mass: 11.8 g
+    suction_stiffness: 337 N/m
+    discharge_port_area: 12.1 cm^2
+    discharge_perimeter: 164 mm
+    discharge_stop: 2.34 mm
+    discharge_mass: 8.67 g
+    discharge_stiffness: 72.3 N/m
+    seat_restitution: 0.25
+    stop_restitution: 0.274
+"""
+TURNS = 300  # of the restless machine's own course
 
 
 def solved(scene: Scene) -> Result:
@@ -130,6 +151,24 @@ def print_ideal() -> None:
         print(f"  area x {factor:<6g} {values}")
 
 
+def print_restless() -> None:
+    """Print the cycles found of heavy reeds on soft springs, and the machine's own course from turn to turn."""
+    scene = screwsim.loads(RESTLESS)
+    print("heavy reeds on soft springs")
+    for accuracy in (1e-2, 1e-3, 1e-4, 1e-5):
+        found = solved(with_values(scene, {"numerics.accuracy": accuracy})).performance
+        print(f"  accuracy {accuracy:g}: lambda {found.volumetric_efficiency:.5f}, work {found.work_per_cycle:.4f} J")
+    solution = Solution(scene)
+    solution.machinery.warm_up(solution.rehearse)
+    y, works = solution.start(), []
+    for _ in range(TURNS):
+        works.append(solution.machinery.turn(y, 1e-4, 1e-3)[3][0])
+        solution.machinery.swap()
+    late = works[TURNS // 2 :]
+    print(f"  turns {TURNS // 2} to {TURNS} of its course: work {min(late):.3f} to {max(late):.3f} J")
+
+
 if __name__ == "__main__":
     print_machines()
     print_ideal()
+    print_restless()

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from screwsim import shaft
+from screwsim import settling, shaft
 from screwsim.build import prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
 from screwsim.ledger import entropy_residue
@@ -268,7 +268,8 @@ def _solved(solution: Solution, trace: bool) -> Result:
         status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
     cycle, kept = (solution.cycle(closed.q), book) if trace else ({}, Figures())
     tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()
-    warnings = (*tried, *of_drive, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))
+    of_turns = settling.warnings(solution, closed)
+    warnings = (*tried, *of_drive, *of_turns, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))
     errors = accurate.errors
     return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, kept)
 

@@ -1,10 +1,14 @@
 """Laws of a cylinder: the closed-form ideal cycle, conservation, one result by two integrators, hard cases."""
 
+from dataclasses import replace
+
 import pytest
 from cylinder import CHECK, P_S, REEDS, RPM, SHUT, K, cylinder, with_areas
 
+from screwsim import settling
 from screwsim.scene import with_values
 from screwsim.simulate import simulate
+from screwsim.solution import Solution
 
 BOTH = pytest.mark.parametrize("text", [CHECK, REEDS], ids=["check", "reeds"])
 
@@ -115,6 +119,43 @@ def test_reeds_that_bounce_without_end_are_said_to(restitution, status):
     assert found.status == status
     assert found.numerics.rhs_evaluations < 4_000_000
     assert ("impacts of its reeds" in found.message) == (status != "ok")
+
+
+def test_heavy_reeds_on_soft_springs_do_not_stay_on_their_cycle():
+    scene = cylinder(
+        REEDS,
+        operation__speed=2070.0 * RPM,
+        operation__discharge__pressure=5.18 * P_S,
+        machine__clearance=0.435e-6,
+        effects__reed_valves__suction_port_area=0.911e-4,
+        effects__reed_valves__suction_perimeter=42e-3,
+        effects__reed_valves__suction_stop=1.64e-3,
+        effects__reed_valves__suction_mass=11.8e-3,
+        effects__reed_valves__suction_stiffness=337.0,
+        effects__reed_valves__discharge_port_area=12.1e-4,
+        effects__reed_valves__discharge_perimeter=164e-3,
+        effects__reed_valves__discharge_stop=2.34e-3,
+        effects__reed_valves__discharge_mass=8.67e-3,
+        effects__reed_valves__discharge_stiffness=72.3,
+        effects__reed_valves__seat_restitution=0.25,
+        effects__reed_valves__stop_restitution=0.274,
+    )
+    restless, steady = simulate(scene, trace=False), simulate(cylinder(REEDS), trace=False)
+    assert restless.status == steady.status == "ok"
+    assert any("does not stay on this cycle" in warning for warning in restless.warnings)
+    assert not steady.warnings
+
+
+def test_the_question_whether_a_cycle_lasts_changes_nothing_of_it():
+    solution = Solution(cylinder(REEDS))
+    machinery = solution.machinery
+    machinery.warm_up(solution.rehearse)
+    closed = solution.close()
+    before = solution.figures(closed.q)[0], machinery.R.copy(), machinery.counts.copy()
+    assert settling.strayed(solution, replace(closed, how="coupled")) < settling.STRAYED
+    after = solution.figures(closed.q)[0], machinery.R, machinery.counts
+    assert after[0] == before[0]
+    assert all((a == b).all() for a, b in zip(after[1:], before[1:], strict=True))
 
 
 def test_a_ratio_too_high_delivers_nothing():
