@@ -7,12 +7,13 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from screwsim import shaft
+from screwsim import settling, shaft
 from screwsim.build import prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
 from screwsim.ledger import entropy_residue
 from screwsim.model import close as closing
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
+from screwsim.model.stops import MOST_IMPACTS
 from screwsim.outputs import Figures, Result
 from screwsim.prepared import Series
 from screwsim.scene.types import Scene
@@ -26,6 +27,7 @@ REMEDIES = {  # of the limits of an equation of state, by a word of what the gas
 }
 
 HOT = 1000.0  # [K] beyond what a machine stands
+RESTLESS = 500  # impacts of a turn that does not settle, above which the reeds are why
 UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
 
 
@@ -64,6 +66,8 @@ def _remedied(reason: str) -> str:
 def _unclosed(solution: Solution, closed: closing.Closed) -> str:
     """Return what may help a cycle that did not close."""
     numerics = solution.scene.numerics
+    if solution.machinery.impacts > RESTLESS:
+        return f"its turns do not settle, with {_restless(solution.machinery.impacts)}"
     if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
         return "try numerics.closing: coupled, or a tighter numerics.accuracy"
     if closed.change < UNSETTLED:
@@ -79,6 +83,14 @@ def _unclosed(solution: Solution, closed: closing.Closed) -> str:
     )
 
 
+def _restless(impacts: int) -> str:
+    """Return what to do about reeds that hardly come to rest."""
+    return (
+        f"{impacts} impacts of its reeds in a turn; reeds that lose so little at an impact bounce on and on (a smaller "
+        "effects.reed_valves.seat_restitution or stop_restitution)"
+    )
+
+
 def _failure(solution: Solution, closed: closing.Closed) -> str:
     y = ", ".join(
         f"{name} = {value:.6g}" for name, value in zip(solution.machinery.composition.states, closed.y, strict=False)
@@ -86,6 +98,10 @@ def _failure(solution: Solution, closed: closing.Closed) -> str:
     lock = _hydraulic_lock(solution, closed)
     if lock:
         return lock
+    if solution.machinery.impacts > MOST_IMPACTS:
+        return (
+            f"the turn was left at {math.degrees(closed.angle):.2f} deg after {_restless(solution.machinery.impacts)}"
+        )
     reason = solution.parts.gas.why_outside(float(closed.y[0]), float(closed.y[1]))
     if reason is not None:
         return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {_remedied(reason)}"
@@ -265,7 +281,8 @@ def _solved(solution: Solution, trace: bool) -> Result:
         status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
     cycle, kept = (solution.cycle(closed.q), book) if trace else ({}, Figures())
     tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()
-    warnings = (*tried, *of_drive, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))
+    of_turns = settling.warnings(solution, closed)
+    warnings = (*tried, *of_drive, *of_turns, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))
     errors = accurate.errors
     return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, kept)
 

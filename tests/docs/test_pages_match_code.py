@@ -12,7 +12,7 @@ from screwsim.machine.geometry import Geometry
 from screwsim.machine.kinds import geometry_of
 from screwsim.model.close import LEAST_WORK
 from screwsim.model.parts import OilPart, Parts
-from screwsim.model.writing import HEAT_SYMBOLS, OPENING_SYMBOLS, STATE_SYMBOLS, symbols_of
+from screwsim.model.writing import HEAT_SYMBOLS, OPENING_SYMBOLS, PUSH_SYMBOLS, STATE_SYMBOLS, symbols_of
 from screwsim.performance import CycleFigures
 from screwsim.scene import loads
 
@@ -77,7 +77,7 @@ def test_every_symbol_of_a_cylinder_is_listed():
     geometry = geometry_of(loads(machine + SCENE.partition("\n")[2]).machine)
     parts = Parts(geometry, None, omega=300.0, widths=(1.0, 1.0, 1.0), effects={}, oil=None)
     table = NOMENCLATURE.partition("## Names that a kernel may ask for")[2]
-    for name in (*symbols_of(parts), *STATE_SYMBOLS, *OPENING_SYMBOLS):
+    for name in (*symbols_of(parts), *STATE_SYMBOLS, *OPENING_SYMBOLS, *PUSH_SYMBOLS):
         assert f"`{name}`" in table, name
 
 

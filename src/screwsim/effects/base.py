@@ -195,6 +195,23 @@ class ChamberState:
 
 
 @dataclass(frozen=True)
+class Stops:
+    """Seat and stop of a chamber's state, at 0 and 1, which it meets with impacts and between which it moves.
+
+    `position` and `speed` name states that the same effect declares, neither positive; the speed is the rate of the
+    position over a frequency Ω. `push` returns the acceleration at rest over Ω² of the position; its arguments are `p`,
+    `p_suction`, `p_discharge`, names of states beyond T and rho, and `values`. `restitution` is the speed after over
+    that before an impact, of seat and stop.
+    """
+
+    position: str
+    speed: str
+    push: Kernel
+    values: Mapping[str, float]
+    restitution: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class HeatRate:
     """Heat [W] from the oil to the gas; the kernel's arguments are symbols or `values`.
 
@@ -350,7 +367,7 @@ class Intake:
 
 
 Part = (
-    FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | HeatRate | Wall | Made | Scaled | Pulsation
+    FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | Stops | HeatRate | Wall | Made | Scaled | Pulsation
     | PowerLoss | Reading | Shaft | Intake
 )  # fmt: skip
 

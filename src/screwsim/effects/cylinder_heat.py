@@ -1,8 +1,10 @@
 """Cylinder heat: between the gas and the walls of cylinder, head and piston, which have one temperature.
 
-What: Q = α A (T_w − T) (S29), Nu = α D/λ = a Re^b Pr^c with bore D, mean piston speed and the gas's density (S30).
+What: Q = α A (T_w − T) (S29). Nu = α D/λ = a Re^b Pr^c with bore D, mean piston speed and the gas's density (S30), or
+with an equivalent diameter and a swirl that follow the crank (S34).
 Source: W. J. D. Annand, Proc. Inst. Mech. Eng. 177 (1963) 973: b 0.7, c 0, a between 0.35 and 0.8, here 0.575; Destoop
-1986: a 0.6, b 0.8, c 0.6, for compressors. Both as the ThermoCycle library has them.
+1986: a 0.6, b 0.8, c 0.6, for compressors; R. P. Adair, E. B. Qvale, J. T. Pearson, Proc. Int. Compressor Engineering
+Conf., Purdue, 1972, paper 86: a 0.053, b 0.8, c 0.6. None was at hand: all as the ThermoCycle library has them.
 Assumptions: quasi-steady, one wall temperature; λ, μ, Pr of the gas constant, from CoolProp at suction pressure and the
 warmer of suction gas and wall.
 Parameters: wall_temperature, correlation, factor.
@@ -10,6 +12,7 @@ Parameters: wall_temperature, correlation, factor.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -20,7 +23,9 @@ from screwsim.fluid.constants import transport
 from screwsim.machine.kinds import SLIDER_CRANK
 from screwsim.numerics.kernel import kernel
 
-COEFFICIENTS = {"annand": (0.575, 0.7, 0.0), "destoop": (0.6, 0.8, 0.6)}  # a, b, c
+ADAIR = "adair"
+COEFFICIENTS = {"annand": (0.575, 0.7, 0.0), "destoop": (0.6, 0.8, 0.6), ADAIR: (0.053, 0.8, 0.6)}  # a, b, c
+TURNING = math.radians(9.0)  # over which the swirl's two branches blend: it would jump
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,23 @@ def conductance(rho, V, bore, piston_area, mean_speed, a, b, c, gas_conductivity
     return alpha * (2.0 * piston_area + 4.0 * V / bore)
 
 
+@kernel
+def swirl(phi):
+    """Return the gas's swirl over the crank's angular speed, at the angle phi from the top dead centre (S34)."""
+    from_top = abs(phi - 2.0 * math.pi * math.floor(phi / (2.0 * math.pi) + 0.5))
+    x = min(1.0, max(0.0, (from_top - 0.5 * math.pi) / TURNING + 0.5))
+    return (2.0 - x * x * (3.0 - 2.0 * x)) * (1.04 + math.cos(2.0 * phi))
+
+
+@kernel
+def swirled_conductance(phi, rho, V, bore, piston_area, omega, a, b, c, gas_conductivity, gas_viscosity, prandtl):
+    """Return α A [W/K] between the walls and the gas that swirls (S29, S34)."""
+    area = 2.0 * piston_area + 4.0 * V / bore
+    diameter = 6.0 * V / area
+    reynolds = rho * 0.5 * diameter * swirl(phi) * omega * diameter / gas_viscosity
+    return a * reynolds**b * prandtl**c * gas_conductivity / diameter * area
+
+
 def numbers(parameters: Parameters, around: Around) -> Mapping[str, float]:
     """Return the gas's λ, μ, Pr and the mean piston speed. Raises UsageError."""
     T = max(around.T_s, parameters.wall_temperature)
@@ -51,7 +73,8 @@ def numbers(parameters: Parameters, around: Around) -> Mapping[str, float]:
 def build(parameters: Parameters, machine) -> list[Wall]:
     a, b, c = COEFFICIENTS[parameters.correlation]
     values = {"a": parameters.factor * a, "b": b, "c": c}
-    return [Wall("walls of the cylinder", conductance, values, parameters.wall_temperature)]
+    law = swirled_conductance if parameters.correlation == ADAIR else conductance
+    return [Wall("walls of the cylinder", law, values, parameters.wall_temperature)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
@@ -65,8 +88,8 @@ def check(parameters: Parameters, facts) -> list[Fault]:
 EFFECT = Effect(
     name="cylinder_heat",
     title="heat between the gas and the walls of the cylinder",
-    equations=("S29", "S30"),
-    source="Annand 1963; Destoop 1986",
+    equations=("S29", "S30", "S34"),
+    source="Annand 1963; Destoop 1986; Adair, Qvale and Pearson 1972",
     parameters=Parameters,
     build=build,
     check=check,

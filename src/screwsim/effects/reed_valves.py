@@ -1,25 +1,23 @@
 """Reed valves: plates with mass and spring between cylinder and lines, with lift and speed as states of their own.
 
-What: m ẍ = c_F A Δp − F_0 − k x − 2 ζ √(k m) ẋ + contact (S25), contact with seat and stop by Hunt and Crossley
-(S26), flow through port and curtain in series (S27). Lift over that of the stop, speed over a scale.
-Source: one degree of freedom: M. Costagliola, J. Appl. Mech. 17 (1950) 415; contact: K. H. Hunt, F. R. E. Crossley, J.
-Appl. Mech. 42 (1975) 440.
+What: m ẍ = c_F A Δp − F_0 − k x − 2 ζ √(k m) ẋ (S25) between seat and stop, at which the speed jumps, v' = −e v (S26);
+flow through port and curtain in series (S27). Lift over that of the stop, speed over a scale.
+Source: one degree of freedom: M. Costagliola, J. Appl. Mech. 17 (1950) 415; impact: Newton's law of restitution.
 Assumptions: one degree of freedom; the port's pressure difference acts on the port's area at every lift; quasi-steady
-flow; no sticking, no gas spring, no flow when shut. Seat and stop give way by a stated share of the lift. What the gas
-does on the reed is not taken from the gas: damping and impacts turn it into heat within the turn, which the gas would
-get back (docs/slider-crank.md says how much it is).
-Parameters: of each valve port_area, perimeter, stop, mass, stiffness, preload; damping_ratio, restitution, softness,
-force_coefficient, flow_coefficient.
+flow; no sticking, no gas spring, no flow when shut; seat and stop are rigid. The restitution of a reed is seldom known:
+0.3 is assumed of both. What the gas does on the reed is not taken from the gas: damping and impacts turn it into heat
+within the turn, which the gas would get back (docs/slider-crank.md says how much it is).
+Parameters: of each valve port_area, perimeter, stop, mass, stiffness, preload; damping_ratio, seat_restitution,
+stop_restitution, force_coefficient, flow_coefficient.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 from screwsim.declare import number, quantity
-from screwsim.effects.base import ChamberState, Effect, FlowPath, Reading
+from screwsim.effects.base import ChamberState, Effect, FlowPath, Reading, Stops
 from screwsim.effects.valves import SIDES, port_area, valve_losses
 from screwsim.faults import Fault
 from screwsim.machine.kinds import SLIDER_CRANK
@@ -43,24 +41,10 @@ class Parameters:
     suction_preload: float = quantity("force", "force that presses the suction reed on its seat", 0.0, ge=0.0)
     discharge_preload: float = quantity("force", "force that presses the discharge reed on its seat", 0.0, ge=0.0)
     damping_ratio: float = number("zeta of the free reed", 0.1, ge=0.0, le=2.0)
-    restitution: float = number("speed after over speed before an impact at the scale of speed", 0.3, gt=0.0, lt=1.0)
-    softness: float = number(
-        "share of the stop's lift by which the full pressure difference dents seat and stop", 1e-3, gt=0.0, le=0.1
-    )
+    seat_restitution: float = number("e: speed after over speed before an impact on the seat", 0.3, ge=0.0, lt=1.0)
+    stop_restitution: float = number("e of an impact on the stop", 0.3, ge=0.0, lt=1.0)
     force_coefficient: float = number("c_F: force over port area times pressure difference", 1.0, gt=0.0)
     flow_coefficient: float = number("flow coefficient of the valves", 0.7, ge=0.0)
-
-
-@lru_cache(maxsize=32)
-def contact_damping(restitution: float) -> float:
-    """Return λ of the contact law whose restitution at the scale of speed is given (S26), by bisection."""
-    low, high = 0.0, 1.0 / restitution
-    for _ in range(200):
-        middle = 0.5 * (low + high)
-        before = middle - math.log1p(middle)
-        after = -middle * restitution - math.log1p(-middle * restitution) if middle * restitution < 1.0 else math.inf
-        low, high = (middle, high) if after < before else (low, middle)
-    return 0.5 * (low + high)
 
 
 @kernel
@@ -70,24 +54,29 @@ def speed_scale(load, stiffness, mass, stop):
 
 
 @kernel
-def contact(dent, approach, contact_stiffness, contact_damping):
-    """Return the acceleration over Ω and lift with which a dented seat or stop pushes back (S26); it never pulls."""
-    if dent <= 0.0:
-        return 0.0
-    return contact_stiffness * dent * max(0.0, 1.0 + contact_damping * approach)
+def reed_acceleration(speed, push, load, stiffness, mass, stop, damping_ratio):
+    """Return dη/dt [1/s] of a reed at speed η under a push (S25)."""
+    return speed_scale(load, stiffness, mass, stop) * push - 2.0 * damping_ratio * math.sqrt(stiffness / mass) * speed
 
 
 @kernel
-def reed_acceleration(
-    lift, speed, force, load, stiffness, mass, stop, preload, damping_ratio, contact_stiffness, contact_damping
-):
-    """Return dη/dt [1/s] of a reed at lift ξ and speed η under a gas force [N] (S25)."""
-    scale = speed_scale(load, stiffness, mass, stop)
-    pushed = (force - preload) / (mass * stop) - stiffness / mass * lift
-    own = math.sqrt(stiffness / mass)
-    free = pushed / scale - 2.0 * damping_ratio * own * speed
-    seat = contact(-lift, -speed, contact_stiffness, contact_damping)
-    return free + scale * (seat - contact(lift - 1.0, speed, contact_stiffness, contact_damping))
+def push_of(lift, force, load, stiffness, stop, preload):
+    """Return the force on a reed at rest at lift ξ under a gas force [N], over that which Ω is made of (S25)."""
+    return (force - preload - stiffness * stop * lift) / (load + stiffness * stop)
+
+
+@kernel
+def suction_push(suction_valve_lift, p, p_suction, p_discharge, force_area, stiffness, stop, preload):
+    """Return the push on the suction reed, which opens into the cylinder."""
+    load = force_area * abs(p_discharge - p_suction)
+    return push_of(suction_valve_lift, force_area * (p_suction - p), load, stiffness, stop, preload)
+
+
+@kernel
+def discharge_push(discharge_valve_lift, p, p_suction, p_discharge, force_area, stiffness, stop, preload):
+    """Return the push on the discharge reed, which opens out of the cylinder."""
+    load = force_area * abs(p_discharge - p_suction)
+    return push_of(discharge_valve_lift, force_area * (p - p_discharge), load, stiffness, stop, preload)
 
 
 @kernel
@@ -115,25 +104,11 @@ def suction_speed_rate(
     stop,
     preload,
     damping_ratio,
-    contact_stiffness,
-    contact_damping,
 ):
-    """Return dη/dt [1/s] of the suction reed, which opens into the cylinder."""
+    """Return dη/dt [1/s] of the suction reed."""
     load = force_area * abs(p_discharge - p_suction)
-    force = force_area * (p_suction - p)
-    return reed_acceleration(
-        suction_valve_lift,
-        suction_valve_speed,
-        force,
-        load,
-        stiffness,
-        mass,
-        stop,
-        preload,
-        damping_ratio,
-        contact_stiffness,
-        contact_damping,
-    )
+    push = suction_push(suction_valve_lift, p, p_suction, p_discharge, force_area, stiffness, stop, preload)
+    return reed_acceleration(suction_valve_speed, push, load, stiffness, mass, stop, damping_ratio)
 
 
 @kernel
@@ -149,25 +124,11 @@ def discharge_speed_rate(
     stop,
     preload,
     damping_ratio,
-    contact_stiffness,
-    contact_damping,
 ):
-    """Return dη/dt [1/s] of the discharge reed, which opens out of the cylinder."""
+    """Return dη/dt [1/s] of the discharge reed."""
     load = force_area * abs(p_discharge - p_suction)
-    force = force_area * (p - p_discharge)
-    return reed_acceleration(
-        discharge_valve_lift,
-        discharge_valve_speed,
-        force,
-        load,
-        stiffness,
-        mass,
-        stop,
-        preload,
-        damping_ratio,
-        contact_stiffness,
-        contact_damping,
-    )
+    push = discharge_push(discharge_valve_lift, p, p_suction, p_discharge, force_area, stiffness, stop, preload)
+    return reed_acceleration(discharge_valve_speed, push, load, stiffness, mass, stop, damping_ratio)
 
 
 @kernel
@@ -192,8 +153,8 @@ def discharge_opening(discharge_valve_lift, curtain):
 
 
 KERNELS = {
-    "suction": (suction_lift_rate, suction_speed_rate, suction_opening),
-    "discharge": (discharge_lift_rate, discharge_speed_rate, discharge_opening),
+    "suction": (suction_lift_rate, suction_speed_rate, suction_opening, suction_push),
+    "discharge": (discharge_lift_rate, discharge_speed_rate, discharge_opening, discharge_push),
 }
 
 
@@ -206,20 +167,20 @@ def reed(parameters: Parameters, side: str) -> dict[str, float]:
         "curtain": getattr(parameters, f"{side}_perimeter") * own["stop"] / area,
         "force_area": parameters.force_coefficient * area,
         "damping_ratio": parameters.damping_ratio,
-        "contact_stiffness": 1.0 / parameters.softness,
-        "contact_damping": contact_damping(parameters.restitution),
     }
 
 
-def build(parameters: Parameters, machine) -> list[FlowPath | ChamberState | Reading]:
-    built: list[FlowPath | ChamberState | Reading] = []
+def build(parameters: Parameters, machine) -> list[FlowPath | ChamberState | Stops | Reading]:
+    built: list[FlowPath | ChamberState | Stops | Reading] = []
+    restitution = parameters.seat_restitution, parameters.stop_restitution
     for side in SIDES:
-        lift, speed, opening = KERNELS[side]
+        lift, speed, opening, push = KERNELS[side]
         values = reed(parameters, side)
         coefficient = parameters.flow_coefficient
+        names = f"{side}_valve_lift", f"{side}_valve_speed"
         built.append(FlowPath(side, port_area, values, flow_coefficient=coefficient, opening=opening))
-        built.append(ChamberState(f"{side}_valve_lift", lift, values))
-        built.append(ChamberState(f"{side}_valve_speed", speed, values))
+        built += [ChamberState(name, rate, values) for name, rate in zip(names, (lift, speed), strict=True)]
+        built.append(Stops(*names, push, values, restitution))
     return [*built, valve_losses()]
 
 
@@ -232,8 +193,8 @@ def check(parameters: Parameters, facts) -> list[Fault]:
 EFFECT = Effect(
     name="reed_valves",
     title="reed valves with mass and spring between cylinder and both lines",
-    equations=("M12", "M13", "S24", "S25", "S26", "S27"),
-    source="Costagliola 1950; Hunt and Crossley 1975",
+    equations=("M12", "M13", "S24", "S25", "S26", "S27", "S32", "S33"),
+    source="Costagliola 1950; Newton's law of restitution",
     parameters=Parameters,
     build=build,
     check=check,

@@ -76,6 +76,7 @@ from screwsim.model.slots import (
     R_RATIO,
     R_TRAPPED,
     RESISTED,
+    STOPS,
     SUCTION_IN,
     TPT,
     VOLUMED,
@@ -88,6 +89,16 @@ from screwsim.model.slots import (
     oil_inflow,
     path_opening,
     volume_at,
+)
+from screwsim.model.stops import (
+    begin,
+    keep_at_rest,
+    keep_rows_at_rest,
+    note_end,
+    note_start,
+    put_within,
+    share_before_event,
+    take_event,
 )
 from screwsim.model.streams import (
     add_stream,
@@ -200,6 +211,9 @@ def rates(y, E, context, f, g):
         for i in range(Q_WALLS, Q_STREAMS):
             g[i] = 0.0
     finish(y, 0, E, 0, own, 0, R, P, work, 0, f, g)
+    if STOPS > 0:
+        keep_at_rest(own, f)
+        note_end(E, own)
     for i in range(CATEGORIES * width):
         g[Q_STREAMS + i] = work[i] / P[P_OMEGA]
 
@@ -336,6 +350,11 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     for j in range(N):
         own_column(y, j, E, own, state, work, d, other, n_sums, P, R, f, g, J, Jq)
     angle_column(y, E_next, delta, own, work, ds + N * n_sums, n_sums, P, R, f, g, f_phi, g_phi)
+    if STOPS > 0:
+        keep_at_rest(own, f)
+        keep_at_rest(own, f_phi)
+        keep_rows_at_rest(own, J, N)
+        note_start(E, own)
 
 
 @kernel
@@ -424,6 +443,8 @@ def at_knot(phi, y, context):
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
     if abs(phi - P[P_INJECTION]) < 1e-9:
         inject(y, 0, P, TAB, R)
+    if STOPS > 0 and phi == 0.0:
+        begin(y, _own, R, P, TAB)
 
 
 @kernel
@@ -443,6 +464,10 @@ def share_in_phase(y, y1, u, rtol, context):
         switched = share_before_switch(y, y1, u, _R, _P, _TAB, own)
         if switched < 1.0:
             return switched
+    if STOPS > 0:
+        share = share_before_event(y, y1, u, rtol, own, _R, _P, _TAB)
+        if share < 1.0:
+            return share
     return share_before_border(own[PLACE], y, y1, u, 0, own[TPT] / own[PRESSURE], rtol)
 
 
@@ -469,6 +494,8 @@ def conserve(y, y1, E, E_next, context, dq):
         if area > widest:
             widest = area
             port = PLENUM[i]
+    if STOPS > 0:
+        put_within(y1, own)
     defect = y1[1] * E_next[E_VOLUME] - y[1] * E[E_VOLUME]
     if VOLUMED == 1:
         defect = gas_mass(E_next[E_VOLUME], y1[1], y1[3], P) - gas_mass(E[E_VOLUME], y[1], y[3], P)
@@ -487,3 +514,10 @@ def conserve(y, y1, E, E_next, context, dq):
     else:
         fill_place(own[PLACE], y1, 0, P, TAB, own, 0)
         add_stream(dq, at + width, defect, own, 0)
+
+
+@kernel
+def jump(y, rtol, context):
+    """Let states jump between two steps where that is due; return whether the integration may go on."""
+    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    return take_event(y, rtol, own, R, P, TAB)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
 from screwsim.model import chamber, coupled, landing, ledger, line_flow, places, trace
 from screwsim.model.parts import Parts
 from screwsim.model.slots import (
@@ -42,6 +42,7 @@ from screwsim.model.writing import (
     write_pulsations,
     write_shares,
     write_speed,
+    write_stops,
     write_supply,
     write_walls,
 )
@@ -52,6 +53,7 @@ from screwsim.numerics.kernel import HEADER, Kernel, flatten, without_wrapper
 CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
 CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian", "places__places_along", "ledger__account")
 CALLED += ("line_flow__into_lines",)
+CALLED += ("stops__begin", "stops__push_on", "stops__take_event")
 
 # what the integrator calls of both drivers
 DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "conserve")
@@ -59,7 +61,7 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 # what a composition writes itself (slots.py)
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
 OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
-OWN += ("state_rate", "path_opening", "flash_terms")
+OWN += ("state_rate", "path_opening", "flash_terms", "stop_push", "restitution")
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,7 @@ class Composition:
     made: tuple[int, ...] = ()  # where the numbers that the cycle makes stand in P
     speed_curve: int | None = None  # where in P the square of the speed over its mean begins (speed.slowness)
     own_states: tuple[str, ...] = ()  # the last of `states`: those that effects declare
+    stops: tuple[tuple[int, int], ...] = ()  # columns of position and speed of what moves between seat and stop
     signed: tuple[int, ...] = ()  # columns of the states that may be zero or negative
     starts: tuple[float, ...] = ()  # of the own states
     pulsating: bool = False
@@ -159,8 +162,10 @@ def compose(parts: Parts) -> Composition:
     own_states = [part for _, part in parts.all(ChamberState)]
     names = tuple(part.name for part in own_states)
     states = ("T", "rho", *(("T_oil",) if heated else ()), *(("x_oil",) if carried else ()), *names)
+    stops = [part for _, part in parts.all(Stops)]
+    stopped = tuple((states.index(part.position), states.index(part.speed)) for part in stops)
     opened = any(path.opening is not None for _, path in plenum)
-    _refuse(parts, states, opened)
+    _refuse(parts, states, opened or bool(stops))
     law = geometry.volume_law()
     write_gas(writer, gas)
     for name, of_law, sign in (("volume_at", law.volume, ""), ("volume_slope_at", law.slope, "-")):
@@ -188,6 +193,8 @@ def compose(parts: Parts) -> Composition:
         write_own_states(writer, own_states, states)
     if opened:
         write_openings(writer, [path for _, path in plenum], states)
+    if stops:
+        write_stops(writer, stops, states)
     offsets = sorted({path.offset for _, path in gaps})
     constants = {
         "N": len(states),
@@ -208,9 +215,12 @@ def compose(parts: Parts) -> Composition:
     if opened:
         constants["ONE_WAY"] = f"np.array({[path.one_way for _, path in plenum]})"
         constants["HOLDS"] = f"np.array({[int(not path.narrow) for _, path in plenum]})"
+    if stops:
+        constants["STOP_POSITION"] = f"np.array({[position for position, _ in stopped]})"
+        constants["STOP_SPEED"] = f"np.array({[speed for _, speed in stopped]})"
     if own_states:
         constants["POSITIVE"] = f"np.array({[int(part.positive) for part in own_states]})"
-    structure = _structure(parts) | {"OWN_STATES": len(names), "OPENED": int(opened)}
+    structure = _structure(parts) | {"OWN_STATES": len(names), "OPENED": int(opened), "STOPS": len(stops)}
     n_areas = 4 + len(plenum)
     structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets)
     structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
@@ -243,6 +253,7 @@ def compose(parts: Parts) -> Composition:
         made=tuple(int(cell[2:-1]) for cell in writer.made.values()),
         speed_curve=speed_curve,
         own_states=names,
+        stops=stopped,
         signed=tuple(states.index(part.name) for part in own_states if not part.positive),
         starts=tuple(part.start for part in own_states),
         pulsating=bool(parts.pulsations),
@@ -301,7 +312,7 @@ def _refuse(parts: Parts, states: Sequence[str], opened: bool) -> None:
     if len(set(states)) < len(states):
         raise TypeError(f"two states have one name: {', '.join(states)}")
     if opened and parts.geometry.chambers > 1:
-        raise TypeError("an opening that depends on the state is for a machine of one chamber")
+        raise TypeError("an opening that depends on the state, or a seat and a stop, is for a machine of one chamber")
 
 
 def _structure(parts: Parts) -> dict[str, int]:
@@ -375,6 +386,8 @@ def _module_text(
         model |= flatten((line_flow.into_lines,), own, numbers=numbers)
     if numbers["PORTED"]:
         model |= flatten((trace.port_oil,), own, numbers=numbers)
+    if numbers["STOPS"]:
+        model |= flatten((chamber.jump,), own, numbers=numbers)
     blocks = flatten(kernels)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     blocks |= {name: text for name, text in model.items() if name not in blocks}
@@ -384,7 +397,10 @@ def _module_text(
     ):
         slots = {name: getattr(room, prefix + name).flat_name for name in DRIVEN}
         slots |= {"at_knot": knot.flat_name, "keep_places": keep.flat_name, "lands": lands.flat_name}
-        driver = flatten((rodas.integrate,), slots, kind)
+        jumps = int(numbers["STOPS"] > 0 and room is chamber)
+        if jumps:
+            slots["jump"] = chamber.jump.flat_name
+        driver = flatten((rodas.integrate,), slots, kind, {"JUMPS": jumps})
         blocks |= {name: text for name, text in driver.items() if name not in blocks}
     texts = [text if name.startswith(CALLED) else without_wrapper(text) for name, text in blocks.items()]
     return "\n\n".join(["\n".join(lines), *texts]) + "\n"

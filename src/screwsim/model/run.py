@@ -15,6 +15,7 @@ import numpy as np
 
 from screwsim.model import compiled, ledger
 from screwsim.model.compose import Composition
+from screwsim.model.meetings import Meetings
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE, Q_WALLS
 from screwsim.numerics.scipy_integrators import METHODS, integrate
 
@@ -41,7 +42,8 @@ class Machinery:
         self.hints = np.zeros(64, np.int64)
         work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + composition.first_stream)
         paths = len(composition.plenum_paths)
-        own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(paths), np.full(paths, FREE)])
+        stops = np.zeros(2 * len(composition.stops) + 3)
+        own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(paths), np.full(paths, FREE), stops])
         self._spaces = (np.zeros(self.columns), own, work)
         self.counts = np.zeros(4, np.int64)
         self._together: dict[str, Any] = {}
@@ -101,6 +103,12 @@ class Machinery:
             c.knots, len(c.knots), y, q, self.context, rtol, h, c.n_E, *new, self.kept, self.counts
         )
         return int(status), float(phi), float(h), q
+
+    @property
+    def impacts(self) -> int:
+        """Impacts of the last turn, where something moves between seat and stop."""
+        own, stops = self._spaces[1], len(self.composition.stops)
+        return int(own[OPENING + 2 * len(self.composition.plenum_paths) + 2 * stops]) if stops else 0
 
     def swap(self) -> None:
         """Make the turn just integrated the last one."""
@@ -251,6 +259,11 @@ class Machinery:
         """Do what `turn` does with one of scipy's integrators; a loose own turn gives the quadratures' scale."""
         _, _, _, q_scale = self.turn(y.copy(), 1e-3, h)
         c, module, context, own = self.composition, self.module, self.context, self._spaces[1]
+        held = slice(OPENING + len(c.plenum_paths), OPENING + 2 * len(c.plenum_paths))
+        meetings = None
+        if c.stops:
+            meetings = Meetings(module, self.n, c.stops, own, held.stop, (self.R, c.P, c.TAB))
+            meetings.begin(y, rtol)
         E, E_next, f, g = np.empty(c.n_E), np.empty(c.n_E), np.empty(self.n), np.empty(self.nq)
         J, Jq, f_phi, g_phi = (
             np.empty((self.n, self.n)),
@@ -263,7 +276,7 @@ class Machinery:
             self.watch()
             module.chamber__surroundings(phi, middle, context, E)
             own[PLACE] = FREE
-            own[OPENING + len(c.plenum_paths) :] = FREE
+            own[held] = FREE
             module.chamber__rates(np.ascontiguousarray(state), E, context, f, g)
             return np.concatenate([f, g])
 
@@ -274,7 +287,8 @@ class Machinery:
             module.chamber__jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
             return np.vstack([J, Jq])
 
-        end, q, path = integrate(rates, jacobian, c.knots, y, self._scales(q_scale), rtol, self.integrator)
+        scales = self._scales(q_scale)
+        end, q, path = integrate(rates, jacobian, c.knots, y, scales, rtol, self.integrator, meetings)
         y[:] = end
         steps = len(path.dense)
         self.counts += np.array([steps, 0, path.calls, path.jacobians])

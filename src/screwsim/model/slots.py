@@ -13,7 +13,9 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `flash_terms(oil, p, P, TAB)` → gas [kg/s] that flashes out of oil that enters, its enthalpy [W], and the heat that it
 takes from the oil over the oil's heat capacity [kg K/s],
 `state_rate(i, T, m, p, rho, V, phi, p_suction, p_discharge, y, at, P)` → change [1/s] of an effect's own state i,
-`path_opening(i, drop, width, held, y, at, P)` → open share of plenum path i at a pressure difference into the chamber.
+`path_opening(i, drop, width, held, y, at, P)` → open share of plenum path i at a pressure difference into the chamber,
+`stop_push(k, p, p_suction, p_discharge, y, at, P)` → acceleration at rest of what moves between seat and stop k,
+`restitution(k, P)` → speed after over speed before an impact on its seat, and on its stop.
 
 Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), PHASES (0 or
 1: can it have two phases), N_HEATS (heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass),
@@ -22,11 +24,12 @@ and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches),
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
 ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE
-is a constant, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), RESISTED (1: gaps hold flow
-back), WALLS (how many exchange heat with the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump feeds
-the oil port), FLASHED (1: gas flashes out of its oil) and FLASH (the category of that gas), CATEGORIES, Q_STREAMS,
-E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of all), and the indices into P that move
-with them.
+is a constant, too), STOPS (how many of them move between a seat and a stop; then STOP_POSITION and STOP_SPEED, where
+they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), RESISTED (1: gaps hold
+flow back), WALLS (how many exchange heat with the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump
+feeds the oil port), FLASHED (1: gas flashes out of its oil) and FLASH (the category of that gas), CATEGORIES,
+Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of all), and the indices into
+P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -55,6 +58,8 @@ gap_share: Any = Slot("gap_share")
 state_rate: Any = Slot("state_rate")
 path_opening: Any = Slot("path_opening")
 flash_terms: Any = Slot("flash_terms")
+stop_push: Any = Slot("stop_push")
+restitution: Any = Slot("restitution")
 
 N: Any = Slot("N")
 VARIES: Any = Slot("VARIES")
@@ -73,6 +78,8 @@ CHAMBERS: Any = Slot("CHAMBERS")
 HOLDS: Any = Slot("HOLDS")
 ONE_WAY: Any = Slot("ONE_WAY")
 POSITIVE: Any = Slot("POSITIVE")
+STOP_POSITION: Any = Slot("STOP_POSITION")
+STOP_SPEED: Any = Slot("STOP_SPEED")
 
 OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
 PORTED: Any = Structure("PORTED")
@@ -81,6 +88,7 @@ WALLS: Any = Structure("WALLS")
 RESISTED: Any = Structure("RESISTED")
 OWN_STATES: Any = Structure("OWN_STATES")
 OPENED: Any = Structure("OPENED")
+STOPS: Any = Structure("STOPS")
 PUMPED: Any = Structure("PUMPED")
 FLASHED: Any = Structure("FLASHED")
 FLASH: Any = Structure("FLASH")
@@ -107,7 +115,8 @@ PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE
 PLACE = 10
 BEYOND = 1000  # + i: gap i beyond the last chamber, as a number of a plenum
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
-OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, opening and switch of each plenum path
+OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, opening and switch of each plenum path,
+# then what `stops` keeps of each seat and stop
 LOOSE = -2.0  # of a switch, where a stored cycle is read: open within the error of the pressure
 FREE = -1.0  # phase of a chamber whose state tells it; else it is held until the integrator's step is accepted
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilPort, Scaled, Wall
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilPort, Scaled, Stops, Wall
 from screwsim.fluid.orifice import orifice_flow
 from screwsim.model import pulsation
 from screwsim.model.parts import OilPart, Parts
@@ -32,6 +32,7 @@ SUPPLY, SPAN = "oil_supply.", "pitch / omega"
 # symbols that a kernel can ask for and that are not numbers of the scene
 STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
 OPENING_SYMBOLS = ("drop", "width", "held")
+PUSH_SYMBOLS = ("p", "p_suction", "p_discharge")
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
 
@@ -271,6 +272,19 @@ def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[s
             asked |= set(path.opening.arguments)
     head = "path_opening(i, drop, width, held, y, at, P)"
     writer.function(head, [*named_states(body, states, asked), "return 1.0"])
+
+
+def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -> None:
+    body, asked, bounces = [], set(), []
+    for index, part in enumerate(stops):
+        call = writer.call(part.push, part.values, {}, (*PUSH_SYMBOLS, *states[2:]))
+        body += [f"if k == {index}:", f"    return {call}"]
+        asked |= set(part.push.arguments)
+        both = ", ".join(writer.numbers.add(each) for each in part.restitution)
+        bounces += [f"if k == {index}:", f"    return {both}"]
+    head = f"stop_push(k, {', '.join(PUSH_SYMBOLS)}, y, at, P)"
+    writer.function(head, [*named_states(body, states, asked), "return 0.0"])
+    writer.function("restitution(k, P)", [*bounces, "return 0.0, 0.0"])
 
 
 def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:

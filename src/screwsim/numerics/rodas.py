@@ -14,16 +14,19 @@ derivatives by the state and by φ, from the surroundings at φ and at φ + δ),
 of a step's error; huge for a state that cannot be, which is then tried again with a smaller step), `share_in_phase`
 (the share of a step after which the equations change their form, 1 where they do not: the step is made again that
 long), `conserve` (closes the balances of an accepted step, in its end and its quadratures), `keep_places` (fills
-columns of the dense output beyond the states). Steps land on knots and keep their size across them.
+columns of the dense output beyond the states). Steps land on knots and keep their size across them. Where JUMPS is 1
+states may jump between two steps: a tenth slot, `jump`, changes the state from which the next step begins, and tells
+whether the integration may go on. That a step ends where a jump is due is the work of `share_in_phase`.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
-from screwsim.numerics.kernel import Slot, kernel
+from screwsim.numerics.kernel import Slot, Structure, kernel
 from screwsim.numerics.linear import lu_factor, lu_solve
 
 surroundings = Slot("surroundings")
@@ -35,6 +38,9 @@ error_size = Slot("error_size")
 share_in_phase = Slot("share_in_phase")
 conserve = Slot("conserve")
 keep_places = Slot("keep_places")
+jump = Slot("jump")
+
+JUMPS: Any = Structure("JUMPS")
 
 GAMMA = 0.25
 ORDER = 4
@@ -82,6 +88,7 @@ BETA_D = float(BETA @ D)
 OK = 0
 STEP_TOO_SMALL = 1
 TOO_MANY_STEPS = 2
+TOO_MANY_JUMPS = 3
 ANGLE_STEP = 1e-6  # rad, for differences of what is smooth over the angle
 GROWTH = 2.5  # of a step over the last: faster growth jumps into regions that no error estimate has seen
 LONGEST = math.pi / 3.0  # a step: a stiff one that a port closes along sees neither its area nor its error
@@ -243,6 +250,8 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
             phi = end if landing else phi + trial
             times[step] = phi
             fresh = True
+            if JUMPS == 1 and not jump(y, rtol, context):
+                return TOO_MANY_JUMPS, phi, h
     return OK, phi, h
 
 

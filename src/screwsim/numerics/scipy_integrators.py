@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -43,8 +43,27 @@ class Path:
 Slopes = Callable[[float, float, Array], Array]
 
 
+class Events(Protocol):
+    """What may happen to the state within a segment: scipy's terminal events from a point on, and what they change.
+
+    `least` is of each state the size below which its error counts as that of so much: what may be zero has one.
+    """
+
+    least: Array
+
+    def watched(self, t: float, y: Array) -> list[Callable[[float, Array], float]]: ...
+    def passed(self, which: int, y: Array) -> bool: ...
+
+
 def integrate(
-    rates: Slopes, jacobian: Slopes, knots: Array, y: Array, q_scale: Array, rtol: float, method: str
+    rates: Slopes,
+    jacobian: Slopes,
+    knots: Array,
+    y: Array,
+    q_scale: Array,
+    rtol: float,
+    method: str,
+    events: Events | None = None,
 ) -> tuple[Array, Array, Path]:
     """Integrate y and the quadratures (appended to it in `rates`) over the knots; return y, q and the path.
 
@@ -59,7 +78,10 @@ def integrate(
     path = Path()
     for start, end in pairwise(knots):
         middle = 0.5 * (start + end)
-        atol = np.concatenate([1e-3 * rtol * np.abs(z[:n]), rtol * np.maximum(q_scale, 1e-300)])
+        of_states = 1e-3 * rtol * np.abs(z[:n])
+        if events is not None:
+            of_states = np.maximum(of_states, rtol * events.least)
+        atol = np.concatenate([of_states, rtol * np.maximum(q_scale, 1e-300)])
 
         def slopes_at(t: float, state: Array, middle: float = middle) -> Array:
             return rates(t, middle, state[:n])
@@ -70,13 +92,24 @@ def integrate(
             return full
 
         extra: dict[str, Any] = {} if method in EXPLICIT else {"jac": derivatives_at}
-        found = solve_ivp(slopes_at, (start, end), z, METHODS[method], rtol=rtol, atol=atol, **extra)
-        path.calls += found.nfev
-        path.jacobians += found.njev
-        slopes = np.array([slopes_at(t, state) for t, state in zip(found.t, found.y.T, strict=True)])
-        path.add(found.t, found.y.T[:, :n], slopes[:, :n])
-        z = found.y[:, -1]
-        if found.status != 0 or not np.all(np.isfinite(z)):
-            path.message = str(found.message)
+        at, going = start, True
+        while going and at < end:
+            if events is not None:
+                extra["events"] = events.watched(at, z[:n])
+            found = solve_ivp(slopes_at, (at, end), z, METHODS[method], rtol=rtol, atol=atol, **extra)
+            path.calls += found.nfev
+            path.jacobians += found.njev
+            slopes = np.array([slopes_at(t, state) for t, state in zip(found.t, found.y.T, strict=True)])
+            path.add(found.t, found.y.T[:, :n], slopes[:, :n])
+            z, at = found.y[:, -1], found.t[-1]
+            if found.status < 0 or not np.all(np.isfinite(z)):
+                path.message = str(found.message)
+                break
+            if events is not None and found.status == 1:
+                which = next(i for i, times in enumerate(found.t_events) if len(times) > 0)
+                z = z.copy()
+                going = events.passed(which, z[:n])
+                path.message = "" if going else "too many events"
+        if path.message:
             break
     return z[:n], z[n:], path

@@ -1,0 +1,246 @@
+"""States that move between a seat and a stop: impacts, rest, and the angles at which a step ends for them.
+
+A position lies between 0 (seat) and 1 (stop). Where the dense output of a step meets either, the step is made again to
+end there, and the impact law v' = -e v is applied between two steps. A bounce too low to be seen by the accuracy is
+none: the state rests, its rates zero, until the push turns; there, too, a step ends.
+
+In a chamber's own place stand, of each pair k of position and speed, its mode (`MOVES`, `SEATED`, `STOPPED`) and what
+is due at the end of the step, then the number of impacts of the turn and the angles where the step tried begins and
+ends.
+
+Source: docs/slider-crank.md S26, S32, S33; docs/numerics.md.
+"""
+
+from __future__ import annotations
+
+import math
+
+from screwsim.model.slots import (
+    E_ANGLE,
+    N_PLENUM,
+    OPENING,
+    PRESSURE,
+    R_DISCHARGE,
+    R_SUCTION,
+    STOP_POSITION,
+    STOP_SPEED,
+    STOPS,
+    gas_state,
+    restitution,
+    stop_push,
+)
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.rodas import dense_coefficients, dense_value
+
+SEATED = -1.0
+MOVES = 0.0
+STOPPED = 1.0
+LEAVES = 2.0  # due: what rested moves from here on
+
+NEAR = 0.001  # of the tolerance of a step: a position so near to seat or stop has met it
+TURNED = 0.1  # of that tolerance: a push off seat or stop up to which what rests has not left it too late
+LOW = 0.1  # of that tolerance: a bounce that rises no higher is none
+PLACED = 1e-11  # rad: how well an angle can be met at all
+MOST_IMPACTS = 5000  # of a turn
+
+
+@kernel
+def modes():
+    """Return where in a chamber's own place the modes stand; what is due, impacts and angles follow."""
+    return OPENING + 2 * N_PLENUM
+
+
+@kernel
+def push_on(k, T, rho, y, R, P, TAB):
+    """Return the push on pair k at the gas's T and ρ: its acceleration at rest, in the scales of position and speed."""
+    p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
+    return stop_push(k, p, R[R_SUCTION + PRESSURE], R[R_DISCHARGE + PRESSURE], y, 0, P)
+
+
+@kernel
+def begin(y, own, R, P, TAB):
+    """Set the modes at the start of a turn, whose state may be a mixture of others."""
+    at = modes()
+    own[at + 2 * STOPS] = 0.0
+    for k in range(STOPS):
+        i = STOP_POSITION[k]
+        j = STOP_SPEED[k]
+        own[at + k] = MOVES
+        own[at + STOPS + k] = MOVES
+        for side in (SEATED, STOPPED):
+            end = 0.5 * (1.0 + side)
+            if side * (y[i] - end) >= 0.0:
+                y[i] = end
+                if side * y[j] >= 0.0:
+                    y[j] = 0.0
+                    if side * push_on(k, y[0], y[1], y, R, P, TAB) > 0.0:
+                        own[at + k] = side
+
+
+@kernel
+def note_start(E, own):
+    """Note the angle where a step begins."""
+    own[modes() + 2 * STOPS + 1] = E[E_ANGLE]
+
+
+@kernel
+def note_end(E, own):
+    """Note the angle of the stage last evaluated: where a step ends, once it has been tried."""
+    own[modes() + 2 * STOPS + 2] = E[E_ANGLE]
+
+
+@kernel
+def keep_at_rest(own, f):
+    """Let nothing move that rests."""
+    at = modes()
+    for k in range(STOPS):
+        if own[at + k] != MOVES:
+            f[STOP_POSITION[k]] = 0.0
+            f[STOP_SPEED[k]] = 0.0
+
+
+@kernel
+def keep_rows_at_rest(own, J, n):
+    """Do the same for the rows of the Jacobian."""
+    at = modes()
+    for k in range(STOPS):
+        if own[at + k] != MOVES:
+            for j in range(n):
+                J[STOP_POSITION[k], j] = 0.0
+                J[STOP_SPEED[k], j] = 0.0
+
+
+@kernel
+def turning_point(which, y0, y1, c3, c4):
+    """Return the share of a step at which its cubic has its first (0) or second (1) extremum; 1 where not within."""
+    a = -3.0 * c4
+    b = 2.0 * (c4 - c3)
+    c = y1 - y0 + c3
+    root = b * b - 4.0 * a * c
+    if root <= 0.0:
+        return 1.0
+    q = -0.5 * (b + math.copysign(math.sqrt(root), b))
+    first = q / a if abs(a) > 1e-300 else 2.0
+    second = c / q if abs(q) > 1e-300 else 2.0
+    found = max(first, second)
+    other = min(first, second)
+    if which == 0 and other > 0.0:
+        found = other
+    if which == 1 and not (other > 0.0):
+        return 1.0
+    return found if 0.0 < found < 1.0 else 1.0
+
+
+@kernel
+def share_before_meeting(y0, y1, c3, c4, near):
+    """Return the share of a step after which its cubic is beyond 0 or 1 by half of `near`; 1 where it stays within."""
+    before = 0.0
+    for piece in range(3):
+        after = 1.0 if piece == 2 else turning_point(piece, y0, y1, c3, c4)
+        x = dense_value(after, y0, y1, c3, c4)
+        if x < -near or x > 1.0 + near:
+            low = before
+            high = after
+            for _ in range(60):
+                middle = 0.5 * (low + high)
+                x = dense_value(middle, y0, y1, c3, c4)
+                if x < -0.5 * near or x > 1.0 + 0.5 * near:
+                    high = middle
+                else:
+                    low = middle
+            return high
+        before = after
+    return 1.0
+
+
+@kernel
+def share_before_leaving(k, side, y, y1, u, most, R, P, TAB):
+    """Return the share of a step after which the push on pair k, which rests, is half of `most` off its rest."""
+    T3, T4 = dense_coefficients(u, 0)
+    rho3, rho4 = dense_coefficients(u, 1)
+    low = 0.0
+    high = 1.0
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        T = dense_value(middle, y[0], y1[0], T3, T4)
+        rho = dense_value(middle, y[1], y1[1], rho3, rho4)
+        if -side * push_on(k, T, rho, y, R, P, TAB) > 0.5 * most:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@kernel
+def share_before_event(y, y1, u, rtol, own, R, P, TAB):
+    """Return the share of a step after which the first pair meets seat or stop, or leaves it; 1 where none does.
+
+    Then what is due at the end of the step is noted.
+    """
+    at = modes()
+    step = own[at + 2 * STOPS + 2] - own[at + 2 * STOPS + 1]
+    share = 1.0
+    for k in range(STOPS):
+        i = STOP_POSITION[k]
+        j = STOP_SPEED[k]
+        side = own[at + k]
+        due = MOVES
+        if side == MOVES:
+            c3, c4 = dense_coefficients(u, i)
+            slope = abs(y1[i] - y[i] - c3 - c4) / step  # of the cubic, at its end
+            near = max(NEAR * rtol, PLACED * slope)
+            share = min(share, share_before_meeting(y[i], y1[i], c3, c4, near))
+            if y1[i] <= near and y1[j] < 0.0:
+                due = SEATED
+            if y1[i] >= 1.0 - near and y1[j] > 0.0:
+                due = STOPPED
+        else:
+            off = -side * push_on(k, y1[0], y1[1], y1, R, P, TAB)
+            was = -side * push_on(k, y[0], y[1], y, R, P, TAB)
+            near = max(TURNED * rtol, PLACED * abs(off - was) / step)
+            if off > near:
+                share = min(share, share_before_leaving(k, side, y, y1, u, near, R, P, TAB))
+            if off > 0.0:
+                due = LEAVES
+        own[at + STOPS + k] = due
+    return share
+
+
+@kernel
+def put_within(y1, own):
+    """Put the positions at the end of an accepted step where they were met, and none beyond seat or stop."""
+    at = modes()
+    for k in range(STOPS):
+        i = STOP_POSITION[k]
+        due = own[at + STOPS + k]
+        y1[i] = min(1.0, max(0.0, y1[i]))
+        if due == SEATED:
+            y1[i] = 0.0
+        if due == STOPPED:
+            y1[i] = 1.0
+
+
+@kernel
+def take_event(y, rtol, own, R, P, TAB):
+    """Apply what is due between two steps: an impact, with or without a bounce, or leaving seat or stop.
+
+    Return whether the turn may go on: it may not after too many impacts.
+    """
+    at = modes()
+    for k in range(STOPS):
+        j = STOP_SPEED[k]
+        side = own[at + STOPS + k]
+        own[at + STOPS + k] = MOVES
+        if side == LEAVES:
+            own[at + k] = MOVES
+        elif side != MOVES:
+            own[at + 2 * STOPS] += 1.0
+            seat, stop = restitution(k, P)
+            bounce = (seat if side == SEATED else stop) * abs(y[j])
+            push = side * push_on(k, y[0], y[1], y, R, P, TAB)
+            if push > 0.0 and 0.5 * bounce * bounce <= LOW * rtol * push:
+                y[j] = 0.0
+                own[at + k] = side
+            else:
+                y[j] = -side * bounce
+    return own[at + 2 * STOPS] <= MOST_IMPACTS
