@@ -103,10 +103,10 @@ def mortal(scenes: Iterable[Scene]) -> Iterator[Result]:
     return slow(scenes)
 
 
-def torn(scenes: Iterable[Scene]) -> Iterator[Result]:
-    """Once, where the file that SWEEP_FAKES_TORN names is there, be killed when half of the results are sent."""
+def torn(once: Path, scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Be killed when half of the results are sent, where a file is there, which goes then."""
     with suppress(FileNotFoundError):
-        os.unlink(os.environ["SWEEP_FAKES_TORN"])
+        once.unlink()
         connection.Connection._send = _half  # of this process, which ends with it
     return chained(scenes)
 

@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from functools import partial
 
 import numpy as np
 import pytest
@@ -51,12 +52,12 @@ def test_a_case_that_kills_only_after_another_is_found_too(tmp_path):
     assert results.messages[1, 7].startswith("worker died")
 
 
-def test_a_worker_that_is_killed_while_it_sends_its_results_costs_nothing(tmp_path, monkeypatch):
+def test_a_worker_that_is_killed_while_it_sends_its_results_costs_nothing(tmp_path):
     """The pool would wait for ever for the other half of the message."""
-    monkeypatch.setenv("SWEEP_FAKES_TORN", str(tmp_path / "torn"))
-    (tmp_path / "torn").touch()
-    summary = run_sweep(grid_scene(), tmp_path / "out.h5", jobs=2, simulate_many=torn)
-    assert summary.failed == 3 and not (tmp_path / "torn").exists()
+    once = tmp_path / "once"
+    once.touch()
+    summary = run_sweep(grid_scene(), tmp_path / "out.h5", jobs=2, simulate_many=partial(torn, once))
+    assert summary.failed == 3 and not once.exists()
     run_sweep(grid_scene(), tmp_path / "one.h5", jobs=1, simulate_many=chained)
     assert_same(tmp_path / "one.h5", tmp_path / "out.h5")
 
