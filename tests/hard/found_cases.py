@@ -89,7 +89,6 @@ def found_cases() -> list[Case]:
         Case(
             "found: a step along a closing port",
             LEAPT_OVER,
-            NO_OUTFLOW,
             "no knot for 125° along which a wide port closes: so long a step saw nothing of it and was off by 0.7 %",
             radau=True,
         ),
