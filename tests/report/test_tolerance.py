@@ -12,11 +12,12 @@ ALPHA = np.linspace(-np.pi, np.pi, 24, endpoint=False)
 POINTS = (ALPHA, tabulated(ALPHA, NOMINAL))
 
 
-@pytest.mark.parametrize("name", ["functions_figure", "surface_figure", "contour_figure"])
+@pytest.mark.parametrize("name", ["functions_figure", "surface_figure", "contour_figure", "law_figure"])
 def test_all_text_lies_inside_the_figure(name):
     with journal():
         draw = getattr(figures, name)
-        figure = draw(NOMINAL, POINTS) if name == "functions_figure" else draw(ALPHA, NOMINAL)
+        asked = {"functions_figure": (NOMINAL, POINTS), "law_figure": (NOMINAL,)}
+        figure = draw(*asked.get(name, (ALPHA, NOMINAL)))
         figure.draw_without_rendering()
         box = figure.get_tightbbox(figure.canvas.get_renderer())  # [inch]
     assert box.x0 >= -0.01 and box.y0 >= -0.01

@@ -193,7 +193,7 @@ def tolerance(
     bore_grade: Annotated[int | None, typer.Option(metavar="IT", help="Grade of the bore (default: exact).")] = None,
     count: Annotated[int, typer.Option(metavar="N", help="Machines that are drawn.")] = 64,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the random numbers.")] = 1,
-    folder: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Write the figure.")] = None,
+    folder: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Write the figures.")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -216,9 +216,11 @@ def tolerance(
         print_tolerance(scene, found)
     if folder is not None:
         from screwsim.report.spread import draw_spread
+        from screwsim.report.tolerance import draw_law
 
         deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
-        for path in draw_spread(found.table, found.shifts, deviations, folder):
+        law = draw_law(found.links, folder)
+        for path in (*law, *draw_spread(found.table, found.shifts, deviations, folder)):
             typer.echo(path, err=as_json)
     return OK if not found.failed else NOT_ALL_OK
 

@@ -55,28 +55,32 @@ def surface_figure(alpha: Array, nominal: Links) -> Any:
     """Draw the standard deviation over ± 5 % of both lengths and the 5 % plane, right and as tabulated."""
     figure = new_figure(DOUBLE, 82.0)
     figure.set_layout_engine("none")
+    for i, name in enumerate(("right", "tabulated")):
+        axes: Any = figure.add_axes((0.01 + 0.49 * i, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
+        _surface(axes, FUNCTIONS[name], alpha, nominal)
+        axes.set_title(f"({'ab'[i]}) {_NAMES[name]}; plane: 5 % of it", y=0.97)
+        axes.set_zlim(0.0, 5.5)
+    return figure
+
+
+def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
+    """Draw one surface of deviations and its plane."""
     errors = np.linspace(-SHARE, SHARE, 41)
     rods, cranks = np.meshgrid(100.0 * errors, 100.0 * errors)
-    for i, name in enumerate(("right", "tabulated")):
-        function = FUNCTIONS[name]
-        axes: Any = figure.add_axes((0.01 + 0.49 * i, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
-        found, level = MM * surface(function, alpha, nominal, errors), MM * plane(function, alpha, nominal, SHARE)
-        look = {"cmap": "viridis", "linewidth": 0.0, "vmin": 0.0, "vmax": found.max(), "rcount": 41, "ccount": 41}
-        axes.plot_surface(cranks, rods, np.minimum(found, level), zorder=1, **look)
-        axes.plot_surface(cranks, rods, np.full_like(found, level), color=GREY, alpha=0.35, linewidth=0.0, zorder=2)
-        axes.plot_surface(cranks, rods, _above(found, level), zorder=3, **look)
-        axes.set_title(f"({'ab'[i]}) {_NAMES[name]}; plane: 5 % of it", y=0.97)
-        axes.set_xlabel("error of the crank [%]", labelpad=-3)
-        axes.set_ylabel("error of the rod [%]", labelpad=-3)
-        axes.set_zlabel("standard deviation [mm/rad]", labelpad=-3)
-        axes.set_zlim(0.0, 5.5)
-        axes.tick_params(pad=-2)
-        axes.set_box_aspect((1.0, 1.0, 0.8), zoom=0.9)
-        axes.view_init(elev=22.0, azim=-62.0)
-        for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-            plain_ticks(axis, 5)
-            axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for one figure
-    return figure
+    found, level = MM * surface(function, alpha, nominal, errors), MM * plane(function, alpha, nominal, SHARE)
+    look = {"cmap": "viridis", "linewidth": 0.0, "vmin": 0.0, "vmax": found.max(), "rcount": 41, "ccount": 41}
+    axes.plot_surface(cranks, rods, np.minimum(found, level), zorder=1, **look)
+    axes.plot_surface(cranks, rods, np.full_like(found, level), color=GREY, alpha=0.35, linewidth=0.0, zorder=2)
+    axes.plot_surface(cranks, rods, _above(found, level), zorder=3, **look)
+    axes.set_xlabel("error of the crank [%]", labelpad=-3)
+    axes.set_ylabel("error of the rod [%]", labelpad=-3)
+    axes.set_zlabel("standard deviation [mm/rad]", labelpad=-3)
+    axes.tick_params(pad=-2)
+    axes.set_box_aspect((1.0, 1.0, 0.8), zoom=0.9)
+    axes.view_init(elev=22.0, azim=-62.0)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        plain_ticks(axis, 5)
+        axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for one figure
 
 
 def _above(found: Array, level: float) -> Array:
@@ -90,18 +94,44 @@ def contour_figure(alpha: Array, nominal: Links) -> Any:
     """Draw lines of equal deviation, as per cent of the law, over errors of both lengths; thick: 5 %."""
     figure = new_figure(DOUBLE, 84.0)
     panels = figure.subplots(1, 2, sharey=True)
-    errors = 1.1 * np.linspace(-SHARE, SHARE, 81)
     for i, name in enumerate(("right", "tabulated")):
-        axes, function = panels[i], FUNCTIONS[name]
-        whole = plane(function, alpha, nominal, 1.0)
-        share = 100.0 * surface(function, alpha, nominal, errors) / whole
-        for levels, width in (((1, 2, 3, 4, 6, 7, 8, 9), 0.8), ((100 * SHARE,), 1.8)):
-            at = 100 * errors
-            lines = axes.contour(at, at, share, levels=levels, colors=COLOURS[1 if width < 1 else 0], linewidths=width)
-            axes.clabel(lines, fmt="%g %%", fontsize=SMALL)
-        axes.set_title(f"({'ab'[i]}) {_NAMES[name]}")
-        axes.set_xlabel("error of the rod [%]")
-        for axis in (axes.xaxis, axes.yaxis):
-            plain_ticks(axis)
+        _contours(panels[i], FUNCTIONS[name], alpha, nominal)
+        panels[i].set_title(f"({'ab'[i]}) {_NAMES[name]}")
     panels[0].set_ylabel("error of the crank [%]")
+    return figure
+
+
+def _contours(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
+    """Draw the lines of one function."""
+    errors = 1.1 * np.linspace(-SHARE, SHARE, 81)
+    share = 100.0 * surface(function, alpha, nominal, errors) / plane(function, alpha, nominal, 1.0)
+    for levels, width in (((1, 2, 3, 4, 6, 7, 8, 9), 0.8), ((100 * SHARE,), 1.8)):
+        at = 100 * errors
+        lines = axes.contour(at, at, share, levels=levels, colors=COLOURS[1 if width < 1 else 0], linewidths=width)
+        axes.clabel(lines, fmt="%g %%", fontsize=SMALL)
+    axes.set_xlabel("error of the rod [%]")
+    for axis in (axes.xaxis, axes.yaxis):
+        plain_ticks(axis)
+
+
+def draw_law(nominal: Links, folder: str | Path) -> list[str]:
+    """Write the surface and the contours of one machine's law of motion (PNG, PDF) and return their paths."""
+    target = Path(folder)
+    make_folder(target)
+    with journal():
+        return write(law_figure(nominal), target, "law_of_motion")
+
+
+def law_figure(nominal: Links) -> Any:
+    """Draw the standard deviation of dx/dα over ± 5 % of both lengths: surface with the 5 % plane, and contours."""
+    figure = new_figure(DOUBLE, 82.0)
+    figure.set_layout_engine("none")
+    alpha, right = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False), FUNCTIONS["right"]
+    solid: Any = figure.add_axes((0.01, 0.0, 0.46, 0.97), projection="3d", computed_zorder=False)
+    _surface(solid, right, alpha, nominal)
+    solid.set_title("(a) d$x$/d$α$; plane: 5 % of it", y=0.97)
+    flat = figure.add_axes((0.6, 0.15, 0.37, 0.72))
+    _contours(flat, right, alpha, nominal)
+    flat.set_title("(b) the same, over the law")
+    flat.set_ylabel("error of the crank [%]")
     return figure

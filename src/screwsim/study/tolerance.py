@@ -44,7 +44,7 @@ class Spread(NamedTuple):
 
 @dataclass(frozen=True)
 class Tolerances:
-    """The kinematic table by grades, and the machines drawn: lengths, shift of the dead centre [m], figures [SI].
+    """The links, their kinematic table by grades, and the machines drawn: shift of the dead centre [m], figures [SI].
 
     `widths` are those of the tolerances [m]; `hits` counts machines whose piston would reach the head, `failed` those
     whose cycle did not come out.
@@ -52,6 +52,7 @@ class Tolerances:
 
     grades: dict[str, int]
     widths: dict[str, float]
+    links: Links
     table: tuple[Grade, ...]
     seed: int
     count: int
@@ -142,7 +143,7 @@ def tolerances(
     spreads = tuple(_spread(name, float(nominal.performance[name]), values[name], kept) for name in figures if good)
     hits = sum(answer.message == HIT for answer in answers)
     message = bad[0] if bad else ""
-    return Tolerances(grades, widths, table, seed, count, hits, len(bad), message, shifts, values, spreads)
+    return Tolerances(grades, widths, links, table, seed, count, hits, len(bad), message, shifts, values, spreads)
 
 
 def _at(lengths: dict[str, np.ndarray], number: int) -> dict[str, float]:
