@@ -8,10 +8,11 @@ from dataclasses import replace
 import h5py
 import pytest
 
+from screwsim.outputs import Figures, Result
 from screwsim.printing import accuracy_drawing
 from screwsim.report.accuracy import draw
 from screwsim.scene import Scene, loads
-from screwsim.study.accuracy import QUICK, Study, files, study, words
+from screwsim.study.accuracy import QUICK, Study, effects, files, study, words
 from screwsim.study.accuracy.cases import SCIPY, all_cases
 from screwsim.study.accuracy.solving import WorkLimit, solve, way
 
@@ -159,3 +160,18 @@ def test_explicit_methods_count_their_evaluations(scene):
 def test_a_real_gas_is_also_asked_of_coolprop(scene):
     real = replace(scene, gas=replace(scene.gas, model="real", isentropic_exponent=None))
     assert {case.back_end for case in all_cases(real, EXTENT)} == {"compiled", "ideal", "coolprop"}
+
+
+def test_what_is_next_to_nothing_without_an_effect_is_not_divided_by(scene, monkeypatch):
+    def fake(asked, trace):
+        flow = 0.1 if "suction_port" in asked.effects else 1e-17
+        figures = {"gas_mass_flow": flow, "shaft_power": 100.0 * (1.0 + flow)}
+        numerics = {"wall_time": 1.0, "estimating_time": 0.0, "rhs_evaluations": 10}
+        return Result("ok", performance=Figures(figures), numerics=Figures(numerics))
+
+    monkeypatch.setattr(effects, "simulate", fake)
+    monkeypatch.setattr(effects, "cross_check", lambda scene: [])
+    monkeypatch.setattr(effects, "_points", lambda full, less: 0.0)
+    found = effects.effect_costs(scene, "suction_port", QUICK)
+    assert math.isnan(found.gas_mass_flow)
+    assert found.shaft_power == pytest.approx(0.1)

@@ -14,6 +14,8 @@ from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
 from screwsim.study.accuracy.cases import Extent
 
+NOTHING = 1e-6  # of a figure with the effect: what is left without it is rounding
+
 
 @dataclass(frozen=True)
 class EffectCost:
@@ -75,4 +77,7 @@ def _points(full: Result, less: Result) -> float:
 
 
 def _relative(full: Result, less: Result, name: str) -> float:
-    return full.performance[name] / less.performance[name] - 1.0 if less.performance[name] else np.nan
+    """Return a figure over that without the effect, less one; NaN where next to nothing is left without it."""
+    one, other = full.performance[name], less.performance[name]
+    known = one is not None and other is not None
+    return one / other - 1.0 if known and abs(other) > NOTHING * abs(one) else np.nan
