@@ -1,11 +1,12 @@
 """Each hard case: the status that it deserves, finite and positive numbers, closed balances, bounded work."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hard_cases import CASES
-from hard_page import page
+from hard_page import RADAU, page, to_compare
 from scenes import make, run
 
 from screwsim import solution
@@ -111,6 +112,14 @@ def test_oil_that_would_fill_the_chamber_is_warned_of(d, share):
 
 def test_a_stated_share_is_compared_with_radau():
     assert len(AGAINST_RADAU) >= LEAST_SHARE * len([case for case in CASES if case.status == "ok"])
+
+
+def test_nearly_all_other_cases_agreed_with_radau_and_none_was_far_off():
+    rows = json.loads(RADAU.read_text(encoding="utf-8"))
+    assert set(rows) <= {case.name for case in to_compare()}
+    over = [row["difference"] / row["accuracy"] for row in rows.values() if "difference" in row]
+    assert max(over) <= 3.0
+    assert sum(size <= 1.0 for size in over) >= 0.95 * len(over)
 
 
 def test_names_are_unique():

@@ -79,5 +79,6 @@ def _points(full: Result, less: Result) -> float:
 def _relative(full: Result, less: Result, name: str) -> float:
     """Return a figure over that without the effect, less one; NaN where next to nothing is left without it."""
     one, other = full.performance[name], less.performance[name]
-    known = one is not None and other is not None
-    return one / other - 1.0 if known and abs(other) > NOTHING * abs(one) else np.nan
+    if one is None or other is None or abs(other) <= NOTHING * abs(one):
+        return np.nan
+    return one / other - 1.0
