@@ -26,13 +26,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 ROOT = Path(__file__).resolve().parent.parent
 SPACE = ROOT / "tests" / "hard" / "fuzz_space.py"
 sys.path[:0] = [str(ROOT / "tests" / "hard"), str(ROOT / "tests" / "laws")]
 import fuzz_space  # noqa: E402
 import scenes  # noqa: E402
+from judging import finite  # noqa: E402
 
 from screwsim.errors import relative_errors  # noqa: E402
 from screwsim.estimate import worst  # noqa: E402
@@ -61,19 +60,6 @@ COLUMNS = (
 TRY = "the cycle closed only with "
 NO_ANSWER = "no answer"  # of Radau
 PACKAGES = ("numpy", "scipy", "numba", "coolprop")
-
-
-def finite(result: Result) -> bool:
-    """Tell whether every number of a result is finite and every pressure, temperature and mass positive."""
-    tables = (result.performance, result.balance, result.error, result.ledger, result.numerics)
-    numbers = [value for table in tables for value in table.values() if isinstance(value, float)]
-    traces = [trace for name, trace in result.cycle.items() if name != "oil_temperature"]
-    positive = [result.cycle[name] for name in ("pressure", "gas_temperature", "gas_mass") if name in result.cycle]
-    return bool(
-        np.all(np.isfinite(numbers))
-        and all(np.all(np.isfinite(trace)) for trace in traces)
-        and all(np.all(trace > 0.0) for trace in positive)
-    )
 
 
 def against_radau(scene: Scene, result: Result) -> tuple[str, float | str]:

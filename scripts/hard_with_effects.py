@@ -13,29 +13,24 @@ from __future__ import annotations
 
 import argparse
 import json
-import signal
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 ROOT = Path(__file__).resolve().parent.parent
 STORED = ROOT / "tests" / "hard" / "with_effects.json"
 sys.path[:0] = [str(ROOT / "tests" / "hard"), str(ROOT / "tests" / "laws")]
+from case import CARRIED  # noqa: E402
 from hard_cases import CASES  # noqa: E402
+from judging import Stopped, finite, limited  # noqa: E402
 from scenes import DROP, HELD_GAPS, make  # noqa: E402
 
 from screwsim.faults import SceneError  # noqa: E402
-from screwsim.outputs import Result  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
 
 DEAREST = 1_000_000  # evaluations that a case may take without the effects
 LIMIT = 90  # processor seconds of a case
-CARRIED = {"oil.transport": "carried"}
 PORT = {"effects.oil_injection": {"opens": "365 deg", "closes": "455 deg"}}
 WALLS = {
     "effects.wall_heat": {
@@ -89,10 +84,6 @@ KEEP = ("gas.", "numerics.closing", "machine.volume.law", "machine.male_lobes")
 SECTIONS = {"effects", "oil", "gas", "machine.volume", "machine.suction_port", "machine.discharge_port"}
 
 
-class Stopped(Exception):
-    """A case took too long."""
-
-
 def chosen() -> list[Any]:
     """Return the cases, one of each set of changes but for the oil's transport."""
     found: dict[str, Any] = {}
@@ -102,34 +93,6 @@ def chosen() -> list[Any]:
             text = json.dumps({**case.changes, **CARRIED}, sort_keys=True)
             found.setdefault(text, case)
     return list(found.values())
-
-
-@contextmanager
-def limited(seconds: float) -> Iterator[None]:
-    """Raise Stopped where the work takes more of the processor's time."""
-
-    def stop(*_: Any) -> None:
-        raise Stopped
-
-    signal.signal(signal.SIGPROF, stop)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-
-
-def finite(result: Result) -> bool:
-    """Tell whether every number of a result is finite, and every pressure, temperature and mass positive."""
-    tables = (result.performance, result.balance, result.error, result.ledger, result.numerics)
-    numbers = [value for table in tables for value in table.values() if isinstance(value, float)]
-    traces = [trace for name, trace in result.cycle.items() if name != "oil_temperature"]
-    positive = [result.cycle[name] for name in ("pressure", "gas_temperature", "gas_mass") if name in result.cycle]
-    return bool(
-        np.all(np.isfinite(numbers))
-        and all(np.all(np.isfinite(trace)) for trace in traces)
-        and all(np.all(trace > 0.0) for trace in positive)
-    )
 
 
 def solved(case: Any, effect: dict[str, Any]) -> dict[str, Any]:
