@@ -11,23 +11,25 @@ import numpy as np
 from screwsim.build import build_gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.outputs import Result
-from screwsim.scene import Scene, load
+from screwsim.scene import Scene, load, with_values
 from screwsim.study.validation import Comparison, Panel, Row, Series, equal, solved
 
 TITLE = "Closed forms"
 CITATION = "Textbook thermodynamics; no machine, no measurement"
 ABOUT = (
-    "Limits in which the whole simulation has a closed form: a shut chamber, the same with oil, an ideal machine of "
-    "fixed built-in volume ratio below, at and above its own pressure ratio, and one flooded with cold oil."
+    "Limits in which the whole simulation has a closed form: a chamber between its ports, the same with oil, an ideal "
+    "machine of fixed built-in volume ratio below, at and above its own pressure ratio, and one flooded with cold oil."
 )
+SHUT = (361.0, 624.9)  # angles [degree] between the ports, oil already in
+OILED = 3.0  # oil over gas there
 RATIOS = (1.7, 2.2, 2.7, 3.2, 4.0, 5.0, 6.5, 9.0)  # around the own pressure ratio of v_i = 2.95
 IDEAL = 1e-4  # the port still takes a little angle to open: the error falls with speed over area, to the power 1/3
 
 
-def trapped(result: Result, low: float, high: float) -> list[np.ndarray]:
+def trapped(result: Result, between: tuple[float, float]) -> list[np.ndarray]:
     """Return volume, pressure and temperature between two angles [degree]."""
     angle = result.cycle["angle"]
-    inside = (angle >= low) & (angle <= high)
+    inside = (angle >= between[0]) & (angle <= between[1])
     return [result.cycle[name][inside] for name in ("volume", "pressure", "gas_temperature")]
 
 
@@ -37,15 +39,15 @@ def spread(invariant: np.ndarray) -> float:
 
 
 def shut_rows(here: Path) -> list[Row]:
-    """Return the isentrope of a shut chamber, and its polytrope with oil."""
-    gas = build_gas(load(here / "shut.yaml"))
-    V, _, T = trapped(solved(here / "shut.yaml", trace=True), 0.0, 720.0)
-    scene = load(here / "oiled.yaml")
-    n = polytrope(scene, gas)
-    V_oil, p_oil, _ = trapped(solved(here / "oiled.yaml", trace=True), 361.0, 700.0)
+    """Return the isentrope of a chamber between its ports, and its polytrope with oil."""
+    file = here / "closed_ports.yaml"
+    scene = with_values(load(file), {"oil_supply.ratio": OILED})
+    gas, n = build_gas(scene), polytrope(scene, build_gas(scene))
+    V, _, T = trapped(solved(file, trace=True), SHUT)
+    V_oil, p_oil, _ = trapped(solved(file, values={"oil_supply.ratio": OILED}, trace=True), SHUT)
     return [
         equal(
-            "shut chamber: T V^(k-1), largest change",
+            "between the ports: T V^(k-1), largest change",
             spread(T * V ** (gas.k - 1.0)),
             0.0,
             1e-9,
@@ -53,7 +55,7 @@ def shut_rows(here: Path) -> list[Row]:
             basis="some hundred steps of 1e-11 each",
         ),
         equal(
-            f"with oil of the gas's temperature: p V^n, n = {n:.4f}",
+            f"the same, oil of the gas's temperature: p V^n, n = {n:.4f}",
             spread(p_oil * V_oil**n),
             0.0,
             1e-5,

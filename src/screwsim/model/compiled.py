@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 import time
 from collections.abc import Iterator
@@ -38,6 +39,19 @@ def announced(text: str, driver: str) -> Iterator[None]:
     what, long = COMPILED[driver]
     print(f"screwsim: compiling {what}, once (about {long} seconds) ...", file=sys.stderr, flush=True)
     started = time.perf_counter()
-    yield
+    with _not_collecting():
+        yield
     write_atomically(ready, b"")
     print(f"screwsim: compiled in {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def _not_collecting() -> Iterator[None]:
+    """Put off the search for cyclic garbage: the compiler's many objects live on, searched over and over."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()

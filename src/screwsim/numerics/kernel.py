@@ -231,10 +231,10 @@ def decorate(source: str) -> str:
     """Return a function's source with the compiler's decorator.
 
     No `fastmath`: where rounding depends on what is compiled together, a module gives other bits when it was compiled
-    in this process than when it was loaded.
+    in this process than when it was loaded. No wrapper for C, which nothing here calls: each takes compilation time.
     """
     counting = "" if "np.empty" in source else ", _nrt=False"  # arrays are borrowed: counting references costs 5x
-    return f"@njit(cache=True, error_model='numpy'{counting})\n{source}"
+    return f"@njit(cache=True, error_model='numpy', no_cfunc_wrapper=True{counting})\n{source}"
 
 
 def without_wrapper(source: str) -> str:

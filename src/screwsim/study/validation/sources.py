@@ -18,7 +18,7 @@ from screwsim.study.validation.asking import sibling
 from screwsim.study.validation.record import VERDICTS, Comparison, NotRun
 
 FOLDER, MODULE = "validation", "compare.py"
-LONGEST = ("plain", "paper", "cross_code")  # begun first, so that none of them is left to one worker at the end
+FIRST = ("plain", "exact", "paper", "cross_code")  # longest; the first two compile different models
 DIED = "its worker died (run this source alone)"
 
 
@@ -75,7 +75,7 @@ def run_sources(
             hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
             raise UsageError(f"{name}: no source of that name in {folder} ({hint})")
     wanted = list(dict.fromkeys(names)) or known
-    begun = sorted(wanted, key=lambda name: LONGEST.index(name) if name in LONGEST else len(LONGEST))
+    begun = sorted(wanted, key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))
     outcomes = each(
         partial(_numbered, folder, tuple(begun)),
         len(begun),
