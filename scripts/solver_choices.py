@@ -1,0 +1,505 @@
+"""Measure what else could integrate a chamber's life: other methods, unrolled systems, a faster nozzle, lanes of points.
+
+Run: .venv/bin/python scripts/solver_choices.py [SCENE.yaml]. The scene is closed as usual; then one life among its
+closed neighbours, a system of ordinary equations with given surroundings, is integrated again by each method. Counts
+are the same everywhere; times are the least of several on one core of this machine. docs/numerics.md says what follows.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import sys
+import time
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from screwsim.fluid import nozzle
+from screwsim.model import close as closing
+from screwsim.model.slots import P_INJECTION
+from screwsim.numerics import rodas
+from screwsim.numerics.scipy_integrators import integrate
+from screwsim.scene import Scene, load, with_values
+from screwsim.solution import Solution
+
+ROOT = Path(__file__).resolve().parent.parent
+POINT = ROOT / "configs" / "paper" / "point.yaml"
+Array = np.ndarray
+RTOLS = 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6
+TARGETS = 1e-3, 1e-4, 1e-5  # errors at which methods are compared
+SCIPYS = "scipy-bdf", "scipy-lsoda", "scipy-radau"
+LANES = 8  # doubles of a 512-bit register
+LONG = 1025  # points of a row
+REPEATS, MANY = 9, 20_000
+SWEEPS = (
+    ("speed 2800 to 3200 rpm", "operation.speed", np.linspace(2800.0, 3200.0, LANES) * math.pi / 30.0),
+    ("speed 2000 to 4000 rpm", "operation.speed", np.linspace(2000.0, 4000.0, LANES) * math.pi / 30.0),
+    ("oil ratio 1 to 3", "oil_supply.ratio", np.linspace(1.0, 3.0, LANES)),
+)
+KAPPA = 0.03  # of the tolerance: change of a stage at which Newton's iteration ends
+MOST_NEWTON = 8
+LEAST_VOLUME = 0.01  # of the largest: below it the chamber holds hardly any gas
+
+
+class Cost(NamedTuple):
+    """What a life took: accepted and rejected steps, calls of the rates, Jacobians; its states at knots, its work."""
+
+    steps: int
+    rejected: int
+    rates: int
+    jacobians: int
+    y: Array
+    work: float
+
+    def evaluations(self) -> int:
+        """Return evaluations, a Jacobian counted as one a state as in `numerics.rhs_evaluations`."""
+        return self.rates + self.jacobians * self.y.shape[1]
+
+
+class Life:
+    """One closed life as a system of equations: rates, Jacobian and derivative by the angle, from Python."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.solution = solution = Solution(scene)
+        machinery = self.machinery = solution.machinery
+        machinery.warm_up(solution.rehearse)
+        self.closed = closed = solution.close()
+        times, dense, quads, steps = machinery.last()
+        new = machinery.histories[1]  # neighbours behind are read from the turn being integrated: the same one
+        new[0][: steps + 1], new[1][:steps], new[2][:steps] = times[: steps + 1], dense[:steps], quads[:steps]
+        machinery.kept[0] = steps
+        c = machinery.composition
+        self.knots, self.y0 = c.knots, closing.chambers_at_pitches(machinery)[: machinery.n]
+        self.context, self.module = machinery.context, machinery.module
+        self.n, self.nq = machinery.n, machinery.nq
+        self.E, self.E_next = np.empty(c.n_E), np.empty(c.n_E)
+        self.scale = np.full(self.nq, np.abs(closed.q).max())
+        volumes = np.array([self.module.volume_at(phi, c.P, c.TAB) for phi in self.knots[1:]])
+        self.told = volumes >= LEAST_VOLUME * volumes.max()
+
+    def at_knot(self, phi: float, y: Array) -> Array:
+        """Return the state after what happens at a knot."""
+        after = np.ascontiguousarray(y[: self.n])
+        P, TAB, R = self.context[:3]
+        if abs(phi - P[P_INJECTION]) < 1e-9:
+            self.module.chamber__inject(after, 0, P, TAB, R)
+        return np.concatenate([after, y[self.n :]])
+
+    def rates(self, phi: float, middle: float, y: Array) -> Array:
+        """Return the slopes of states and quadratures."""
+        f, g = np.empty(self.n), np.empty(self.nq)
+        self.module.chamber__surroundings(phi, middle, self.context, self.E)
+        self.module.chamber__rates(np.ascontiguousarray(y), self.E, self.context, f, g)
+        return np.concatenate([f, g])
+
+    def derivatives(self, phi: float, middle: float, y: Array) -> tuple[Array, Array, Array]:
+        """Return rates, their derivatives by the states (rows of all, columns of states), and those by the angle."""
+        n, nq, delta = self.n, self.nq, rodas.ANGLE_STEP
+        f, g, f_phi, g_phi = np.empty(n), np.empty(nq), np.empty(n), np.empty(nq)
+        J, Jq = np.empty((n, n)), np.empty((nq, n))
+        self.module.chamber__surroundings(phi, middle, self.context, self.E)
+        self.module.chamber__surroundings(phi + delta, middle, self.context, self.E_next)
+        z = np.ascontiguousarray(y)
+        self.module.chamber__jacobian(z, self.E, self.E_next, delta, self.context, f, g, J, Jq, f_phi, g_phi)
+        return np.concatenate([f, g]), np.vstack([J, Jq]), np.concatenate([f_phi, g_phi])
+
+    def error(self, found: Cost, exact: Cost) -> float:
+        """Return the largest error of work, and of the gas at knots where the chamber is not all but closed."""
+        states = np.abs(found.y[self.told, :2] / exact.y[self.told, :2] - 1.0).max()
+        return max(abs(found.work / exact.work - 1.0), float(states))
+
+
+class Rosenbrock(NamedTuple):
+    """Coefficients in the form of `numerics.rodas`; `fresh` tells which stages need rates of their own."""
+
+    name: str
+    gamma: float
+    A: Array
+    C: Array
+    nodes: Array
+    D: Array
+    weights: Array
+    error: Array
+    fresh: Sequence[bool]
+    order: int  # of the error estimate, plus one
+
+
+RODAS4 = Rosenbrock(
+    "Rodas4 (kept)",
+    rodas.GAMMA,
+    np.hstack([rodas.A, np.zeros((6, 1))]),
+    np.hstack([rodas.C, np.zeros((6, 1))]),
+    rodas.NODES,
+    rodas.D,
+    np.append(rodas.A[5], 1.0),
+    np.array((0.0, 0.0, 0.0, 0.0, 0.0, 1.0)),
+    (False, True, True, True, True, True),
+    4,
+)
+# E. Hairer, G. Wanner, Solving ODEs II, and A. Sandu et al., Atmos. Environ. 31 (1997) 3459: order 3(2), four stages
+RODAS3 = Rosenbrock(
+    "Rodas3",
+    0.5,
+    np.array(((0.0, 0, 0, 0), (0, 0, 0, 0), (2, 0, 0, 0), (2, 0, 1, 0))),
+    np.array(((0.0, 0, 0, 0), (4, 0, 0, 0), (1, -1, 0, 0), (1, -1, -8 / 3, 0))),
+    np.array((0.0, 0.0, 1.0, 1.0)),
+    np.array((0.5, 1.5, 0.0, 0.0)),
+    np.array((2.0, 0.0, 1.0, 1.0)),
+    np.array((0.0, 0.0, 0.0, 1.0)),
+    (False, False, True, True),
+    3,
+)
+# C. A. Kennedy, M. H. Carpenter, Appl. Numer. Math. 44 (2003) 139, the implicit part of ARK4(3)6L[2]SA
+ESDIRK = np.array(
+    (
+        (0.0, 0, 0, 0, 0, 0),
+        (1 / 4, 1 / 4, 0, 0, 0, 0),
+        (8611 / 62500, -1743 / 31250, 1 / 4, 0, 0, 0),
+        (5012029 / 34652500, -654441 / 2922500, 174375 / 388108, 1 / 4, 0, 0),
+        (15267082809 / 155376265600, -71443401 / 120774400, 730878875 / 902184768, 2285395 / 8070912, 1 / 4, 0),
+        (82889 / 524892, 0, 15625 / 83664, 69875 / 102672, -2260 / 8211, 1 / 4),
+    )
+)
+EMBEDDED = np.array(
+    (4586570599 / 29645900160, 0, 178811875 / 945068544, 814220225 / 1159782912, -3700637 / 11593932, 61727 / 225920)
+)
+
+Step = Callable[[Life, float, float, float, Array, tuple], tuple[Array, Array, int]]
+
+
+def rosenbrock(method: Rosenbrock) -> Step:
+    """Return one step of a Rosenbrock method: (end, error, calls of the rates)."""
+
+    def step(life: Life, phi: float, h: float, middle: float, z: Array, known: tuple) -> tuple[Array, Array, int]:
+        (f, J, f_phi), n, calls = known, life.n, 0
+        shift = 1.0 / (method.gamma * h)
+        matrix = shift * np.eye(n) - J[:n]
+        u = np.zeros((len(method.nodes), len(z)))
+        slopes = f
+        for i in range(len(u)):
+            if method.fresh[i]:
+                slopes, calls = life.rates(phi + method.nodes[i] * h, middle, (z + method.A[i] @ u)[:n]), calls + 1
+            right = slopes + method.C[i] @ u / h + h * method.D[i] * f_phi
+            u[i, :n] = np.linalg.solve(matrix, right[:n])
+            u[i, n:] = (right[n:] + J[n:] @ u[i, :n]) / shift
+        return z + method.weights @ u, method.error @ u, calls
+
+    return step
+
+
+def esdirk(rtol: float) -> Step:
+    """Return one step of the ESDIRK method, its stages by Newton's iteration with one matrix."""
+
+    def step(life: Life, phi: float, h: float, middle: float, z: Array, known: tuple) -> tuple[Array, Array, int]:
+        (f, J, _), n, calls = known, life.n, 0
+        matrix = np.eye(n) - 0.25 * h * J[:n]
+        k = np.zeros((6, len(z)))
+        k[0] = f
+        for i in range(1, 6):
+            base, nodes = z[:n] + h * ESDIRK[i, :i] @ k[:i, :n], ESDIRK[i].sum()
+            y = base + 0.25 * h * k[i - 1, :n]
+            for _ in range(MOST_NEWTON):
+                k[i], calls = life.rates(phi + nodes * h, middle, y), calls + 1
+                change = np.linalg.solve(matrix, base + 0.25 * h * k[i, :n] - y)
+                y = y + change
+                if not np.all(np.isfinite(y)) or np.any(y <= 0.0):
+                    return z, np.full(len(z), np.inf), calls
+                if np.max(np.abs(change / y)) <= KAPPA * rtol:
+                    break
+            else:
+                return z, np.full(len(z), np.inf), calls
+            k[i, :n] = (y - base) / (0.25 * h)
+        return z + h * ESDIRK[5] @ k, h * (ESDIRK[5] - EMBEDDED) @ k, calls
+
+    return step
+
+
+def integrated(life: Life, step: Step, order: int, rtol: float) -> Cost:
+    """Return a life by one method, with the step control of `numerics.rodas`."""
+    n, z = life.n, np.concatenate([life.y0, np.zeros(life.nq)])
+    steps = rejected = calls = jacobians = 0
+    h, seen = 1e-3, []
+    for start, end in pairwise(life.knots):
+        phi, middle, known = start, 0.5 * (start + end), None
+        z = life.at_knot(start, z)
+        while phi < end:
+            if known is None:
+                known, jacobians = life.derivatives(phi, middle, z[:n]), jacobians + 1
+            left = end - phi
+            trial = left if h >= left * (1.0 - 1e-10) else (0.5 * left if h > 0.5 * left else h)
+            after, off, more = step(life, phi, trial, middle, z, known)
+            calls += more
+            size = np.max(np.abs(off[:n]) / np.maximum(np.abs(z[:n]), np.abs(after[:n]))) / rtol
+            if np.any(after[:n] <= 0.0) or not size <= 1.0:
+                rejected += 1
+                h = trial * (max(0.15, 0.85 * size ** (-1.0 / order)) if size < 1e12 else 0.15)
+                continue
+            grown = min(rodas.GROWTH, 0.85 * max(size, 1e-8) ** (-1.0 / order))
+            h = min(rodas.LONGEST, max(h, trial * grown) if grown >= rodas.GROWTH else trial * grown)
+            phi, z, known, steps = (end if trial == left else phi + trial), after, None, steps + 1
+        seen.append(z[:n])
+    return Cost(steps, rejected, calls, jacobians, np.array(seen), z[n])
+
+
+def by_scipy(life: Life, method: str, rtol: float) -> Cost:
+    """Return a life by one of scipy's methods."""
+    y, q, counts, seen = life.y0.copy(), np.zeros(life.nq), np.zeros(3, int), []
+    for segment in pairwise(life.knots):
+        y, more, path = integrate(
+            life.rates,
+            lambda *at: life.derivatives(*at)[1],
+            np.array(segment),
+            life.at_knot(segment[0], y),
+            life.scale,
+            rtol,
+            method,
+        )
+        q, counts = q + more, counts + (len(path.dense), path.calls, path.jacobians)
+        seen.append(y)
+    return Cost(int(counts[0]), 0, int(counts[1]), int(counts[2]), np.array(seen), q[0])
+
+
+def methods_table(scene: Scene) -> None:
+    """Print what methods take to an error, one life among closed neighbours."""
+    life = Life(scene)
+    exact = by_scipy(life, "scipy-radau", 1e-10)
+    print("\nEvaluations of the right-hand side in one life, at an error of work and flows (Jacobian: one a state)")
+    print(f"{'method':>20} {'steps at 1e-4':>14} {'rejected':>9} " + " ".join(f"{each:>8.0e}" for each in TARGETS))
+    for name in (RODAS4.name, RODAS3.name, "ESDIRK 4(3)6L[2]SA", *SCIPYS):
+        found = []
+        for rtol in RTOLS:
+            if name in SCIPYS:
+                cost = by_scipy(life, name, rtol)
+            elif name.startswith("ESDIRK"):
+                cost = integrated(life, esdirk(rtol), 4, rtol)
+            else:
+                method = RODAS4 if name == RODAS4.name else RODAS3
+                cost = integrated(life, rosenbrock(method), method.order, rtol)
+            found.append((cost, life.error(cost, exact)))
+        at = found[RTOLS.index(1e-4)][0]
+        cells = " ".join(f"{least(found, target):>8}" for target in TARGETS)
+        print(f"{name:>20} {at.steps:>14} {at.rejected:>9} {cells}")
+
+
+def least(found: list[tuple[Cost, float]], target: float) -> str:
+    """Return the evaluations at an error, between the tolerances tried (logarithms); a dash outside them."""
+    errors = np.minimum.accumulate([max(error, 1e-16) for _, error in found])
+    counts = [cost.evaluations() for cost, _ in found]
+    if not errors[-1] <= target:
+        return "-"
+    if errors[0] <= target:
+        return f"<{counts[0]}"
+    i = int(np.argmax(errors <= target))
+    share = math.log(errors[i - 1] / target) / math.log(errors[i - 1] / errors[i])
+    return f"{counts[i - 1] * (counts[i] / counts[i - 1]) ** share:.0f}"
+
+
+def nanoseconds(work: Callable[[int], object], times: int) -> float:
+    """Return the time [ns] of one of `times` repetitions inside `work`: the least of several."""
+    work(1)
+    found = []
+    for _ in range(REPEATS):
+        started = time.perf_counter()
+        work(times)
+        found.append((time.perf_counter() - started) / times)
+    return 1e9 * min(found)
+
+
+@numba.njit
+def unrolled(M, b):
+    """Solve a system of three in place, no pivoting, all written out."""
+    f1, f2 = M[1, 0] / M[0, 0], M[2, 0] / M[0, 0]
+    m11, m12 = M[1, 1] - f1 * M[0, 1], M[1, 2] - f1 * M[0, 2]
+    m21, m22 = M[2, 1] - f2 * M[0, 1], M[2, 2] - f2 * M[0, 2]
+    f3, b1 = m21 / m11, b[1] - f1 * b[0]
+    b[2] = (b[2] - f2 * b[0] - f3 * b1) / (m22 - f3 * m12)
+    b[1] = (b1 - m12 * b[2]) / m11
+    b[0] = (b[0] - M[0, 1] * b[1] - M[0, 2] * b[2]) / M[0, 0]
+
+
+def polynomial(k: float, degree: int = 13) -> Array:
+    """Return the coefficients in x/choke of a polynomial for ψ²/x of one k, up to choking."""
+    choke, choked = nozzle.choking(k)
+    s = 0.5 + 0.5 * np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
+    values = [nozzle.expansion(min(x, choke * (1.0 - 1e-15)), 1.0 / k, choke, choked) for x in s * choke]
+    return np.polynomial.Chebyshev.fit(s, values, degree, domain=(0.0, 1.0)).convert(kind=np.polynomial.Polynomial).coef
+
+
+@numba.njit
+def one_flow(area, p_1, rho_1, p_2, rho_2, choke, choked, width, c):
+    """Return what `nozzle.flow` does for one k by the polynomial, without a branch."""
+    dp = p_2 - p_1
+    p_u = max(p_1, p_2)
+    rho = rho_2 if dp >= 0.0 else rho_1
+    x = abs(dp) / p_u
+    s = min(x / choke, 1.0)
+    value = c[13]
+    for i in range(12, -1, -1):
+        value = value * s + c[i]
+    value = choked / x if x >= choke else value
+    return area * dp * math.sqrt(rho * value / math.sqrt(dp * dp + width * width))
+
+
+@numba.njit
+def one_after_another(times, p, rho, choke, choked, c, out):
+    """Call the polynomial's flow so that each waits for the last: no two at once."""
+    last = 0.0
+    for i in range(times):
+        j = i % (len(p) - 1)
+        last = one_flow(1.0, p[j] + 1e-30 * last, rho[j], p[j + 1], rho[j + 1], choke, choked, 10.0, c)
+    out[0] = last
+
+
+@numba.njit(error_model="numpy")
+def side_by_side(times, p, rho, choke, choked, c, out):
+    """Call the polynomial's flow for all points of a row: the compiler takes as many at once as registers hold."""
+    n = len(p) - 1
+    for _ in range(max(times // n, 1)):
+        for j in range(n):
+            out[j] = one_flow(1.0, p[j], rho[j], p[j + 1], rho[j + 1], choke, choked, 10.0, c)
+
+
+def timers(life: Life) -> dict[str, Callable[[int], object]]:
+    """Return what is timed: the parts of a step, as compiled for the scene."""
+    module, n, nq, context = life.module, life.n, life.nq, life.context
+    around, rate, derive = module.chamber__surroundings, module.chamber__rates, module.chamber__jacobian
+    factor, solve, flow = module.linear__lu_factor, module.linear__lu_solve, module.nozzle__flow
+    phi = 0.6 * float(life.knots[-1])
+    y = life.machinery.states_at(np.array([phi]))[0]
+    f, g, f_phi, g_phi = np.empty(n), np.empty(nq), np.empty(n), np.empty(nq)
+    J, Jq, matrix, pivots = np.empty((n, n)), np.empty((nq, n)), np.empty((n, n)), np.zeros(n, np.int64)
+    E, E_next, out = life.E, life.E_next, np.empty(LONG)
+    random = np.random.default_rng(1)
+    p, rho = 1e5 * random.uniform(1.0, 4.0, LONG), random.uniform(5.0, 20.0, LONG)
+    k = 1.1
+    choke, choked = nozzle.choking(k)
+    c = polynomial(k)
+    life.derivatives(phi, phi, y)
+
+    @numba.njit
+    def surroundings(times, phi, E, context):
+        for i in range(times):
+            around(phi + 1e-9 * (i % 7), phi, context, E)
+
+    @numba.njit
+    def rates(times, y, E, f, g, context):
+        for _ in range(times):
+            rate(y, E, context, f, g)
+
+    @numba.njit
+    def jacobian(times, y, E, E_next, f, g, J, Jq, f_phi, g_phi, context):
+        for _ in range(times):
+            derive(y, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
+
+    @numba.njit
+    def systems(times, matrix, pivots, f):
+        for _ in range(times):
+            for i in range(len(f)):
+                f[i] = 1.0
+                for j in range(len(f)):
+                    matrix[i, j] = (2.0 if i == j else 0.0) + 0.1 * (i + j)
+            factor(matrix, pivots, len(f))
+            for _ in range(6):
+                solve(matrix, pivots, f, len(f))
+
+    @numba.njit
+    def written_out(times, matrix, f):
+        for _ in range(times):
+            for i in range(len(f)):
+                f[i] = 1.0
+                for j in range(len(f)):
+                    matrix[i, j] = (2.0 if i == j else 0.0) + 0.1 * (i + j)
+            for _ in range(6):
+                unrolled(matrix, f)
+
+    @numba.njit
+    def flows(times, p, rho, out):
+        last = 0.0
+        for i in range(times):
+            j = i % (len(p) - 1)
+            last = flow(
+                1.0, p[j] + 1e-30 * last, rho[j], 1 / k, choke, choked, p[j + 1], rho[j + 1], 1 / k, choke, choked, 10.0
+            )
+        out[0] = last
+
+    def turn(times):
+        for _ in range(times):
+            life.machinery.turn(life.y0.copy(), life.closed.rtol, 1e-3)
+
+    return {
+        "turn": turn,
+        "surroundings": lambda times: surroundings(times, phi, E, context),
+        "rates": lambda times: rates(times, y, E, f, g, context),
+        "Jacobian": lambda times: jacobian(times, y, E, E_next, f, g, J, Jq, f_phi, g_phi, context),
+        "systems": lambda times: systems(times, matrix, pivots, f),
+        "systems, written out": lambda times: written_out(times, matrix, f),
+        "nozzle flow": lambda times: flows(times, p, rho, out),
+        "by a polynomial": lambda times: one_after_another(times, p, rho, choke, choked, c, out),
+        "side by side": lambda times: side_by_side(times, p, rho, choke, choked, c, out),
+    }
+
+
+def parts_table(scene: Scene) -> float:
+    """Print what a step is made of, and what unrolled systems or a faster nozzle could save; return its share."""
+    life = Life(scene)
+    work = timers(life)
+    counts = life.machinery.counts.copy()
+    work["turn"](1)
+    counts = life.machinery.counts - counts
+    tries = int(counts[0] + counts[1])
+    step = nanoseconds(work.pop("turn"), 20) / tries
+    took = {name: nanoseconds(each, MANY) for name, each in work.items()}
+    paths = len(life.machinery.composition.plenum_paths) + 2 * len(life.machinery.composition.gap_paths)
+    print(f"\nA step that is tried takes {step:.0f} ns: its parts, and what stands for them")
+    per_step = {
+        "surroundings": (5 + counts[3] / tries, took["surroundings"]),
+        "rates": (5, took["rates"]),
+        "Jacobian": (counts[3] / tries, took["Jacobian"]),
+        "systems": (1, took["systems"]),
+        "nozzle flow": (6 * paths, took["nozzle flow"]),  # part of rates and Jacobian
+    }
+    print(f"{'part':>22} {'ns a call':>10} {'calls a step':>13} {'share':>7}")
+    for name, (calls, ns) in per_step.items():
+        print(f"{name:>22} {ns:>10.1f} {calls:>13.2f} {calls * ns / step:>7.0%}")
+    for name in ("systems, written out", "by a polynomial", "side by side"):
+        print(f"{name:>22} {took[name]:>10.1f}")
+    saved = (took["systems"] - took["systems, written out"]) / step
+    print(f"systems written out would save {saved:.1%} of a step")
+    flows = 6 * paths * took["nozzle flow"] / step
+    print(f"a polynomial for one k would save {flows * (1 - took['by a polynomial'] / took['nozzle flow']):.1%}")
+    return flows * (1.0 - took["side by side"] / took["nozzle flow"])
+
+
+def lanes_table(scene: Scene, saved: float) -> None:
+    """Print what points side by side cost in steps: all take the shortest that one of them needs."""
+    print(f"\n{LANES} points of a sweep side by side: steps over those of each alone, turns of the slowest over the mean")
+    print(f"{'sweep':>30} {'steps':>7} {'turns':>7} {'time of a sweep, flows side by side':>36}")
+    for name, path, values in SWEEPS:
+        density, turns = [], []
+        grid = np.linspace(0.0, 4.0 * math.pi, 4000, endpoint=False)
+        for value in values:
+            solution = Solution(with_values(scene, {path: value}))
+            solution.machinery.warm_up(solution.rehearse)
+            turns.append(solution.close().turns)
+            times, _, _, steps = solution.machinery.last()
+            at = np.searchsorted(times[: steps + 1], grid, side="right") - 1
+            density.append(1.0 / np.diff(times[: steps + 1])[np.clip(at, 0, steps - 1)])
+        rows = np.array(density)
+        steps, slowest = rows.max(axis=0).mean() / rows.mean(), max(turns) / statistics.mean(turns)
+        print(f"{name:>30} {steps:>7.2f} {slowest:>7.2f} {steps * slowest * (1.0 - saved):>36.2f}")
+
+
+def main() -> None:
+    """Print all tables."""
+    scene = load(sys.argv[1] if len(sys.argv) > 1 else str(POINT))
+    methods_table(scene)
+    lanes_table(scene, parts_table(scene))
+
+
+if __name__ == "__main__":
+    main()
