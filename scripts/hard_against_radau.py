@@ -1,12 +1,13 @@
 """Solve every hard case that is ok again by coupled chambers under scipy's Radau, and store how far the two differ.
 
 Run: hard_against_radau.py [--limit 600] [CASE ...]. `tests/hard` does it for some; this script for the others, each
-within `--limit` seconds of processor time. Radau begins from the cold guess as the case itself does; where that does not
-close, from the case's own closed cycle, which it has to keep or to leave for its own; then from that cycle closed more
-tightly. Where none of these ends the chambers are followed for one life from there, and must come back within the
-accuracy; then BDF is asked, and LSODA with coarser steps. `tests/hard/against_radau.json` holds a row a case: the larger relative
-difference of work and trapped mass, the accuracy that was asked for, from where which method closed with what tolerance
-of a step over that accuracy, and what the last pitch (or the life) still changed. It goes on where it holds cases already; cases that are named are done again.
+try within `--limit` seconds of processor time. Radau begins from the cold guess as the case itself does; where that
+does not close, from the case's own closed cycle, which it has to keep or to leave for its own; then from that cycle
+closed more tightly. Where none of these ends the chambers are followed for one life from there, and must come back
+within the accuracy; then BDF is asked, and LSODA with coarser steps. `tests/hard/against_radau.json` holds a row a
+case: the larger relative difference of work and trapped mass, the accuracy that was asked for, from where which
+method closed with what tolerance of a step over that accuracy, and what the last pitch (or the life) still changed.
+It goes on where it holds cases already; cases that are named are done again.
 """
 
 from __future__ import annotations
@@ -145,7 +146,7 @@ def difference(found: Result, better: Figures, pv: float, start: str) -> float:
 
 def main() -> None:
     """Compare what is not stored yet, and what is named."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--limit", type=float, default=600.0, help="seconds of processor time that a try may take")
     parser.add_argument("names", nargs="*", metavar="CASE", help="cases to be done again")
     asked = parser.parse_args()

@@ -1,4 +1,4 @@
-"""Measure what else could integrate a chamber's life: other methods, unrolled systems, a faster nozzle, lanes of points.
+"""Measure what else could integrate a chamber's life: other methods, unrolled systems, a faster nozzle, lanes.
 
 Run: .venv/bin/python scripts/solver_choices.py [SCENE.yaml]. The scene is closed as usual; then one life among its
 closed neighbours, a system of ordinary equations with given surroundings, is integrated again by each method. Counts
@@ -31,11 +31,13 @@ ROOT = Path(__file__).resolve().parent.parent
 POINT = ROOT / "configs" / "paper" / "point.yaml"
 Array = np.ndarray
 RTOLS = 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6
+ACCURACIES = 3e-4, 1e-6, 1e-8
 TARGETS = 1e-3, 1e-4, 1e-5  # errors at which methods are compared
 SCIPYS = "scipy-bdf", "scipy-lsoda", "scipy-radau"
 LANES = 8  # doubles of a 512-bit register
 LONG = 1025  # points of a row
-REPEATS, MANY = 9, 20_000
+MOMENTS = 100  # of a life, at which parts of a step are timed
+REPEATS, MANY = 15, 20_000
 SWEEPS = (
     ("speed 2800 to 3200 rpm", "operation.speed", np.linspace(2800.0, 3200.0, LANES) * math.pi / 30.0),
     ("speed 2000 to 4000 rpm", "operation.speed", np.linspace(2000.0, 4000.0, LANES) * math.pi / 30.0),
@@ -43,6 +45,7 @@ SWEEPS = (
 )
 KAPPA = 0.03  # of the tolerance: change of a stage at which Newton's iteration ends
 MOST_NEWTON = 8
+DIFFERENCE = 1e-7  # relative step of differences of the rates
 LEAST_VOLUME = 0.01  # of the largest: below it the chamber holds hardly any gas
 
 
@@ -107,6 +110,16 @@ class Life:
         z = np.ascontiguousarray(y)
         self.module.chamber__jacobian(z, self.E, self.E_next, delta, self.context, f, g, J, Jq, f_phi, g_phi)
         return np.concatenate([f, g]), np.vstack([J, Jq]), np.concatenate([f_phi, g_phi])
+
+    def differenced(self, phi: float, middle: float, y: Array) -> tuple[Array, Array, Array]:
+        """Return what `derivatives` does, by differences of the rates alone."""
+        base, n = self.rates(phi, middle, y), self.n
+        columns = []
+        for i in range(n):
+            moved = y.copy()
+            moved[i] += DIFFERENCE * abs(y[i])
+            columns.append((self.rates(phi, middle, moved) - base) / (moved[i] - y[i]))
+        return base, np.array(columns).T, (self.rates(phi + rodas.ANGLE_STEP, middle, y) - base) / rodas.ANGLE_STEP
 
     def error(self, found: Cost, exact: Cost) -> float:
         """Return the largest error of work, and of the gas at knots where the chamber is not all but closed."""
@@ -219,8 +232,9 @@ def esdirk(rtol: float) -> Step:
     return step
 
 
-def integrated(life: Life, step: Step, order: int, rtol: float) -> Cost:
-    """Return a life by one method, with the step control of `numerics.rodas`."""
+def integrated(life: Life, step: Step, order: int, rtol: float, exact: bool = True) -> Cost:
+    """Return a life by one method, with the step control of `numerics.rodas`; `exact` is its Jacobian."""
+    derivatives = life.derivatives if exact else life.differenced
     n, z = life.n, np.concatenate([life.y0, np.zeros(life.nq)])
     steps = rejected = calls = jacobians = 0
     h, seen = 1e-3, []
@@ -229,7 +243,7 @@ def integrated(life: Life, step: Step, order: int, rtol: float) -> Cost:
         z = life.at_knot(start, z)
         while phi < end:
             if known is None:
-                known, jacobians = life.derivatives(phi, middle, z[:n]), jacobians + 1
+                known, jacobians = derivatives(phi, middle, z[:n]), jacobians + 1
             left = end - phi
             trial = left if h >= left * (1.0 - 1e-10) else (0.5 * left if h > 0.5 * left else h)
             after, off, more = step(life, phi, trial, middle, z, known)
@@ -259,7 +273,7 @@ def by_scipy(life: Life, method: str, rtol: float) -> Cost:
             rtol,
             method,
         )
-        q, counts = q + more, counts + (len(path.dense), path.calls, path.jacobians)
+        q, counts = q + more, counts + np.array([len(path.dense), path.calls, path.jacobians])
         seen.append(y)
     return Cost(int(counts[0]), 0, int(counts[1]), int(counts[2]), np.array(seen), q[0])
 
@@ -268,7 +282,7 @@ def methods_table(scene: Scene) -> None:
     """Print what methods take to an error, one life among closed neighbours."""
     life = Life(scene)
     exact = by_scipy(life, "scipy-radau", 1e-10)
-    print("\nEvaluations of the right-hand side in one life, at an error of work and flows (Jacobian: one a state)")
+    print("\nEvaluations of the right-hand side in one life, at an error of work and gas (Jacobian: one a state)")
     print(f"{'method':>20} {'steps at 1e-4':>14} {'rejected':>9} " + " ".join(f"{each:>8.0e}" for each in TARGETS))
     for name in (RODAS4.name, RODAS3.name, "ESDIRK 4(3)6L[2]SA", *SCIPYS):
         found = []
@@ -278,12 +292,22 @@ def methods_table(scene: Scene) -> None:
             elif name.startswith("ESDIRK"):
                 cost = integrated(life, esdirk(rtol), 4, rtol)
             else:
-                method = RODAS4 if name == RODAS4.name else RODAS3
+                method = RODAS3 if name == RODAS3.name else RODAS4
                 cost = integrated(life, rosenbrock(method), method.order, rtol)
             found.append((cost, life.error(cost, exact)))
         at = found[RTOLS.index(1e-4)][0]
         cells = " ".join(f"{least(found, target):>8}" for target in TARGETS)
         print(f"{name:>20} {at.steps:>14} {at.rejected:>9} {cells}")
+
+
+def jacobian_table(scene: Scene) -> None:
+    """Print the steps of a life with the Jacobian as it is and by differences, over the accuracy."""
+    print(f"\nSteps of a life with the Jacobian as it is, and by differences of the rates ({DIFFERENCE:g} of a state)")
+    print(f"{'accuracy':>9} {'as it is':>9} {'differences':>12}")
+    for accuracy in ACCURACIES:
+        life = Life(with_values(scene, {"numerics.accuracy": accuracy}))
+        both = [integrated(life, rosenbrock(RODAS4), 4, 0.3 * accuracy, exact).steps for exact in (True, False)]
+        print(f"{accuracy:>9.0e} {both[0]:>9} {both[1]:>12}")
 
 
 def least(found: list[tuple[Cost, float]], target: float) -> str:
@@ -369,32 +393,40 @@ def timers(life: Life) -> dict[str, Callable[[int], object]]:
     module, n, nq, context = life.module, life.n, life.nq, life.context
     around, rate, derive = module.chamber__surroundings, module.chamber__rates, module.chamber__jacobian
     factor, solve, flow = module.linear__lu_factor, module.linear__lu_solve, module.nozzle__flow
-    phi = 0.6 * float(life.knots[-1])
-    y = life.machinery.states_at(np.array([phi]))[0]
+    times, dense, _, steps = life.machinery.last()
+    chosen = np.linspace(0, steps - 1, MOMENTS).astype(int)
+    angles, Y = times[chosen] + 1e-9, dense[chosen, 0, :n].copy()
+    middles = 0.5 * (times[chosen] + times[chosen + 1])
+    E, E_next = (np.empty((MOMENTS, len(life.E))) for _ in range(2))
+    for i in range(MOMENTS):
+        for delta, table in ((0.0, E), (1e-6, E_next)):
+            around(angles[i] + delta, middles[i], context, table[i])
     f, g, f_phi, g_phi = np.empty(n), np.empty(nq), np.empty(n), np.empty(nq)
     J, Jq, matrix, pivots = np.empty((n, n)), np.empty((nq, n)), np.empty((n, n)), np.zeros(n, np.int64)
-    E, E_next, out = life.E, life.E_next, np.empty(LONG)
+    out = np.empty(LONG)
     random = np.random.default_rng(1)
     p, rho = 1e5 * random.uniform(1.0, 4.0, LONG), random.uniform(5.0, 20.0, LONG)
     k = 1.1
     choke, choked = nozzle.choking(k)
     c = polynomial(k)
-    life.derivatives(phi, phi, y)
 
     @numba.njit
-    def surroundings(times, phi, E, context):
+    def surroundings(times, angles, middles, E, context):
         for i in range(times):
-            around(phi + 1e-9 * (i % 7), phi, context, E)
+            j = i % len(angles)
+            around(angles[j], middles[j], context, E[j])
 
     @numba.njit
-    def rates(times, y, E, f, g, context):
-        for _ in range(times):
-            rate(y, E, context, f, g)
+    def rates(times, Y, E, f, g, context):
+        for i in range(times):
+            j = i % len(Y)
+            rate(Y[j], E[j], context, f, g)
 
     @numba.njit
-    def jacobian(times, y, E, E_next, f, g, J, Jq, f_phi, g_phi, context):
-        for _ in range(times):
-            derive(y, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
+    def jacobian(times, Y, E, E_next, f, g, J, Jq, f_phi, g_phi, context):
+        for i in range(times):
+            j = i % len(Y)
+            derive(Y[j], E[j], E_next[j], 1e-6, context, f, g, J, Jq, f_phi, g_phi)
 
     @numba.njit
     def systems(times, matrix, pivots, f):
@@ -427,16 +459,40 @@ def timers(life: Life) -> dict[str, Callable[[int], object]]:
             )
         out[0] = last
 
+    chambers = life.machinery.composition.chambers
+    near = np.abs(np.arange(chambers)[:, None] - np.arange(chambers)[None, :])
+    blocks = np.kron(np.minimum(near, chambers - near) <= 1, np.ones((n, n))) * random.uniform(
+        0.1, 1.0, (n * chambers,) * 2
+    )
+    blocks += 10.0 * n * np.eye(n * chambers)
+    copy, many, right = blocks.copy(), np.zeros(n * chambers, np.int64), np.ones(n * chambers)
+
+    @numba.njit
+    def all_systems(times, blocks, copy, pivots, right):
+        for _ in range(times):
+            copy[:] = blocks
+            factor(copy, pivots, len(right))
+            for _ in range(6):
+                solve(copy, pivots, right, len(right))
+
     def turn(times):
         for _ in range(times):
             life.machinery.turn(life.y0.copy(), life.closed.rtol, 1e-3)
 
+    start = closing.chambers_at_pitches(life.machinery)
+
+    def pitch(times):
+        for _ in range(times):
+            life.machinery.pitch(start.copy(), life.closed.rtol, 1e-3)
+
     return {
         "turn": turn,
-        "surroundings": lambda times: surroundings(times, phi, E, context),
-        "rates": lambda times: rates(times, y, E, f, g, context),
-        "Jacobian": lambda times: jacobian(times, y, E, E_next, f, g, J, Jq, f_phi, g_phi, context),
+        "pitch": pitch,
+        "surroundings": lambda times: surroundings(times, angles, middles, E, context),
+        "rates": lambda times: rates(times, Y, E, f, g, context),
+        "Jacobian": lambda times: jacobian(times, Y, E, E_next, f, g, J, Jq, f_phi, g_phi, context),
         "systems": lambda times: systems(times, matrix, pivots, f),
+        "systems of all chambers": lambda times: all_systems(times, blocks, copy, many, right),
         "systems, written out": lambda times: written_out(times, matrix, f),
         "nozzle flow": lambda times: flows(times, p, rho, out),
         "by a polynomial": lambda times: one_after_another(times, p, rho, choke, choked, c, out),
@@ -444,17 +500,25 @@ def timers(life: Life) -> dict[str, Callable[[int], object]]:
     }
 
 
+def counted(life: Life, work: Callable[[int], object]) -> list[int]:
+    """Return steps, rejected ones, evaluations and Jacobians of one run of some work."""
+    before = life.machinery.counts.copy()
+    work(1)
+    return [int(each) for each in life.machinery.counts - before]
+
+
 def parts_table(scene: Scene) -> float:
     """Print what a step is made of, and what unrolled systems or a faster nozzle could save; return its share."""
     life = Life(scene)
     work = timers(life)
-    counts = life.machinery.counts.copy()
-    work["turn"](1)
-    counts = life.machinery.counts - counts
-    tries = int(counts[0] + counts[1])
+    counts = counted(life, work["turn"])
+    tries = counts[0] + counts[1]
     step = nanoseconds(work.pop("turn"), 20) / tries
+    together = counted(life, work["pitch"])
+    step_of_all = nanoseconds(work.pop("pitch"), 20) / (together[0] + together[1])
     took = {name: nanoseconds(each, MANY) for name, each in work.items()}
-    paths = len(life.machinery.composition.plenum_paths) + 2 * len(life.machinery.composition.gap_paths)
+    _, through = life.machinery.sample(np.linspace(0.0, float(life.knots[-1]), LONG))
+    paths = float(np.count_nonzero(through, axis=1).mean())
     print(f"\nA step that is tried takes {step:.0f} ns: its parts, and what stands for them")
     per_step = {
         "surroundings": (5 + counts[3] / tries, took["surroundings"]),
@@ -468,6 +532,8 @@ def parts_table(scene: Scene) -> float:
         print(f"{name:>22} {ns:>10.1f} {calls:>13.2f} {calls * ns / step:>7.0%}")
     for name in ("systems, written out", "by a polynomial", "side by side"):
         print(f"{name:>22} {took[name]:>10.1f}")
+    share = took["systems of all chambers"] / step_of_all
+    print(f"a step of all chambers together takes {step_of_all:.0f} ns, its systems {share:.0%} of that")
     saved = (took["systems"] - took["systems, written out"]) / step
     print(f"systems written out would save {saved:.1%} of a step")
     flows = 6 * paths * took["nozzle flow"] / step
@@ -477,7 +543,9 @@ def parts_table(scene: Scene) -> float:
 
 def lanes_table(scene: Scene, saved: float) -> None:
     """Print what points side by side cost in steps: all take the shortest that one of them needs."""
-    print(f"\n{LANES} points of a sweep side by side: steps over those of each alone, turns of the slowest over the mean")
+    print(
+        f"\n{LANES} points of a sweep side by side: steps over those of each alone, turns of the slowest over the mean"
+    )
     print(f"{'sweep':>30} {'steps':>7} {'turns':>7} {'time of a sweep, flows side by side':>36}")
     for name, path, values in SWEEPS:
         density, turns = [], []
@@ -498,6 +566,7 @@ def main() -> None:
     """Print all tables."""
     scene = load(sys.argv[1] if len(sys.argv) > 1 else str(POINT))
     methods_table(scene)
+    jacobian_table(scene)
     lanes_table(scene, parts_table(scene))
 
 

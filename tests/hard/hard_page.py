@@ -27,8 +27,9 @@ of each kind of failure.
 
 Where the first try does not close a cycle (`numerics.closing` other than `histories`), a tighter tolerance of the
 steps, damped closing, closing without acceleration and a continuation from four times the speed are tried, and a
-warning of the result says which one it took; each has a case below (*closes only …*). Where none does, the message says
-how much the states still change and how hot the gas gets (numerics.md: cycles that are not there to be found).
+warning of the result says which one it took; each has a case below (*closes only …*). The error of such a cycle is
+estimated by closing it again, finer: one life more shows too little of it. Where no try closes, the message says how
+much the states still change and how hot the gas gets (numerics.md: cycles that are not there to be found).
 
 Floors: `tests/hard/test_floors.py` states what each one changes. Oil below 1e-4 of the gas is not waited for and counts
 its errors as that much; work below 1e-6 p V is rounding; the oil's mass carries 1e-12 of the gas's; oil below none by
@@ -45,9 +46,9 @@ TIGHT = """
 `scripts/hard_against_radau.py` solves the other cases that are ok by coupled chambers under scipy's Radau, at a
 hundredth of the wanted accuracy and a thousandth a step, and keeps in `tests/hard/against_radau.json` how far work and
 trapped mass differ: {agree} of {count} by less than the wanted accuracy, the worst by {worst:.2g} times it
-({name}). {cold} close from the cold guess. From there Radau does not find the others, as our first try
-does not find some of them; it begins from where the case itself closed, by fewer digits than it is asked for, and has to
-keep that cycle or to leave it for its own. That proves the cycle to be one of the equations', not that it is the only one.
+({name}). {cold} close from the cold guess. The others Radau does not find from there, as our first try does not find
+some of them; it begins from where the case itself closed, by fewer digits than it is asked for, and has to keep that
+cycle or to leave it for its own. That proves the cycle to be one of the equations', not that it is the only one.
 
 | case | begun from | method | difference over the accuracy |
 |---|---|---|---|
