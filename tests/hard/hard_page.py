@@ -46,8 +46,9 @@ TIGHT = """
 `scripts/hard_against_radau.py` solves the other cases that are ok by coupled chambers under scipy's Radau, at a
 hundredth of the wanted accuracy and a thousandth a step, and keeps in `tests/hard/against_radau.json` how far work and
 trapped mass differ: {agree} of {count} by less than the wanted accuracy, the worst by {worst:.2g} times it
-({name}). {cold} close from the cold guess. The others Radau does not find from there, as our first try does not find
-some of them; it begins from where the case itself closed, by fewer digits than it is asked for, and has to keep that
+({name}).
+{cold} close from the cold guess. The others Radau does not find from there, as our first try does not find some of
+them; it begins from where the case itself closed, by fewer digits than it is asked for, and has to keep that
 cycle or to leave it for its own. That proves the cycle to be one of the equations', not that it is the only one.
 
 | case | begun from | method | difference over the accuracy |
@@ -59,10 +60,10 @@ cycle or to leave it for its own. That proves the cycle to be one of the equatio
 REASONS = {
     "a chamber that never opens": "any charge is a cycle of it, so closing has nothing to find. Radau follows all "
     "chambers for one life; they come back as they were. Work, which is none, is over m p/ρ.",
-    "found: closes only from an easier scene": "next to the critical point, in the last degree, the flow law jumps at "
-    "the border of the phases (M49), and the slopes on both sides lead to it: the state slides along the border, where "
-    "the equations have no solution in the classical sense, and Radau's steps vanish. Our steps hold the phase and "
-    "cross.",
+    "found: closes only from an easier scene": "next to the critical point, in the last degree, the exponent of the "
+    "nozzle flow jumps at the border of the phases (M47, M48; k from 0.24 to 0.98, and the choked flow by 1.8), and the "
+    "slopes on both sides lead to it: the state slides along the border, where the equations have no solution in the "
+    "classical sense. The steps of Radau and BDF vanish; ours hold the phase and cross, LSODA's coarser ones do, too.",
 }
 RANDOM = """
 ## Random scenes
