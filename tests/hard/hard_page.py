@@ -61,7 +61,7 @@ REASONS = {
     "a chamber that never opens": "any charge is a cycle of it, so closing has nothing to find. Radau follows all "
     "chambers for one life; they come back as they were. Work, which is none, is over m p/ρ.",
     "found: closes only from an easier scene": "next to the critical point, in the last degree, the exponent of the "
-    "nozzle flow jumps at the border of the phases (M47, M48; k from 0.24 to 0.98, and the choked flow by 1.8), and the "
+    "nozzle flow jumps at the border of the phases (M47, M48; k from 0.24 to 0.98, the choked flow by 1.8), and the "
     "slopes on both sides lead to it: the state slides along the border, where the equations have no solution in the "
     "classical sense. The steps of Radau and BDF vanish; ours hold the phase and cross, LSODA's coarser ones do, too.",
 }
