@@ -160,8 +160,8 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Re
     with _borrowed(solution.machinery):
         machinery = solution.machinery
         machinery.composition.P[machinery.composition.widths] *= NARROWER
-        status, q = _finer_turn(solution, closed, 2 if _much_asked(solution, found) else 1)
-        if status != 0:
+        q = _finer_cycle(solution, closed) if closed.needed else _finer_turn(solution, closed, found)
+        if q is None:
             return Figures(dict.fromkeys(found)), (found, notes)
         better, _ = solution.figures(q)
     shown = relative_errors(found, better, *solution.least(closed.q))
@@ -180,19 +180,17 @@ def _much_asked(solution: Any, found: Figures) -> bool:
     return leaky or solution.scene.numerics.accuracy <= MUCH
 
 
-def _finer_turn(solution: Any, closed: closing.Closed, turns: int) -> tuple[int, np.ndarray]:
-    """Install as many lives more, finer than the closed one's; return how it ended, and its quadratures."""
+def _finer_turn(solution: Any, closed: closing.Closed, found: Figures) -> np.ndarray | None:
+    """Install one life more, or two, finer than the closed one's; return its quadratures, None where it stopped."""
     machinery, rtol, y = solution.machinery, FINER * closed.rtol, closed.y.copy()
     if closed.how == "histories":
         status, _, _, q = machinery.turn(y, rtol, 1e-3)
         machinery.swap()
-        for _ in range(turns - 1):
-            if status != 0:
-                break
+        if status == 0 and _much_asked(solution, found):
             solution.set_made(solution.entries.possible(solution.image(q)))
             status, _, _, q = machinery.turn(y, rtol, 1e-3)
             machinery.swap()
-        return status, q
+        return q if status == 0 else None
     status, q = 0, closed.q
     for _ in range(machinery.composition.chambers):
         status, _, _, q = machinery.pitch(y, rtol, 1e-3)
@@ -200,7 +198,22 @@ def _finer_turn(solution: Any, closed: closing.Closed, turns: int) -> tuple[int,
             break
         y = machinery.shift(y)
     machinery.install_coupled()
-    return status, q
+    return q if status == 0 else None
+
+
+def _finer_cycle(solution: Any, closed: closing.Closed) -> np.ndarray | None:
+    """Install the cycle that closes with finer steps from the closed one; return its quadratures, None if none does.
+
+    A cycle that only a further try closed draws its neighbourhood in slowly, or not at all: what the steps of one life
+    are off by is far less than what the cycle is off by.
+    """
+    wanted = solution.wanted
+    solution.wanted = replace(wanted, rtol=FINER * closed.rtol, tolerance=FINER * wanted.tolerance)
+    try:
+        finer = closing.again(solution, closed)
+    finally:
+        solution.wanted = wanted
+    return finer.q if finer.status == "ok" else None
 
 
 class Snapshot:

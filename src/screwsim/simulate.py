@@ -190,7 +190,7 @@ def _drowned(solution: Solution, found: Figures) -> list[str]:
 def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
     """Return a warning when the estimated error of a figure stayed above the wanted accuracy, or when there is none."""
     if error and all(size is None for size in error.values()):
-        return ("the errors could not be estimated: the finer turn did not reach its end",)
+        return ("the errors could not be estimated: the finer solution did not reach its end",)
     name, size = worst(error)
     if size <= scene.numerics.accuracy:
         return ()

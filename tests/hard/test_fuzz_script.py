@@ -1,11 +1,13 @@
 """The long search over random scenes: what dies or hangs costs its own scene only, and a table is gone on with."""
 
+import json
 import os
 import sys
 import time
 from pathlib import Path
 
 import pytest
+from hard_page import OUTCOME
 
 sys.path.append(str(Path(__file__).parents[2] / "scripts"))
 import fuzz
@@ -43,3 +45,13 @@ def test_a_crash_is_a_status(monkeypatch):
     row, _, _ = fuzz.one(0, 1)
     assert row["status"] == "crashed"
     assert "what is looked for" in row["message"]
+
+
+def test_the_stored_outcome_is_of_this_space_and_none_of_it_is_bad():
+    made = json.loads(OUTCOME.read_text(encoding="utf-8"))
+    assert made["space"] == fuzz.space()
+    assert made["scenes"] >= 20_000
+    assert set(made["status"]) <= {"ok", "not_closed", "failed", "refused"}  # none crashed, hung or was not finite
+    assert made["status"]["ok"] >= 0.6 * made["scenes"]
+    assert made["radau"]["compared"] >= 0.005 * made["status"]["ok"]
+    assert made["radau"]["beyond_three_times_unwarned"] == []

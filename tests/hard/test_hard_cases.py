@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hard_cases import CASES
-from hard_page import RADAU, page, to_compare
+from hard_page import RADAU, REASONS, page, to_compare
 from scenes import make, run
 
 from screwsim import solution
@@ -114,12 +114,26 @@ def test_a_stated_share_is_compared_with_radau():
     assert len(AGAINST_RADAU) >= LEAST_SHARE * len([case for case in CASES if case.status == "ok"])
 
 
-def test_nearly_all_other_cases_agreed_with_radau_and_none_was_far_off():
+def test_all_other_cases_agree_with_another_integrator():
     rows = json.loads(RADAU.read_text(encoding="utf-8"))
-    assert set(rows) <= {case.name for case in to_compare()}
-    over = [row["difference"] / row["accuracy"] for row in rows.values() if "difference" in row]
-    assert max(over) <= 3.0
-    assert sum(size <= 1.0 for size in over) >= 0.95 * len(over)
+    assert set(rows) == {case.name for case in to_compare()}
+    assert [name for name, row in rows.items() if "difference" not in row] == []
+    assert [name for name, row in rows.items() if row["difference"] > row["accuracy"]] == []
+
+
+def test_where_radau_itself_has_no_answer_the_page_says_why():
+    rows = json.loads(RADAU.read_text(encoding="utf-8"))
+    silent = {name for name, row in rows.items() if row["method"] != "scipy-radau" or "followed" in row["start"]}
+    assert silent == set(REASONS)
+
+
+@pytest.mark.slow
+def test_the_error_of_a_cycle_that_only_a_further_try_closed_is_not_estimated_by_one_life():
+    """One life of it shows a third of what the cycle is off by."""
+    name = "found: closes only damped"
+    true = json.loads(RADAU.read_text(encoding="utf-8"))[name]["difference"]
+    found = simulate(make(next(case for case in CASES if case.name == name).changes), trace=False)
+    assert 0.5 * true <= max(found.error.work_per_cycle, found.error.trapped_mass) <= found.balance.bound
 
 
 def test_names_are_unique():

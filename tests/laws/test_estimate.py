@@ -74,7 +74,7 @@ def test_no_estimate_is_made_where_none_is_wanted():
 
 
 def test_an_estimate_that_cannot_be_made_is_said(monkeypatch):
-    monkeypatch.setattr("screwsim.estimate._finer_turn", lambda solution, closed, turns: (1, closed.q))
+    monkeypatch.setattr("screwsim.estimate._finer_turn", lambda solution, closed, found: None)
     result = simulate(make({}))
     assert all(size is None for size in result.error.values())
     assert any("could not be estimated" in warning for warning in result.warnings)

@@ -27,7 +27,7 @@ class Extent:
     widths: tuple[float, ...] = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)  # over those of the scene's accuracy
     closures: tuple[float, ...] = (0.01, 0.1, 1.0, 10.0, 100.0)
     dead_volumes: tuple[float, ...] = (0.1, 10.0)
-    reference: float = 1e-9
+    reference: float = 1e-10
     check: float = 1e-10  # tolerance of a step of the second method
     check_limit: float = 60.0  # [s]
     limit: float = 5.0  # [s] for a case

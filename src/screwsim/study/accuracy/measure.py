@@ -106,7 +106,8 @@ def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
     if not checked:
         return Truth(figures, traces, how, seconds=time.perf_counter() - started)
     # what scipy's methods miss of the balances is of the size of their steps' errors, over all steps
-    tight = way(fine, "scipy-radau", rtol=extent.check, regularised=1e-2 * fine, bound=1e-5)
+    closed = max(fine, 10.0 * extent.check)
+    tight = way(closed, "scipy-radau", rtol=extent.check, regularised=1e-2 * fine, bound=1e-5)
     second, difference = f"scipy-radau, coupled, rtol {extent.check:g}", ("", np.nan)
     apart = (np.nan, np.nan)
     try:
