@@ -14,6 +14,7 @@ from screwsim.effects.base import Drawn, Plenum, Reading, Turn
 from screwsim.ledger import Cycle, ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
+from screwsim.model import speed
 from screwsim.model.continuation import Guess
 from screwsim.model.guess import first_guess
 from screwsim.model.pitch import Pitch, pitch_of
@@ -74,12 +75,19 @@ class Solution(Making):
         guess = self.course.guess(machinery, self.parameters)
         if guess is not None:
             self._set_lines(self.scene.operation.discharge.temperature or float(guess.y[0]), 0.0)
-            self.set_made(guess.made)
+            self.set_made(guess.made[: len(self.entries)])
+            speed.put_back(machinery.composition, guess.made[len(self.entries) :])
         return guess
 
     def note(self, closed: closing.Closed) -> None:
-        """Leave the closed cycle to the scenes that follow on this course."""
-        self.course.add(self.machinery, self.parameters, closed, self.made())
+        """Leave the closed cycle to the scenes that follow on this course.
+
+        What effects declare as made by the cycle goes as the last turn made it: one that closes at once would hand on
+        what it was given, and errors of guesses would add up along the course.
+        """
+        made = self.entries.possible(self.image(closed.q)) if self.parts.made and closed.status == "ok" else self.made()
+        made = np.concatenate([made, speed.course_of(self.machinery.composition)])
+        self.course.add(self.machinery, self.parameters, closed, made)
 
     def rehearse(self) -> closing.Array:
         """Do what `start` does, and set what the cycle makes once, so that all it needs is compiled."""

@@ -9,6 +9,7 @@ on.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from screwsim.numerics.spline import pack_curve
 
 Array = np.ndarray
 ROWS = 361  # of the curve over a pitch
+TOO_LARGE = 0.98  # ripple over twice the mean beyond which a course of the speed is not put in place
+_SIZE = 1 + ROWS + 4 * ROWS
 
 
 @kernel
@@ -50,6 +53,19 @@ def squares_at(P: Array, at: int) -> Array:
     """Return the square of the speed over the mean at the first `ROWS` − 1 angles of the curve."""
     first = at + 1 + ROWS
     return P[first : first + 4 * (ROWS - 1) : 4].copy()
+
+
+def course_of(composition: Any) -> Array:
+    """Return the numbers of a composition's curve; none where its speed is constant."""
+    at = composition.speed_curve
+    return composition.P[at : at + _SIZE].copy() if at is not None else np.empty(0)
+
+
+def put_back(composition: Any, course: Array) -> None:
+    """Put a curve, or a weighted sum of such, in place; not one that falls to a standstill."""
+    at = composition.speed_curve
+    if at is not None and squares_at(course, 0).min() > (1.0 - TOO_LARGE) ** 2:
+        composition.P[at : at + _SIZE] = course
 
 
 def _packed(squares: Array, slopes: Array, pitch: float) -> Array:
