@@ -86,8 +86,11 @@ class Solution(Making):
         what it was given, and errors of guesses would add up along the course.
         """
         made = self.entries.possible(self.image(closed.q)) if self.parts.made and closed.status == "ok" else self.made()
-        made = np.concatenate([made, speed.course_of(self.machinery.composition)])
-        self.course.add(self.machinery, self.parameters, closed, made)
+        self.course.add(self.machinery, self.parameters, closed, np.concatenate([made, self._speed()]))
+
+    def _speed(self) -> closing.Array:
+        """Return the curve of the speed that the drive made last, or that the chambers feel; none where it is held."""
+        return speed.curve_at(self.machinery.composition) if self.moved is None else self.moved
 
     def rehearse(self) -> closing.Array:
         """Do what `start` does, and set what the cycle makes once, so that all it needs is compiled."""

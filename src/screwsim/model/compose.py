@@ -285,7 +285,9 @@ def _alike(parts: Parts, other: Parts) -> bool:
     """
     if parts.geometry is not other.geometry or parts.effects is not other.effects or parts.gas != other.gas:
         return False
-    if parts.oil_content is not None or list(parts.plenums) != list(other.plenums):
+    if parts.oil_content is not other.oil_content or list(parts.plenums) != list(other.plenums):
+        return False
+    if parts.oil_content is not None and parts.plenums != other.plenums:
         return False
     return list(parts.made) == list(other.made) and _supplied(parts) == _supplied(other)
 

@@ -105,7 +105,9 @@ class Writer:
 
 def symbols_of(parts: Parts) -> dict[str, float]:
     """Return the numbers of the scene that any kernel can ask for by name (docs/nomenclature.md)."""
-    found = {"omega": parts.omega, "pitch": parts.geometry.pitch} | parts.geometry.settings.symbols()
+    settings = parts.geometry.settings
+    found = {"omega": parts.omega, "tip_speed": settings.surface_speed(parts.omega), "pitch": parts.geometry.pitch}
+    found |= settings.symbols()
     if parts.oil is not None:
         found["oil_density"] = parts.oil.density
         found["oil_heat_capacity"] = parts.oil.heat_capacity

@@ -25,6 +25,7 @@ from screwsim.machine.drive.collocation import (
     sizes,
     solved,
 )
+from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.train import Train
 from screwsim.numerics.periodic import Anderson
 
@@ -76,10 +77,11 @@ class Response(NamedTuple):
         return float(self.twist[np.argmax(np.abs(self.twist))])
 
 
-def respond(train: Train, load: Array, omega: float) -> Response:
+def respond(train: Train, load: Array, omega: float, near: Response | None = None) -> Response:
     """Return the periodic motion under the torque `load` on the rotors, evenly spaced over a pitch (M214).
 
-    omega: mean speed [rad/s] that is held, or a first guess of it. Raises `NoMotion`.
+    omega: mean speed [rad/s] that is held, or a first guess of it; near: a motion under nearly the same torque, from
+    which to begin where the coupling is linear, so that there is one motion only. Raises `NoMotion`.
     """
     torque = resampled(load)
     mean = float(torque.mean())
@@ -101,7 +103,11 @@ def respond(train: Train, load: Array, omega: float) -> Response:
     no_load = train.motor.no_load_speed(start, mean) if train.holds_mean else train.speed
     n = POINTS
     x = np.concatenate([np.full(n, start), np.full(n, twist), [no_load]])
-    return _response(train, _raised(train, x, torque, omega), torque)
+    found = None
+    if near is not None and isinstance(train.coupling, LinearCoupling):
+        ripples = near.speed * (start / near.mean_speed), near.twist + (twist - near.twist.mean())
+        found = _by_harmonics(train, np.concatenate([*ripples, [no_load]]), torque, omega)
+    return _response(train, _raised(train, x, torque, omega) if found is None else found, torque)
 
 
 def _raised(train: Train, x: Array, torque: Array, omega: float) -> Array:
@@ -172,7 +178,7 @@ def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array 
         spectra = np.fft.rfft(left[:-1].reshape(2, n))
         mean = np.linalg.solve(means, [*(spectra[:, 0].real / n), left[-1]])
         change = -np.append(solved(linear, spectra) + mean[:2, None], mean[2])
-        size = float(np.max(np.abs(change) / sizes(x, omega)))
+        size = float((np.abs(change) / scale).max())
         if not size < DIVERGED * best:
             break
         if size <= CONVERGED:
