@@ -198,7 +198,8 @@ def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
 
 
 def _finite(table: Figures) -> bool:
-    return all(math.isfinite(value) for value in table.values() if value is not None)
+    numbers = [value for value in table.values() if value is not None]
+    return math.isfinite(sum(numbers)) or all(map(math.isfinite, numbers))
 
 
 def _judged(solution: Solution, accurate: Accurate, trace: bool) -> tuple[Figures, dict[str, str], Figures, Figures]:

@@ -9,7 +9,8 @@ Source: docs/model.md M210–M214; acceleration: Walker & Ni 2011.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -45,7 +46,8 @@ class NoMotion(Exception):
     """Say why the drive has no steady motion."""
 
 
-class Response(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Response:
     """One pitch of the drive at `POINTS` evenly spaced angles; speeds [rad/s], twist [rad], torques [N m]."""
 
     train: Train
@@ -57,7 +59,7 @@ class Response(NamedTuple):
     load: Array  # torque on the rotors
     no_load_speed: float
 
-    @property
+    @cached_property
     def mean_speed(self) -> float:
         """Return the mean over time of the rotors' speed [rad/s]: the pitch over the time that it takes."""
         return float(1.0 / np.mean(1.0 / self.speed))
