@@ -25,6 +25,7 @@ from screwsim.machine.drive.collocation import (
     residue,
     sizes,
     solved,
+    spectra_of,
 )
 from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.train import Train
@@ -177,7 +178,7 @@ def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array 
     linear, means, scale = linearised(train, x), linearised_mean(train, x), sizes(x, omega)
     for _ in range(MOST_CORRECTIONS):
         left = residue(train, x, torque, omega)
-        spectra = np.fft.rfft(left[:-1].reshape(2, n))
+        spectra = spectra_of(left[:-1].reshape(2, n))
         mean = np.linalg.solve(means, [*(spectra[:, 0].real / n), left[-1]])
         change = -np.append(solved(linear, spectra) + mean[:2, None], mean[2])
         size = float((np.abs(change) / scale).max())
