@@ -111,7 +111,7 @@ def residue(train: Train, x: Array, torque: Array, omega: float) -> Array:
     rotors = train.rotor_inertia * u * (D @ (u - u.mean())) - coupling + torque
     at_motor = train.motor_inertia * u * (D @ (motor - motor.mean())) - train.motor.torque(motor, no_load) + coupling
     last = omega * np.mean(1.0 / u) - 1.0 if train.holds_mean else (no_load - train.speed) / train.speed
-    return np.append(np.concatenate([rotors, at_motor]), last)
+    return np.concatenate([rotors, at_motor, [last]])
 
 
 def jacobian(train: Train, x: Array, omega: float) -> Array:

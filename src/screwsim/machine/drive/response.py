@@ -39,6 +39,7 @@ MOST_CORRECTIONS = 60
 DEPTH = 12  # of Anderson's acceleration of the corrections
 DIVERGED = 30.0  # growth of a change over the smallest at which Newton's method takes over
 CONVERGED = 1e-10  # last change, of speeds over the mean and of twists over their size
+LEFT = 1e-12  # change that would follow, judged by how the last ones fell, at which corrections end before
 LEAST_SPEED = 0.05  # of the mean: a step of Newton's method never goes below it
 FINEST = 1.0 / 32.0  # least share by which the pulsation is raised
 
@@ -176,6 +177,7 @@ def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array 
     """Return the solution by accelerated corrections of the drive linearised about its mean; None where they fail."""
     n, x, accelerate, best, kept = POINTS, x.copy(), Anderson(DEPTH), np.inf, None
     linear, means, scale = linearised(train, x), linearised_mean(train, x), sizes(x, omega)
+    before = 0.0
     for _ in range(MOST_CORRECTIONS):
         left = residue(train, x, torque, omega)
         spectra = spectra_of(left[:-1].reshape(2, n))
@@ -184,8 +186,9 @@ def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array 
         size = float((np.abs(change) / scale).max())
         if not size < DIVERGED * best:
             break
-        if size <= CONVERGED:
+        if size <= CONVERGED or size * size < LEFT * before:
             return x + change
+        before = size
         if size < best:
             best, kept = size, x
         x = accelerate.mix(x / scale, (x + change) / scale)[1] * scale
