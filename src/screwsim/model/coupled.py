@@ -8,7 +8,7 @@ spare one, then the phase in which each chamber's gas is held during a step (`sl
 working memory for sums and derivatives.
 
 Where effects open chambers beyond the injection angle to suction, or others to discharge, what enters the chambers
-before that angle from those beyond it is counted with what the sums of the lines take for the other side's (`sideways`).
+before that angle from those beyond it is counted with what the lines' sums take for the other side's (`sideways`).
 """
 
 from __future__ import annotations
@@ -406,13 +406,14 @@ def all_conserve(y, y1, E, E_next, context, dq):
                         open_one = j
                         line = 1 - side
         if ACROSS == 1:
-            at = Q_STREAMS + (SUCTION_IN + 2 * line) * width
+            at = Q_STREAMS + (SUCTION_IN + 2 * line) * width  # pyright: ignore[reportPossiblyUnboundVariable]
         if widest > 0.0:
             if dq[at] + dq[at + width] >= 0.0:
                 if ACROSS == 0:
                     add_stream(dq, at, defect, R, R_DISCHARGE * side)
                 if ACROSS == 1:
-                    add_stream(dq, at, defect, R, R_DISCHARGE * line)
+                    b = R_DISCHARGE * line  # pyright: ignore[reportPossiblyUnboundVariable]
+                    add_stream(dq, at, defect, R, b)
             else:
                 fill_place(
                     places[(CHAMBERS + 1) * PLACE + open_one], y1, open_one * N, P, TAB, places, open_one * PLACE

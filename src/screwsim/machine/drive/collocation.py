@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -48,13 +49,13 @@ def _waves(n: int) -> tuple[Array, Array]:
     return np.cos(phases), np.sin(phases)
 
 
-def spectra_of(curves: Array) -> Array:
+def spectra_of(curves: Array) -> Any:
     """Return what numpy's rfft does of rows; a product with a matrix is faster for a prime number of points."""
     cosine, sine = _waves(curves.shape[-1])
     return curves @ cosine - 1j * (curves @ sine)
 
 
-def curves_of(spectra: Array, n: int = POINTS) -> Array:
+def curves_of(spectra: Any, n: int = POINTS) -> Array:
     """Return the curves at n (odd) points of which these are the `spectra_of`, rows of mean and harmonics."""
     cosine, sine = _waves(n)
     weights = np.full(spectra.shape[-1], 2.0 / n)
@@ -111,7 +112,7 @@ def residue(train: Train, x: Array, torque: Array, omega: float) -> Array:
     rotors = train.rotor_inertia * u * (D @ (u - u.mean())) - coupling + torque
     at_motor = train.motor_inertia * u * (D @ (motor - motor.mean())) - train.motor.torque(motor, no_load) + coupling
     last = omega * np.mean(1.0 / u) - 1.0 if train.holds_mean else (no_load - train.speed) / train.speed
-    return np.concatenate([rotors, at_motor, [last]])
+    return np.concatenate([rotors, at_motor, np.array([last])])
 
 
 def jacobian(train: Train, x: Array, omega: float) -> Array:
