@@ -118,6 +118,14 @@ EFFECTS: dict[str, dict[str, Any]] = {
     },
 }
 NEEDS_REAL = {"liquid_injection"}
+LIMITS = (  # what the message of a run says that ends at a limit of the machine or of the gas's equation
+    "hydraulic lock",
+    "warm rotors touch",
+    "the motor stalls",
+    "above the equation's highest temperature",
+    "below the equation's lowest temperature",
+    "condenses",
+)
 KEEP = ("gas.", "numerics.closing", "machine.volume.law", "machine.male_lobes")
 SECTIONS = {"effects", "oil", "gas", "machine.volume", "machine.suction_port", "machine.discharge_port"}
 
@@ -204,13 +212,19 @@ def stored() -> dict[str, dict[str, Any]]:
     return json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
 
 
+def at_a_limit(outcome: dict[str, Any]) -> bool:
+    """Tell whether a run failed at one of the `LIMITS`, and says so."""
+    return outcome["status"] == "failed" and any(words in outcome["message"] for words in LIMITS)
+
+
 def row(name: str, outcomes: dict[str, dict[str, Any]]) -> str:
     """Return an effect's row of the table."""
-    counts = dict.fromkeys(("ok", "refused"), 0)
+    counts = dict.fromkeys(("ok", "refused", "limit"), 0)
     others: list[str] = []
     for case, each in outcomes.items():
-        if each["status"] in counts:
-            counts[each["status"]] += 1
+        status = "limit" if at_a_limit(each) else each["status"]
+        if status in counts:
+            counts[status] += 1
         elif each["status"] != "left out":
             others.append(f"{case}: {each['status']}")
     fine = {case: each for case, each in outcomes.items() if each["status"] == "ok"}
@@ -224,7 +238,15 @@ def row(name: str, outcomes: dict[str, dict[str, Any]]) -> str:
 def table() -> str:
     """Return the table of what is stored."""
     known = stored()
-    head = ("effect", "ok", "refused", "neither", "worst balance over its bound", "most evaluations")
+    head = (
+        "effect",
+        "ok",
+        "refused",
+        "at a limit",
+        "none of these",
+        "worst balance over its bound",
+        "most evaluations",
+    )
     lines = (f"| {' | '.join(head)} |", "|---" * len(head) + "|")
     return "\n".join([*lines, *(row(name, known[name]) for name in rows() if name in known)])
 

@@ -66,6 +66,10 @@ class Making(Prepared):
         """Return the turn of these quadratures with what it makes."""
         return self.once("turn", q, lambda: self._newly_imaged(q))
 
+    def turn(self, q: closing.Array) -> Turn:
+        """Return what the last turn, whose quadratures are q, tells of itself."""
+        return self._imaged(q)
+
     def _newly_imaged(self, q: closing.Array) -> Turn:
         made: dict[str, float] = {}
         turn = self._turn(q, made)
