@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim import expander, performance
 from screwsim.build import build_site
-from screwsim.effects.base import Drawn, Plenum, Reading, Turn
+from screwsim.effects.base import Drawn, Plenum, Reading, Site, Turn
 from screwsim.ledger import Cycle, ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
@@ -166,6 +166,10 @@ class Solution(Making):
         return pitch_of(self.machinery, geometry, low, float(q[0]) / geometry.pitch, high)
 
     @cached_property
+    def _site(self) -> Site:
+        return build_site(self.scene, self.parts.gas)
+
+    @cached_property
     def _effect(self) -> float | None:
         return refrigerating_effect(self.scene)
 
@@ -256,7 +260,7 @@ class Solution(Making):
         found: dict[str, float | None] = {}
         if self.parts.plenums:
             streams, rate = self.balances.streams(q)[:, 0], self.lives_per_second
-            site, suction = build_site(self.scene, self.parts.gas), float(streams[0] + streams[1]) * rate
+            site, suction = self._site, float(streams[0] + streams[1]) * rate
             for _, plenum in self.parts.all(Plenum):
                 i = 2 * self.parts.number(plenum.name)
                 drawn = Drawn(float(streams[i] + streams[i + 1]) * rate, suction, self.parts.plenums[plenum.name], site)
