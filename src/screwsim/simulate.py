@@ -71,8 +71,8 @@ def _unclosed(solution: Solution, closed: closing.Closed) -> str:
     if any(part.shut is not None and part.shut(solution.turn(closed.q)) for part in solution.parts.pulsations):
         return (
             "a check valve of effects.plenums stays shut and the turns do not settle: the machine leaks more than it "
-            "takes in and delivers nothing, and what is locked behind the valve may not follow from the scene (leave the "
-            "valve out, or smaller leaks or a higher speed)"
+            "takes in and delivers nothing, and what is locked behind the valve may not follow from the scene (leave "
+            "the valve out, or smaller leaks or a higher speed)"
         )
     if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
         return "try numerics.closing: coupled, or a tighter numerics.accuracy"

@@ -49,7 +49,6 @@ def fill_lines(phi, P, R, E, at):
         rho = E[b + DENSITY] * (1.0 + offset)
         ratio = max(LOWEST, 1.0 + pulse / (1.0 + offset))
         inverse = E[b + EXPONENT]
-        denser = ratio**inverse
         E[b + PRESSURE] = p * ratio
-        E[b + DENSITY] = rho * denser
-        E[b + ENTHALPY] += p / rho * (ratio / denser - 1.0) / (1.0 - inverse)
+        E[b + DENSITY] = rho * ratio**inverse
+        E[b + ENTHALPY] += p / rho * (ratio ** (1.0 - inverse) - 1.0) / (1.0 - inverse)

@@ -32,7 +32,9 @@ def differentiation(pitch: float, n: int = POINTS) -> Array:
 
 def resampled(values: Array, n: int = POINTS) -> Array:
     """Return a periodic curve at n points, its higher harmonics left out."""
-    return _resampling(len(values), n) @ values
+    if POINTS in (len(values), n):  # a prime number, of which a fast transform is slow
+        return _resampling(len(values), n) @ values
+    return np.fft.irfft(np.fft.rfft(values)[: n // 2 + 1], n) * (n / len(values))
 
 
 @lru_cache(maxsize=8)
