@@ -3,10 +3,12 @@
 Run: hard_with_effects.py [EFFECT …] solves them with the effects named (default: those not stored yet) and stores the
 outcome in tests/hard/with_effects.json; hard_with_effects.py --table prints the table of what is stored.
 
-The numbers of the effects are those of scripts/effects.py and scripts/effects_loads.py. Of the cases of
-tests/hard/hard_cases.py are taken those that deserve `ok`, keep the base's laws and ideal gas, so that all share the
-structure of an effect, and may take at most a million evaluations; `effect` is added to the case's own changes, and oil
-is carried along (a case for which that is said as well as `paper` is taken once).
+The numbers of the effects are those of scripts/effects.py, scripts/effects_loads.py and configs/everything.yaml. Of the
+cases of tests/hard/hard_cases.py are taken those that deserve `ok`, keep the base's laws and ideal gas, so that all
+share the structure of an effect, and may take at most a million evaluations; `effect` is added to the case's own
+changes, and oil is carried along (a case for which that is said as well as `paper` is taken once). `EFFECT, real gas`
+are the cases of a real gas, and those of `ON_REAL` on R134a between lines of 2 and 45 °C. Each outcome is stored as it
+comes: a run that was ended goes on where it was.
 """
 
 from __future__ import annotations
@@ -15,6 +17,8 @@ import argparse
 import json
 import sys
 import time
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +31,31 @@ from judging import Stopped, finite, limited  # noqa: E402
 from scenes import DROP, HELD_GAPS, make  # noqa: E402
 
 from screwsim.faults import SceneError  # noqa: E402
-from screwsim.simulate import simulate  # noqa: E402
+from screwsim.simulate import simulate, warm_up  # noqa: E402
 
 DEAREST = 1_000_000  # evaluations that a case may take without the effects
 LIMIT = 90  # processor seconds of a case
+REAL = ", real gas"
+ON_REAL = (  # cases of an ideal gas that R134a's equation of state covers, too
+    "paper, 50 rpm",
+    "paper, d = 0.01",
+    "paper, d = 10",
+    "ports times 100",
+    "gaps 1 mm",
+    "dead volume 1e-09",
+    "dead volume 0.1",
+    "phi_B = 0.1 deg",
+)
+LINES_OF_REAL = {
+    "gas.model": "real",
+    "oil_supply.temperature": "328 K",
+    "operation": {
+        "speed": "3000 rpm",
+        "evaporating_temperature": "2 degC",
+        "condensing_temperature": "45 degC",
+        "superheat": "10 K",
+    },
+}
 PORT = {"effects.oil_injection": {"opens": "365 deg", "closes": "455 deg"}}
 WALLS = {
     "effects.wall_heat": {
@@ -79,13 +104,36 @@ EFFECTS: dict[str, dict[str, Any]] = {
     },
     "motor": {"effects.motor": {"rated_power": "15 kW", "efficiency": 0.921}},
     "gas_torque": {"effects.gas_torque": {"male_share": 0.9}},
+    "drive": {
+        "effects.drive": {
+            "motor_inertia": "0.8 kg m^2",
+            "rotor_inertia": "0.12 kg m^2",
+            "coupling": {"linear": {"spring": "20000 N m/rad", "largest_twist": "12 deg"}, "damping": "6 N m s/rad"},
+            "motor": {"law": "line", "slope": "30 N m s/rad", "torque_limit": "700 N m"},
+        }
+    },
+    "liquid_injection": {
+        "gas.two_phase": "equilibrium",
+        "effects.liquid_injection": {"opens": "500 deg", "closes": "600 deg", "area": "4 mm^2"},
+    },
 }
+NEEDS_REAL = {"liquid_injection"}
+LIMITS = (  # what the message of a run says that ends at a limit of the machine or of the gas's equation
+    "hydraulic lock",
+    "warm rotors touch",
+    "the motor stalls",
+    "above the equation's highest temperature",
+    "below the equation's lowest temperature",
+    "condenses",
+)
 KEEP = ("gas.", "numerics.closing", "machine.volume.law", "machine.male_lobes")
 SECTIONS = {"effects", "oil", "gas", "machine.volume", "machine.suction_port", "machine.discharge_port"}
 
 
-def chosen() -> list[Any]:
-    """Return the cases, one of each set of changes but for the oil's transport."""
+def chosen(name: str = "none") -> list[Any]:
+    """Return the cases for an effect, one of each set of changes but for the oil's transport."""
+    if name.endswith(REAL):
+        return [*_with_real_gas()]
     found: dict[str, Any] = {}
     for case in CASES:
         structural = any(path in SECTIONS or path.startswith(KEEP) for path in case.changes)
@@ -93,6 +141,30 @@ def chosen() -> list[Any]:
             text = json.dumps({**case.changes, **CARRIED}, sort_keys=True)
             found.setdefault(text, case)
     return list(found.values())
+
+
+def _with_real_gas() -> Iterator[Any]:
+    """Yield the cases of one real gas phase, and those of `ON_REAL` with it."""
+    for case in CASES:
+        real = case.changes.get("gas.model") == "real" and "gas.two_phase" not in case.changes
+        if (
+            real
+            and case.status == "ok"
+            and case.guess is None
+            and case.most <= DEAREST
+            and "effects" not in case.changes
+        ):
+            yield case
+        elif case.name in ON_REAL:
+            yield replace(
+                case, name=f"real, {case.name.removeprefix('paper, ')}", changes={**LINES_OF_REAL, **case.changes}
+            )
+
+
+def rows() -> list[str]:
+    """Return the names of all rows: effects with the ideal and with a real gas."""
+    ideal = [name for name in EFFECTS if name not in NEEDS_REAL]
+    return [*ideal, *(name + REAL for name in EFFECTS)]
 
 
 def solved(case: Any, effect: dict[str, Any]) -> dict[str, Any]:
@@ -121,12 +193,18 @@ def solved(case: Any, effect: dict[str, Any]) -> dict[str, Any]:
     return found
 
 
-def solve(name: str) -> dict[str, Any]:
-    """Return the outcomes of all cases with one effect, by the case's name."""
+def solve(name: str, anew: bool) -> None:
+    """Solve all cases with one effect, or those not stored yet, and store each outcome by the case's name."""
     started = time.process_time()
-    found = {case.name: solved(case, EFFECTS[name]) for case in chosen()}
+    known = {} if anew else stored().get(name, {})
+    effect = EFFECTS[name.removesuffix(REAL)]
+    warm_up(make({**CARRIED, **(LINES_OF_REAL if name.endswith(REAL) else {}), **effect}))
+    for case in chosen(name):
+        if case.name not in known:
+            known[case.name] = solved(case, effect)
+            text = json.dumps(stored() | {name: known}, indent=1, ensure_ascii=False)
+            STORED.write_text(text + "\n", encoding="utf-8")
     print(f"{name}: {time.process_time() - started:.0f} s of the processor", file=sys.stderr, flush=True)
-    return found
 
 
 def stored() -> dict[str, dict[str, Any]]:
@@ -134,13 +212,19 @@ def stored() -> dict[str, dict[str, Any]]:
     return json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
 
 
+def at_a_limit(outcome: dict[str, Any]) -> bool:
+    """Tell whether a run failed at one of the `LIMITS`, and says so."""
+    return outcome["status"] == "failed" and any(words in outcome["message"] for words in LIMITS)
+
+
 def row(name: str, outcomes: dict[str, dict[str, Any]]) -> str:
     """Return an effect's row of the table."""
-    counts = dict.fromkeys(("ok", "refused"), 0)
+    counts = dict.fromkeys(("ok", "refused", "limit"), 0)
     others: list[str] = []
     for case, each in outcomes.items():
-        if each["status"] in counts:
-            counts[each["status"]] += 1
+        status = "limit" if at_a_limit(each) else each["status"]
+        if status in counts:
+            counts[status] += 1
         elif each["status"] != "left out":
             others.append(f"{case}: {each['status']}")
     fine = {case: each for case, each in outcomes.items() if each["status"] == "ok"}
@@ -154,26 +238,31 @@ def row(name: str, outcomes: dict[str, dict[str, Any]]) -> str:
 def table() -> str:
     """Return the table of what is stored."""
     known = stored()
-    head = ("effect", "ok", "refused", "neither", "worst balance over its bound", "most evaluations")
+    head = (
+        "effect",
+        "ok",
+        "refused",
+        "at a limit",
+        "none of these",
+        "worst balance over its bound",
+        "most evaluations",
+    )
     lines = (f"| {' | '.join(head)} |", "|---" * len(head) + "|")
-    return "\n".join([*lines, *(row(name, known[name]) for name in EFFECTS if name in known)])
+    return "\n".join([*lines, *(row(name, known[name]) for name in rows() if name in known)])
 
 
 def main() -> None:
     """Solve and store, or print what is stored."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("effects", nargs="*", metavar="EFFECT", help=", ".join(EFFECTS))
+    parser.add_argument("effects", nargs="*", metavar="EFFECT", help=f"{', '.join(EFFECTS)}; each with '{REAL}', too")
     parser.add_argument("--table", action="store_true", help="print the table of what is stored")
     asked = parser.parse_args()
-    unknown = sorted(set(asked.effects) - set(EFFECTS))
+    unknown = sorted(set(asked.effects) - set(rows()))
     if unknown:
-        parser.error(f"no effect {', '.join(unknown)}; known: {', '.join(EFFECTS)}")
+        parser.error(f"no effect {', '.join(unknown)}; known: {', '.join(rows())}")
     if not asked.table:
-        for name in asked.effects or [name for name in EFFECTS if name not in stored()]:
-            outcomes = solve(name)
-            STORED.write_text(
-                json.dumps(stored() | {name: outcomes}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
-            )
+        for name in asked.effects or rows():
+            solve(name, bool(asked.effects))
     print(table())
 
 

@@ -13,7 +13,6 @@ from screwsim.effects.base import (
     FlowPath,
     HeatRate,
     Made,
-    OilContent,
     OilGas,
     Plenum,
     Scaled,
@@ -149,13 +148,8 @@ def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | Non
         plenums={part.name: part.state(site()) for part in plenums},
         made={part.entry.name: part.guess(site()) for part in made},
         set_speed=set_speed,
-        oil_content=_oil_content(effects, scene, gas),
+        oil_content=next((part.content(site()) for _, part in effects.all(OilGas)), None),
     )
-
-
-def _oil_content(effects: Effects, scene: Scene, gas: Gas) -> OilContent | None:
-    """Return what the oil brings dissolved; None where no effect declares it."""
-    return next((part.content(build_site(scene, gas)) for _, part in effects.all(OilGas)), None)
 
 
 def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:

@@ -31,13 +31,20 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
         reference = better.get(name)
         if value is None or reference is None:
             continue
-        scale = max(error_scale(name, known), 1e-300)
+        scale = max(abs(known[name]) if _plain(name) else error_scale(name, known), 1e-300)
         if _is_power(name):
             scale = max(scale, least_power)
         elif name == "work_per_cycle":
             scale = max(scale, least_work)
         errors[name] = abs(value - reference) / scale
     return Figures(errors)
+
+
+@cache
+def _plain(name: str) -> bool:
+    """Tell whether the error of a figure is relative to itself."""
+    others = _is_power(name) or name.endswith("_efficiency") or _swing(name) is not None
+    return not (others or name in NET or name in OIL)
 
 
 @cache

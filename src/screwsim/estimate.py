@@ -147,11 +147,9 @@ class Watch:
 
 def worst(errors: Figures) -> tuple[str, float]:
     """Return the figure of the largest estimated error, and that error."""
-    return max(
-        ((name, error) for name, error in errors.items() if error is not None),
-        key=lambda known: known[1],
-        default=("", 0.0),
-    )
+    known = {name: error for name, error in errors.items() if error is not None}
+    name = max(known, key=known.__getitem__, default="")
+    return name, known.get(name, 0.0)
 
 
 def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Read]:

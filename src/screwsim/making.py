@@ -24,6 +24,7 @@ from screwsim.model.slots import (
 )
 from screwsim.prepared import Prepared
 
+KEPT_READINGS = 2  # of histories
 LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
 
 
@@ -31,12 +32,16 @@ class Making(Prepared):
     """A prepared scene that turns quadratures of a cycle into what that cycle makes."""
 
     def once(self, name: str, q: closing.Array, read: Callable[[], Any]) -> Any:
-        """Return what `read` gives of the last history, whose quadratures are q; read once for as long as it stands."""
+        """Return what `read` gives of the last history, whose quadratures are q.
+
+        Read once of each of the last `KEPT_READINGS` histories: the one that estimates errors comes between.
+        """
         machinery = self.machinery
-        state = q.tobytes(), machinery.composition.P.tobytes(), machinery.R.tobytes()
-        if self._read[:2] != (machinery.stamp, state):
-            self._read = machinery.stamp, state, {}
-        found = self._read[2]
+        key = machinery.stamp, q.tobytes(), machinery.composition.P.tobytes(), machinery.R.tobytes()
+        found = next((found for known, found in self._read if known == key), None)
+        if found is None:
+            found = {}
+            self._read = [*self._read, (key, found)][-KEPT_READINGS:]
         if name not in found:
             found[name] = read()
         return found[name]
@@ -60,6 +65,10 @@ class Making(Prepared):
     def _imaged(self, q: closing.Array) -> Turn:
         """Return the turn of these quadratures with what it makes."""
         return self.once("turn", q, lambda: self._newly_imaged(q))
+
+    def turn(self, q: closing.Array) -> Turn:
+        """Return what the last turn, whose quadratures are q, tells of itself."""
+        return self._imaged(q)
 
     def _newly_imaged(self, q: closing.Array) -> Turn:
         made: dict[str, float] = {}

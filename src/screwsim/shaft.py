@@ -19,7 +19,6 @@ from screwsim.solution import Solution
 
 MOST_TURNS = 20  # of chambers and drive by turns
 MOST_SPEEDS = 20  # tried for a mean speed that follows from the motor's line
-TOO_LARGE = 0.98  # ripple over twice the mean beyond which a course of the speed is not put in place
 
 
 def settled(solution: Any, closed: closing.Closed) -> closing.Closed:
@@ -49,7 +48,7 @@ def settled(solution: Any, closed: closing.Closed) -> closing.Closed:
 def set_course(solution: Any, motion: Response) -> float:
     """Let the chambers feel the speed of a motion; return the largest change of the speed over its mean.
 
-    A change below the tolerance leaves what the chambers feel as it is.
+    A change below the tolerance leaves what the chambers feel as it is; the next scene of a course begins with it.
     """
     composition, pitch = solution.machinery.composition, solution.parts.geometry.pitch
     ratio = (motion.speed / motion.mean_speed) ** 2
@@ -57,9 +56,11 @@ def set_course(solution: Any, motion: Response) -> float:
     slopes = resampled(differentiation(pitch) @ ratio, speed.ROWS - 1)
     old = speed.squares_at(composition.P, composition.speed_curve)
     change = float(np.max(np.abs(np.sqrt(np.maximum(squares, 0.0)) - np.sqrt(old))))
-    if change > solution.wanted.tolerance and squares.min() > (1.0 - TOO_LARGE) ** 2:
+    if squares.min() > (1.0 - speed.TOO_LARGE) ** 2:
         ends = np.append(squares, squares[0]), np.append(slopes, slopes[0])
-        speed.write_curve(composition.P, composition.speed_curve, *ends, pitch)
+        solution.moved = speed.curve_of(*ends, pitch)
+        if change > solution.wanted.tolerance:
+            speed.put(composition.P, composition.speed_curve, solution.moved)
     return change
 
 

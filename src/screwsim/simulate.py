@@ -68,6 +68,12 @@ def _unclosed(solution: Solution, closed: closing.Closed) -> str:
     numerics = solution.scene.numerics
     if solution.machinery.impacts > RESTLESS:
         return f"its turns do not settle, with {_restless(solution.machinery.impacts)}"
+    if any(part.shut is not None and part.shut(solution.turn(closed.q)) for part in solution.parts.pulsations):
+        return (
+            "a check valve of effects.plenums stays shut and the turns do not settle: the machine leaks more than it "
+            "takes in and delivers nothing, and what is locked behind the valve may not follow from the scene (leave "
+            "the valve out, or smaller leaks or a higher speed)"
+        )
     if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
         return "try numerics.closing: coupled, or a tighter numerics.accuracy"
     if closed.change < UNSETTLED:
@@ -198,7 +204,8 @@ def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
 
 
 def _finite(table: Figures) -> bool:
-    return all(math.isfinite(value) for value in table.values() if value is not None)
+    numbers = [value for value in table.values() if value is not None]
+    return math.isfinite(sum(numbers)) or all(map(math.isfinite, numbers))
 
 
 def _judged(solution: Solution, accurate: Accurate, trace: bool) -> tuple[Figures, dict[str, str], Figures, Figures]:

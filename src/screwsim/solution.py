@@ -10,10 +10,11 @@ import numpy as np
 
 from screwsim import expander, performance
 from screwsim.build import build_site
-from screwsim.effects.base import Drawn, Plenum, Reading, Turn
+from screwsim.effects.base import Drawn, Plenum, Reading, Site, Turn
 from screwsim.ledger import Cycle, ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
+from screwsim.model import speed
 from screwsim.model.continuation import Guess
 from screwsim.model.guess import first_guess
 from screwsim.model.pitch import Pitch, pitch_of
@@ -74,12 +75,22 @@ class Solution(Making):
         guess = self.course.guess(machinery, self.parameters)
         if guess is not None:
             self._set_lines(self.scene.operation.discharge.temperature or float(guess.y[0]), 0.0)
-            self.set_made(guess.made)
+            self.set_made(guess.made[: len(self.entries)])
+            speed.put_back(machinery.composition, guess.made[len(self.entries) :])
         return guess
 
     def note(self, closed: closing.Closed) -> None:
-        """Leave the closed cycle to the scenes that follow on this course."""
-        self.course.add(self.machinery, self.parameters, closed, self.made())
+        """Leave the closed cycle to the scenes that follow on this course.
+
+        What effects declare as made by the cycle goes as the last turn made it: one that closes at once would hand on
+        what it was given, and errors of guesses would add up along the course.
+        """
+        made = self.entries.possible(self.image(closed.q)) if self.parts.made and closed.status == "ok" else self.made()
+        self.course.add(self.machinery, self.parameters, closed, np.concatenate([made, self._speed()]))
+
+    def _speed(self) -> closing.Array:
+        """Return the curve of the speed that the drive made last, or that the chambers feel; none where it is held."""
+        return speed.curve_at(self.machinery.composition) if self.moved is None else self.moved
 
     def rehearse(self) -> closing.Array:
         """Do what `start` does, and set what the cycle makes once, so that all it needs is compiled."""
@@ -153,6 +164,10 @@ class Solution(Making):
         suction = float(self.machinery.R[R_SUCTION + PRESSURE])
         low, high = min(suction, self.lines.p_d), max(suction, self.lines.p_d)
         return pitch_of(self.machinery, geometry, low, float(q[0]) / geometry.pitch, high)
+
+    @cached_property
+    def _site(self) -> Site:
+        return build_site(self.scene, self.parts.gas)
 
     @cached_property
     def _effect(self) -> float | None:
@@ -245,7 +260,7 @@ class Solution(Making):
         found: dict[str, float | None] = {}
         if self.parts.plenums:
             streams, rate = self.balances.streams(q)[:, 0], self.lives_per_second
-            site, suction = build_site(self.scene, self.parts.gas), float(streams[0] + streams[1]) * rate
+            site, suction = self._site, float(streams[0] + streams[1]) * rate
             for _, plenum in self.parts.all(Plenum):
                 i = 2 * self.parts.number(plenum.name)
                 drawn = Drawn(float(streams[i] + streams[i + 1]) * rate, suction, self.parts.plenums[plenum.name], site)

@@ -167,7 +167,7 @@ class Run:
         at = composition.speed_curve
         assert at is not None  # the scene has a drive
         composition.P[P_OMEGA] = mean
-        speed.write_curve(composition.P, at, motion.squares / mean**2, motion.slopes / mean**2, pitch)
+        speed.put(composition.P, at, speed.curve_of(motion.squares / mean**2, motion.slopes / mean**2, pitch))
         y = self.chambers.copy()
         status, angle, _, q = machinery.pitch(y, solution.wanted.rtol, STEP, INSET)
         if status != 0 or not np.isfinite(y).all():

@@ -6,8 +6,8 @@ import pytest
 
 from screwsim.effects import catalogue
 from screwsim.machine.kinds import TWIN_SCREW
-from screwsim.scene import load
-from screwsim.simulate import simulate
+from screwsim.scene import load, with_values
+from screwsim.simulate import simulate, simulate_many
 
 SCENE = Path(__file__).parents[2] / "configs" / "everything.yaml"
 LEFT_OUT = {"oil_heat"}  # droplets take its place
@@ -31,6 +31,18 @@ def test_all_together_close():
     # the suction line may be a sink of cold that costs nothing (M54)
     negative = {name for name, value in destroyed.items() if value < -1e-6 * result.ledger.shaft_power}
     assert negative <= {"exergy_destroyed_suction_line"}
+
+
+@pytest.mark.slow
+def test_near_points_close_in_one_turn_and_give_what_each_gives_alone():
+    scene = load(SCENE)
+    course = [with_values(scene, {"operation.speed": scene.operation.speed * (1.0 + 0.002 * i)}) for i in range(8)]
+    found = list(simulate_many(course, trace=False))
+    assert [result.status for result in found] == ["ok"] * len(course)
+    assert [result.numerics.turns for result in found[3:]] == [1] * (len(course) - 3)
+    alone = simulate(course[-1], trace=False).performance
+    for name in ("gas_mass_flow", "shaft_power", "rotor_temperature", "mean_speed"):
+        assert found[-1].performance[name] == pytest.approx(alone[name], rel=scene.numerics.accuracy), name
 
 
 @pytest.mark.slow

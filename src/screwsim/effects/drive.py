@@ -140,8 +140,9 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
         if key not in last:
             if len(last) == KEPT:
                 del last[next(iter(last))]
+            near = next((one for one in reversed(last.values()) if isinstance(one, Response)), None)
             try:
-                last[key] = respond(train(figures.set_speed), load, figures.omega)
+                last[key] = respond(train(figures.set_speed), load, figures.omega, near)
             except NoMotion as reason:
                 last[key] = reason
         found = last[key]

@@ -60,9 +60,9 @@ def heat_transfer_coefficient(rho, speed, diameter, gas_conductivity, gas_viscos
 
 
 @kernel
-def heat(T, T_oil, m_oil, rho, slip_speed, diameter, gas_conductivity, gas_viscosity, prandtl, oil_density):
+def heat(T, T_oil, m_oil, rho, slip, tip_speed, diameter, gas_conductivity, gas_viscosity, prandtl, oil_density):
     """Return the heat [W] from the droplets to the gas (M154)."""
-    alpha = heat_transfer_coefficient(rho, slip_speed, diameter, gas_conductivity, gas_viscosity, prandtl)
+    alpha = heat_transfer_coefficient(rho, slip * tip_speed, diameter, gas_conductivity, gas_viscosity, prandtl)
     return 6.0 * alpha / (diameter * oil_density) * m_oil * (T_oil - T)
 
 
@@ -89,11 +89,10 @@ def sauter_diameter(parameters: Parameters, density: float, viscosity: float | N
 
 
 def numbers(parameters: Parameters, around: Around) -> Mapping[str, float]:
-    """Return what the kernel needs of the scene: diameter, slip and the gas's λ, μ, Pr. Raises UsageError."""
+    """Return what the kernel needs of the scene: diameter and the gas's λ, μ, Pr. Raises UsageError."""
     assert around.oil is not None  # needs_oil
     diameter = sauter_diameter(parameters, around.oil.density, around.oil.viscosity)
-    own = {"diameter": diameter, "slip_speed": parameters.slip * around.tip_speed}
-    return own | gas_numbers(parameters, around)
+    return {"diameter": diameter, **gas_numbers(parameters, around)}
 
 
 def build(parameters: Parameters, machine) -> list[HeatRate | Reading]:
@@ -102,7 +101,7 @@ def build(parameters: Parameters, machine) -> list[HeatRate | Reading]:
         density = figures.oil_density_at(figures.oil_temperature)
         return {"droplet_diameter": sauter_diameter(parameters, density, figures.oil_viscosity)}
 
-    return [HeatRate(heat, {}), Reading(("droplet_diameter",), read)]
+    return [HeatRate(heat, {"slip": parameters.slip}), Reading(("droplet_diameter",), read)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:

@@ -124,13 +124,13 @@ class Behind:
         self.valve: Valve | None = getattr(parameters, f"{to}_valve")
         self.along = 1.0 if to == "discharge" else -1.0
         self.names = [f"{to}_{part}_{k}" for k in range(1, self.count + 1) for part in ("cos", "sin")]
-        self._last: tuple[Any, Mean | None, Array] = None, None, np.empty(0)
+        self._last: tuple[Any, Mean | None, list[float]] = None, None, []
 
-    def coefficients(self, turn: Turn) -> Array:
+    def coefficients(self, turn: Turn) -> list[float]:
         """Return a_1, b_1, a_2 … that a turn makes."""
-        return self._found(turn)[1]
+        return self._last[2] if self._last[0] is turn.line else self._found(turn)[1]
 
-    def _found(self, turn: Turn) -> tuple[Mean | None, Array]:
+    def _found(self, turn: Turn) -> tuple[Mean | None, list[float]]:
         """Return what a turn makes of a plenum with a valve (without: None), and its coefficients; once a turn."""
         if self._last[0] is not turn.line:
             held = np.array([turn.held[name] for name in self.names]).reshape(-1, 2)
@@ -141,7 +141,7 @@ class Behind:
             else:
                 mean = self._valved(self.valve, line, before, turn.held[f"{self.to}_offset"], frequency)
                 found = mean.amplitudes
-            self._last = turn.line, mean, np.column_stack([np.real(found), -np.imag(found)]).ravel()
+            self._last = turn.line, mean, np.column_stack([np.real(found), -np.imag(found)]).ravel().tolist()
         return self._last[1:]
 
     def _valved(self, valve: Valve, line: LineFlow, before: Array, held: float, frequency: float) -> Mean:
@@ -168,7 +168,7 @@ class Behind:
 
     def coefficient(self, i: int, turn: Turn) -> float:
         """Return one of them."""
-        return float(self.coefficients(turn)[i])
+        return self.coefficients(turn)[i]
 
     def offset(self, turn: Turn) -> float:
         """Return the offset of the mean that a turn makes."""

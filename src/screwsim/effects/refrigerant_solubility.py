@@ -26,6 +26,7 @@ from screwsim.declare import quantity
 from screwsim.effects.base import Drawn, Effect, OilContent, OilGas, Plenum, Site
 from screwsim.faults import Fault
 from screwsim.fluid import constants, solubility
+from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.kinds import TWIN_SCREW
 
 NAME = "refrigerant_solubility"
@@ -54,6 +55,7 @@ def _saturation() -> tuple[Callable[..., Any], Callable[..., Any]]:
     return PchipInterpolator(1.0 / T[::-1], np.log(p[::-1])), PchipInterpolator(T, rho)
 
 
+@lru_cache(maxsize=256)
 def pair(T: float) -> solubility.Pair:
     """Return R134a and oil at T [K]."""
     log_pressure, density = _saturation()
@@ -94,6 +96,12 @@ def equilibrium_pressure(ratio: float, T: float) -> float:
     return found.p_sat * math.exp(solubility.log_activity(x, *found[1:5]))
 
 
+@lru_cache(maxsize=8)
+def _vapour(gas: Any, T_separator: float, T: float, p_d: float) -> Reservoir:
+    """Return the vapour in equilibrium with the oil that is supplied at T [K] (M197)."""
+    return gas.vapour(equilibrium_pressure(content(p_d, T_separator), T), T)
+
+
 def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
     T_separator = parameters.separator_temperature
 
@@ -101,10 +109,9 @@ def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
         assert site.T_oil is not None and site.oil is not None  # needs_oil
         return _content(T_separator, site.T_oil, site.p_d, site.oil.heat_capacity)
 
-    def state(site: Site):
-        """Return the vapour in equilibrium with the oil that is supplied (M197)."""
+    def state(site: Site) -> Reservoir:
         assert site.T_oil is not None
-        return site.gas.vapour(equilibrium_pressure(content(site.p_d, T_separator), site.T_oil), site.T_oil)
+        return _vapour(site.gas, T_separator, site.T_oil, site.p_d)
 
     def figures(drawn: Drawn) -> dict[str, float | None]:
         return {

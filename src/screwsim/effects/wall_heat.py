@@ -53,24 +53,34 @@ class Parameters:
 
 
 @kernel
-def coefficient(rho, gas_speed, characteristic_length, nusselt_factor, gas_conductivity, gas_viscosity):
-    """Return α [W/(m² K)] between gas and wall (M172)."""
-    reynolds = rho * gas_speed * characteristic_length / gas_viscosity
+def coefficient(rho, speed, characteristic_length, nusselt_factor, gas_conductivity, gas_viscosity):
+    """Return α [W/(m² K)] between a wall and gas that passes it at a speed [m/s] (M172)."""
+    reynolds = rho * speed * characteristic_length / gas_viscosity
     return nusselt_factor * reynolds**0.8 * gas_conductivity / characteristic_length
 
 
 @kernel
 def conductance(
-    V, rho, wall_area, largest_volume, gas_speed, characteristic_length, nusselt_factor, gas_conductivity, gas_viscosity
+    V,
+    rho,
+    wall_area,
+    largest_volume,
+    speed_ratio,
+    tip_speed,
+    characteristic_length,
+    nusselt_factor,
+    gas_conductivity,
+    gas_viscosity,
 ):
     """Return α A [W/K] of a chamber of volume V [m³] that wets `wall_area` [m²] at its largest (M172, M173)."""
-    alpha = coefficient(rho, gas_speed, characteristic_length, nusselt_factor, gas_conductivity, gas_viscosity)
+    speed = speed_ratio * tip_speed
+    alpha = coefficient(rho, speed, characteristic_length, nusselt_factor, gas_conductivity, gas_viscosity)
     return alpha * wall_area * V / largest_volume
 
 
 def numbers(parameters: Parameters, around: Around) -> Mapping[str, float]:
-    """Return what the kernel needs of the scene: speed of the gas, its λ and μ. Raises UsageError."""
-    return {"gas_speed": parameters.speed_ratio * around.tip_speed, **gas_numbers(parameters, around, GAS)}
+    """Return what the kernel needs of the scene: λ and μ of the gas. Raises UsageError."""
+    return gas_numbers(parameters, around, GAS)
 
 
 def settled(lump: str, cooling: float, stated: float | None, turn: Turn) -> float:
@@ -96,6 +106,7 @@ def build(parameters: Parameters, machine) -> list[Made | Wall | Reading]:
         values = {
             "wall_area": getattr(parameters, f"{lump}_area"),
             "largest_volume": machine.swept_volume,
+            "speed_ratio": parameters.speed_ratio,
             "characteristic_length": parameters.characteristic_length,
             "nusselt_factor": parameters.nusselt_factor,
         }

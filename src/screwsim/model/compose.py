@@ -63,6 +63,8 @@ OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "vo
 OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
 OWN += ("state_rate", "path_opening", "flash_terms", "stop_push", "restitution")
 
+PORTS, LINES = ("suction_port", "discharge_port"), ("suction", "discharge")
+
 
 @dataclass(frozen=True)
 class Recipe:
@@ -285,7 +287,9 @@ def _alike(parts: Parts, other: Parts) -> bool:
     """
     if parts.geometry is not other.geometry or parts.effects is not other.effects or parts.gas != other.gas:
         return False
-    if parts.oil_content is not None or list(parts.plenums) != list(other.plenums):
+    if parts.oil_content is not other.oil_content or list(parts.plenums) != list(other.plenums):
+        return False
+    if parts.oil_content is not None and parts.plenums != other.plenums:
         return False
     return list(parts.made) == list(other.made) and _supplied(parts) == _supplied(other)
 
@@ -321,6 +325,7 @@ def _structure(parts: Parts) -> dict[str, int]:
     walls = len(parts.walls)
     found = {"OWN_PLENUMS": own, "PORTED": int(ported), "VOLUMED": int(parts.oil_room)}
     found["PULSATING"] = int(bool(parts.pulsations))
+    found["ACROSS"] = int(any(name not in PORTS and path.to in LINES for name, path in parts.all(FlowPath)))
     found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
     found |= {"RESISTED": int(_resisted(parts)), "PUMPED": int(parts.pumped)}
     gas = parts.oil_gas

@@ -6,6 +6,9 @@ chambers cancel exactly in the sum. The same kernels serve the Rosenbrock method
 A context is the tuple (P, TAB, R, places, changed, work): parameters, tables, run-time cells, one place a chamber and a
 spare one, then the phase in which each chamber's gas is held during a step (`slots.FREE`: in none); a spare state, and
 working memory for sums and derivatives.
+
+Where effects open chambers beyond the injection angle to suction, or others to discharge, what enters the chambers
+before that angle from those beyond it is counted with what the lines' sums take for the other side's (`sideways`).
 """
 
 from __future__ import annotations
@@ -24,6 +27,7 @@ from screwsim.model.pulsation import fill_lines
 from screwsim.model.room import gas_mass, locked
 from screwsim.model.slopes import gap_slopes, opening_slopes, pulsating_slopes
 from screwsim.model.slots import (
+    ACROSS,
     ALL_LINES,
     BETWEEN,
     BEYOND,
@@ -180,6 +184,8 @@ def total_rates(y, E, P, R, places, work, f, g):
             if OWN_PLENUMS > 0:
                 for c in range(2 * FIRST_OWN, CATEGORIES):
                     g[Q_STREAMS + n_sums] += work[j * n_sums + c * width] / P[P_OMEGA]
+        if ACROSS == 1:
+            g[Q_STREAMS + n_sums] += sideways(j, work, j * n_sums, P) / P[P_OMEGA]
 
 
 @kernel
@@ -279,6 +285,9 @@ def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
             Jq[Q_STREAMS + n_sums, col] = crossing / P[P_OMEGA]
         if OWN_PLENUMS > 0 and i >= 2 * FIRST_OWN * width and i % width == 0:
             Jq[Q_STREAMS + n_sums, col] += crossing / P[P_OMEGA]
+    if ACROSS == 1:
+        for r in range(CHAMBERS):
+            Jq[Q_STREAMS + n_sums, col] += sideways(r, work, ds + (r * n_cols + col) * n_sums, P) / P[P_OMEGA]
     base = work[spare : spare + N + 2]
     new = work[spare + N + 2 : spare + 2 * N + 4]
     if WALLS > 0:
@@ -375,6 +384,8 @@ def all_conserve(y, y1, E, E_next, context, dq):
                 defect -= dq[Q_STREAMS + c * width]
         widest = 0.0
         open_one = 0
+        if ACROSS == 1:
+            line = side
         for j in range(CHAMBERS):
             if side_of(j, P) == side:
                 e = j * size
@@ -388,14 +399,39 @@ def all_conserve(y, y1, E, E_next, context, dq):
                     if PLENUM[i] == side and area > widest:
                         widest = area
                         open_one = j
+                        if ACROSS == 1:
+                            line = side
+                    if ACROSS == 1 and PLENUM[i] == 1 - side and area > widest:
+                        widest = area
+                        open_one = j
+                        line = 1 - side
+        if ACROSS == 1:
+            at = Q_STREAMS + (SUCTION_IN + 2 * line) * width  # pyright: ignore[reportPossiblyUnboundVariable]
         if widest > 0.0:
             if dq[at] + dq[at + width] >= 0.0:
-                add_stream(dq, at, defect, R, R_DISCHARGE * side)
+                if ACROSS == 0:
+                    add_stream(dq, at, defect, R, R_DISCHARGE * side)
+                if ACROSS == 1:
+                    b = R_DISCHARGE * line  # pyright: ignore[reportPossiblyUnboundVariable]
+                    add_stream(dq, at, defect, R, b)
             else:
                 fill_place(
                     places[(CHAMBERS + 1) * PLACE + open_one], y1, open_one * N, P, TAB, places, open_one * PLACE
                 )
                 add_stream(dq, at + width, defect, places, open_one * PLACE)
+
+
+@kernel
+def sideways(j, sums, at, P):
+    """Return the gas that the sums of both lines count to the side of the chambers on which chamber j is not.
+
+    What comes from the discharge line into one before the injection angle, less what comes from the suction line into
+    one beyond it: the sum of the suction line and this make what enters the chambers before it.
+    """
+    width = 4 if CARRIED == 1 else 2
+    if side_of(j, P) == 0:
+        return sums[at + DISCHARGE_IN * width] + sums[at + (DISCHARGE_IN + 1) * width]
+    return -sums[at + SUCTION_IN * width] - sums[at + (SUCTION_IN + 1) * width]
 
 
 @kernel

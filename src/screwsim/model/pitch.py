@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.model.run import Machinery
-from screwsim.numerics.rodas import dense_value
 from screwsim.numerics.spline import pack_curve
 
 Array = np.ndarray
@@ -43,10 +42,9 @@ def pitch_of(
     angle = np.arange(POINTS) * (geometry.pitch / POINTS)
     grid = angle[:, None] + geometry.pitch * np.arange(geometry.chambers)
     times, dense, _, steps = machinery.last()
-    column = len(machinery.composition.states)  # the pressure follows the states
-    step = np.clip(np.searchsorted(times[: steps + 1], grid, side="right") - 1, 0, steps - 1)
-    theta = (grid - times[step]) / (times[step + 1] - times[step])
-    pressure = np.asarray(dense_value(theta, *(dense[step, row, column] for row in range(4))))
+    found = np.empty((grid.size, len(machinery.composition.states) + 1))  # the pressure follows the states
+    machinery.module.history__states_at(grid.T.ravel(), times, dense, steps, found)
+    pressure = np.ascontiguousarray(found[:, -1].reshape(geometry.chambers, POINTS).T)
     slope, male = _slopes(geometry)
     return Pitch(angle, pressure, slope, male, low_pressure, torque_mean, high_pressure)
 

@@ -27,7 +27,8 @@ ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, t
 is a constant, too), STOPS (how many of them move between a seat and a stop; then STOP_POSITION and STOP_SPEED, where
 they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), RESISTED (1: gaps hold
 flow back), WALLS (how many exchange heat with the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump
-feeds the oil port), FLASHED (1: gas flashes out of its oil) and FLASH (the category of that gas), CATEGORIES,
+feeds the oil port), ACROSS (1: effects open chambers beyond the injection angle to suction, or others to discharge),
+FLASHED (1: gas flashes out of its oil) and FLASH (the category of that gas), CATEGORIES,
 Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of all), and the indices into
 P that move with them.
 
@@ -89,6 +90,7 @@ RESISTED: Any = Structure("RESISTED")
 OWN_STATES: Any = Structure("OWN_STATES")
 OPENED: Any = Structure("OPENED")
 STOPS: Any = Structure("STOPS")
+ACROSS: Any = Structure("ACROSS")
 PUMPED: Any = Structure("PUMPED")
 FLASHED: Any = Structure("FLASHED")
 FLASH: Any = Structure("FLASH")

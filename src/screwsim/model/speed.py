@@ -9,6 +9,7 @@ on.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from screwsim.numerics.spline import pack_curve
 
 Array = np.ndarray
 ROWS = 361  # of the curve over a pitch
+TOO_LARGE = 0.98  # ripple over twice the mean beyond which a course of the speed is not put in place
 
 
 @kernel
@@ -40,16 +42,33 @@ def flat_curve(pitch: float) -> Array:
     return _packed(np.ones(ROWS), np.zeros(ROWS), pitch)
 
 
-def write_curve(P: Array, at: int, squares: Array, slopes: Array, pitch: float) -> None:
-    """Put the square of the speed over the mean, and its slopes [1/rad], at `ROWS` angles in place."""
-    packed = _packed(squares, slopes, pitch)
-    P[at : at + len(packed)] = packed
+def curve_of(squares: Array, slopes: Array, pitch: float) -> Array:
+    """Return the packed curve of the square of the speed over the mean, and its slopes [1/rad], at `ROWS` angles."""
+    return _packed(squares, slopes, pitch)
+
+
+def put(P: Array, at: int, curve: Array) -> None:
+    """Put a packed curve in place."""
+    P[at : at + len(curve)] = curve
 
 
 def squares_at(P: Array, at: int) -> Array:
     """Return the square of the speed over the mean at the first `ROWS` − 1 angles of the curve."""
     first = at + 1 + ROWS
     return P[first : first + 4 * (ROWS - 1) : 4].copy()
+
+
+def curve_at(composition: Any) -> Array:
+    """Return a composition's curve; none where its speed is constant."""
+    at = composition.speed_curve
+    return composition.P[at : at + 5 * ROWS - 3].copy() if at is not None else np.empty(0)
+
+
+def put_back(composition: Any, course: Array) -> None:
+    """Put a curve, or a weighted sum of such, in place; not one that falls to a standstill."""
+    at = composition.speed_curve
+    if at is not None and len(course) and squares_at(course, 0).min() > (1.0 - TOO_LARGE) ** 2:
+        put(composition.P, at, course)
 
 
 def _packed(squares: Array, slopes: Array, pitch: float) -> Array:

@@ -105,7 +105,9 @@ class Writer:
 
 def symbols_of(parts: Parts) -> dict[str, float]:
     """Return the numbers of the scene that any kernel can ask for by name (docs/nomenclature.md)."""
-    found = {"omega": parts.omega, "pitch": parts.geometry.pitch} | parts.geometry.settings.symbols()
+    settings = parts.geometry.settings
+    found = {"omega": parts.omega, "tip_speed": settings.surface_speed(parts.omega), "pitch": parts.geometry.pitch}
+    found |= settings.symbols()
     if parts.oil is not None:
         found["oil_density"] = parts.oil.density
         found["oil_heat_capacity"] = parts.oil.heat_capacity
@@ -124,13 +126,26 @@ def operating(parts: Parts) -> dict[str, float]:
 def write_areas(
     writer: Writer, name: str, paths: Sequence[tuple[str, FlowPath]], scales: Mapping[str, Sequence[str]]
 ) -> None:
-    body, slow = ([f"slow = {writer.slow}"], "slow * ") if writer.slow else ([], "")
+    body = []
     for index, (effect, path) in enumerate(paths):
         coefficient = " * ".join([writer.numbers.add(path.flow_coefficient), *scales.get(effect, ())])
         call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"))
         turned = [] if path.mirror is None else [f"    phi = {writer.numbers.add(path.mirror)} - phi"]
-        body += [f"if i == {index}:", *turned, f"    return {slow}{coefficient} * {call}"]
+        result = [f"    return {coefficient} * {call}"]
+        if writer.slow:  # asked for where something is open only
+            slow = [] if path.mirror is None else ["    here = phi"]
+            turned = [*slow, *turned]
+            result = [
+                f"    area = {call}",
+                f"    return {_at(writer.slow, path)} * {coefficient} * area if area != 0.0 else 0.0",
+            ]
+        body += [f"if i == {index}:", *turned, *result]
     writer.function(f"{name}(i, phi, P, TAB)", [*body, "return 0.0"])
+
+
+def _at(slow: str, path: FlowPath) -> str:
+    """Return a call for the angle of the chamber, which a mirrored path has put aside."""
+    return slow if path.mirror is None else slow.replace("(phi,", "(here,")
 
 
 def write_heat(writer: Writer, heats: Sequence[HeatRate]) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,37 @@ def differentiation(pitch: float, n: int = POINTS) -> Array:
 
 def resampled(values: Array, n: int = POINTS) -> Array:
     """Return a periodic curve at n points, its higher harmonics left out."""
+    if POINTS in (len(values), n):  # a prime number, of which a fast transform is slow
+        return _resampling(len(values), n) @ values
     return np.fft.irfft(np.fft.rfft(values)[: n // 2 + 1], n) * (n / len(values))
+
+
+@lru_cache(maxsize=8)
+def _resampling(old: int, n: int) -> Array:
+    """Return the matrix that takes values at `old` even points of a period to those at n."""
+    spectra = np.fft.rfft(np.eye(old))[:, : n // 2 + 1]
+    return np.ascontiguousarray(np.fft.irfft(spectra, n).T) * (n / old)
+
+
+@lru_cache(maxsize=4)
+def _waves(n: int) -> tuple[Array, Array]:
+    """Return cosine and sine of the mean and of each harmonic, a column each, at n (odd) points."""
+    phases = 2.0 * math.pi / n * (np.outer(np.arange(n), np.arange(n // 2 + 1)) % n)
+    return np.cos(phases), np.sin(phases)
+
+
+def spectra_of(curves: Array) -> Any:
+    """Return what numpy's rfft does of rows; a product with a matrix is faster for a prime number of points."""
+    cosine, sine = _waves(curves.shape[-1])
+    return curves @ cosine - 1j * (curves @ sine)
+
+
+def curves_of(spectra: Any, n: int = POINTS) -> Array:
+    """Return the curves at n (odd) points of which these are the `spectra_of`, rows of mean and harmonics."""
+    cosine, sine = _waves(n)
+    weights = np.full(spectra.shape[-1], 2.0 / n)
+    weights[0] = 1.0 / n
+    return (spectra.real * weights) @ cosine.T - (spectra.imag * weights) @ sine.T
 
 
 def linearised(train: Train, x: Array) -> Array:
@@ -55,7 +86,7 @@ def solved(linear: Array, spectra: Array) -> Array:
     found = np.zeros_like(spectra)
     found[0, 1:] = (d * first - b * second) / determinant
     found[1, 1:] = (a * second - c * first) / determinant
-    return np.fft.irfft(found, POINTS)
+    return curves_of(found)
 
 
 def linearised_mean(train: Train, x: Array) -> Array:
@@ -83,7 +114,7 @@ def residue(train: Train, x: Array, torque: Array, omega: float) -> Array:
     rotors = train.rotor_inertia * u * (D @ (u - u.mean())) - coupling + torque
     at_motor = train.motor_inertia * u * (D @ (motor - motor.mean())) - train.motor.torque(motor, no_load) + coupling
     last = omega * np.mean(1.0 / u) - 1.0 if train.holds_mean else (no_load - train.speed) / train.speed
-    return np.append(np.concatenate([rotors, at_motor]), last)
+    return np.concatenate([rotors, at_motor, np.array([last])])
 
 
 def jacobian(train: Train, x: Array, omega: float) -> Array:

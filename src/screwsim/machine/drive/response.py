@@ -9,7 +9,8 @@ Source: docs/model.md M210–M214; acceleration: Walker & Ni 2011.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -24,7 +25,9 @@ from screwsim.machine.drive.collocation import (
     residue,
     sizes,
     solved,
+    spectra_of,
 )
+from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.train import Train
 from screwsim.numerics.periodic import Anderson
 
@@ -36,6 +39,7 @@ MOST_CORRECTIONS = 60
 DEPTH = 12  # of Anderson's acceleration of the corrections
 DIVERGED = 30.0  # growth of a change over the smallest at which Newton's method takes over
 CONVERGED = 1e-10  # last change, of speeds over the mean and of twists over their size
+LEFT = 1e-12  # change that would follow, judged by how the last ones fell, at which corrections end before
 LEAST_SPEED = 0.05  # of the mean: a step of Newton's method never goes below it
 FINEST = 1.0 / 32.0  # least share by which the pulsation is raised
 
@@ -44,7 +48,8 @@ class NoMotion(Exception):
     """Say why the drive has no steady motion."""
 
 
-class Response(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Response:
     """One pitch of the drive at `POINTS` evenly spaced angles; speeds [rad/s], twist [rad], torques [N m]."""
 
     train: Train
@@ -56,7 +61,7 @@ class Response(NamedTuple):
     load: Array  # torque on the rotors
     no_load_speed: float
 
-    @property
+    @cached_property
     def mean_speed(self) -> float:
         """Return the mean over time of the rotors' speed [rad/s]: the pitch over the time that it takes."""
         return float(1.0 / np.mean(1.0 / self.speed))
@@ -76,10 +81,11 @@ class Response(NamedTuple):
         return float(self.twist[np.argmax(np.abs(self.twist))])
 
 
-def respond(train: Train, load: Array, omega: float) -> Response:
+def respond(train: Train, load: Array, omega: float, near: Response | None = None) -> Response:
     """Return the periodic motion under the torque `load` on the rotors, evenly spaced over a pitch (M214).
 
-    omega: mean speed [rad/s] that is held, or a first guess of it. Raises `NoMotion`.
+    omega: mean speed [rad/s] that is held, or a first guess of it; near: a motion under nearly the same torque, from
+    which to begin where the coupling is linear, so that there is one motion only. Raises `NoMotion`.
     """
     torque = resampled(load)
     mean = float(torque.mean())
@@ -101,7 +107,11 @@ def respond(train: Train, load: Array, omega: float) -> Response:
     no_load = train.motor.no_load_speed(start, mean) if train.holds_mean else train.speed
     n = POINTS
     x = np.concatenate([np.full(n, start), np.full(n, twist), [no_load]])
-    return _response(train, _raised(train, x, torque, omega), torque)
+    found = None
+    if near is not None and isinstance(train.coupling, LinearCoupling):
+        ripples = near.speed * (start / near.mean_speed), near.twist + (twist - near.twist.mean())
+        found = _by_harmonics(train, np.concatenate([*ripples, [no_load]]), torque, omega)
+    return _response(train, _raised(train, x, torque, omega) if found is None else found, torque)
 
 
 def _raised(train: Train, x: Array, torque: Array, omega: float) -> Array:
@@ -167,16 +177,18 @@ def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array 
     """Return the solution by accelerated corrections of the drive linearised about its mean; None where they fail."""
     n, x, accelerate, best, kept = POINTS, x.copy(), Anderson(DEPTH), np.inf, None
     linear, means, scale = linearised(train, x), linearised_mean(train, x), sizes(x, omega)
+    before = 0.0
     for _ in range(MOST_CORRECTIONS):
         left = residue(train, x, torque, omega)
-        spectra = np.fft.rfft(left[:-1].reshape(2, n))
+        spectra = spectra_of(left[:-1].reshape(2, n))
         mean = np.linalg.solve(means, [*(spectra[:, 0].real / n), left[-1]])
         change = -np.append(solved(linear, spectra) + mean[:2, None], mean[2])
-        size = float(np.max(np.abs(change) / sizes(x, omega)))
+        size = float((np.abs(change) / scale).max())
         if not size < DIVERGED * best:
             break
-        if size <= CONVERGED:
+        if size <= CONVERGED or size * size < LEFT * before:
             return x + change
+        before = size
         if size < best:
             best, kept = size, x
         x = accelerate.mix(x / scale, (x + change) / scale)[1] * scale
