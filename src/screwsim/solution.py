@@ -79,7 +79,7 @@ class Solution(Making):
 
     def note(self, closed: closing.Closed) -> None:
         """Leave the closed cycle to the scenes that follow on this course."""
-        self.course.add(self.machinery, self.parameters, closed, self.made())
+        self.course.add(self.machinery, self.parameters, closed, self.image(closed.q), self.wanted)
 
     def rehearse(self) -> closing.Array:
         """Do what `start` does, and set what the cycle makes once, so that all it needs is compiled."""
