@@ -27,15 +27,16 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
     """
     known = {name: 0.0 if value is None else value for name, value in better.items()}
     errors: dict[str, float | None] = dict.fromkeys(found)
+    of_powers: float | None = None  # they share one scale
     for name, value in found.items():
-        reference = better.get(name)
-        if value is None or reference is None:
+        if value is None or (reference := better.get(name)) is None:
             continue
-        scale = max(error_scale(name, known), 1e-300)
         if _is_power(name):
-            scale = max(scale, least_power)
-        elif name == "work_per_cycle":
-            scale = max(scale, least_work)
+            if of_powers is None:
+                of_powers = max(error_scale(name, known), 1e-300, least_power)
+            scale = of_powers
+        else:
+            scale = max(error_scale(name, known), least_work if name == "work_per_cycle" else 1e-300, 1e-300)
         errors[name] = abs(value - reference) / scale
     return Figures(errors)
 

@@ -147,11 +147,11 @@ class Watch:
 
 def worst(errors: Figures) -> tuple[str, float]:
     """Return the figure of the largest estimated error, and that error."""
-    return max(
-        ((name, error) for name, error in errors.items() if error is not None),
-        key=lambda known: known[1],
-        default=("", 0.0),
-    )
+    found = "", 0.0
+    for name, error in errors.items():
+        if error is not None and (error > found[1] or not found[0]):
+            found = name, error
+    return found
 
 
 def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Read]:

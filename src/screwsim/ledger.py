@@ -459,5 +459,5 @@ def entropy_residue(book: Figures, least_power: float = 0.0) -> float | None:
     """
     if not book:
         return None
-    destroyed = sum(abs(value) for name, value in book.items() if name.startswith("exergy_destroyed_") and value)
+    destroyed = sum([abs(value) for name, value in book.items() if value and name.startswith("exergy_destroyed_")])
     return abs(book["residue"]) / max(abs(book["shaft_power"]) + destroyed, least_power, 1e-300)

@@ -198,7 +198,7 @@ def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
 
 
 def _finite(table: Figures) -> bool:
-    return all(math.isfinite(value) for value in table.values() if value is not None)
+    return all(map(math.isfinite, [value for value in table.values() if value is not None]))
 
 
 def _judged(solution: Solution, accurate: Accurate, trace: bool) -> tuple[Figures, dict[str, str], Figures, Figures]:
