@@ -21,7 +21,7 @@ Array = np.ndarray
 DEPTH = 3
 ON_LINE = 0.1  # share of a step in the parameters that may be off the line of the steps before
 LARGEST = 8.0  # weight of a polynomial: beyond it errors of the cycles count more than their trend
-EASY = 0.2  # of the bound: a residue below it lets the next cycle begin with coarser steps
+WELL = 0.2  # of the bound: a residue below it lets the next cycle begin with coarser steps
 COARSER = 2.0  # by this factor
 STEEP = 2.0  # change of a cycle over the largest relative change of its parameters, where no guess has told yet
 
@@ -107,7 +107,7 @@ def _share(closed: Closed, wanted: Wanted) -> float:
     if closed.how != "histories":
         return 1.0
     share = closed.rtol / (wanted.of_histories * wanted.rtol)
-    return min(1.0, COARSER * share if closed.residue < EASY else share)
+    return min(1.0, COARSER * share if closed.residue < WELL else share)
 
 
 def _angles(machinery: Machinery) -> tuple[float, ...]:
