@@ -31,12 +31,17 @@ class Making(Prepared):
     """A prepared scene that turns quadratures of a cycle into what that cycle makes."""
 
     def once(self, name: str, q: closing.Array, read: Callable[[], Any]) -> Any:
-        """Return what `read` gives of the last history, whose quadratures are q; read once for as long as it stands."""
+        """Return what `read` gives of the last history, whose quadratures are q; read once for as long as it stands.
+
+        That of the history before is kept, too: an estimate leaves a history for another one and comes back to it.
+        """
         machinery = self.machinery
-        state = q.tobytes(), machinery.composition.P.tobytes(), machinery.R.tobytes()
-        if self._read[:2] != (machinery.stamp, state):
-            self._read = machinery.stamp, state, {}
-        found = self._read[2]
+        state = machinery.stamp, q.tobytes(), machinery.composition.P.tobytes(), machinery.R.tobytes()
+        found = self._read.get(state)
+        if found is None:
+            if len(self._read) > 1:
+                del self._read[next(iter(self._read))]
+            found = self._read[state] = {}
         if name not in found:
             found[name] = read()
         return found[name]

@@ -61,7 +61,7 @@ class Prepared:
     def __init__(self, scene: Scene, series: Series | None = None, set_speed: float | None = None) -> None:
         """Prepare a scene; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
         self.scene = scene
-        self._read: tuple[Any, Any, dict[str, Any]] = None, None, {}  # of the last history
+        self._read: dict[tuple[Any, ...], dict[str, Any]] = {}  # of the last two histories
         self.series = series or Series()
         self.course = self.series.course
         self.parts = build_parts(scene, self.series.stock, set_speed)

@@ -142,11 +142,12 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
     length = float(line @ line)
     if length == 0.0:
         return [last]
-    places = []
-    for way in ways:
-        place = float(way @ line) / length
-        off = way - place * line
-        places.append(place if float(off @ off) <= ON_LINE**2 * float(way @ way) else None)
+    along = (ways @ line / length).tolist()
+    squares = np.einsum("ij,ij->i", ways, ways).tolist()
+    places = [
+        place if square - place * place * length <= ON_LINE**2 * square else None
+        for place, square in zip(along, squares, strict=True)
+    ]
     if places[-1] is None:
         return [last]
     return [*_polynomials(places), last]
