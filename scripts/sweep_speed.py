@@ -2,11 +2,13 @@
 
 Run: .venv/bin/python scripts/sweep_speed.py [SCENE.yaml] [REPEATS]. Overhead: processor time of a sweep in this
 process, its parts included, over that of the same blocks simulated alone; the file that joins the parts is told apart.
-Workers: wall time of whole sweeps, best of the repeats; it needs idle cores.
+Workers: wall time of whole sweeps, best of the repeats; it needs idle cores. What the machine itself gives is told
+beside it: the same blocks without a sweep in one process, and in two at once.
 """
 
 from __future__ import annotations
 
+import multiprocessing
 import statistics
 import sys
 import tempfile
@@ -47,6 +49,25 @@ def simulate_alone(scene: Scene) -> None:
             pass
 
 
+def side_by_side(scene: Scene, processes: int) -> float:
+    """Return how long processes take that each simulate all blocks at the same time [s], from their common start."""
+    fork = multiprocessing.get_context("fork")
+    barrier = fork.Barrier(processes + 1)
+
+    def work() -> None:
+        barrier.wait()
+        simulate_alone(scene)
+
+    workers = [fork.Process(target=work) for _ in range(processes)]
+    for worker in workers:
+        worker.start()
+    barrier.wait()
+    began = time.perf_counter()
+    for worker in workers:
+        worker.join()
+    return time.perf_counter() - began
+
+
 class Stopwatch(Silent):
     """Progress that notes the processor time [s] when all cases are computed."""
 
@@ -76,8 +97,18 @@ def main() -> None:
     extra = statistics.median(each[1] / each[0] for each in rounds) - 1.0
     print(f"{cases} points: {1e3 * alone / cases:.3f} ms a point alone, {1e3 * computed / cases:.3f} ms in a sweep")
     print(f"overhead {extra:.1%} of the solution a point, and {1e3 * file:.0f} ms for the file (processor time)")
-    one, two = (min(seconds(partial(swept, scene, jobs), time.perf_counter) for _ in range(repeats)) for jobs in (1, 2))
+    walls = [
+        (
+            *(seconds(partial(swept, scene, jobs), time.perf_counter) for jobs in (1, 2)),
+            *(side_by_side(scene, n) for n in (1, 2)),
+        )
+        for _ in range(repeats)
+    ]
+    one, two, alone, both = (min(column) for column in zip(*walls, strict=True))
     print(f"one worker {one:.2f} s, two workers {two:.2f} s: {one / two:.2f} times as fast")
+    print(
+        f"blocks alone: one process {alone:.2f} s, two at once {both:.2f} s: the machine gives {2 * alone / both:.2f}"
+    )
     real = load(str(REAL), PRESSURES)
     warm_up(real)
     best = min(seconds(partial(swept, real, 2), time.perf_counter) for _ in range(min(repeats, 3)))

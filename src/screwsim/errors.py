@@ -12,6 +12,7 @@ NET = ("gas_mass_flow", "oil_flow_ratio")  # of the net gas flow, which passes t
 DELIVERED = ("isothermal", "ideal_isothermal", "isentropic", "volumetric")  # efficiencies of what is delivered
 BY_FLOW = (*NET, *(f"{name}_efficiency" for name in DELIVERED))
 BY_FLOW += ("specific_power", "cooling_capacity", "cop", "electrical_cop")
+SCALES = ("shaft_power", "ideal_isothermal_efficiency", "volumetric_efficiency", "gas_mass_flow")  # of errors
 
 TORQUE, FORCE = "gas_torque", "_gas_force"  # over what they swing by: their means pass through zero
 PULSATION = "_pulsation_"  # over the pressure of the line
@@ -27,24 +28,20 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
     """
     known = {name: 0.0 if value is None else value for name, value in better.items()}
     errors: dict[str, float | None] = dict.fromkeys(found)
+    of_powers: float | None = None  # they share one scale
     for name, value in found.items():
-        reference = better.get(name)
-        if value is None or reference is None:
+        if value is None or (reference := better.get(name)) is None:
             continue
-        scale = max(abs(known[name]) if _plain(name) else error_scale(name, known), 1e-300)
         if _is_power(name):
-            scale = max(scale, least_power)
-        elif name == "work_per_cycle":
-            scale = max(scale, least_work)
+            if of_powers is None:
+                of_powers = max(error_scale(name, known), 1e-300, least_power)
+            scale = of_powers
+        elif _over_itself(name):
+            scale = max(abs(reference), 1e-300)
+        else:
+            scale = max(error_scale(name, known), least_work if name == "work_per_cycle" else 1e-300, 1e-300)
         errors[name] = abs(value - reference) / scale
     return Figures(errors)
-
-
-@cache
-def _plain(name: str) -> bool:
-    """Tell whether the error of a figure is relative to itself."""
-    others = _is_power(name) or name.endswith("_efficiency") or _swing(name) is not None
-    return not (others or name in NET or name in OIL)
 
 
 @cache
@@ -55,13 +52,9 @@ def _is_power(name: str) -> bool:
 
 def flow_errors(found: Figures, lost: float) -> Figures:
     """Return what a relative error of the net gas flow, `lost`, makes of the figures that go with it."""
-    known = {name: 0.0 if value is None else value for name, value in found.items()}
+    known = {name: value for name in (*BY_FLOW, *SCALES) if (value := found.get(name)) is not None}
     return Figures(
-        {
-            name: lost * abs(known[name]) / max(error_scale(name, known), 1e-300)
-            for name in BY_FLOW
-            if found.get(name) is not None
-        }
+        {name: lost * abs(known[name]) / max(error_scale(name, known), 1e-300) for name in BY_FLOW if name in known}
     )
 
 
@@ -88,6 +81,13 @@ def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any]
     if name in OIL:
         size = larger(size, LEAST_OIL * (abs(known.get("gas_mass_flow", 0.0)) if name == "oil_mass_flow" else 1.0))
     return size
+
+
+@cache
+def _over_itself(name: str) -> bool:
+    """Tell whether the error of a figure is relative to the figure itself, whatever the others are."""
+    special = name.endswith("_efficiency") or name in (*NET, *OIL, "work_per_cycle") or _is_power(name)
+    return not special and _swing(name) is None
 
 
 @cache

@@ -386,10 +386,10 @@ def _carried(book: _Book, cycle: Cycle, paths: Array) -> float:
     if out > 0.0:
         _mixing(book, cycle, paths, out_T / out)
     lost = 0.0
-    columns, ends = (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG), cycle.machinery.composition.ends
+    columns, ends = slice(kernels.OUT_OIL, kernels.OUT_OIL_LOG + 1), cycle.machinery.composition.ends
     for end in dict.fromkeys(end for end in ends if end != "discharge"):
-        to_end = np.array([other == end for other in ends], bool)
-        taken = [float(paths[to_end, column].sum()) for column in columns]
+        rows = [i for i, other in enumerate(ends) if other == end]
+        taken = paths[rows, columns].sum(axis=0).tolist()
         rise = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
         lost += rise
         if taken[0] > 0.0:
@@ -459,5 +459,5 @@ def entropy_residue(book: Figures, least_power: float = 0.0) -> float | None:
     """
     if not book:
         return None
-    destroyed = sum(abs(value) for name, value in book.items() if name.startswith("exergy_destroyed_") and value)
+    destroyed = sum([abs(value) for name, value in book.items() if value and name.startswith("exergy_destroyed_")])
     return abs(book["residue"]) / max(abs(book["shaft_power"]) + destroyed, least_power, 1e-300)

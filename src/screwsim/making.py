@@ -24,7 +24,6 @@ from screwsim.model.slots import (
 )
 from screwsim.prepared import Prepared
 
-KEPT_READINGS = 2  # of histories
 LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
 
 
@@ -32,16 +31,17 @@ class Making(Prepared):
     """A prepared scene that turns quadratures of a cycle into what that cycle makes."""
 
     def once(self, name: str, q: closing.Array, read: Callable[[], Any]) -> Any:
-        """Return what `read` gives of the last history, whose quadratures are q.
+        """Return what `read` gives of the last history, whose quadratures are q; read once for as long as it stands.
 
-        Read once of each of the last `KEPT_READINGS` histories: the one that estimates errors comes between.
+        That of the history before is kept, too: an estimate leaves a history for another one and comes back to it.
         """
         machinery = self.machinery
-        key = machinery.stamp, q.tobytes(), machinery.composition.P.tobytes(), machinery.R.tobytes()
-        found = next((found for known, found in self._read if known == key), None)
+        state = machinery.stamp, q.tobytes(), machinery.composition.P.tobytes(), machinery.R.tobytes()
+        found = self._read.get(state)
         if found is None:
-            found = {}
-            self._read = [*self._read, (key, found)][-KEPT_READINGS:]
+            if len(self._read) > 1:
+                del self._read[next(iter(self._read))]
+            found = self._read[state] = {}
         if name not in found:
             found[name] = read()
         return found[name]

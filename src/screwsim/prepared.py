@@ -61,7 +61,7 @@ class Prepared:
     def __init__(self, scene: Scene, series: Series | None = None, set_speed: float | None = None) -> None:
         """Prepare a scene; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
         self.scene = scene
-        self._read: list[tuple[Any, dict[str, Any]]] = []  # of the last histories (making)
+        self._read: dict[tuple[Any, ...], dict[str, Any]] = {}  # of the last two histories
         self.moved: Any = None  # the curve of the speed that the drive made last (model.speed)
         self.series = series or Series()
         self.course = self.series.course

@@ -204,8 +204,7 @@ def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
 
 
 def _finite(table: Figures) -> bool:
-    numbers = [value for value in table.values() if value is not None]
-    return math.isfinite(sum(numbers)) or all(map(math.isfinite, numbers))
+    return all(map(math.isfinite, [value for value in table.values() if value is not None]))
 
 
 def _judged(solution: Solution, accurate: Accurate, trace: bool) -> tuple[Figures, dict[str, str], Figures, Figures]:

@@ -82,11 +82,11 @@ class Solution(Making):
     def note(self, closed: closing.Closed) -> None:
         """Leave the closed cycle to the scenes that follow on this course.
 
-        What effects declare as made by the cycle goes as the last turn made it: one that closes at once would hand on
-        what it was given, and errors of guesses would add up along the course.
+        What the cycle makes goes as the last turn made it: one that closes at once would hand on what it was given, and
+        errors of guesses would add up along the course.
         """
-        made = self.entries.possible(self.image(closed.q)) if self.parts.made and closed.status == "ok" else self.made()
-        self.course.add(self.machinery, self.parameters, closed, np.concatenate([made, self._speed()]))
+        made = self.entries.possible(self.image(closed.q))
+        self.course.add(self.machinery, self.parameters, closed, np.concatenate([made, self._speed()]), self.wanted)
 
     def _speed(self) -> closing.Array:
         """Return the curve of the speed that the drive made last, or that the chambers feel; none where it is held."""
@@ -123,7 +123,12 @@ class Solution(Making):
 
     def residue(self, q: closing.Array) -> float:
         """Return the larger of the relative residues of mass and energy."""
-        return max(self.balances.residues(q, float(self.machinery.R[R_TRAPPED]), self.inlet.enthalpy, self.pv)[:2])
+        return max(self._residues(q)[:2])
+
+    def _residues(self, q: closing.Array) -> tuple[float, float, float]:
+        """Return the relative residues of mass, energy and oil mass."""
+        trapped = float(self.machinery.R[R_TRAPPED])
+        return self.once("residues", q, lambda: self.balances.residues(q, trapped, self.inlet.enthalpy, self.pv))
 
     def least(self, q: closing.Array) -> tuple[float, float]:
         """Return the power [W] and the work of a cycle [J] below which they are rounding."""
@@ -310,8 +315,8 @@ class Solution(Making):
 
     def balance(self, q: closing.Array) -> Figures:
         """Return the balances of a closed cycle (contract: balance)."""
-        m, c = self.machinery, self.machinery.composition
-        mass, energy, oil_mass = self.balances.residues(q, float(m.R[R_TRAPPED]), self.inlet.enthalpy, self.pv)
+        c = self.machinery.composition
+        mass, energy, oil_mass = self._residues(q)
         residue = None
         if "T_oil" in c.states and not c.carried:
             residue = self._oil_residue(q)

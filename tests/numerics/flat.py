@@ -74,7 +74,9 @@ def emitted(problem: Problem) -> dict[str, Any]:
     names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian, "p_at_knot": at_knot}
     names |= {"p_error_size": error_size, "p_conserve": conserve, "p_keep_places": lambda step, dense, context: None}
     names["p_share_in_phase"], names["p_lands"] = share_in_phase, lambda h, J, *_: problem.lands(h, J)
-    text = flatten((rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p", {"JUMPS": 0})
+    text = flatten(
+        (rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p", {"JUMPS": 0, "STATES": 0, "QUADRATURES": 0}
+    )
     exec("\n\n".join(text.values()), names)
     return names
 

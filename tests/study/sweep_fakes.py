@@ -116,6 +116,18 @@ def _half(self: connection.Connection, raw: bytes, *_: object) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+def stuck(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Stop when half of the results are sent, and make the file that SWEEP_FAKES_PIDS names."""
+    connection.Connection._send = _half_and_wait  # of this process
+    return chained(scenes)
+
+
+def _half_and_wait(self: connection.Connection, raw: bytes, *_: object) -> None:
+    os.write(self.fileno(), raw[: len(raw) // 2])
+    Path(os.environ["SWEEP_FAKES_PIDS"]).touch()
+    time.sleep(60.0)
+
+
 def faulty(case: Scene) -> Result:
     """Raise at ratio 2."""
     if case.oil_supply.ratio == 2.0:

@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -93,6 +94,21 @@ def test_ctrl_c_leaves_parts_that_resume(reference, tmp_path):
     summary = run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
     assert summary.reused >= 39
     assert_same(reference, output)
+
+
+def test_ctrl_c_ends_a_sweep_while_a_worker_sends(tmp_path, monkeypatch):
+    """The other half of the message never comes: a process that waits for it never ends."""
+    sending = tmp_path / "sending"
+    monkeypatch.setenv("SWEEP_FAKES_PIDS", str(sending))
+    process = start(tmp_path / "out.h5", 2, "stuck")
+    while not sending.exists():
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    try:
+        _, told = process.communicate(timeout=20)
+    finally:
+        process.kill()
+    assert b"KeyboardInterrupt" in told
 
 
 def test_an_exception_is_the_result_of_its_case_in_one_line(tmp_path):

@@ -113,14 +113,14 @@ from screwsim.model.streams import (
     place_slopes,
 )
 from screwsim.model.valve import held_share, opening_by_state, opening_slope, share_before_switch
-from screwsim.numerics.kernel import kernel
+from screwsim.numerics.kernel import inlined, kernel
 
 OPENING_STEP = 1e-5  # of the width of the regularisation, for differences of an opening by the pressure difference
 SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
 SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
 
 
-@kernel
+@inlined
 def surroundings(phi, middle, context, E):
     """Fill E for a chamber at phi: own angle terms, areas of all gaps on both sides, places of the neighbours."""
     P, TAB, R, t_old, d_old, t_new, d_new, kept, hints, state, _own, _work = context
@@ -162,7 +162,7 @@ def surroundings(phi, middle, context, E):
                 with_room(E, at, P)
 
 
-@kernel
+@inlined
 def rates(y, E, context, f, g):
     """Fill f = dy/dφ and the quadrature rates g of one chamber."""
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, work = context
@@ -243,7 +243,7 @@ def path_flows(y, E, context, out):
             out[N_PLENUM + i] = held_back(i // 2, out[N_PLENUM + i], E[areas + i], own, 0, E, b, P)
 
 
-@kernel
+@inlined
 def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     """Fill f, g and their derivatives by y and by φ: flows by their analytic slopes, smooth functions by differences.
 
@@ -357,7 +357,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
         note_start(E, own)
 
 
-@kernel
+@inlined
 def own_column(y, j, E, own, state, work, d, place, n_sums, P, R, f, g, J, Jq):
     """Fill column j of J and Jq: change one state, its place and (linearly) its streams; difference the first law."""
     ds = d + (N + 1) * PLACE
@@ -384,7 +384,7 @@ def own_column(y, j, E, own, state, work, d, place, n_sums, P, R, f, g, J, Jq):
         Jq[i, j] = (work[changed + N + i] - g[i]) / delta
 
 
-@kernel
+@inlined
 def angle_column(y, E_next, delta, own, work, sums, n_sums, P, R, f, g, f_phi, g_phi):
     """Fill ∂f/∂φ and ∂g/∂φ in the same way, from the surroundings at φ + delta."""
     for i in range(n_sums):

@@ -75,13 +75,18 @@ class Closed:
     change: float = 0.0
     needed: str = ""  # the further try that it took; empty where the first did
     first_gap: float = 1.0  # what the first turn changed: how far the guess was off
+    residue: float = 0.0  # of histories: the larger residue of mass and energy over their bound
 
 
 class Hope(NamedTuple):
-    """What is hoped of a guess: its trapped mass [kg] and work [J], and what the first turn will change."""
+    """What is hoped of a guess: its trapped mass [kg] and work [J], and what the first turn will change.
+
+    `share` is that of the wanted tolerance of a step with which the balances will close.
+    """
 
     seen: tuple[float, float]
     gap: float
+    share: float = 1.0
 
 
 NO_HOPE = Hope((0.0, 0.0), 1.0)
@@ -199,7 +204,7 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
     made = task.made()
     before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
     gaps: list[float] = []
-    finest = rtol = wanted.of_histories * wanted.rtol
+    finest = rtol = hope.share * wanted.of_histories * wanted.rtol
     first_rtol, first_gap = finest if hope.gap <= GOOD else FIRST_RTOL, 1.0
     for turn in range(1, MAX_TURNS + 1):
         point = _vector(task, y, angles, made)
@@ -220,7 +225,8 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
         if gap <= wanted.tolerance and rtol <= finest:
             residue = task.residue(q)
             if residue <= ENOUGH * wanted.bound:
-                return Closed("ok", q, y, turn, "histories", finest, change=gap, first_gap=first_gap)
+                over = residue / wanted.bound
+                return Closed("ok", q, y, turn, "histories", finest, change=gap, first_gap=first_gap, residue=over)
             if states <= wanted.tolerance:  # else it is no matter of the steps yet
                 finest = finer(finest, residue / wanted.bound)
                 gaps.clear()

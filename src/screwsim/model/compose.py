@@ -370,6 +370,7 @@ def _module_text(
 ) -> str:
     """Return the flat module: constants, pasted kernels, the composition's functions, the drivers."""
     constants, numbers = dict(named), dict(structure)
+    quadratures = numbers["Q_STREAMS"] + numbers["CATEGORIES"] * (4 if constants["CARRIED"] else 2)
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
     own = {name: name for name in (*constants, *OWN)}
     rooms = (
@@ -405,7 +406,10 @@ def _module_text(
         jumps = int(numbers["STOPS"] > 0 and room is chamber)
         if jumps:
             slots["jump"] = chamber.jump.flat_name
-        driver = flatten((rodas.integrate,), slots, kind, {"JUMPS": jumps})
+        sizes = {"STATES": constants["N"], "QUADRATURES": quadratures}
+        if room is coupled:
+            sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": quadratures + 1}
+        driver = flatten((rodas.integrate,), slots, kind, {"JUMPS": jumps, **sizes})
         blocks |= {name: text for name, text in driver.items() if name not in blocks}
     texts = [text if name.startswith(CALLED) else without_wrapper(text) for name, text in blocks.items()]
     return "\n\n".join(["\n".join(lines), *texts]) + "\n"

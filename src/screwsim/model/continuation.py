@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.model.close import Closed, Hope, seen_of
+from screwsim.model.close import Closed, Hope, Wanted, seen_of
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.made import LEAST
@@ -21,6 +21,8 @@ Array = np.ndarray
 DEPTH = 3
 ON_LINE = 0.1  # share of a step in the parameters that may be off the line of the steps before
 LARGEST = 8.0  # weight of a polynomial: beyond it errors of the cycles count more than their trend
+WELL = 0.2  # of the bound: a residue below it lets the next cycle begin with coarser steps
+COARSER = 2.0  # by this factor
 STEEP = 2.0  # change of a cycle over the largest relative change of its parameters, where no guess has told yet
 
 
@@ -47,16 +49,17 @@ class Course:
         self._cycles: list[_Cycle] = []
         self._gap: float | None = None  # of the last guess; None where the last cycle was not guessed
         self._guessed = False
+        self._share = 1.0  # of the tolerance of a step with which the balances of the last cycle closed
         self.tightness = 1.0  # factor of the tolerances that the last scenes needed for their accuracy
 
     def forget(self) -> None:
         """Begin anew."""
         self._cycles.clear()
         self._guessed = False
-        self.tightness = 1.0
+        self._share = self.tightness = 1.0
 
-    def add(self, machinery: Machinery, parameters: Array, closed: Closed, made: Array) -> None:
-        """Note the machinery's last turn as the closed cycle of these parameters."""
+    def add(self, machinery: Machinery, parameters: Array, closed: Closed, made: Array, wanted: Wanted) -> None:
+        """Note the machinery's last turn, and what it makes, as the closed cycle of these parameters."""
         if machinery.composition.text != self._text:
             if self._text:
                 self.forget()
@@ -65,6 +68,7 @@ class Course:
         history = times[: steps + 1].copy(), dense[:steps].copy(), steps
         values = np.concatenate([closed.y[: machinery.n], seen_of(machinery, closed), made])
         self._gap = closed.first_gap if self._guessed else None
+        self._share = _share(closed, wanted)
         cycle = _Cycle(_angles(machinery), parameters, history, values)
         self._cycles = [*self._cycles, cycle][-DEPTH:]
 
@@ -85,7 +89,7 @@ class Course:
             return None
         n = machinery.n
         gap = STEEP * _distance(cycles[-1].parameters, parameters) if self._gap is None else self._gap
-        return Guess(values[:n], values[n + 2 :], Hope((float(values[n]), float(values[n + 1])), gap))
+        return Guess(values[:n], values[n + 2 :], Hope((float(values[n]), float(values[n + 1])), gap, self._share))
 
     def _near(self, machinery: Machinery) -> list[_Cycle]:
         """Return the cycles of the same composition that live the same angles."""
@@ -93,6 +97,17 @@ class Course:
             return []
         here = _angles(machinery)
         return [cycle for cycle in self._cycles if cycle.angles == here]
+
+
+def _share(closed: Closed, wanted: Wanted) -> float:
+    """Return the share of the wanted tolerance of a step with which the next cycle begins.
+
+    It is the one that made the balances of the last cycle close by histories, or coarser where they closed with ease.
+    """
+    if closed.how != "histories":
+        return 1.0
+    share = closed.rtol / (wanted.of_histories * wanted.rtol)
+    return min(1.0, COARSER * share if closed.residue < WELL else share)
 
 
 def _angles(machinery: Machinery) -> tuple[float, ...]:
@@ -127,11 +142,12 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
     length = float(line @ line)
     if length == 0.0:
         return [last]
-    places = []
-    for way in ways:
-        place = float(way @ line) / length
-        off = way - place * line
-        places.append(place if float(off @ off) <= ON_LINE**2 * float(way @ way) else None)
+    along = (ways @ line / length).tolist()
+    squares = np.einsum("ij,ij->i", ways, ways).tolist()
+    places = [
+        place if square - place * place * length <= ON_LINE**2 * square else None
+        for place, square in zip(along, squares, strict=True)
+    ]
     if places[-1] is None:
         return [last]
     return [*_polynomials(places), last]

@@ -48,7 +48,7 @@ from screwsim.model.slots import (
     state_rate,
     wall_state,
 )
-from screwsim.numerics.kernel import kernel
+from screwsim.numerics.kernel import inlined, kernel
 
 FLUX_STEP = 1e-6  # relative step of the differences of a gap's share, which is smooth
 
@@ -185,7 +185,7 @@ def from_walls(T, m, p, rho, V, phi, P, g):
     return total
 
 
-@kernel
+@inlined
 def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
     """Fill f (rates of one chamber, at `at`) and add work and heat to g from the summed streams; the first law."""
     T = y[at]

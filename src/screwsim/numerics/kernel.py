@@ -25,10 +25,14 @@ HEADER = "import math\nimport numpy as np\nfrom numba import njit\n"
 
 
 class Kernel:
-    """A function that can be called as it is, and whose source can be pasted into a compiled module."""
+    """A function that can be called as it is, and whose source can be pasted into a compiled module.
 
-    def __init__(self, function: Callable[..., Any], source: str | None = None) -> None:
+    An `inlined` one is compiled into each of its callers.
+    """
+
+    def __init__(self, function: Callable[..., Any], source: str | None = None, inlined: bool = False) -> None:
         self.function = function
+        self.inlined = inlined
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
         self.arguments = tuple(inspect.signature(function).parameters)
@@ -74,6 +78,15 @@ class Structure:
 def kernel(function: Callable[..., Any]) -> Kernel:
     """Mark a function as a kernel."""
     return Kernel(function)
+
+
+def inlined(function: Callable[..., Any]) -> Kernel:
+    """Mark a function as a kernel that is compiled into its callers.
+
+    For what an integration calls at every stage with many arrays: an array is passed as seven to eleven numbers, a
+    context as ninety.
+    """
+    return Kernel(function, inlined=True)
 
 
 _written: dict[str, Kernel] = {}
@@ -201,8 +214,9 @@ def flatten(
         pruned = _Prune(item.function.__globals__, numbers).visit(ast.parse(item.source))
         for used in _names(pruned):
             value = item.function.__globals__.get(used)
+            own = ""
             if isinstance(value, Structure):
-                value = numbers[value.name]
+                value, own = numbers[value.name], instance if uses_slot(item) else ""
             if isinstance(value, Kernel):
                 visit(value)
                 renames[used] = emitted_name(value)
@@ -215,26 +229,27 @@ def flatten(
                 text = _constant(value)
                 if text is None:
                     raise TypeError(f"kernel {item.__name__} uses {used}, which is neither kernel, number nor array")
-                constant = f"{flat_module(item.function)}__{used}"
+                constant = f"{flat_module(item.function)}__{used}{own}"
                 found[constant] = f"{constant} = {text}"
                 renames[used] = constant
         tree = _Rename(renames).visit(pruned)
         del found[name]
-        found[name] = decorate(ast.unparse(tree))
+        found[name] = decorate(ast.unparse(tree), item.inlined)
 
     for each in kernels:
         visit(each)
     return found
 
 
-def decorate(source: str) -> str:
+def decorate(source: str, inlined: bool = False) -> str:
     """Return a function's source with the compiler's decorator.
 
     No `fastmath`: where rounding depends on what is compiled together, a module gives other bits when it was compiled
     in this process than when it was loaded. No wrapper for C, which nothing here calls: each takes compilation time.
     """
     counting = "" if "np.empty" in source else ", _nrt=False"  # arrays are borrowed: counting references costs 5x
-    return f"@njit(cache=True, error_model='numpy', no_cfunc_wrapper=True{counting})\n{source}"
+    inside = ", forceinline=True" if inlined else ""
+    return f"@njit(cache=True, error_model='numpy', no_cfunc_wrapper=True{counting}{inside})\n{source}"
 
 
 def without_wrapper(source: str) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from screwsim.numerics.kernel import kernel
+from screwsim.numerics.kernel import inlined
 
 
-@kernel
+@inlined
 def lu_factor(M, pivots, n):
     """Factor the n×n matrix M in place, rows permuted by `pivots`; a zero pivot leaves infinities behind it."""
     for k in range(n):
@@ -26,7 +26,7 @@ def lu_factor(M, pivots, n):
                     M[i, j] -= factor * M[k, j]
 
 
-@kernel
+@inlined
 def lu_solve(M, pivots, b, n):
     """Solve with the factors of `lu_factor`, b in place."""
     for k in range(n):

@@ -16,7 +16,8 @@ of a step's error; huge for a state that cannot be, which is then tried again wi
 long), `conserve` (closes the balances of an accepted step, in its end and its quadratures), `keep_places` (fills
 columns of the dense output beyond the states). Steps land on knots and keep their size across them. Where JUMPS is 1
 states may jump between two steps: a tenth slot, `jump`, changes the state from which the next step begins, and tells
-whether the integration may go on. That a step ends where a jump is due is the work of `share_in_phase`.
+whether the integration may go on. That a step ends where a jump is due is the work of `share_in_phase`. Where STATES is
+not 0 it and QUADRATURES are the numbers of states and quadratures: constants, so that short loops are unrolled.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.numerics.kernel import Slot, Structure, kernel
+from screwsim.numerics.kernel import Slot, Structure, inlined, kernel
 from screwsim.numerics.linear import lu_factor, lu_solve
 
 surroundings = Slot("surroundings")
@@ -41,6 +42,8 @@ keep_places = Slot("keep_places")
 jump = Slot("jump")
 
 JUMPS: Any = Structure("JUMPS")
+STATES: Any = Structure("STATES")
+QUADRATURES: Any = Structure("QUADRATURES")
 
 GAMMA = 0.25
 ORDER = 4
@@ -95,11 +98,14 @@ LONGEST = math.pi / 3.0  # a step: a stiff one that a port closes along sees nei
 SMALLEST = 1e-13  # a step below this share of the angle means that the rates are not finite or not solvable
 
 
-@kernel
+@inlined
 def attempt(phi, h, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq):
     """Try one step from y; fill y1 (new state), dq (quadratures), u (stages; u[5] is the error), E_next."""
     n = y.shape[0]
     nq = g.shape[0]
+    if STATES > 0:
+        n = STATES
+        nq = QUADRATURES
     shift = 1.0 / (GAMMA * h)
     for i in range(n):
         for j in range(n):
@@ -150,15 +156,15 @@ def dense_coefficients(u, i):
     return c3, c4
 
 
-@kernel
-def keep(step, phi, h, y, y1, q, u, times, dense, quads):
+@inlined
+def keep(step, phi, h, n, nq, y, y1, q, u, times, dense, quads):
     """Store an accepted step: its end, (y0, y1, c3, c4) of the dense output, and the quadratures."""
     times[step + 1] = phi + h
-    for i in range(y.shape[0]):
+    for i in range(n):
         dense[step, 0, i] = y[i]
         dense[step, 1, i] = y1[i]
         dense[step, 2, i], dense[step, 3, i] = dense_coefficients(u, i)
-    for i in range(q.shape[0]):
+    for i in range(nq):
         quads[step, i] = q[i]
 
 
@@ -171,6 +177,9 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
     """
     n = y.shape[0]
     nq = q.shape[0]
+    if STATES > 0:
+        n = STATES
+        nq = QUADRATURES
     E = np.empty(n_e)
     E_next = np.empty(n_e)
     E_end = np.empty(n_e)
@@ -236,7 +245,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
             conserve(y, y1, E, E_next, context, dq)
             for i in range(nq):
                 q[i] += dq[i]
-            keep(step, phi, trial, y, y1, q, u, times, dense, quads)
+            keep(step, phi, trial, n, nq, y, y1, q, u, times, dense, quads)
             keep_places(step, dense, context)
             step += 1
             kept[0] = step

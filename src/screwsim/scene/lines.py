@@ -6,9 +6,10 @@ Pressures are given, or they are those of saturation at given temperatures (docs
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 from screwsim.fluid import constants
-from screwsim.scene.types import Scene
+from screwsim.scene.types import Operation, Scene
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,11 @@ class Lines:
 
 def lines(scene: Scene) -> Lines:
     """Return the states of both lines of a scene that `cross_check` finds in order (M42)."""
-    operation, fluid = scene.operation, scene.gas.fluid
+    return _lines(scene.operation, scene.gas.fluid)
+
+
+@lru_cache(maxsize=64)
+def _lines(operation: Operation, fluid: str) -> Lines:
     suction, p_d = operation.suction, operation.discharge.pressure
     if operation.evaporating_temperature is not None and operation.condensing_temperature is not None:
         T_e, p_d = operation.evaporating_temperature, constants.bubble_pressure(fluid, operation.condensing_temperature)
@@ -38,7 +43,12 @@ def lines(scene: Scene) -> Lines:
 
 def suction_enthalpy(scene: Scene) -> float:
     """Return the real fluid's enthalpy [J/kg] in the suction line, on CoolProp's default reference."""
-    found, fluid = lines(scene), scene.gas.fluid
+    return _suction_enthalpy(scene.operation, scene.gas.fluid)
+
+
+@lru_cache(maxsize=64)
+def _suction_enthalpy(operation: Operation, fluid: str) -> float:
+    found = _lines(operation, fluid)
     if found.quality is not None:
         return constants.wet_enthalpy(fluid, found.p_s, found.quality)
     return constants.vapour_enthalpy(fluid, found.p_s, found.T_s)

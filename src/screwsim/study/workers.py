@@ -136,13 +136,22 @@ def _end_with_parent() -> None:
 
 def stop(executor: Executor) -> None:
     """Give up an executor at once: what it still does is not wanted any more."""
-    processes = dict(getattr(executor, "_processes", None) or {})
+    processes, results = dict(getattr(executor, "_processes", None) or {}), getattr(executor, "_result_queue", None)
     if processes:
         executor.shutdown(wait=False, cancel_futures=True)
+        _kill(processes.values(), results)  # they hold nothing: only this process writes files
     else:  # dask's knows no `cancel_futures`: it cancels them in any case
         executor.shutdown(wait=False)
-    for process in processes.values():
-        process.kill()  # it holds nothing: only this process writes files
+
+
+def _kill(processes: Iterable[Any], results: Any) -> None:
+    """Kill the processes of a pool, and close the last end of what they send: the rest of half a message never comes.
+
+    The pool would wait for it for ever, and this process at its end for the pool.
+    """
+    for process in processes:
+        process.kill()
+    results._writer.close()
 
 
 class Guard:
@@ -163,9 +172,7 @@ class Guard:
         elif self._died is None:
             self._died = time.monotonic()
         elif time.monotonic() - self._died >= GRACE:
-            for process in processes:
-                process.kill()
-            self._executor._result_queue._writer.close()  # type: ignore[attr-defined]  # the last end: the rest never comes
+            _kill(processes, self._executor._result_queue)  # type: ignore[attr-defined]
 
 
 @dataclass(frozen=True)
