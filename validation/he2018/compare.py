@@ -29,12 +29,13 @@ SHOWN = {
     "discharge_temperature": ("discharge temperature", "K", 1.0),
 }
 HARDLY = 0.5  # points
+FIRST_RATIO = 640.0  # oil ratio times speed [rpm] over oil flow [L/min]: where the search for the ratio begins
 RISES = {"volumetric_efficiency": 1.0, "isentropic_efficiency": 1.0, "specific_power": -1.0}
 
 
 def at(scene_file: Path, speed: float, flow: float) -> Figures:
     """Return the figures at a speed [rpm] and an oil flow [L/min]; the oil ratio is what gives that flow."""
-    density, ratio = load(scene_file).oil.density, 5.0
+    density, ratio = load(scene_file).oil.density, FIRST_RATIO * flow / speed
     for _ in range(12):
         found = solved(scene_file, values={"operation.speed": speed * RPM, "oil_supply.ratio": ratio}).performance
         miss = flow * LITRES * density / found.oil_mass_flow
