@@ -75,6 +75,13 @@ def test_errors_are_within_what_was_asked_and_work_rises(found):
     assert all(each.error < each.asked for each in found.asked)
 
 
+def test_the_lower_order_keeps_what_was_asked_too_and_costs_more_for_more_digits(found):
+    lower, own = (of_part(found, "integrators", label=f"{name} histories") for name in ("rodas3", "rodas4"))
+    assert [m.asked for m in lower] == list(EXTENT.asked)
+    assert all(m.error < 3.0 * m.asked for m in lower)
+    assert lower[-1].evaluations > own[-1].evaluations
+
+
 def test_the_regularisation_alone_biases_as_its_width(found):
     none, own, wide = of_part(found, "regularisation alone")
     assert (none.factor, own.factor, wide.factor) == EXTENT.widths

@@ -100,7 +100,7 @@ def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kern
     """
     uses = dict(uses or {})
     spelled = [
-        f"{name} = {item.flat_name if isinstance(item, Kernel) else _constant(item)}" for name, item in uses.items()
+        f"{name} = {item.flat_name if isinstance(item, Kernel) else constant_text(item)}" for name, item in uses.items()
     ]
     digest = hashlib.sha256("\n".join([source, *spelled]).encode()).hexdigest()[:10]
     module = f"screwsim.written.{re.sub('[^a-z0-9]+', '_', of.lower()).strip('_')}_{digest}"
@@ -113,7 +113,7 @@ def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kern
     return _written[key]
 
 
-def _constant(value: Any) -> str | None:
+def constant_text(value: Any) -> str | None:
     if isinstance(value, bool | int | float):
         return repr(value)
     if type(value).__name__ == "ndarray":  # becomes a constant of the compiled code
@@ -226,7 +226,7 @@ def flatten(
                 if isinstance(value, types.ModuleType) and value is not math and value.__name__ != "numpy":
                     raise TypeError(f"kernel {item.__name__} uses module {value.__name__}; only math and numpy compile")
             else:
-                text = _constant(value)
+                text = constant_text(value)
                 if text is None:
                     raise TypeError(f"kernel {item.__name__} uses {used}, which is neither kernel, number nor array")
                 constant = f"{flat_module(item.function)}__{used}{own}"

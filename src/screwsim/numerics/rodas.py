@@ -48,6 +48,8 @@ QUADRATURES: Any = Structure("QUADRATURES")
 GAMMA = 0.25
 ORDER = 4
 STAGES = 6
+LAST = STAGES - 1  # the stage that is the error of a step
+DENSE_STAGES = 5  # that the dense output is made of
 A = np.array(
     (
         (0.0, 0.0, 0.0, 0.0, 0.0),
@@ -78,15 +80,17 @@ DENSE = np.array(
 )
 
 
-def _quadrature_weights() -> np.ndarray:
+def quadrature_weights(gamma: float, a: np.ndarray, c: np.ndarray) -> np.ndarray:
     """Return β = γ (1 − γC)^(−T) m, the weights of the linear stages of a quadrature."""
-    couplings = np.zeros((STAGES, STAGES))
-    couplings[:, :5] = C
-    return GAMMA * np.linalg.solve((np.eye(STAGES) - GAMMA * couplings).T, np.append(A[5], 1.0))
+    stages = len(a)
+    couplings = np.zeros((stages, stages))
+    couplings[:, :-1] = c
+    return gamma * np.linalg.solve((np.eye(stages) - gamma * couplings).T, np.append(a[-1], 1.0))
 
 
-BETA = _quadrature_weights()
+BETA = quadrature_weights(GAMMA, A, C)
 BETA_D = float(BETA @ D)
+POWER = -1.0 / ORDER  # of the error, by which the next step is scaled
 
 OK = 0
 STEP_TOO_SMALL = 1
@@ -100,7 +104,7 @@ SMALLEST = 1e-13  # a step below this share of the angle means that the rates ar
 
 @inlined
 def attempt(phi, h, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq):
-    """Try one step from y; fill y1 (new state), dq (quadratures), u (stages; u[5] is the error), E_next."""
+    """Try one step from y; fill y1 (new state), dq (quadratures), u (stages; u[LAST] is the error), E_next."""
     n = y.shape[0]
     nq = g.shape[0]
     if STATES > 0:
@@ -122,7 +126,7 @@ def attempt(phi, h, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pi
             for j in range(stage):
                 value += A[stage, j] * u[j, i]
             y1[i] = value
-        if stage < 5:
+        if stage < LAST:
             surroundings(phi + NODES[stage] * h, middle, context, E_next)
         rates(y1, E_next, context, u[stage], g_stage)
         for i in range(n):
@@ -134,7 +138,7 @@ def attempt(phi, h, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pi
         for i in range(nq):
             dq[i] += BETA[stage] * g_stage[i]
     for i in range(n):
-        y1[i] += u[5, i]
+        y1[i] += u[LAST, i]
     for j in range(n):
         weighted = 0.0
         for stage in range(STAGES):
@@ -150,7 +154,7 @@ def dense_coefficients(u, i):
     """Return the coefficients (c3, c4) of component i in the dense output of a step with stages u."""
     c3 = 0.0
     c4 = 0.0
-    for stage in range(5):
+    for stage in range(DENSE_STAGES):
         c3 += DENSE[0, stage] * u[stage, i]
         c4 += DENSE[1, stage] * u[stage, i]
     return c3, c4
@@ -229,10 +233,10 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
                 trial *= 0.5
             attempt(phi, trial, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq)
             counts[2] += STAGES - 1
-            error = error_size(y, y1, u[5], context) / rtol
+            error = error_size(y, y1, u[LAST], context) / rtol
             if not (error <= 1.0):
                 counts[1] += 1
-                h = trial * (max(0.15, 0.85 * error ** (-0.25)) if error < 1e12 else 0.15)  # NaN, too
+                h = trial * (max(0.15, 0.85 * error**POWER) if error < 1e12 else 0.15)  # NaN, too
                 continue
             share = share_in_phase(y, y1, u, rtol, context)
             if share < 1.0:
@@ -250,7 +254,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
             step += 1
             kept[0] = step
             counts[0] += 1
-            factor = min(GROWTH, 0.85 * max(error, 1e-8) ** (-0.25))
+            factor = min(GROWTH, 0.85 * max(error, 1e-8) ** POWER)
             h = min(LONGEST, max(h, trial * factor) if factor >= GROWTH else trial * factor)
             for i in range(n):
                 y[i] = y1[i]

@@ -10,8 +10,8 @@ from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, new_fi
 
 HEIGHT = 92.0  # [mm]
 MARKERS = "os^Dv<>P"
-FIRST = (*COLOURS, "#8a8a8a")  # seven methods: one colour, one line and one marker each
-LINES = (*DASHES, (0, (1, 0.8)))
+FIRST = (*COLOURS, "#8a8a8a", "#a89000")  # eight methods: one colour, one line and one marker each
+LINES = (*DASHES, (0, (1, 0.8)), (0, (7, 2.5)))
 
 
 class Line(NamedTuple):

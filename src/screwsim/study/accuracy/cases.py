@@ -14,6 +14,7 @@ from screwsim.scene import Scene, with_values
 from screwsim.study.accuracy.solving import Way, way
 
 SCIPY = ("scipy-radau", "scipy-bdf", "scipy-lsoda", "scipy-rk45", "scipy-dop853")
+RODAS3 = "rodas3"  # of the studies alone (study.lower_order)
 TIGHT = 1e-7  # accuracy of all but the one choice that a case looks at
 
 
@@ -77,11 +78,13 @@ def own_back_end(scene: Scene) -> str:
 
 
 def integrators(scene: Scene, extent: Extent) -> Iterator[Case]:
-    """Yield every integrator on the scene's own gas."""
+    """Yield every integrator on the scene's own gas: ours of orders 4 and 3, scipy's."""
     gas = own_back_end(scene)
     for closing in ("histories", "coupled"):
         for asked in extent.asked:
             yield Case("integrators", f"rodas4 {closing}", asked, way(asked, closing=closing), scene, gas)
+    for asked in extent.asked:
+        yield Case("integrators", "rodas3 histories", asked, way(asked, RODAS3, "histories"), scene, gas)
     for name in SCIPY:
         for asked in extent.scipy_asked:
             yield Case("integrators", name, asked, way(asked, name), scene, gas)
