@@ -18,7 +18,7 @@ from screwsim.study.validation.asking import sibling
 from screwsim.study.validation.record import VERDICTS, Comparison, NotRun
 
 FOLDER, MODULE = "validation", "compare.py"
-FIRST = ("plain", "exact", "paper", "cross_code")  # longest; the first two compile different models
+FIRST = ("plain", "exact", "bitzer", "paper", "cross_code")  # the longest; side by side they compile different models
 DIED = "its worker died (run this source alone)"
 
 
