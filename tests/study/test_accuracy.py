@@ -56,6 +56,13 @@ def test_the_reference_is_checked_by_a_second_method(found):
     assert found.reference.difference < 1e-3 * min(EXTENT.asked) * 10.0
 
 
+def test_nothing_is_measured_by_a_reference_less_than_a_thousand_times_tighter(found):
+    assert all(found.reference.accuracy <= 1e-3 * each.asked for each in found.asked)
+    coarse = replace(found.reference, accuracy=1e-9)
+    assert not coarse.why_not(1e-6)
+    assert "1e-09 only" in coarse.why_not(1e-7)
+
+
 def test_every_integrator_is_measured_or_left_out_with_a_reason(found):
     for name in SCIPY:
         cases = of_part(found, "integrators", label=name)

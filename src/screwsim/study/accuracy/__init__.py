@@ -51,7 +51,8 @@ def study(scene: Scene, extent: Extent | None = None, progress: Progress | None 
     try:
         own = counted(truth, scene, extent)
         references = _References(own, extent)
-        asked = [counted(as_asked, scene, accuracy, own, extent) for accuracy in extent.asked]
+        asks = [accuracy for accuracy in extent.asked if not own.why_not(accuracy)]
+        asked = [counted(as_asked, scene, accuracy, own, extent) for accuracy in asks]
         measured = [counted(references.measured, case) for case in cases]
         costs = [counted(effect_costs, scene, name, extent) for name in effects]
         points = [counted(sweep_times, scene, count) for count in extent.points]
@@ -59,7 +60,8 @@ def study(scene: Scene, extent: Extent | None = None, progress: Progress | None 
     finally:
         progress.stop()
     bad = [(f"{each.size} male lobes", each.reason) for each in lobes if each.reason]
-    left_out = [*_left_out(measured), *bad, *omitted(scene)]
+    coarse = [(f"asking for {each:g}", why) for each in extent.asked if (why := own.why_not(each))]
+    left_out = [*coarse, *_left_out(measured), *bad, *omitted(scene)]
     return Study(scene.title, scene.numerics.accuracy, own, asked, measured, costs, points, lobes, left_out)
 
 
