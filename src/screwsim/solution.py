@@ -122,11 +122,12 @@ class Solution(Making):
         self.machinery.composition.P[self.machinery.composition.widths] *= factor
 
     def residue(self, q: closing.Array) -> float:
-        """Return the larger of the relative residues of mass and energy."""
-        return max(self._residues(q)[:2])
+        """Return the largest of the relative residues of mass, energy and oil, little oil as a share of the gas."""
+        mass, energy, _, oil_share = self._residues(q)
+        return max(mass, energy, oil_share)
 
-    def _residues(self, q: closing.Array) -> tuple[float, float, float]:
-        """Return the relative residues of mass, energy and oil mass."""
+    def _residues(self, q: closing.Array) -> tuple[float, float, float, float]:
+        """Return the relative residues of mass, energy and oil mass, the last twice (model.close.Balances)."""
         trapped = float(self.machinery.R[R_TRAPPED])
         return self.once("residues", q, lambda: self.balances.residues(q, trapped, self.inlet.enthalpy, self.pv))
 
@@ -316,7 +317,7 @@ class Solution(Making):
     def balance(self, q: closing.Array) -> Figures:
         """Return the balances of a closed cycle (contract: balance)."""
         c = self.machinery.composition
-        mass, energy, oil_mass = self._residues(q)
+        mass, energy, oil_mass, _ = self._residues(q)
         residue = None
         if "T_oil" in c.states and not c.carried:
             residue = self._oil_residue(q)

@@ -128,25 +128,29 @@ class Balances:
         streams = self.streams(q)
         return np.concatenate([streams[:BETWEEN], streams[BETWEEN + 1 :]])
 
-    def residues(self, q: Array, trapped: float, h_suction: float, pv: float) -> tuple[float, float, float]:
-        """Return relative residues of gas mass, energy and oil mass over one life (M37–M39); pv is p/ρ at suction."""
+    def residues(self, q: Array, trapped: float, h_suction: float, pv: float) -> tuple[float, float, float, float]:
+        """Return relative residues of gas mass, energy and oil mass over one life (M37–M39); pv is p/ρ at suction.
+
+        The last is that of the oil where there is little of it: as a share of the trapped gas.
+        """
         flows = self._outer(q)
         mass = flows[:, 0]
         enthalpy = flows[:, 1] - h_suction * mass
         energy = enthalpy.sum() + q[0]
         scale = np.abs(enthalpy).sum() + abs(q[0])
-        oil = 0.0
+        oil = oil_share = 0.0
         if self.width == 4:
             injected, T_oil = self.oil_in()
-            energy += self.c_oil * (flows[:, 3].sum() + injected * T_oil)
-            oil = abs(flows[:, 2].sum() + injected) / max(injected, np.abs(flows[:, 2]).sum() / 2, LEAST_OIL * trapped)
+            energy += self.c_oil * (flows[:, 3].sum() - T_oil * flows[:, 2].sum())
+            lost, through = abs(flows[:, 2].sum() + injected), max(injected, np.abs(flows[:, 2]).sum() / 2)
+            oil, oil_share = lost / max(through, LEAST_OIL * trapped), lost / max(through, trapped)
         else:
             energy += q[Q_HEAT]
         if self.machinery.composition.walls:
             heats = self.walls(q)[:, 0]
             energy, scale = energy + heats.sum(), scale + np.abs(heats).sum()
         mass_scale = max(trapped, 0.5 * np.abs(mass).sum())
-        return abs(mass.sum()) / mass_scale, abs(energy) / max(scale, LEAST_WORK * trapped * pv), oil
+        return abs(mass.sum()) / mass_scale, abs(energy) / max(scale, LEAST_WORK * trapped * pv), oil, oil_share
 
 
 class Task(Protocol):

@@ -1,7 +1,9 @@
 """Starting a cycle from closed ones nearby: neighbouring points of a sweep differ by little, and smoothly.
 
-The guess is the polynomial through the last cycles, at most `DEPTH`, over their parameters, where those lie on a line;
-the last cycle alone where they do not. It changes what a closing costs, and its result by less than the tolerances.
+The guess is a polynomial through the last cycles, at most `DEPTH`, over their parameters, where those lie on a line; the
+last cycle alone where they do not. Of the polynomials the one that would have told the last cycles best: a higher degree
+follows the trend better and carries more of the cycles' errors. The guess changes what a closing costs, and its result
+by less than the tolerances.
 """
 
 from __future__ import annotations
@@ -49,12 +51,15 @@ class Course:
         self._cycles: list[_Cycle] = []
         self._gap: float | None = None  # of the last guess; None where the last cycle was not guessed
         self._guessed = False
+        self._told: dict[int, Array] = {}  # what each polynomial tells of the next cycle, by the number of its cycles
+        self._missed: dict[int, float] = {}  # how far each was off lately
         self._share = 1.0  # of the tolerance of a step with which the balances of the last cycle closed
         self.tightness = 1.0  # factor of the tolerances that the last scenes needed for their accuracy
 
     def forget(self) -> None:
         """Begin anew."""
         self._cycles.clear()
+        self._told, self._missed = {}, {}
         self._guessed = False
         self._share = self.tightness = 1.0
 
@@ -69,18 +74,23 @@ class Course:
         values = np.concatenate([closed.y[: machinery.n], seen_of(machinery, closed), made])
         self._gap = closed.first_gap if self._guessed else None
         self._share = _share(closed, wanted)
+        for cycles, told in self._told.items():
+            missed = float(_distance(told, values))
+            self._missed[cycles] = 0.5 * (self._missed.get(cycles, missed) + missed)
         cycle = _Cycle(_angles(machinery), parameters, history, values)
         self._cycles = [*self._cycles, cycle][-DEPTH:]
 
     def guess(self, machinery: Machinery, parameters: Array) -> Guess | None:
         """Install a history for these parameters and return what goes with it; None where no cycle is near."""
         cycles = self._near(machinery)
-        self._guessed = bool(cycles)
+        self._guessed, self._told = bool(cycles), {}
         if not cycles:
             return None
-        for weights in _weights([cycle.parameters for cycle in cycles], parameters):
-            used = cycles[-len(weights) :]
-            values = weights @ np.array([cycle.values for cycle in used])
+        known = np.array([cycle.values for cycle in cycles])
+        ways = _weights([cycle.parameters for cycle in cycles], parameters)
+        self._told = {len(weights): weights @ known[-len(weights) :] for weights in ways}
+        for weights in sorted(ways, key=lambda weights: self._missed.get(len(weights), 0.0)):
+            used, values = cycles[-len(weights) :], self._told[len(weights)]
             machinery.blend([cycle.history for cycle in used], weights)
             signed, ends = machinery.composition.signed, machinery.last()[1][: machinery.last()[3], 1]
             if _possible(values[: machinery.n], signed) and _possible(ends[:, : machinery.n].T, signed):
@@ -154,14 +164,15 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
 
 
 def _polynomials(places: list[float | None]) -> list[Array]:
-    """Return Lagrange's weights at the last place of the places before it, of the highest degree that is tame."""
+    """Return Lagrange's weights at the last place of the places before it, of each degree that is tame."""
     *known, x = places
     assert x is not None
+    tame = []
     for first in range(len(known) - 1):
         nodes = [place for place in known[first:] if place is not None]
         if len(nodes) < len(known) - first or len(set(nodes)) < len(nodes):
             continue
         weights = [prod((x - b) / (a - b) for b in nodes if b != a) for a in nodes]
         if max(map(abs, weights)) <= LARGEST:
-            return [np.array(weights)]
-    return []
+            tame.append(np.array(weights))
+    return tame

@@ -30,6 +30,8 @@ from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
 
 CHUNK_CASES = 1024  # at most in one chunk,
 CHUNK_TRACES = 256  # and where they keep their traces: bounds the memory
+FEW_BLOCKS = 512  # up to which the last chunks decide how long a sweep takes
+SPEED = "operation.speed"
 Simulate = Callable[[Scene], Result]
 WarmUp = Callable[[Scene], None]
 
@@ -128,7 +130,7 @@ class _Sweep:
         finished = self._parts.finished(lambda cases: self.blocks.blocks_of(cases) is not None)
         reused = sum(map(len, finished))
         done = [blocks for cases in finished if (blocks := self.blocks.blocks_of(cases)) is not None]
-        todo = _gaps(done, self.blocks.count)
+        todo = self._slow_machines_first(_gaps(done, self.blocks.count))
         if not todo:
             return reused
         if scheduler is not None:
@@ -141,6 +143,26 @@ class _Sweep:
             here = jobs == 1 and case_limit is None
             self._compute(todo, reused, LocalPool(jobs), None if here else case_limit or CASE_LIMIT)
         return reused
+
+    def _slow_machines_first(self, todo: list[range]) -> list[range]:
+        """Return what is to do in the order in which workers end together: leaks rule slow machines, which take longest.
+
+        One of them that began last would leave the other workers idle.
+        """
+        if SPEED not in self.scene.sweep or self.blocks.count > FEW_BLOCKS:
+            return todo
+
+        def speed(block: int) -> float:
+            first = self.blocks.cases_of(range(block, block + 1)).start
+            return float(grid.case_values(self.scene, first)[SPEED])
+
+        runs: list[range] = []
+        for block in sorted((block for blocks in todo for block in blocks), key=speed):
+            if runs and runs[-1].stop == block:
+                runs[-1] = range(runs[-1].start, block + 1)
+            else:
+                runs.append(range(block, block + 1))
+        return runs
 
     def _compute(self, todo: list[range], reused: int, pool: Pool, limit: float | None) -> None:
         """Compute blocks on a pool, or without a limit in this process."""

@@ -217,10 +217,8 @@ def drain(chunks: Chunks, work: Work) -> list[Lost]:
                     work.finish(blocks, future.result())
             guard.look()
             work.tick()
-    except BaseException:  # Ctrl-C or a full disk: workers must not go on
+    finally:  # after Ctrl-C or on a full disk workers must not go on; when all is done they hold nothing
         stop(executor)
-        raise
-    executor.shutdown()
     return lost
 
 
