@@ -13,6 +13,7 @@ from __future__ import annotations
 from screwsim.model.places import (
     IMPOSSIBLE,
     angle_terms,
+    counting,
     fill_place,
     neighbour,
     perturbation,
@@ -448,12 +449,13 @@ def at_knot(phi, y, context):
 
 
 @kernel
-def error_size(y0, y1, error, context):
+def error_size(y0, y1, error, E, E_next, context):
     """Return the size of a step's error; the place of the last stage is that of y1 all but for the error itself."""
-    _P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
-    if VOLUMED == 1 and locked(y1, 0, _P):
+    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    if VOLUMED == 1 and locked(y1, 0, P):
         return IMPOSSIBLE
-    return relative_error(y0, y1, error, 0, own, 0)
+    weight = counting(y0, y1, 0, E[E_VOLUME], E_next[E_VOLUME], P, TAB, R)
+    return relative_error(y0, y1, error, weight, 0, own, 0)
 
 
 @kernel

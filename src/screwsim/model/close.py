@@ -222,7 +222,7 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
         now = (float(machinery.R[R_TRAPPED]), float(q[0]))
         least = LEAST_WORK * now[0] * task.pv
         gap, before = max(_change(now, before, least), task.entries.change(made_image, made)), now
-        states = NEAR * float(np.max(np.abs(image - point)))
+        states = NEAR * _moved(task, image - point, y, angles)
         if turn == 1:  # what was expected of mass and work may agree by chance: the states must, too
             gap = first_gap = max(gap, states)
         gaps.append(gap)
@@ -270,6 +270,16 @@ def _vector(task: Task, y: Array, angles: Array, made: Array) -> Array:
     """Return what one turn maps: states at 0° and of the last history, and what the cycle makes (`_logarithms`)."""
     states = np.concatenate([y, task.machinery.states_at(angles).ravel()])
     return np.concatenate([_logarithms(states, task.machinery.composition), task.entries.coordinates(made)])
+
+
+def _moved(task: Task, change: Array, y: Array, angles: Array) -> float:
+    """Return the largest change of what a turn maps, that of states as much as their errors count."""
+    machinery, rows = task.machinery, len(angles) + 1
+    n = machinery.n
+    states = np.concatenate([y, machinery.states_at(angles).ravel()]).reshape(rows, n)
+    weights = machinery.weights_along(np.append(0.0, angles), states)
+    of_states = np.abs(change[: rows * n]).reshape(rows, n) * weights[:, None]
+    return max(float(of_states.max()), float(np.abs(change[rows * n :]).max(initial=0.0)))
 
 
 def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array) -> Array:

@@ -1,9 +1,9 @@
 """Starting a cycle from closed ones nearby: neighbouring points of a sweep differ by little, and smoothly.
 
-The guess is a polynomial through the last cycles, at most `DEPTH`, over their parameters, where those lie on a line; the
-last cycle alone where they do not. Of the polynomials the one that would have told the last cycles best: a higher degree
-follows the trend better and carries more of the cycles' errors. The guess changes what a closing costs, and its result
-by less than the tolerances.
+The guess is a polynomial through the last cycles, at most `DEPTH`, over their parameters, where those lie on a line;
+the last cycle alone where they do not. Of the polynomials it is the one that would have told the last cycles best: a
+higher degree follows the trend better and carries more of the cycles' errors. The guess changes what a closing costs,
+and its result by less than the tolerances.
 """
 
 from __future__ import annotations

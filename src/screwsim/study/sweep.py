@@ -145,7 +145,7 @@ class _Sweep:
         return reused
 
     def _slow_machines_first(self, todo: list[range]) -> list[range]:
-        """Return what is to do in the order in which workers end together: leaks rule slow machines, which take longest.
+        """Return what is to do, slow machines first: leaks rule them, and they take longest.
 
         One of them that began last would leave the other workers idle.
         """
