@@ -74,9 +74,10 @@ class Course:
         values = np.concatenate([closed.y[: machinery.n], seen_of(machinery, closed), made])
         self._gap = closed.first_gap if self._guessed else None
         self._share = _share(closed, wanted)
-        for cycles, told in self._told.items():
-            missed = float(_distance(told, values))
-            self._missed[cycles] = 0.5 * (self._missed.get(cycles, missed) + missed)
+        if self._told:
+            off = _distances(np.array([*self._told.values()]), values)
+            for cycles, missed in zip(self._told, off.tolist(), strict=True):
+                self._missed[cycles] = 0.5 * (self._missed.get(cycles, missed) + missed)
         cycle = _Cycle(_angles(machinery), parameters, history, values)
         self._cycles = [*self._cycles, cycle][-DEPTH:]
 
@@ -98,7 +99,9 @@ class Course:
         else:
             return None
         n = machinery.n
-        gap = STEEP * _distance(cycles[-1].parameters, parameters) if self._gap is None else self._gap
+        gap = self._gap
+        if gap is None:
+            gap = STEEP * float(_distances(cycles[-1].parameters, parameters))
         return Guess(values[:n], values[n + 2 :], Hope((float(values[n]), float(values[n + 1])), gap, self._share))
 
     def _near(self, machinery: Machinery) -> list[_Cycle]:
@@ -134,9 +137,9 @@ def _possible(states: Array, signed: Sequence[int]) -> bool:
     return bool((states[:2] > 0.0).all() and (others >= 0.0).all())
 
 
-def _distance(a: Array, b: Array) -> float:
-    """Return the largest relative difference of two vectors."""
-    return float(np.max(np.abs(a - b) / np.maximum(np.maximum(np.abs(a), np.abs(b)), LEAST)))
+def _distances(a: Array, b: Array) -> Array:
+    """Return the largest relative difference of each row of a from a vector."""
+    return np.max(np.abs(a - b) / np.maximum(np.maximum(np.abs(a), np.abs(b)), LEAST), axis=-1)
 
 
 def _weights(known: list[Array], wanted: Array) -> list[Array]:
@@ -145,9 +148,9 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
     if len(known) < 2:
         return [last]
     points = np.array([*known, wanted])
+    points = points[:, (points != wanted).any(axis=0)]
     scale = np.abs(points).max(axis=0)
-    scale[scale == 0.0] = 1.0
-    ways = (points - known[-1]) / scale
+    ways = (points - points[-2]) / scale
     line = -ways[-3]  # from the last but one to the last
     length = float(line @ line)
     if length == 0.0:
