@@ -47,6 +47,7 @@ STATE_MEANINGS = {
     "rho": "gas density [kg/m^3], gas mass over volume",
     "T_oil": "oil temperature [K]",
     "x_oil": "oil mass over gas mass",
+    "w_gas": "gas dissolved in the oil, per oil",
 }
 BALANCES = "balances of mass and energy M1, M2; work M7"
 TRANSPORT = {

@@ -93,10 +93,15 @@ NO_HOPE = Hope((0.0, 0.0), 1.0)
 
 
 @cache
-def discharge_line(carried: bool) -> tuple[Entry, ...]:
-    """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature."""
+def discharge_line(carried: bool, dissolves: bool = False) -> tuple[Entry, ...]:
+    """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature.
+
+    Where oil dissolves gas, also what it holds there (M235).
+    """
     ratio = Entry("discharge_oil_ratio", floor=LEAST_OIL)
     oil = (ratio, Entry("discharge_oil_temperature", of=ratio.name)) if carried else ()
+    if dissolves:
+        oil = (*oil, Entry("discharge_held_gas", of=ratio.name, scale=1.0))
     return Entry("discharge_enthalpy"), *oil
 
 
@@ -109,7 +114,7 @@ class Balances:
         self.machinery = machinery
         self.c_oil = oil_heat_capacity
         self.oil_in = oil_in
-        self.width = 4 if machinery.composition.carried else 2
+        self.width = machinery.composition.width
 
     def streams(self, q: Array) -> Array:
         """Return the sums as rows, by the categories of slots: suction in, suction out, discharge in …"""
@@ -136,10 +141,12 @@ class Balances:
         energy = enthalpy.sum() + q[0]
         scale = np.abs(enthalpy).sum() + abs(q[0])
         oil = 0.0
-        if self.width == 4:
+        if self.width >= 4:
             injected, T_oil = self.oil_in()
             energy += self.c_oil * (flows[:, 3].sum() + injected * T_oil)
             oil = abs(flows[:, 2].sum() + injected) / max(injected, np.abs(flows[:, 2]).sum() / 2, LEAST_OIL * trapped)
+            if self.width == 5:  # what it holds dissolved, over the gas
+                oil = max(oil, abs(flows[:, 4].sum()) / max(trapped, np.abs(flows[:, 4]).sum() / 2))
         else:
             energy += q[Q_HEAT]
         if self.machinery.composition.walls:
@@ -442,6 +449,12 @@ def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
     out = streams[3]
     if not out[0] < 0.0:
         return None
-    ratio = out[2] / out[0] if len(out) == 4 else 0.0
-    T_oil = out[3] / out[2] if len(out) == 4 and out[2] < 0.0 else 0.0
+    ratio = out[2] / out[0] if len(out) >= 4 else 0.0
+    T_oil = out[3] / out[2] if len(out) >= 4 and out[2] < 0.0 else 0.0
     return float(out[1] / out[0]), float(ratio), float(T_oil)
+
+
+def discharge_held(streams: Array) -> float:
+    """Return the gas [kg/kg] that the outflow's oil holds in the mean, 0 where it is no state or none flows out."""
+    out = streams[3]
+    return float(out[4] / out[2]) if len(out) == 5 and out[2] < 0.0 else 0.0
