@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import Intake, OilGas, OilSolution, PowerLoss, Pulsation, Reading
+from screwsim.dissolved import Held
+from screwsim.effects.base import Intake, OilGas, PowerLoss, Pulsation, Reading
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.intake import Suction
 from screwsim.model import ledger as kernels
@@ -23,13 +24,11 @@ from screwsim.model.parts import OilPart
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
-    DISSOLVED,
     ENTHALPY,
     FIRST_OWN,
     OIL_TEMPERATURE,
     P_INJECTION,
     PLACE,
-    PORT_OIL,
     PRESSURE,
     R_DISCHARGE,
     R_INJECTED,
@@ -168,7 +167,7 @@ def ledger(cycle: Cycle) -> Figures:
     _walls(book, cycle, heats[warmed:])
     oil_rise = None
     if cycle.parts.oil is not None:
-        oil_rise = _oil(book, cycle, paths, heats[:warmed], oil)
+        oil_rise = _oil(book, cycle, suction, paths, heats[:warmed], oil)
     _losses(book, cycle)
     return _figures(book, cycle, gas_rise, oil_rise)
 
@@ -272,11 +271,9 @@ def _pulsations(
         book.add(name, gas=abs(float(sums[:, 0].sum())), energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)
 
 
-def _drawn(cycle: Cycle, only: set[str] | None = None) -> Iterator[tuple[float, Reservoir]]:
-    """Yield the net flow [kg/s] from each own plenum, or from those of some names, and its state."""
-    for i, (name, own) in enumerate(cycle.parts.plenums.items(), FIRST_OWN):
-        if only is not None and name not in only:
-            continue
+def _drawn(cycle: Cycle) -> Iterator[tuple[float, Reservoir]]:
+    """Yield the net flow [kg/s] from each own plenum, and its state."""
+    for i, own in enumerate(cycle.parts.plenums.values(), FIRST_OWN):
         yield float(cycle.streams[2 * i, 0] + cycle.streams[2 * i + 1, 0]) * cycle.rate, own
 
 
@@ -319,7 +316,7 @@ def _walls(book: _Book, cycle: Cycle, heats: Array) -> None:
 # ---- oil ---------------------------------------------------------------------------------------------------------
 
 
-def _oil(book: _Book, cycle: Cycle, paths: Array, heats: Array, sums: Array) -> float:
+def _oil(book: _Book, cycle: Cycle, suction: State, paths: Array, heats: Array, sums: Array) -> float:
     """Return the exergy rise of the oil [W] (M56), and enter its heat, injection, supply and what is not conserved."""
     c, known = cycle.machinery.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
@@ -328,7 +325,7 @@ def _oil(book: _Book, cycle: Cycle, paths: Array, heats: Array, sums: Array) -> 
     book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
     if c.ported:
         book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
-    dissolved = _flash(book, cycle, paths, sums)
+    dissolved = _flash(book, cycle, suction, paths, sums)
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:
         return dissolved + mechanical + _carried(book, cycle, paths)
@@ -337,61 +334,34 @@ def _oil(book: _Book, cycle: Cycle, paths: Array, heats: Array, sums: Array) -> 
     return mechanical
 
 
-def _flash(book: _Book, cycle: Cycle, paths: Array, sums: Array) -> float:
+def _flash(book: _Book, cycle: Cycle, suction: State, paths: Array, sums: Array) -> float:
     """Enter the gas that flashes out of the oil; return the exergy [W] by which it is less than that gas (M197)."""
     content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
     if content is None:
         return 0.0
-    if isinstance(content, OilSolution):
-        return _released(book, cycle, content, paths, sums)
+    if cycle.parts.dissolves:
+        return _released(book, cycle, suction, paths, sums)
     for name, _ in cycle.parts.all(OilGas):
         generated = float(sums[kernels.FLASH_GENERATED])
         book.add(name, gas=flashed, energy=flashed * content.latent, entropy=generated)
     return flashed * content.latent * (1.0 - cycle.T_0 / cycle.parts.oil.temperature)
 
 
-def _released(book: _Book, cycle: Cycle, content: OilSolution, paths: Array, sums: Array) -> float:
-    """Enter the gas that oil gives off over time; return the exergy rise [W] of what it holds, and of that gas (M239).
-
-    The exergy of dissolved gas is over that of the suction line's.
-    """
-    R, c, rate, streams = cycle.machinery.R, cycle.machinery.composition, cycle.rate, cycle.streams
-    h, T, rho = (float(R[R_SUCTION + ENTHALPY]), cycle.lines.T_s, float(R[R_SUCTION + DENSITY]))
-    T = cycle.intake.temperature(cycle.intake.place(float(R[R_DISCHARGE + ENTHALPY])), T)
-    suction = cycle.state(T, rho, h)
-
-    def whole(oil: float, w: float) -> float:
-        return oil * float(cycle.machinery.module.solution_entropy(w, c.P, c.TAB)[1])
-
-    def exergy(held: float, entropy: float) -> float:
-        return held * (content.enthalpy - suction.h) - cycle.T_0 * (entropy - held * suction.s)
-
-    out, out_held = (-rate * float(streams[3, i]) for i in (2, 4))
-    back, w_line = rate * float(streams[2, 2]), float(R[R_DISCHARGE + DISSOLVED])
-    supplied = rate * float(streams[PORT_OIL, 2])
-    w_out = out_held / out if out > 0.0 else 0.0
-    for name, end, row in zip(_names(cycle), c.ends, paths.tolist(), strict=True):
-        oil, held, entropy = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_HELD, kernels.OUT_HELD_ENTROPY))
-        if oil > 0.0 and end == "discharge":  # mixing there
-            s, _total = cycle.machinery.module.solution_entropy(w_out, c.P, c.TAB)
-            book.add(name, entropy=whole(oil, w_out) + float(s) * (held - oil * w_out) - entropy)
-        elif oil > 0.0:
-            entry = SUCTION_LINE if end == "suction" else f"{end}_plenum"
-            book.add(entry, exergy=exergy(held, entropy))
+def _released(book: _Book, cycle: Cycle, suction: State, paths: Array, sums: Array) -> float:
+    """Enter the gas that oil gives off over time; return the rise [W] of what it holds, and of that gas (M239)."""
+    held, ends = Held(cycle, suction), {}
+    for name, end, row in zip(_names(cycle), cycle.machinery.composition.ends, paths.tolist(), strict=True):
+        entry = {"discharge": "", "suction": SUCTION_LINE}.get(end, f"{end}_plenum")
+        ends.setdefault(entry, []).append((name, row))
+    held.at_lines(ends, book.add)
     gas, energy = float(sums[kernels.FLASH_MASS]), float(sums[kernels.RELEASED])
-    for name, _ in cycle.parts.all(OilGas):
+    rise = held.rise()
+    for name, part in cycle.parts.all(OilGas):
         book.add(name, gas=gas, energy=energy, entropy=float(sums[kernels.FLASH_GENERATED]))
-    rise = exergy(out_held, whole(out, w_out)) - exergy(back * w_line, whole(back, w_line))
-    rise -= exergy(supplied * content.supply, whole(supplied, content.supply))
-    plenum = sum(
-        net * (own.h - suction.h - cycle.T_0 * (own.s - suction.s)) for net, own in _drawn(cycle, _gas_plenums(cycle))
-    )
-    return rise + plenum
-
-
-def _gas_plenums(cycle: Cycle) -> set[str]:
-    """Return the plenums from which the gas of the oil comes."""
-    return {part.plenum for _, part in cycle.parts.all(OilGas)}
+        i = 2 * cycle.parts.number(part.plenum)
+        net = float(cycle.streams[i : i + 2, 0].sum()) * cycle.rate
+        rise += held.of_gas(net, cycle.parts.plenums[part.plenum])
+    return rise
 
 
 def _throttled(cycle: Cycle) -> float:
