@@ -41,8 +41,8 @@ POINTS = 25  # of the table over pressure
 LOWEST = 0.02  # of the separator's pressure: below it, what flashes is held
 HIGHEST = 370.0  # [K], below the critical temperature
 STEP = 5.0  # [K] between the temperatures at which CoolProp is asked
-LEAST, MOST = 1e-4, 2.0  # [kg/kg] of the tables of a solution: beyond them, equilibrium is held
-ROWS = 241  # of those tables
+LEAST, MOST = 1e-6, 20.0  # [kg/kg] of the tables of a solution: beyond them, equilibrium is held
+ROWS = 401  # of those tables
 APART = 5.0  # [K] at the least between the temperatures that tell the heat of solution
 
 
@@ -142,7 +142,8 @@ def solution(gas: Any, T_separator: float, T: float, p_d: float, release: float,
     vapours = [gas.vapour(equilibrium_pressure(math.exp(each), T), T) for each in z]
     entropy = CubicSpline(z, [each.s - (each.h - enthalpy) / T for each in vapours])
     held = np.exp(z)
-    rest = CubicSpline(z, -held * entropy(z, 1)).antiderivative()(z) / held
+    falls = CubicSpline(z, -held * entropy(z, 1))
+    rest = (falls.antiderivative()(z) + falls(z[0])) / held  # below the tables, in proportion to what is held
     return OilSolution(z, entropy(z), entropy(z, 1), rest, enthalpy, content(p_d, T_separator), release, uptake)
 
 
@@ -192,6 +193,11 @@ def check(parameters: Parameters, facts) -> list[Fault]:
     if not faults and p_d is not None and p_d >= pair(T).p_sat:
         what = f"at {T:.6g} K the gas condenses in the separator, at {p_d / 1e5:.4g} bar"
         faults.append(Fault(f"{path}.separator_temperature", f"{what} (state a warmer separator)"))
+    elif not faults and p_d is not None and parameters.flash_time is not None:
+        held = content(p_d, T)
+        if not LEAST < held < MOST:
+            what = f"oil from there holds {held:.3g} kg of gas per kg, and the rate knows {LEAST:g} to {MOST:g}"
+            faults.append(Fault(f"{path}.separator_temperature", f"{what} (state another one, or no flash_time)"))
     return faults
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from screwsim.model.compose import Composition
 from screwsim.model.pace import FULL, Mixing, Pace, Refining, finer
 from screwsim.model.run import Machinery
-from screwsim.model.slots import BETWEEN, P_LIFE, P_OMEGA, P_PITCH, Q_HEAT, Q_WALLS, R_TRAPPED
+from screwsim.model.slots import BETWEEN, HELD, P_LIFE, P_OMEGA, P_PITCH, Q_HEAT, Q_WALLS, R_TRAPPED
 from screwsim.numerics.made import Entries, Entry
 from screwsim.numerics.periodic import Anderson
 from screwsim.numerics.rodas import dense_value
@@ -183,7 +183,7 @@ def _change(new: tuple[float, float], old: tuple[float, float], least_work: floa
 def _logarithms(states: Array, c: Composition) -> Array:
     """Return ln of states, those that may be negative as they are: what closing iterates on.
 
-    Oil not above LEAST_OIL of the gas counts as that, of one temperature.
+    Oil not above LEAST_OIL of the gas counts as that, of one temperature, without dissolved gas.
     """
     raw, signed = states.reshape(-1, len(c.states)), list(c.signed)
     rows = np.maximum(raw, 1e-300)
@@ -194,6 +194,8 @@ def _logarithms(states: Array, c: Composition) -> Array:
     logs = np.log(rows)
     if signed:
         logs[:, signed] = raw[:, signed]
+    if c.dissolves and little.any():  # pyright: ignore[reportPossiblyUnboundVariable]
+        logs[little, HELD] = 0.0  # pyright: ignore[reportPossiblyUnboundVariable]
     return logs.ravel()
 
 
@@ -265,7 +267,8 @@ def _states(mixed: Array, raw: Array, c: Composition) -> Array:
     if c.carried:
         little = raw[:, 3] <= LEAST_OIL
         if little.any():
-            states[little, 2:4] = raw[little, 2:4]
+            oil = slice(2, HELD + 1 if c.dissolves else HELD)
+            states[little, oil] = raw[little, oil]
     return states.ravel()
 
 

@@ -113,6 +113,11 @@ class Composition:
     pulsating: bool = False
 
     @property
+    def dissolves(self) -> bool:
+        """Is what the oil holds dissolved a state?"""
+        return self.width == 5
+
+    @property
     def widths(self) -> slice:
         """Where the widths of the regularisation stand in P."""
         return slice(P_PORT_WIDTH, P_PORT_WIDTH + self.n_widths)
