@@ -328,7 +328,7 @@ def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
     body = ["s = gas_entropy(T, rho, P, TAB)", f"m_oil = {slow}m_oil", f"return {call}"]
     writer.function("release_terms(phi, m_oil, w, T, rho, h, T_oil, P, TAB)", body)
     writer.function("held_gas(oil, P)", [f"return oil * {writer.numbers.add(content.supply)}"])
-    tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest)}
+    tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest, _ends(-rise - content.rest))}
     call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"))
     writer.function("solution_entropy(w, P, TAB)", [f"return {call}"])
 
