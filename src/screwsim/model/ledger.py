@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from screwsim.model.chamber import SIDE, path_flows, surroundings
-from screwsim.model.port_oil import release
+from screwsim.model.port_oil import released
 from screwsim.model.room import gas_mass, gas_mass_slope
 from screwsim.model.slots import (
     CARRIED,
@@ -214,10 +214,10 @@ def held_arriving(m, w_i, w, P, TAB):
 
 
 @kernel
-def add_released(phi, own, y, V, P, TAB, dt, oil):
+def add_released(phi, own, y, E, P, TAB, dt, oil):
     """Add the gas that a chamber's oil gives off over time, and what that and the oil of ports generate (M238)."""
     inflow = oil_inflow(phi, own[PRESSURE], P, TAB)
-    gas, _h, heat = release(y[0], y[1], y[2], y[3], y[HELD], own[ENTHALPY], V, phi, P, TAB)
+    gas, _h, heat = released(y, phi, E, own, P, TAB)
     s, _total = solution_entropy(y[HELD], P, TAB)
     oil[FLASH_MASS] += dt * gas
     oil[RELEASED] += dt * heat * P[P_C_OIL]
@@ -375,7 +375,11 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
             if VOLUMED == 1:
                 dx = dense_slope(theta, dense[step, 0, 3], dense[step, 1, 3], dense[step, 2, 3], dense[step, 3, 3]) / h
                 mass_rate = P[P_OMEGA] * gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[1], (rise + bend) / h, y[3], dx, P)
-            balanced(flows, mass_rate, E, own, R, P)
+            if DISSOLVES == 0:
+                balanced(flows, mass_rate, E, own, R, P)
+            if DISSOLVES == 1:
+                gas, _h, _heat = released(y, phi, E, own, P, context[1])
+                balanced(flows, mass_rate - gas, E, own, R, P)
             neighbours_entropy(phi, context, flows, E, s_discharge, entropies)
             dt = WEIGHTS[k] * h / P[P_OMEGA]
             add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharge, dt, paths, heats, oil)
@@ -384,4 +388,4 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
             if FLASHED == 1:
                 add_flashed(phi, own, y, P, context[1], R, dt, oil)
             if DISSOLVES == 1:
-                add_released(phi, own, y, E[E_VOLUME], P, context[1], dt, oil)
+                add_released(phi, own, y, E, P, context[1], dt, oil)

@@ -93,6 +93,12 @@ def release(T, rho, T_oil, x, w, h, V, phi, P, TAB):
 
 
 @kernel
+def released(y, phi, E, place, P, TAB):
+    """Return what `release` does for one chamber at phi, whose place is filled."""
+    return release(y[0], y[1], y[2], y[3], y[HELD], place[ENTHALPY], E[E_VOLUME], phi, P, TAB)
+
+
+@kernel
 def add_release(y, at, E, e, oil, place, row, P, TAB, work, first):
     """Add the gas that a chamber's oil gives off, and what oil [kg/s] brings dissolved, to sums at `first` (M236)."""
     width = WIDTH
