@@ -194,7 +194,7 @@ def relative_error(y0, y1, error, at, place, row):
         if CARRIED == 1 and i == 2:
             e *= min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL)
         if DISSOLVES == 1 and i == HELD:
-            e *= min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL)
+            e = max(e * min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL), abs(error[at + i] * y1[at + 3]))
         if not (e <= worst):
             worst = e
         if e != e:
