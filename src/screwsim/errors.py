@@ -19,6 +19,7 @@ PULSATION = "_pulsation_"  # over the pressure of the line
 LEAST_FLOW = "discharge_line_least_flow"  # over the mean flow, as it passes through zero
 OIL = ("oil_ratio", "oil_flow_ratio", "oil_mass_flow")
 FLASH = ("flash_mass_flow", "flash_flow_ratio")  # where oil takes gas up, too, they pass through zero
+OF_FLASH = ("oil_mass_flow", "oil_flow_ratio", "dissolved_gas_ratio", "discharge_dissolved_gas_ratio")
 BROUGHT = 0.1  # of the gas that the oil brings dissolved, over which at the least they err
 LEAST_OIL = 1e-4  # oil per gas below which its error is that of nothing
 
@@ -81,9 +82,10 @@ def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any]
     if name in NET:
         filling = abs(known.get("volumetric_efficiency", 0.0))
         size = size * larger(filling, 0.1) / (filling + 0.1 * (filling == 0.0))
-    if name in FLASH and known.get("discharge_dissolved_gas_ratio") is not None:
-        oil = abs(known.get("oil_mass_flow" if name == "flash_mass_flow" else "oil_flow_ratio") or 0.0)
-        size = larger(size, BROUGHT * abs(known.get("dissolved_gas_ratio") or 0.0) * oil)
+    if name in FLASH:
+        oil = abs(known.get("oil_mass_flow" if name == "flash_mass_flow" else "oil_flow_ratio", 0.0))
+        over_time = known.get("discharge_dissolved_gas_ratio", 0.0) != 0.0
+        size = larger(size, BROUGHT * known.get("dissolved_gas_ratio", 0.0) * oil * over_time)
     if name in OIL:
         size = larger(size, LEAST_OIL * (abs(known.get("gas_mass_flow", 0.0)) if name == "oil_mass_flow" else 1.0))
     return size

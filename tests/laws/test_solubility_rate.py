@@ -121,6 +121,20 @@ def test_fast_oil_is_in_equilibrium_with_the_gas():
     assert apart[1] < ACCURACY
 
 
+def test_traces_give_the_gas_of_a_chamber_with_what_its_oil_gives_off():
+    """Where ports are open, too, whose flow is taken from that balance: off the knots, by differences over a degree."""
+    case = CASES["given off only"]
+    cycle, excess = run(case).cycle, run(case).cycle["dissolved_gas_ratio"] - equilibrium(case)
+    time = np.radians(cycle["angle"]) / (2.0 * np.pi * 50.0)
+    released = cycle["oil_mass"] * np.maximum(excess, 0.0) / 5e-3
+    flows = sum(values for name, values in cycle.items() if name.startswith("mass_flow_"))
+    change_of_gas = np.gradient(cycle["gas_mass"], time)
+    filled = (cycle["angle"] > 70.0) & (cycle["angle"] < 340.0)
+    off = np.abs(change_of_gas - flows - released)[filled]
+    assert np.mean(off) < 0.1 * np.mean(released[filled])
+    assert np.mean(released[filled]) > 0.0
+
+
 def test_figures_tend_to_a_limit_as_oil_becomes_fast():
     """The limit of the flash: halved times halve what is left, and 1 us is the limit to the accuracy."""
     figures = [timed(time).performance for time in ("400 us", "200 us", "100 us", "1 us")]
