@@ -246,6 +246,14 @@ def flash_change(one: Result, other: Result) -> str:
     return f"{share:.1f} % of the solution; flash {100.0 * p.flash_flow_ratio:.1f} % of the suction gas, {figures}"
 
 
+def rate_change(one: Result, other: Result) -> str:
+    """Return what flashes and what stays, and what it costs."""
+    p, names = one.performance, ("volumetric_efficiency", "shaft_power", "isentropic_efficiency")
+    figures = ", ".join(f"{name.replace('_', ' ')} {percent(one, other, name)}" for name in names)
+    left = p.discharge_dissolved_gas_ratio / p.dissolved_gas_ratio
+    return f"flash {100.0 * p.flash_flow_ratio:.1f} % of the suction gas, {left:.2f} of it leaves dissolved, {figures}"
+
+
 def soluble(T_separator: str) -> Entry:
     """Return the entry of oil in equilibrium at a temperature of the separator."""
     effect = f"effects.refrigerant_solubility={{separator_temperature: {T_separator}}}"
@@ -259,9 +267,21 @@ def soluble(T_separator: str) -> Entry:
     )
 
 
+def over_time(times: str) -> Entry:
+    """Return the entry of oil that gives gas off over time: the parameters beside the separator's temperature."""
+    effect = f"effects.refrigerant_solubility={{separator_temperature: 70 degC, {times}}}"
+    sets = ("effects.oil_injection={opens: 365 deg, closes: 455 deg}", effect)
+    says = "no published time: gas that comes later costs less"
+    return soluble("70 degC")._replace(sets=sets, source="assumed times", says=says, ours=rate_change)
+
+
 effects_solubility = {
     "refrigerant_solubility": soluble("70 degC"),
     "refrigerant_solubility, warmer": soluble("90 degC"),
+    "refrigerant_solubility, 0.1 ms": over_time("flash_time: 0.1 ms"),
+    "refrigerant_solubility, 5 ms": over_time("flash_time: 5 ms"),
+    "refrigerant_solubility, 50 ms": over_time("flash_time: 50 ms"),
+    "refrigerant_solubility, 5 ms and back": over_time("flash_time: 5 ms, absorption_time: 50 ms"),
 }
 # ---- walls, gaps, plenums ------------------------------------------------------------------------------------------
 

@@ -79,6 +79,15 @@ EFFECTS: dict[str, dict[str, Any]] = {
         "oil_supply.temperature": "325 K",
         "effects.refrigerant_solubility": {"separator_temperature": "70 degC"},
     },
+    "refrigerant_solubility, rate": {
+        **PORT,
+        "oil_supply.temperature": "325 K",
+        "effects.refrigerant_solubility": {
+            "separator_temperature": "70 degC",
+            "flash_time": "5 ms",
+            "absorption_time": "50 ms",
+        },
+    },
     "wall_heat": WALLS,
     "thermal_clearances": {**WALLS, "effects.thermal_clearances": {"axis_distance": "125 mm"}},
     "plenums": {"effects.plenums": LINES},

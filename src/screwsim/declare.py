@@ -40,6 +40,7 @@ KINDS = {
         Kind("viscosity", "Pa s", "20 mPa s"),
         Kind("force", "N", "8 kN"),
         Kind("mass", "kg", "0.3 g"),
+        Kind("time", "s", "10 ms"),
         Kind("stiffness", "N/m", "500 N/m"),
         Kind("power", "W", "75 kW"),
         Kind("torque", "N m", "200 N m"),

@@ -18,6 +18,9 @@ TORQUE, FORCE = "gas_torque", "_gas_force"  # over what they swing by: their mea
 PULSATION = "_pulsation_"  # over the pressure of the line
 LEAST_FLOW = "discharge_line_least_flow"  # over the mean flow, as it passes through zero
 OIL = ("oil_ratio", "oil_flow_ratio", "oil_mass_flow")
+FLASH = ("flash_mass_flow", "flash_flow_ratio")  # where oil takes gas up, too, they pass through zero
+OF_FLASH = ("oil_mass_flow", "oil_flow_ratio", "dissolved_gas_ratio", "discharge_dissolved_gas_ratio")
+BROUGHT = 0.1  # of the gas that the oil brings dissolved, over which at the least they err
 LEAST_OIL = 1e-4  # oil per gas below which its error is that of nothing
 
 
@@ -63,7 +66,8 @@ def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any]
 
     Powers and heat of walls are over the larger of shaft and ideal power, efficiencies over max(|η|, 0.1), oil over at
     least LEAST_OIL of the gas, the net gas flow and what is divided by it over as much as the volumetric efficiency
-    allows, the others over themselves. For arrays `larger` is numpy's maximum.
+    allows, gas that the chambers' oil gives off over at least BROUGHT of what it brings, the others over themselves.
+    For arrays `larger` is numpy's maximum.
     """
     size = abs(known[name])
     if _is_power(name):
@@ -78,6 +82,10 @@ def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any]
     if name in NET:
         filling = abs(known.get("volumetric_efficiency", 0.0))
         size = size * larger(filling, 0.1) / (filling + 0.1 * (filling == 0.0))
+    if name in FLASH:
+        oil = abs(known.get("oil_mass_flow" if name == "flash_mass_flow" else "oil_flow_ratio", 0.0))
+        over_time = known.get("discharge_dissolved_gas_ratio", 0.0) != 0.0
+        size = larger(size, BROUGHT * known.get("dissolved_gas_ratio", 0.0) * oil * over_time)
     if name in OIL:
         size = larger(size, LEAST_OIL * (abs(known.get("gas_mass_flow", 0.0)) if name == "oil_mass_flow" else 1.0))
     return size
@@ -86,7 +94,7 @@ def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any]
 @cache
 def _over_itself(name: str) -> bool:
     """Tell whether the error of a figure is relative to the figure itself, whatever the others are."""
-    special = name.endswith("_efficiency") or name in (*NET, *OIL, "work_per_cycle") or _is_power(name)
+    special = name.endswith("_efficiency") or name in (*NET, *OIL, *FLASH, "work_per_cycle") or _is_power(name)
     return not special and _swing(name) is None
 
 

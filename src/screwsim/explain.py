@@ -20,6 +20,7 @@ from screwsim.effects.base import (
     HeatRate,
     Intake,
     Made,
+    OilGas,
     Plenum,
     PowerLoss,
     Pulsation,
@@ -30,7 +31,7 @@ from screwsim.effects.base import (
 )
 from screwsim.machine.settings import TwinScrew
 from screwsim.machine.slider_crank.settings import SliderCrank
-from screwsim.model.compose import Composition, compose
+from screwsim.model.compose import HELD_GAS, Composition, compose
 from screwsim.model.parts import Parts
 from screwsim.scene.fields import Leaf, Section, section_of
 from screwsim.scene.grid import case_count, dimensions
@@ -47,6 +48,7 @@ STATE_MEANINGS = {
     "rho": "gas density [kg/m^3], gas mass over volume",
     "T_oil": "oil temperature [K]",
     "x_oil": "oil mass over gas mass",
+    "w_gas": "gas dissolved in the oil, per oil",
 }
 BALANCES = "balances of mass and energy M1, M2; work M7"
 TRANSPORT = {
@@ -184,12 +186,12 @@ def _sections(values: Any, under: str = "") -> Iterator[str]:
 def _effects(scene: Scene, parts: Parts) -> Iterator[str]:
     for name, active in scene.effects.items():
         yield _row(name, active.effect.title)
-        yield from (_row("", text) for text in _about(active, parts.effects[name]))
+        yield from (_row("", text) for text in _about(active, parts.effects[name], parts.dissolves))
     if not scene.effects:
         yield _row("none", "a closed chamber: its gas is compressed and expands again")
 
 
-def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
+def _about(active: ActiveEffect, built: Any, dissolves: bool) -> Iterator[str]:
     effect = active.effect
     yield f"{', '.join(effect.equations)}; source: {effect.source}"
     parameters = _parameters(active.parameters, skip=())
@@ -198,6 +200,7 @@ def _about(active: ActiveEffect, built: Any) -> Iterator[str]:
     yield from _sections(active.parameters)
     added = [f"state {name}" for name in effect.states]
     added += [f"state {part.name}" for part in built if isinstance(part, ChamberState)]
+    added += [f"state {HELD_GAS}" for part in built if isinstance(part, OilGas) and dissolves]
     added += [f"plenum {part.name}" for part in built if isinstance(part, Plenum)]
     added += [f"figure {part.figure}" for part in built if isinstance(part, PowerLoss)]
     added += [f"figure {name}" for part in built if isinstance(part, Reading) for name in part.figures]

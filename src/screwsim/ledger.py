@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.dissolved import Held
 from screwsim.effects.base import Intake, OilGas, PowerLoss, Pulsation, Reading
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.intake import Suction
@@ -166,7 +167,7 @@ def ledger(cycle: Cycle) -> Figures:
     _walls(book, cycle, heats[warmed:])
     oil_rise = None
     if cycle.parts.oil is not None:
-        oil_rise = _oil(book, cycle, paths, heats[:warmed], oil)
+        oil_rise = _oil(book, cycle, suction, paths, heats[:warmed], oil)
     _losses(book, cycle)
     return _figures(book, cycle, gas_rise, oil_rise)
 
@@ -315,7 +316,7 @@ def _walls(book: _Book, cycle: Cycle, heats: Array) -> None:
 # ---- oil ---------------------------------------------------------------------------------------------------------
 
 
-def _oil(book: _Book, cycle: Cycle, paths: Array, heats: Array, sums: Array) -> float:
+def _oil(book: _Book, cycle: Cycle, suction: State, paths: Array, heats: Array, sums: Array) -> float:
     """Return the exergy rise of the oil [W] (M56), and enter its heat, injection, supply and what is not conserved."""
     c, known = cycle.machinery.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
@@ -324,7 +325,7 @@ def _oil(book: _Book, cycle: Cycle, paths: Array, heats: Array, sums: Array) -> 
     book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
     if c.ported:
         book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
-    dissolved = _flash(book, cycle, sums)
+    dissolved = _flash(book, cycle, suction, paths, sums)
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:
         return dissolved + mechanical + _carried(book, cycle, paths)
@@ -333,15 +334,34 @@ def _oil(book: _Book, cycle: Cycle, paths: Array, heats: Array, sums: Array) -> 
     return mechanical
 
 
-def _flash(book: _Book, cycle: Cycle, sums: Array) -> float:
+def _flash(book: _Book, cycle: Cycle, suction: State, paths: Array, sums: Array) -> float:
     """Enter the gas that flashes out of the oil; return the exergy [W] by which it is less than that gas (M197)."""
     content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
     if content is None:
         return 0.0
+    if cycle.parts.dissolves:
+        return _released(book, cycle, suction, paths, sums)
     for name, _ in cycle.parts.all(OilGas):
         generated = float(sums[kernels.FLASH_GENERATED])
         book.add(name, gas=flashed, energy=flashed * content.latent, entropy=generated)
     return flashed * content.latent * (1.0 - cycle.T_0 / cycle.parts.oil.temperature)
+
+
+def _released(book: _Book, cycle: Cycle, suction: State, paths: Array, sums: Array) -> float:
+    """Enter the gas that oil gives off over time; return the rise [W] of what it holds, and of that gas (M234)."""
+    held, ends = Held(cycle, suction), {}
+    for name, end, row in zip(_names(cycle), cycle.machinery.composition.ends, paths.tolist(), strict=True):
+        entry = {"discharge": "", "suction": SUCTION_LINE}.get(end, f"{end}_plenum")
+        ends.setdefault(entry, []).append((name, row))
+    held.at_lines(ends, book.add)
+    gas, energy = float(sums[kernels.FLASH_MASS]), float(sums[kernels.RELEASED])
+    rise = held.rise()
+    for name, part in cycle.parts.all(OilGas):
+        book.add(name, gas=gas, energy=energy, entropy=float(sums[kernels.FLASH_GENERATED]))
+        i = 2 * cycle.parts.number(part.plenum)
+        net = float(cycle.streams[i : i + 2, 0].sum()) * cycle.rate
+        rise += held.of_gas(net, cycle.parts.plenums[part.plenum])
+    return rise
 
 
 def _throttled(cycle: Cycle) -> float:

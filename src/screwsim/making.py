@@ -14,6 +14,7 @@ from screwsim.faults import UsageError
 from screwsim.model import close as closing
 from screwsim.model.slots import (
     DENSITY,
+    DISSOLVED,
     ENTHALPY,
     OIL_RATIO,
     OIL_TEMPERATURE,
@@ -131,9 +132,10 @@ class Making(Prepared):
         return reasons[0] if reasons else ""
 
     def _line(self) -> closing.Array:
-        """Return the discharge line's enthalpy [J/kg], and with carried oil its ratio and temperature [K]."""
+        """Return the discharge line's enthalpy [J/kg]; with carried oil ratio, temperature [K], gas held if a state."""
         place = self.machinery.R[R_DISCHARGE:]
         cells = (ENTHALPY, OIL_RATIO, OIL_TEMPERATURE) if self.machinery.composition.carried else (ENTHALPY,)
+        cells = (*cells, DISSOLVED) if self.parts.dissolves else cells
         return np.array([max(float(place[cell]), 1e-9) for cell in cells])
 
     def _outflow(self, q: closing.Array) -> closing.Array:
@@ -152,11 +154,12 @@ class Making(Prepared):
             plenum[0] = mean[0] if mean is not None else 0.0
             if mean is None or own < 1.0:
                 plenum[0] = own * plenum[0] + (1.0 - own) * self._h_isentropic()
-        if len(plenum) == 3:
+        if len(plenum) >= 3:
             assert self.parts.oil is not None  # carried
             present = mean is not None and mean[2] > 0.0
             dry = 1e-9, self.parts.oil.temperature + self._pressed(self.lines.p_d)
-            plenum[1:] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else dry
+            plenum[1:3] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else dry
+            plenum[3:] = closing.discharge_held(streams)
         return plenum
 
     def _set_line(self, plenum: closing.Array) -> None:
@@ -173,7 +176,8 @@ class Making(Prepared):
             place = None
         if place is not None:
             R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
-        if len(plenum) == 3:
-            R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:]
+        if len(plenum) >= 3:
+            R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:3]
+            R[R_DISCHARGE + DISSOLVED : R_DISCHARGE + DISSOLVED + len(plenum) - 3] = plenum[3:]
             if place is not None:
                 R[R_DISCHARGE + DENSITY] *= self._share(place[DENSITY], float(plenum[1])) ** 2

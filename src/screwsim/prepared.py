@@ -79,7 +79,7 @@ class Prepared:
         self.parameters = np.concatenate([P, [*begins, self.lines.p_d, *outcomes]])
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
         self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
-        line_entries = closing.discharge_line(self.machinery.composition.carried)
+        line_entries = closing.discharge_line(self.machinery.composition.carried, self.parts.dissolves)
         self.entries = _entries((*line_entries, *(part.entry for _, part in self.parts.all(Made))))
 
     def _suction_place(self) -> tuple[float, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim import expander, performance
 from screwsim.build import build_site
-from screwsim.effects.base import Drawn, Plenum, Reading, Site, Turn
+from screwsim.effects.base import Drawn, OilSolution, Plenum, Reading, Site, Turn
 from screwsim.ledger import Cycle, ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
@@ -21,6 +21,7 @@ from screwsim.model.pitch import Pitch, pitch_of
 from screwsim.model.places import SOME_OIL
 from screwsim.model.slots import (
     DENSITY,
+    DISSOLVED,
     ENTHALPY,
     FIRST_OWN,
     PLACE,
@@ -64,6 +65,9 @@ class Solution(Making):
         R[R_SUCTION : R_SUCTION + 8] = *self.suction.place(discharge[ENTHALPY]), 0.0, T_oil
         R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil + self._pressed(self.lines.p_d)
         R[R_DISCHARGE + DENSITY] *= self._share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
+        content = self.parts.oil_content
+        if isinstance(content, OilSolution):
+            R[R_DISCHARGE + DISSOLVED] = content.supply
         for i, state in enumerate(self.parts.plenums.values(), FIRST_OWN):
             R[i * PLACE : i * PLACE + 8] = *state.place, 0.0, T_oil
             R[i * PLACE + PLENUM_ENTROPY] = state.s
@@ -203,6 +207,8 @@ class Solution(Making):
             d=self._oil_ratio(),
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
         )
+        if self.parts.dissolves:
+            found["discharge_dissolved_gas_ratio"] = closing.discharge_held(self.balances.streams(q))
         own = self._own_figures(q)
         if own:
             found |= own

@@ -9,7 +9,7 @@ import numpy as np
 from screwsim.effects.base import FlowPath
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
-from screwsim.model.slots import FIRST_OWN, R_RATIO
+from screwsim.model.slots import FIRST_OWN, HELD, R_RATIO
 from screwsim.model.speed import slowness
 
 TRACE_STEP = 1.0  # degree
@@ -29,6 +29,8 @@ def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
         found["oil_temperature"] = np.where(present, out[:, 6], np.nan)
         ratio = out[:, 7] if c.carried else np.where(present, float(m.R[R_RATIO]), 0.0)
         found["oil_mass"] = ratio * found["gas_mass"]
+    if parts.dissolves:
+        found["dissolved_gas_ratio"] = out[:, 4 + HELD]
     first = out.shape[1] - len(c.own_states)
     found |= {name: out[:, first + i] for i, name in enumerate(c.own_states)}
     plenum_paths = [path for _, path in parts.all(FlowPath) if path.to != "neighbour"]

@@ -1,8 +1,12 @@
 """R134a in POE: the content that the source's formula gives, its inverse, and that it grows as it must."""
 
+from functools import lru_cache
+
+import numpy as np
 import pytest
 
 from screwsim.effects import refrigerant_solubility as effect
+from screwsim.fluid.real_gas import RealGas
 
 
 @pytest.mark.parametrize(("bar", "share"), [(3.15, 0.034), (8.87, 0.127), (11.6, 0.190)])
@@ -39,3 +43,38 @@ def test_what_flashes_leaves_equilibrium_behind():
 
 def test_oil_that_could_hold_more_does_not_flash():
     assert effect.flashed(3e5, 280.0, 0.05, 190e3, 1950.0) == 0.0
+
+
+GAS = RealGas(effect.solubility.FLUID, "refuse")
+
+
+@lru_cache
+def solved(T):
+    return effect.solution(GAS, 345.0, T, 12e5, 1.0, 1.0)
+
+
+def in_equilibrium(p, T, T_supply=325.0):
+    """Return what the oil of a chamber holds in equilibrium with gas of its own temperature (M232)."""
+    solution, gas = solved(T_supply), GAS.vapour(p, T)
+    found = np.interp(gas.s - (gas.h - solution.enthalpy) / T, solution.entropy[::-1], solution.log_held[::-1])
+    return float(np.exp(found))
+
+
+@pytest.mark.parametrize("p", [1e5, 4e5, 12e5])
+def test_equilibrium_of_the_rate_is_the_content_at_the_supply(p):
+    assert in_equilibrium(p, 325.0) == pytest.approx(effect.content(p, 325.0), rel=2e-3)  # linear between rows here
+
+
+def test_equilibrium_of_the_rate_is_the_content_in_the_separator():
+    assert in_equilibrium(12e5, 345.0) == pytest.approx(effect.content(12e5, 345.0), rel=2e-3)
+
+
+@pytest.mark.parametrize("T", [325.0, 330.0, 335.0, 340.0, 345.0])
+@pytest.mark.parametrize("p", [4e5, 8e5, 12e5])
+def test_equilibrium_of_the_rate_is_near_the_content_between_them(p, T):
+    assert in_equilibrium(p, T) == pytest.approx(effect.content(p, T), rel=0.1)
+
+
+def test_heat_of_solution_passes_over_to_its_slope_where_both_are_as_warm():
+    near, same = (effect.heat_enthalpy(GAS, T, 325.0, 8e5) for T in (330.01, 325.0))
+    assert near == pytest.approx(same, abs=6e3)

@@ -66,6 +66,14 @@ SOLUBLE: dict[str, Any] = {
     "oil_supply.temperature": "325 K",
     "effects.refrigerant_solubility": {"separator_temperature": "345 K"},
 }
+SOLUBLE_RATE: dict[str, Any] = {
+    **SOLUBLE,
+    "effects.refrigerant_solubility": {
+        "separator_temperature": "345 K",
+        "flash_time": "5 ms",
+        "absorption_time": "50 ms",
+    },
+}
 OIL_VOLUME: dict[str, Any] = {"oil.transport": "carried", "effects.oil_volume": {}}
 FRICTION = {"model": "nozzle_friction", "passage": "2 mm", "flow_coefficient": 1}
 HELD_GAPS: dict[str, Any] = {  # one gap of each flow model

@@ -136,14 +136,15 @@ class Plenum:
 
 @dataclass(frozen=True)
 class OilGas:
-    """Gas that oil from a port brings dissolved, and that flashes where it enters (M196). Needs an oil port.
+    """Gas that oil from a port brings dissolved. Needs an oil port.
 
-    `content(site)` returns what flashes of a kilogram of oil by the chamber's pressure, and what heat that takes from
-    the oil; the gas has the state of the `plenum`, which the same effect declares.
+    `content(site)` returns what flashes of a kilogram of oil where it enters (M196): by the chamber's pressure, with
+    what heat that takes from the oil; the gas has the state of the `plenum`, which the same effect declares. Or it
+    returns a solution: what the oil holds is then a state of every chamber, and goes with the oil (M230).
     """
 
     plenum: str
-    content: Callable[[Site], OilContent]
+    content: Callable[[Site], OilContent | OilSolution]
 
 
 class OilContent(NamedTuple):
@@ -152,6 +153,24 @@ class OilContent(NamedTuple):
     pressure: Any
     flashed: Any
     latent: float
+
+
+class OilSolution(NamedTuple):
+    """Gas that oil holds dissolved and gives off over time (M230–M233); SI units, per kilogram of oil or of gas.
+
+    `entropy` is that of a kilogram dissolved in oil that holds exp(`log_held`), `slope` its derivative by `log_held`,
+    `rest` what all that the oil holds has beyond so much, per kilogram of it. Dissolved gas has one `enthalpy`; oil
+    comes with `supply`. `release` and `uptake` [1/s] are the rates at which it approaches equilibrium.
+    """
+
+    log_held: Any
+    entropy: Any
+    slope: Any
+    rest: Any
+    enthalpy: float
+    supply: float
+    release: float
+    uptake: float
 
 
 @dataclass(frozen=True)

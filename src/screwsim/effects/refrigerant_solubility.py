@@ -1,15 +1,21 @@
 """Refrigerant solubility: R134a that the injected POE oil brings dissolved flashes where it enters the chamber.
 
 What: oil leaves the separator with what it holds in equilibrium at discharge pressure and the separator's temperature
-(M195), is cooled, and flashes adiabatically to equilibrium at the chamber's pressure while it enters (M196): a further
-stream of gas, whose heat of evaporation the oil pays. In the separator the oil takes that gas up again, so that what is
-delivered is what is sucked in; the machine compresses it for nothing.
-Source: Heil's model with the constants of B. Grebner, 1992; flash and balances ours.
-Assumptions: the flash is complete in the port; what stays dissolved goes with the oil to discharge and neither flashes
-again in leaks to lower pressure nor is gas taken up during compression (slow); heat of solution is that of evaporation,
-excess enthalpy neglected; the oil's viscosity, density and heat capacity are those of pure oil. No gas is taken up
-between separator and port. Needs effects.oil_injection.
-Parameters: separator_temperature.
+(M195) and is cooled. Without `flash_time` it flashes adiabatically to equilibrium at the chamber's pressure while it
+enters (M196): a further stream of gas, whose heat of evaporation the oil pays. With it, what the oil holds is a state
+of the chamber that goes with the oil through leaks and ports (M230); oil that holds more than in equilibrium gives it
+off with that time constant (M231), and takes gas up with `absorption_time` where it holds less, if that is stated. In
+the separator the oil takes that gas up again, so that what is delivered is what is sucked in; the machine compresses
+it for nothing.
+Source: Heil's model with the constants of B. Grebner, 1992; flash, rate and balances ours. No source gives the time
+constants of oil in a screw compressor's chamber: they are assumptions.
+Assumptions: the oil's viscosity, density and heat capacity are those of pure oil; no gas is taken up between separator
+and port. Flash in the port: it is complete there; what stays dissolved goes with the oil to discharge and neither
+flashes again in leaks to lower pressure nor is gas taken up during compression; heat of solution is that of
+evaporation, excess enthalpy neglected. Over time: all oil of a chamber holds the same; dissolved gas has one enthalpy,
+that which M195 gives between separator and supply, and with it the equilibrium at other temperatures (M232).
+Needs effects.oil_injection.
+Parameters: separator_temperature, flash_time, absorption_time.
 """
 
 from __future__ import annotations
@@ -23,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.declare import quantity
-from screwsim.effects.base import Drawn, Effect, OilContent, OilGas, Plenum, Site
+from screwsim.effects.base import Drawn, Effect, OilContent, OilGas, OilSolution, Plenum, Site
 from screwsim.faults import Fault
 from screwsim.fluid import constants, solubility
 from screwsim.fluid.reservoir import Reservoir
@@ -35,13 +41,22 @@ POINTS = 25  # of the table over pressure
 LOWEST = 0.02  # of the separator's pressure: below it, what flashes is held
 HIGHEST = 370.0  # [K], below the critical temperature
 STEP = 5.0  # [K] between the temperatures at which CoolProp is asked
+LEAST, MOST = 1e-6, 20.0  # [kg/kg] of the tables of a solution: beyond them, equilibrium is held
+ROWS = 401  # of those tables
+APART = 5.0  # [K] at the least between the temperatures that tell the heat of solution
 
 
 @dataclass(frozen=True)
 class Parameters:
-    """Where the oil was in equilibrium with gas."""
+    """Where the oil was in equilibrium with gas, and how fast it comes to equilibrium in the chamber."""
 
     separator_temperature: float = quantity("temperature", "of oil and gas in the separator", gt=0.0)
+    flash_time: float | None = quantity(
+        "time", "in which oil in a chamber gives off gas over equilibrium (absent: at once, in the port)", None, gt=0.0
+    )
+    absorption_time: float | None = quantity(
+        "time", "in which it takes gas up (absent: it does not; needs flash_time)", None, gt=0.0
+    )
 
 
 @lru_cache(maxsize=1)
@@ -102,11 +117,44 @@ def _vapour(gas: Any, T_separator: float, T: float, p_d: float) -> Reservoir:
     return gas.vapour(equilibrium_pressure(content(p_d, T_separator), T), T)
 
 
-def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
-    T_separator = parameters.separator_temperature
+def heat_enthalpy(gas: Any, T_separator: float, T: float, p_d: float) -> float:
+    """Return the enthalpy [J/kg] of dissolved gas, by van 't Hoff between separator and the oil's supply at T (M232).
 
-    def content_of(site: Site) -> OilContent:
+    Where both are as good as equally warm, between the supply and a temperature `APART` from it.
+    """
+    supply, other = content(p_d, T_separator), T_separator
+    if abs(other - T) < APART:
+        other = T + APART if T + APART <= HIGHEST else T - APART
+    potentials = []
+    for at in (T, other):
+        vapour = gas.vapour(equilibrium_pressure(supply, at), at)
+        potentials.append(vapour.h / at - vapour.s)
+    return (potentials[1] - potentials[0]) / (1.0 / other - 1.0 / T)
+
+
+@lru_cache(maxsize=32)
+def solution(gas: Any, T_separator: float, T: float, p_d: float, release: float, uptake: float) -> OilSolution:
+    """Return what oil supplied at T [K] holds, and its entropy as it gives gas off (M231–M233); rates in 1/s."""
+    from scipy.interpolate import CubicSpline
+
+    enthalpy = heat_enthalpy(gas, T_separator, T, p_d)
+    z = np.linspace(math.log(LEAST), math.log(MOST), ROWS)
+    vapours = [gas.vapour(equilibrium_pressure(math.exp(each), T), T) for each in z]
+    entropy = CubicSpline(z, [each.s - (each.h - enthalpy) / T for each in vapours])
+    held = np.exp(z)
+    falls = CubicSpline(z, -held * entropy(z, 1))
+    rest = (falls.antiderivative()(z) + falls(z[0])) / held  # below the tables, in proportion to what is held
+    return OilSolution(z, entropy(z), entropy(z, 1), rest, enthalpy, content(p_d, T_separator), release, uptake)
+
+
+def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
+    T_separator, flash_time, absorption_time = vars(parameters).values()
+
+    def content_of(site: Site) -> OilContent | OilSolution:
         assert site.T_oil is not None and site.oil is not None  # needs_oil
+        if flash_time is not None:
+            uptake = 0.0 if absorption_time is None else 1.0 / absorption_time
+            return solution(site.gas, T_separator, site.T_oil, site.p_d, 1.0 / flash_time, uptake)
         return _content(T_separator, site.T_oil, site.p_d, site.oil.heat_capacity)
 
     def state(site: Site) -> Reservoir:
@@ -127,6 +175,9 @@ def check(parameters: Parameters, facts) -> list[Fault]:
     path, faults = f"effects.{NAME}", []
     if facts.gas.fluid != solubility.FLUID:
         return [Fault(path, f"knows {solubility.FLUID} in POE oil only, not {facts.gas.fluid} (remove the effect)")]
+    if parameters.absorption_time is not None and parameters.flash_time is None:
+        what = "has no meaning where the oil flashes at once in the port"
+        faults.append(Fault(f"{path}.absorption_time", f"{what} (state flash_time, or remove it)"))
     if "oil_injection" not in facts.effects:
         faults.append(Fault(path, "needs effects.oil_injection, at whose port the oil flashes (add it)"))
     stated = {f"{path}.separator_temperature": parameters.separator_temperature}
@@ -142,14 +193,19 @@ def check(parameters: Parameters, facts) -> list[Fault]:
     if not faults and p_d is not None and p_d >= pair(T).p_sat:
         what = f"at {T:.6g} K the gas condenses in the separator, at {p_d / 1e5:.4g} bar"
         faults.append(Fault(f"{path}.separator_temperature", f"{what} (state a warmer separator)"))
+    elif not faults and p_d is not None and parameters.flash_time is not None:
+        held = content(p_d, T)
+        if not LEAST < held < MOST:
+            what = f"oil from there holds {held:.3g} kg of gas per kg, and the rate knows {LEAST:g} to {MOST:g}"
+            faults.append(Fault(f"{path}.separator_temperature", f"{what} (state another one, or no flash_time)"))
     return faults
 
 
 EFFECT = Effect(
     name=NAME,
     title="refrigerant dissolved in the injected oil flashes in the chamber",
-    equations=("M195", "M196", "M197"),
-    source="Grebner 1992 (Heil's model); flash: ours",
+    equations=("M195", "M196", "M197", "M230", "M231", "M232", "M233", "M234"),
+    source="Grebner 1992 (Heil's model); flash and rate: ours",
     parameters=Parameters,
     build=build,
     needs_oil=True,

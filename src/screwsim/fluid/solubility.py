@@ -10,6 +10,7 @@ import math
 from typing import NamedTuple
 
 from screwsim.numerics.kernel import kernel
+from screwsim.numerics.spline import table_value
 
 FLUID = "R134a"
 LOW, HIGH = 255.0, 394.0  # [K] of the fit
@@ -82,3 +83,24 @@ def dissolved(p, p_sat, lambda_12, lambda_21, tau_12, tau_21, mass_ratio):
             break
     x = math.exp(z)
     return mass_ratio * x / (1.0 - x)
+
+
+@kernel
+def given_off(m_oil, w, s, h, T_oil, TAB, curve, enthalpy, release, uptake, c_oil):
+    """Return the gas [kg/s] that oil holding w gives off to gas of s and h, its enthalpy, its heat over c_oil (M231).
+
+    `curve` gives the logarithm of what is held over the entropy of what is dissolved, whose enthalpy is constant. The
+    gas leaves, and is taken up, with the state of the chamber's gas.
+    """
+    latent = h - enthalpy
+    excess = w - math.exp(table_value(s - latent / max(T_oil, 1.0), TAB, curve))
+    gas = m_oil * excess * (release if excess > 0.0 else uptake)
+    return gas, gas * h, gas * latent / c_oil
+
+
+@kernel
+def entropies(w, TAB, curve, rest):
+    """Return the entropy [J/(kg K)] of a kilogram dissolved in oil that holds w, and of all that it holds (M233)."""
+    z = math.log(max(w, 1e-12))
+    s = table_value(z, TAB, curve)
+    return s, w * (s + table_value(z, TAB, rest))

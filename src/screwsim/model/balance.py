@@ -26,3 +26,12 @@ def oil_temperature_slope(T_oil, m_oil, m, c_oil, oil_rate, oil_energy_rate, hea
     """
     mixing = oil_energy_rate - T_oil * oil_rate
     return (mixing - heat_lost / c_oil) / ((m_oil + 1e-12 * m) * omega)
+
+
+@kernel
+def held_slope(w, m_oil, m, oil_rate, held_rate, omega):
+    """Return dw/dφ [1/rad] of the gas w that a kilogram of oil holds: `held_rate` [kg/s] comes with oil (M230).
+
+    What leaves the oil as gas is part of that rate. The floor is that of `oil_temperature_slope`.
+    """
+    return (held_rate - w * oil_rate) / ((m_oil + 1e-12 * m) * omega)

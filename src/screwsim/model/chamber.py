@@ -21,13 +21,14 @@ from screwsim.model.places import (
     relative_error,
     share_before_border,
 )
-from screwsim.model.port_oil import add_flash, oil_slopes
+from screwsim.model.port_oil import add_flash, add_release, oil_slopes, release_slopes
 from screwsim.model.pulsation import fill_lines
 from screwsim.model.room import density_of, displaced, gas_mass, locked, with_room
 from screwsim.model.slots import (
     CARRIED,
     CATEGORIES,
     DENSITY,
+    DISSOLVES,
     E_ANGLE,
     E_AREAS,
     E_LINES,
@@ -82,6 +83,7 @@ from screwsim.model.slots import (
     TPT,
     VOLUMED,
     WALLS,
+    WIDTH,
     N,
     gap_area,
     gas_phase,
@@ -167,7 +169,7 @@ def surroundings(phi, middle, context, E):
 def rates(y, E, context, f, g):
     """Fill f = dy/dφ and the quadrature rates g of one chamber."""
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, work = context
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     fill_place(own[PLACE], y, 0, P, TAB, own, 0)
     for i in range(CATEGORIES * width):
         work[i] = 0.0
@@ -206,6 +208,8 @@ def rates(y, E, context, f, g):
         work[PORT_OIL * width + 3] = oil * P[P_H_PORT]
         if FLASHED == 1:
             add_flash(oil, own[PRESSURE], P, TAB, work, 0)
+        if DISSOLVES == 1:
+            add_release(y, 0, E, 0, oil, own, 0, P, TAB, work, 0)
     g[Q_WORK] = 0.0
     g[Q_HEAT] = 0.0
     if WALLS > 0:
@@ -252,7 +256,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     step of 1e-6 in the angle alone would change p by more than a wide port's Δp.
     """
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, work = context
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     n_sums = CATEGORIES * width
     d = n_sums  # work: sums; derivatives of the own place by each state, then by φ; derivatives of the sums likewise
     ds = d + (N + 1) * PLACE
@@ -340,6 +344,10 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     if PORTED == 1:
         at = PORT_OIL * width + 2
         oil_slopes(E, E_next, 0, delta, own, 0, P, TAB, work, at, d, ds + at, n_sums, ds + N * n_sums + at)
+        if DISSOLVES == 1:
+            release_slopes(
+                y, 0, E, E_next, 0, delta, own, 0, P, TAB, work, at, d, ds + at, n_sums, ds + N * n_sums + at
+            )
     g[Q_WORK] = 0.0
     g[Q_HEAT] = 0.0
     if WALLS > 0:
@@ -481,7 +489,7 @@ def conserve(y, y1, E, E_next, context, dq):
     of ρV over the step does not. Where no port is open the flows are smooth, and it is ρV that follows them.
     """
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     widest = 0.0
     port = 0
     for i in range(N_PLENUM):

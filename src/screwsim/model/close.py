@@ -18,7 +18,7 @@ import numpy as np
 from screwsim.model.compose import Composition
 from screwsim.model.pace import FULL, Mixing, Pace, Refining, finer
 from screwsim.model.run import Machinery
-from screwsim.model.slots import BETWEEN, P_LIFE, P_OMEGA, P_PITCH, Q_HEAT, Q_WALLS, R_TRAPPED
+from screwsim.model.slots import BETWEEN, HELD, P_LIFE, P_OMEGA, P_PITCH, Q_HEAT, Q_WALLS, R_TRAPPED
 from screwsim.numerics.made import Entries, Entry
 from screwsim.numerics.periodic import Anderson
 from screwsim.numerics.rodas import dense_value
@@ -93,10 +93,15 @@ NO_HOPE = Hope((0.0, 0.0), 1.0)
 
 
 @cache
-def discharge_line(carried: bool) -> tuple[Entry, ...]:
-    """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature."""
+def discharge_line(carried: bool, dissolves: bool = False) -> tuple[Entry, ...]:
+    """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature.
+
+    Where oil dissolves gas, also what it holds there (M230).
+    """
     ratio = Entry("discharge_oil_ratio", floor=LEAST_OIL)
     oil = (ratio, Entry("discharge_oil_temperature", of=ratio.name)) if carried else ()
+    if dissolves:
+        oil = (*oil, Entry("discharge_held_gas", of=ratio.name, scale=1.0))
     return Entry("discharge_enthalpy"), *oil
 
 
@@ -109,7 +114,7 @@ class Balances:
         self.machinery = machinery
         self.c_oil = oil_heat_capacity
         self.oil_in = oil_in
-        self.width = 4 if machinery.composition.carried else 2
+        self.width = machinery.composition.width
 
     def streams(self, q: Array) -> Array:
         """Return the sums as rows, by the categories of slots: suction in, suction out, discharge in …"""
@@ -139,11 +144,14 @@ class Balances:
         energy = enthalpy.sum() + q[0]
         scale = np.abs(enthalpy).sum() + abs(q[0])
         oil = oil_share = 0.0
-        if self.width == 4:
+        if self.width >= 4:
             injected, T_oil = self.oil_in()
             energy += self.c_oil * (flows[:, 3].sum() - T_oil * flows[:, 2].sum())
             lost, through = abs(flows[:, 2].sum() + injected), max(injected, np.abs(flows[:, 2]).sum() / 2)
             oil, oil_share = lost / max(through, LEAST_OIL * trapped), lost / max(through, trapped)
+            if self.width == 5:  # what it holds dissolved, over the gas
+                held = abs(flows[:, 4].sum()) / max(trapped, np.abs(flows[:, 4]).sum() / 2)
+                oil, oil_share = max(oil, held), max(oil_share, held)
         else:
             energy += q[Q_HEAT]
         if self.machinery.composition.walls:
@@ -180,7 +188,7 @@ def _change(new: tuple[float, float], old: tuple[float, float], least_work: floa
 def _logarithms(states: Array, c: Composition) -> Array:
     """Return ln of states, those that may be negative as they are: what closing iterates on.
 
-    Oil not above LEAST_OIL of the gas counts as that, of one temperature.
+    Oil not above LEAST_OIL of the gas counts as that, of one temperature, without dissolved gas.
     """
     raw, signed = states.reshape(-1, len(c.states)), list(c.signed)
     rows = np.maximum(raw, 1e-300)
@@ -191,6 +199,8 @@ def _logarithms(states: Array, c: Composition) -> Array:
     logs = np.log(rows)
     if signed:
         logs[:, signed] = raw[:, signed]
+    if c.dissolves and little.any():  # pyright: ignore[reportPossiblyUnboundVariable]
+        logs[little, HELD] = 0.0  # pyright: ignore[reportPossiblyUnboundVariable]
     return logs.ravel()
 
 
@@ -262,7 +272,8 @@ def _states(mixed: Array, raw: Array, c: Composition) -> Array:
     if c.carried:
         little = raw[:, 3] <= LEAST_OIL
         if little.any():
-            states[little, 2:4] = raw[little, 2:4]
+            oil = slice(2, HELD + 1 if c.dissolves else HELD)
+            states[little, oil] = raw[little, oil]
     return states.ravel()
 
 
@@ -456,6 +467,12 @@ def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
     out = streams[3]
     if not out[0] < 0.0:
         return None
-    ratio = out[2] / out[0] if len(out) == 4 else 0.0
-    T_oil = out[3] / out[2] if len(out) == 4 and out[2] < 0.0 else 0.0
+    ratio = out[2] / out[0] if len(out) >= 4 else 0.0
+    T_oil = out[3] / out[2] if len(out) >= 4 and out[2] < 0.0 else 0.0
     return float(out[1] / out[0]), float(ratio), float(T_oil)
+
+
+def discharge_held(streams: Array) -> float:
+    """Return the gas [kg/kg] that the outflow's oil holds in the mean, 0 where it is no state or none flows out."""
+    out = streams[3]
+    return float(out[4] / out[2]) if len(out) == 5 and out[2] < 0.0 else 0.0

@@ -62,6 +62,9 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
 OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
 OWN += ("state_rate", "path_opening", "flash_terms", "stop_push", "restitution")
+OWN += ("release_terms", "held_gas", "solution_entropy")
+
+HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
 
 PORTS, LINES = ("suction_port", "discharge_port"), ("suction", "discharge")
 
@@ -95,6 +98,7 @@ class Composition:
     chambers: int
     carried: bool
     recipe: Recipe
+    width: int = 2  # sums of each category
     n_widths: int = 3  # of the regularisation, from P_PORT_WIDTH on
     n_R: int = R_SIZE
     ported: bool = False
@@ -107,6 +111,11 @@ class Composition:
     signed: tuple[int, ...] = ()  # columns of the states that may be zero or negative
     starts: tuple[float, ...] = ()  # of the own states
     pulsating: bool = False
+
+    @property
+    def dissolves(self) -> bool:
+        """Is what the oil holds dissolved a state?"""
+        return self.width == 5
 
     @property
     def widths(self) -> slice:
@@ -163,7 +172,9 @@ def compose(parts: Parts) -> Composition:
         raise TypeError("oil that enters through ports or takes room needs oil, and oil.transport: carried")
     own_states = [part for _, part in parts.all(ChamberState)]
     names = tuple(part.name for part in own_states)
-    states = ("T", "rho", *(("T_oil",) if heated else ()), *(("x_oil",) if carried else ()), *names)
+    held = (HELD_GAS,) if parts.dissolves else ()
+    states = ("T", "rho", *(("T_oil",) if heated else ()), *(("x_oil",) if carried else ()), *held, *names)
+    signed = {HELD_GAS, *(part.name for part in own_states if not part.positive)}
     stops = [part for _, part in parts.all(Stops)]
     stopped = tuple((states.index(part.position), states.index(part.speed)) for part in stops)
     opened = any(path.opening is not None for _, path in plenum)
@@ -222,7 +233,8 @@ def compose(parts: Parts) -> Composition:
         constants["STOP_SPEED"] = f"np.array({[speed for _, speed in stopped]})"
     if own_states:
         constants["POSITIVE"] = f"np.array({[int(part.positive) for part in own_states]})"
-    structure = _structure(parts) | {"OWN_STATES": len(names), "OPENED": int(opened), "STOPS": len(stops)}
+    structure = _structure(parts) | {"WIDTH": (5 if parts.dissolves else 4) if carried else 2}
+    structure |= {"OWN_STATES": len(names), "OPENED": int(opened), "STOPS": len(stops)}
     n_areas = 4 + len(plenum)
     structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets)
     structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
@@ -241,7 +253,8 @@ def compose(parts: Parts) -> Composition:
         ends=(*(path.to for _, path in plenum), *("discharge" for _ in gaps)),
         heats=tuple(name for name, _ in heating),
         n_place=5 if gas.varies else 2,
-        n_sums=structure["CATEGORIES"] * (4 if carried else 2),
+        n_sums=structure["CATEGORIES"] * structure["WIDTH"],
+        width=structure["WIDTH"],
         n_E=structure["E_LINES"] + held,
         n_E_all=structure["ALL_LINES"] + held,
         chambers=geometry.chambers,
@@ -256,7 +269,7 @@ def compose(parts: Parts) -> Composition:
         speed_curve=speed_curve,
         own_states=names,
         stops=stopped,
-        signed=tuple(states.index(part.name) for part in own_states if not part.positive),
+        signed=tuple(i for i, name in enumerate(states) if name in signed),
         starts=tuple(part.start for part in own_states),
         pulsating=bool(parts.pulsations),
     )
@@ -329,7 +342,9 @@ def _structure(parts: Parts) -> dict[str, int]:
     found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
     found |= {"RESISTED": int(_resisted(parts)), "PUMPED": int(parts.pumped)}
     gas = parts.oil_gas
-    found |= {"FLASHED": int(gas is not None), "FLASH": 2 * parts.number(gas.plenum) if gas is not None else 0}
+    dissolves = parts.dissolves
+    found |= {"FLASHED": int(gas is not None and not dissolves), "DISSOLVES": int(dissolves)}
+    found["FLASH"] = 2 * parts.number(gas.plenum) if gas is not None else 0
     found["CATEGORIES"] = PORT_OIL + 1 + 2 * own if own or ported else FEWEST
     return found | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}
 
@@ -370,7 +385,7 @@ def _module_text(
 ) -> str:
     """Return the flat module: constants, pasted kernels, the composition's functions, the drivers."""
     constants, numbers = dict(named), dict(structure)
-    quadratures = numbers["Q_STREAMS"] + numbers["CATEGORIES"] * (4 if constants["CARRIED"] else 2)
+    quadratures = numbers["Q_STREAMS"] + numbers["CATEGORIES"] * numbers["WIDTH"]
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
     own = {name: name for name in (*constants, *OWN)}
     rooms = (

@@ -23,7 +23,7 @@ from screwsim.model.places import (
     relative_error,
     share_before_border,
 )
-from screwsim.model.port_oil import add_flash, oil_slopes
+from screwsim.model.port_oil import add_flash, add_release, oil_slopes, release_slopes
 from screwsim.model.pulsation import fill_lines
 from screwsim.model.room import gas_mass, locked
 from screwsim.model.slopes import gap_slopes, opening_slopes, pulsating_slopes
@@ -32,10 +32,10 @@ from screwsim.model.slots import (
     ALL_LINES,
     BETWEEN,
     BEYOND,
-    CARRIED,
     CATEGORIES,
     CHAMBERS,
     DISCHARGE_IN,
+    DISSOLVES,
     E_ANGLE,
     E_AREAS,
     E_VOLUME,
@@ -68,6 +68,7 @@ from screwsim.model.slots import (
     TPT,
     VOLUMED,
     WALLS,
+    WIDTH,
     N,
     gap_area,
     gas_phase,
@@ -105,7 +106,7 @@ def all_rates(y, E, context, f, g):
     """
     P, TAB, R, places, _changed, work = context
     size = E_AREAS + N_PLENUM + N_GAPS
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     n_sums = CATEGORIES * width
     for i in range(CHAMBERS * n_sums):
         work[i] = 0.0
@@ -165,6 +166,8 @@ def all_rates(y, E, context, f, g):
             work[j * n_sums + PORT_OIL * width + 3] = oil * P[P_H_PORT]
             if FLASHED == 1:
                 add_flash(oil, places[j * PLACE + PRESSURE], P, TAB, work, j * n_sums)
+            if DISSOLVES == 1:
+                add_release(y, j * N, E, j * size, oil, places, j * PLACE, P, TAB, work, j * n_sums)
     total_rates(y, E, P, R, places, work, f, g)
 
 
@@ -172,7 +175,7 @@ def all_rates(y, E, context, f, g):
 def total_rates(y, E, P, R, places, work, f, g):
     """Fill f and g from the summed streams."""
     size = E_AREAS + N_PLENUM + N_GAPS
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     n_sums = CATEGORIES * width
     for i in range(Q_STREAMS + n_sums + 1):
         g[i] = 0.0
@@ -194,7 +197,7 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     """Fill f, g and their derivatives by y and φ, as `chamber.jacobian` does, for all chambers and interfaces."""
     P, TAB, R, places, changed, work = context
     size = E_AREAS + N_PLENUM + N_GAPS
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     n_sums = CATEGORIES * width
     n_all = CHAMBERS * N
     d = CHAMBERS * n_sums  # work: sums; place derivatives by each state, then by φ; derivatives of the sums
@@ -240,6 +243,12 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
             over_phi = ds + (j * n_cols + n_all) * n_sums + PORT_OIL * width + 2
             first = d + j * N * PLACE
             oil_slopes(E, E_next, j * size, delta, places, j * PLACE, P, TAB, work, at, first, own, n_sums, over_phi)
+            if DISSOLVES == 1:
+                e = j * size
+                row = j * PLACE
+                release_slopes(
+                    y, j * N, E, E_next, e, delta, places, row, P, TAB, work, at, first, own, n_sums, over_phi
+                )
     total_rates(y, E, P, R, places, work, f, g)
     for c in range(CHAMBERS):
         for k in range(N):
@@ -251,7 +260,7 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
 def angle_columns(y, E_next, delta, context, ds, f, g, f_phi, g_phi):
     """Fill ∂f/∂φ and ∂g/∂φ of all chambers, from the surroundings at φ + delta; the sums are used up."""
     P, _TAB, R, places, _changed, work = context
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     n_sums = CATEGORIES * width
     n_cols = CHAMBERS * N + 1
     for j in range(CHAMBERS):
@@ -269,7 +278,7 @@ def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
     """Fill the column of state k of chamber c: its own first law differenced, the others' linear in their streams."""
     P, _TAB, R, places, changed, work = context
     size = E_AREAS + N_PLENUM + N_GAPS
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     n_sums = CATEGORIES * width
     n_cols = CHAMBERS * N + 1
     col = c * N + k
@@ -378,7 +387,7 @@ def all_conserve(y, y1, E, E_next, context, dq):
     """
     P, TAB, R, places, _changed, _work = context
     size = E_AREAS + N_PLENUM + N_GAPS
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     crossing = dq[Q_STREAMS + CATEGORIES * width]
     for side in range(2):
         at = Q_STREAMS + (SUCTION_IN + 2 * side) * width
@@ -432,7 +441,7 @@ def sideways(j, sums, at, P):
     What comes from the discharge line into one before the injection angle, less what comes from the suction line into
     one beyond it: the sum of the suction line and this make what enters the chambers before it.
     """
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     if side_of(j, P) == 0:
         return sums[at + DISCHARGE_IN * width] + sums[at + (DISCHARGE_IN + 1) * width]
     return -sums[at + SUCTION_IN * width] - sums[at + (SUCTION_IN + 1) * width]

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.effects.base import OilSolution
 from screwsim.model.compose import Composition
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
@@ -41,6 +42,8 @@ def first_guess(
         columns.append(np.where(closed, np.maximum(T, oil.temperature), oil.temperature))
     if composition.carried:
         columns.append(np.full(len(grid), max(d, 1e-3)))
+    if isinstance(parts.oil_content, OilSolution):
+        columns.append(np.full(len(grid), parts.oil_content.supply))
     columns += [np.full(len(grid), start) for start in composition.starts]
     states = np.column_stack(columns)
     dense = np.zeros((len(grid) - 1, 4, len(columns)))

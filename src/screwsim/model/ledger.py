@@ -11,10 +11,13 @@ import math
 import numpy as np
 
 from screwsim.model.chamber import SIDE, path_flows, surroundings
+from screwsim.model.port_oil import released
 from screwsim.model.room import gas_mass, gas_mass_slope
 from screwsim.model.slots import (
     CARRIED,
     DENSITY,
+    DISSOLVED,
+    DISSOLVES,
     E_ANGLE,
     E_AREAS,
     E_LINES,
@@ -27,6 +30,7 @@ from screwsim.model.slots import (
     FLASHED,
     GAP_OFFSET,
     HEATED,
+    HELD,
     HOLDS,
     N_GAPS,
     N_HEATS,
@@ -58,7 +62,9 @@ from screwsim.model.slots import (
     flash_terms,
     gas_entropy,
     heat_part,
+    held_gas,
     oil_inflow,
+    solution_entropy,
     wall_state,
 )
 from screwsim.numerics.history import read
@@ -68,7 +74,9 @@ from screwsim.numerics.rodas import dense_slope, dense_value
 # of one path: |flow| [kg], the enthalpy it carries [J] and the entropy generated where it arrives [J/K] in a chamber;
 # of what leaves to the path's line: mass, enthalpy, entropy, oil [kg], oil × T_oil, oil × ln T_oil
 MOVED, CARRIES, GENERATED, OUT_MASS, OUT_ENTHALPY, OUT_ENTROPY, OUT_OIL, OUT_OIL_T, OUT_OIL_LOG = range(9)
-PATH_SUMS = 9
+# and of what that oil holds dissolved: gas [kg], entropy [J/K]
+OUT_HELD, OUT_HELD_ENTROPY = range(9, 11)
+PATH_SUMS = 11
 # of one heat rate: heat into the gas [J], entropy generated [J/K]; of a wall, behind the heat rates, the same
 HEAT, HEAT_GENERATED = range(2)
 HEAT_SUMS = 2
@@ -78,7 +86,8 @@ MADE, MADE_T, MADE_LOG, LOST, LOST_OVER_T = range(5)
 PORT_MASS, PORT_PRESSURE, PORT_GENERATED = range(5, 8)
 # of the gas that flashes out of it: mass [kg], entropy generated where it arrives [J/K], oil included
 FLASH_MASS, FLASH_GENERATED = range(8, 10)
-OIL_SUMS = 10
+RELEASED = 10  # of gas that oil gives off over time: energy that the oil loses [J]
+OIL_SUMS = 11
 
 NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
 POINTS = 3
@@ -197,6 +206,26 @@ def add_flashed(phi, own, y, P, TAB, R, dt, oil):
 
 
 @kernel
+def held_arriving(m, w_i, w, P, TAB):
+    """Return the entropy generated [W/K] where oil m [kg/s] that holds w_i mixes with oil that holds w (M233)."""
+    s, total = solution_entropy(w, P, TAB)
+    _s, total_i = solution_entropy(w_i, P, TAB)
+    return m * (total + s * (w_i - w) - total_i)
+
+
+@kernel
+def add_released(phi, own, y, E, P, TAB, dt, oil):
+    """Add the gas that a chamber's oil gives off over time, and what that and the oil of ports generate (M233)."""
+    inflow = oil_inflow(phi, own[PRESSURE], P, TAB)
+    gas, _h, heat = released(y, phi, E, own, P, TAB)
+    s, _total = solution_entropy(y[HELD], P, TAB)
+    oil[FLASH_MASS] += dt * gas
+    oil[RELEASED] += dt * heat * P[P_C_OIL]
+    oil[FLASH_GENERATED] += dt * (gas * (gas_entropy(y[0], y[1], P, TAB) - s) - heat * P[P_C_OIL] / y[2])
+    oil[FLASH_GENERATED] += dt * held_arriving(inflow, held_gas(1.0, P), y[HELD], P, TAB)
+
+
+@kernel
 def add_arrival(sums, m, source, b, s_i, own, T, s, T_oil, dt, c_oil):
     """Add what a stream m ≥ 0 from place source[b] moves, and generates in the chamber, over the time dt."""
     sums[MOVED] += dt * m
@@ -208,6 +237,17 @@ def add_arrival(sums, m, source, b, s_i, own, T, s, T_oil, dt, c_oil):
             sums[GENERATED] += dt * c_oil * oil_arriving(oil, source[b + OIL_TEMPERATURE], T_oil)
         else:
             sums[GENERATED] += dt * c_oil * pressed_oil_arriving(oil, source, b, own, T_oil)
+
+
+@kernel
+def add_held(sums, m, source, b, w, ratio, dt, P, TAB):
+    """Add what the oil of a stream m holds: what its mixing generates in the chamber, or what leaves to a line."""
+    if m > 0.0 and source[b + OIL_RATIO] > 0.0:
+        sums[GENERATED] += dt * held_arriving(m * source[b + OIL_RATIO], source[b + DISSOLVED], w, P, TAB)
+    elif m < 0.0 and ratio > 0.0:
+        _s, total = solution_entropy(w, P, TAB)
+        sums[OUT_HELD] -= dt * m * ratio * w
+        sums[OUT_HELD_ENTROPY] -= dt * m * ratio * total
 
 
 @kernel
@@ -269,6 +309,8 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
             ratio = leaving if PLENUM[i] == 1 or CARRIED == 1 else 0.0
             add_departure(paths[i], -m, own, s, ratio, T_oil, dt)
             discharged -= ratio * m
+        if DISSOLVES == 1:
+            add_held(paths[i], m, R, b, y[HELD], leaving, dt, P, TAB)
     for i in range(2 * N_GAPS):
         m = flows[N_PLENUM + i]
         side = 2 * GAP_OFFSET[i // 2] + i % 2
@@ -278,6 +320,8 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
         elif m < 0.0 and E[b + PLACE] > 0.0:
             add_departure(paths[N_PLENUM + i // 2], -m, own, s, leaving, T_oil, dt)
             discharged -= leaving * m
+        if DISSOLVES == 1 and (m > 0.0 or E[b + PLACE] > 0.0):
+            add_held(paths[N_PLENUM + i // 2], m, E, b, y[HELD], leaving, dt, P, TAB)
     if HEATED == 1:
         m_gas = y[1] * E[E_VOLUME]
         if VOLUMED == 1:
@@ -331,7 +375,11 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
             if VOLUMED == 1:
                 dx = dense_slope(theta, dense[step, 0, 3], dense[step, 1, 3], dense[step, 2, 3], dense[step, 3, 3]) / h
                 mass_rate = P[P_OMEGA] * gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[1], (rise + bend) / h, y[3], dx, P)
-            balanced(flows, mass_rate, E, own, R, P)
+            if DISSOLVES == 0:
+                balanced(flows, mass_rate, E, own, R, P)
+            if DISSOLVES == 1:
+                gas, _h, _heat = released(y, phi, E, own, P, context[1])
+                balanced(flows, mass_rate - gas, E, own, R, P)
             neighbours_entropy(phi, context, flows, E, s_discharge, entropies)
             dt = WEIGHTS[k] * h / P[P_OMEGA]
             add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharge, dt, paths, heats, oil)
@@ -339,3 +387,5 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
                 add_port_oil(phi, own, y[2], P, context[1], dt, oil)
             if FLASHED == 1:
                 add_flashed(phi, own, y, P, context[1], R, dt, oil)
+            if DISSOLVES == 1:
+                add_released(phi, own, y, E, P, context[1], dt, oil)

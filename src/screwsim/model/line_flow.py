@@ -8,9 +8,11 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import path_flows, surroundings
+from screwsim.model.port_oil import released
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
     CHAMBERS,
+    DISSOLVES,
     E_SLOPE,
     E_VOLUME,
     FIRST_OWN,
@@ -98,7 +100,11 @@ def into_lines(times, dense, steps, context, n_e, into, volume):
         surroundings(phi, inward, context, E)
         path_flows(y, E, context, flows)
         theta = (phi - times[i]) / (times[i + 1] - times[i])
-        from_balance(flows, P[P_OMEGA] * mass_slope(theta, i, times, dense, E, y, P))
+        if DISSOLVES == 0:
+            from_balance(flows, P[P_OMEGA] * mass_slope(theta, i, times, dense, E, y, P))
+        if DISSOLVES == 1:
+            gas, _h, _heat = released(y, phi, E, _own, P, TAB)
+            from_balance(flows, P[P_OMEGA] * mass_slope(theta, i, times, dense, E, y, P) - gas)
         add_lines(flows, phi, E[E_VOLUME], a % points, points, P, into, volume)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from screwsim.effects.base import OilContent, OilGas, OilPort, OilRoom, Pulsation, Shaft, Wall
+from screwsim.effects.base import OilContent, OilGas, OilPort, OilRoom, OilSolution, Pulsation, Shaft, Wall
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.slots import FIRST_OWN
 
@@ -59,7 +59,7 @@ class Parts:
     plenums: Mapping[str, Reservoir] = field(default_factory=dict)
     made: Mapping[str, float] = field(default_factory=dict)
     set_speed: float | None = None  # [rad/s] that the scene states, where omega follows from it
-    oil_content: OilContent | None = None
+    oil_content: OilContent | OilSolution | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.effects, Effects):
@@ -99,6 +99,11 @@ class Parts:
         if found and self.oil_port is None:
             raise TypeError("dissolved gas needs an oil port, out of whose oil it flashes")
         return found[0] if found else None
+
+    @property
+    def dissolves(self) -> bool:
+        """Is what the oil holds dissolved a state of the chambers?"""
+        return isinstance(self.oil_content, OilSolution)
 
     @cached_property
     def oil_room(self) -> bool:

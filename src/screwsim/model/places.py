@@ -13,6 +13,8 @@ from screwsim.model.slots import (
     CHOKE,
     CHOKED,
     DENSITY,
+    DISSOLVED,
+    DISSOLVES,
     E_ANGLE,
     E_AREAS,
     E_OILED,
@@ -22,6 +24,7 @@ from screwsim.model.slots import (
     EXPONENT,
     FREE,
     HEATED,
+    HELD,
     N_PLENUM,
     OIL_RATIO,
     OIL_TEMPERATURE,
@@ -51,6 +54,7 @@ from screwsim.numerics.rodas import dense_coefficients, dense_value
 STEP = 1e-7  # relative step of the differences of smooth state functions
 
 SHARP = 0.01  # of its scale: an effect's own state below it errs as if it were that large; valves amplify errors
+SOME_GAS = 1e-3  # gas per oil below which its error counts as that of so much
 SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: dry gas that meets oil takes it at once
 BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
 IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
@@ -81,6 +85,8 @@ def fill_place(held, y, at, P, TAB, place, row):
         place[row + OIL_TEMPERATURE] = y[at + 2]
     if CARRIED == 1:
         place[row + OIL_RATIO] = y[at + 3]
+    if DISSOLVES == 1:
+        place[row + DISSOLVED] = y[at + HELD]
     if VOLUMED == 1:
         with_room(place, row, P)
 
@@ -111,6 +117,8 @@ def neighbour(phi, middle, times, dense, steps, hints, side, R, columns, E, at):
         E[at + OIL_TEMPERATURE] = columns[2]
     if CARRIED == 1:
         E[at + OIL_RATIO] = max(0.0, columns[3])  # a cubic between two steps may dip below none by its error
+    if DISSOLVES == 1:
+        E[at + DISSOLVED] = columns[HELD]
     E[at + PLACE] = 0.0
 
 
@@ -203,6 +211,8 @@ def relative_error(y0, y1, error, weight, at, place, row):
         least = SOME_OIL if i == 3 else 1e-300
         if OWN_STATES > 0 and i >= N - OWN_STATES:
             least = 1e-300 if POSITIVE[i - (N - OWN_STATES)] == 1 else SHARP
+        if DISSOLVES == 1 and i == HELD:
+            least = SOME_GAS
         e = abs(error[at + i]) / max(abs(y0[at + i]), abs(y1[at + i]), least)
         if i < N - OWN_STATES:
             e *= weight
@@ -210,6 +220,8 @@ def relative_error(y0, y1, error, weight, at, place, row):
             e *= max(1.0, place[row + TPT] / place[row + PRESSURE])
         if CARRIED == 1 and i == 2:
             e *= min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL)
+        if DISSOLVES == 1 and i == HELD:
+            e = max(e * min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL), abs(error[at + i] * y1[at + 3]))
         if not (e <= worst):
             worst = e
         if e != e:
@@ -261,6 +273,8 @@ def perturbation(y, at, j):
         return STEP * (abs(y[at + j]) + 1.0)
     if j == 3:
         return STEP * (abs(y[at + 3]) + 1e-3)
+    if DISSOLVES == 1 and j == HELD:
+        return STEP * (abs(y[at + HELD]) + SOME_GAS)
     return STEP * abs(y[at + j])
 
 
@@ -285,6 +299,8 @@ def place_derivatives(held, y, at, P, TAB, place, row, changed, d):
         d[2 * PLACE + OIL_TEMPERATURE] = 1.0
     if CARRIED == 1:
         d[3 * PLACE + OIL_RATIO] = 1.0
+    if DISSOLVES == 1:
+        d[HELD * PLACE + DISSOLVED] = 1.0
     if VOLUMED == 1:
         for i in range(N):
             changed[i] = y[at + i]

@@ -370,7 +370,7 @@ class Machinery:
     def _scales(self, q: Array) -> Array:
         """Return the scale of each quadrature: the largest of its kind, so that an idle path demands no accuracy."""
         first = self.composition.first_stream
-        streams = np.abs(q[first:]).reshape(-1, 4 if self.composition.carried else 2)
+        streams = np.abs(q[first:]).reshape(-1, self.composition.width)
         heads = np.full(first, np.max(np.abs(q[:Q_WALLS])))
         heads[Q_WALLS + 1 :: 2] = np.abs(q[Q_WALLS + 1 : first : 2])
         return np.concatenate([heads, np.tile(streams.max(axis=0), len(streams))])

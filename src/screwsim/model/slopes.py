@@ -9,7 +9,6 @@ from screwsim.model.slots import (
     ALL_LINES,
     BETWEEN,
     BEYOND,
-    CARRIED,
     CATEGORIES,
     CHAMBERS,
     DENSITY,
@@ -20,6 +19,7 @@ from screwsim.model.slots import (
     PRESSURE,
     R_DISCHARGE,
     RESISTED,
+    WIDTH,
     N,
 )
 from screwsim.model.streams import (
@@ -37,7 +37,7 @@ from screwsim.numerics.kernel import kernel
 def gap_slopes(area, darea, j, ahead, at, context, d, ds):
     """Add the flow of a gap between chambers j and `ahead`, and its derivatives, to the sums of both."""
     P, _TAB, _R, places, _changed, work = context
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     if RESISTED == 1:
         gap = at - BEYOND
         at = BETWEEN * width
@@ -81,7 +81,7 @@ def gap_slopes(area, darea, j, ahead, at, context, d, ds):
 def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
     """Add the flow between chamber j and a plenum (0 suction, 1 discharge), and its derivatives, to its sums."""
     _P, _TAB, R, places, _changed, work = context
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     n_sums = CATEGORIES * width
     n_cols = CHAMBERS * N + 1
     own = j * PLACE
@@ -121,7 +121,7 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
 def pulsating_slopes(area, darea, j, to, epsilon, delta, E, E_next, context, d, ds):
     """Do what `opening_slopes` does where the places of the plenums change with the angle."""
     _P, _TAB, _R, places, _changed, work = context
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     n_sums = CATEGORIES * width
     n_cols = CHAMBERS * N + 1
     own = j * PLACE

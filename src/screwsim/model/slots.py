@@ -12,6 +12,11 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `gap_share(i, flux, density, oil_ratio, P)` → share of a nozzle's flux [kg/(m² s)] that gap i lets pass,
 `flash_terms(oil, p, P, TAB)` → gas [kg/s] that flashes out of oil that enters, its enthalpy [W], and the heat that it
 takes from the oil over the oil's heat capacity [kg K/s],
+`release_terms(phi, m_oil, w, T, rho, h, T_oil, P, TAB)` → the same of gas that comes out of a chamber's oil over time,
+negative where the oil takes it up; w is what the oil holds [kg/kg],
+`held_gas(oil, P)` → gas [kg/s] that oil [kg/s] brings dissolved from its supply,
+`solution_entropy(w, P, TAB)` → entropy [J/(kg K)] of a kilogram dissolved in oil that holds w, and of all that a
+kilogram of oil holds,
 `state_rate(i, T, m, p, rho, V, phi, p_suction, p_discharge, y, at, P)` → change [1/s] of an effect's own state i,
 `path_opening(i, drop, width, held, y, at, P)` → open share of plenum path i at a pressure difference into the chamber,
 `stop_push(k, p, p_suction, p_discharge, y, at, P)` → acceleration at rest of what moves between seat and stop k,
@@ -28,7 +33,9 @@ is a constant, too), STOPS (how many of them move between a seat and a stop; the
 they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), RESISTED (1: gaps hold
 flow back), WALLS (how many exchange heat with the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump
 feeds the oil port), ACROSS (1: effects open chambers beyond the injection angle to suction, or others to discharge),
-FLASHED (1: gas flashes out of its oil) and FLASH (the category of that gas), CATEGORIES,
+FLASHED (1: gas flashes out of its oil as it enters), DISSOLVES (1: over time; what the oil holds is a state) and FLASH
+(the category of that gas), CATEGORIES, WIDTH (sums of a category: mass, enthalpy, and with carried oil its mass, that
+times its temperature and, where it dissolves, what it holds),
 Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of all), and the indices into
 P that move with them.
 
@@ -59,6 +66,9 @@ gap_share: Any = Slot("gap_share")
 state_rate: Any = Slot("state_rate")
 path_opening: Any = Slot("path_opening")
 flash_terms: Any = Slot("flash_terms")
+release_terms: Any = Slot("release_terms")
+held_gas: Any = Slot("held_gas")
+solution_entropy: Any = Slot("solution_entropy")
 stop_push: Any = Slot("stop_push")
 restitution: Any = Slot("restitution")
 
@@ -94,6 +104,8 @@ ACROSS: Any = Structure("ACROSS")
 PUMPED: Any = Structure("PUMPED")
 FLASHED: Any = Structure("FLASHED")
 FLASH: Any = Structure("FLASH")
+DISSOLVES: Any = Structure("DISSOLVES")
+WIDTH: Any = Structure("WIDTH")
 PULSATING: Any = Structure("PULSATING")
 E_LINES: Any = Structure("E_LINES")
 ALL_LINES: Any = Structure("ALL_LINES")
@@ -110,11 +122,13 @@ P_H_PORT: Any = Structure("P_H_PORT")  # enthalpy over heat capacity of the oil 
 P_TRAPPED: Any = Structure("P_TRAPPED")  # gas trapped [kg], noted by `inject`, to which a pump delivers its ratio
 OIL_NUMBERS = ("P_C_OIL", "P_T_OIL", "P_TO_RATIO", "P_ROOM", "P_P_SOURCE", "P_H_PORT", "P_TRAPPED")
 
-# a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T.
+# a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T, and what
+# a kilogram of the oil holds dissolved.
 # Where oil takes room the density is that which the flow feels, and the temperature is enthalpy over heat capacity of
 # the oil (room.with_room).
-PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT = range(10)
-PLACE = 10
+PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT, DISSOLVED = range(11)
+PLACE = 11
+HELD = 4  # of the states, where oil dissolves: gas per oil
 BEYOND = 1000  # + i: gap i beyond the last chamber, as a number of a plenum
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
 OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, opening and switch of each plenum path,
@@ -139,6 +153,6 @@ CATEGORIES: Any = Structure("CATEGORIES")
 FEWEST = 5  # categories
 
 # quadratures: work on the gas, heat from the oil, of each wall heat into the gas and conductance, then per category
-# mass, enthalpy (oil mass, oil mass × T_oil)
+# mass, enthalpy (oil mass, oil mass × T_oil, gas that it holds)
 Q_WORK, Q_HEAT, Q_WALLS = range(3)
 Q_STREAMS: Any = Structure("Q_STREAMS")

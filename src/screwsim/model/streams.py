@@ -1,12 +1,13 @@
 """Streams between places, summed by category, and the first law of the chamber that they feed.
 
-Source: docs/model.md M1–M13. `sums` holds mass, enthalpy and, with carried oil, oil mass and oil mass × T_oil.
+Source: docs/model.md M1–M13. `sums` holds mass, enthalpy and, with carried oil, oil mass and oil mass × T_oil, and the
+gas that the oil holds where that is a state (M230).
 """
 
 from __future__ import annotations
 
 from screwsim.fluid.nozzle import flow, flow_slopes
-from screwsim.model.balance import oil_temperature_slope, temperature_slope
+from screwsim.model.balance import held_slope, oil_temperature_slope, temperature_slope
 from screwsim.model.room import gas_mass
 from screwsim.model.slots import (
     BETWEEN,
@@ -17,6 +18,8 @@ from screwsim.model.slots import (
     CHOKED,
     DENSITY,
     DISCHARGE_IN,
+    DISSOLVED,
+    DISSOLVES,
     E_ANGLE,
     E_OILED,
     E_SLOPE,
@@ -24,6 +27,7 @@ from screwsim.model.slots import (
     ENTHALPY,
     EXPONENT,
     HEATED,
+    HELD,
     OIL_RATIO,
     OIL_TEMPERATURE,
     OWN_STATES,
@@ -42,6 +46,7 @@ from screwsim.model.slots import (
     TPT,
     VOLUMED,
     WALLS,
+    WIDTH,
     N,
     gap_share,
     heat_rates,
@@ -137,6 +142,8 @@ def add_stream(sums, at, m, source, s):
         oil = m * source[s + OIL_RATIO]
         sums[at + 2] += oil
         sums[at + 3] += oil * source[s + OIL_TEMPERATURE]
+        if DISSOLVES == 1:
+            sums[at + 4] += oil * source[s + DISSOLVED]
 
 
 @kernel
@@ -148,6 +155,8 @@ def add_stream_slope(sums, at, m, dm, source, s, d, r):
         ratio = m * d[r + OIL_RATIO]
         sums[at + 2] += ratio
         sums[at + 3] += ratio * source[s + OIL_TEMPERATURE] + m * source[s + OIL_RATIO] * d[r + OIL_TEMPERATURE]
+        if DISSOLVES == 1:
+            sums[at + 4] += ratio * source[s + DISSOLVED] + m * source[s + OIL_RATIO] * d[r + DISSOLVED]
 
 
 @kernel
@@ -193,11 +202,13 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
     m = rho * E[e + E_VOLUME]
     if VOLUMED == 1:
         m = gas_mass(E[e + E_VOLUME], rho, y[at + 3], P)
-    width = 4 if CARRIED == 1 else 2
+    width = WIDTH
     mass = 0.0
     enthalpy = 0.0
     oil = 0.0
     oil_energy = 0.0
+    if DISSOLVES == 1:
+        held = 0.0
     for c in range(CATEGORIES):
         i = first + c * width
         mass += sums[i]
@@ -205,6 +216,8 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
         if CARRIED == 1:
             oil += sums[i + 2]
             oil_energy += sums[i + 3]
+            if DISSOLVES == 1:
+                held += sums[i + 4]  # pyright: ignore[reportPossiblyUnboundVariable]
     omega = P[P_OMEGA]
     heat = 0.0
     if HEATED == 1:
@@ -219,6 +232,8 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
             f[at + 2] = oil_temperature_slope(own, m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
         if CARRIED == 1:
             f[at + 3] = (oil - y[at + 3] * mass) / (m * omega)
+        if DISSOLVES == 1:
+            f[at + HELD] = held_slope(y[at + HELD], m_oil, m, oil, held, omega)  # pyright: ignore[reportPossiblyUnboundVariable]
     if WALLS > 0:
         warmth = from_walls(T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], P, g)
         heat += warmth

@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilPort, Scaled, Stops, Wall
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilPort, OilSolution, Scaled, Stops, Wall
+from screwsim.fluid import solubility
 from screwsim.fluid.orifice import orifice_flow
 from screwsim.model import pulsation
 from screwsim.model.parts import OilPart, Parts
@@ -305,11 +306,36 @@ def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -
 def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:
     content, state = parts.oil_content, parts.plenums[part.plenum]
     assert content is not None
+    if isinstance(content, OilSolution):
+        write_solution(writer, oil, content)
+        return
     curve = {"curve": (content.pressure, content.flashed)}
     call = writer.call(table_content, {}, curve, ("p", "TAB"))
     enthalpy, latent = writer.numbers.add(state.h), writer.numbers.add(content.latent / oil.heat_capacity)
     body = [f"gas = oil * max(0.0, {call})", f"return gas, gas * {enthalpy}, gas * {latent}"]
     writer.function("flash_terms(oil, p, P, TAB)", body)
+
+
+def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
+    """Write what a chamber's oil gives off over time, and its entropy (M230–M233)."""
+    z, s, rise = content.log_held, content.entropy, content.slope
+    rates = {"release": content.release, "uptake": content.uptake, "c_oil": oil.heat_capacity}
+    values = {"enthalpy": content.enthalpy, **rates}
+    back = slice(None, None, -1)  # entropy falls as more is dissolved
+    curve = {"curve": (s[back], z[back], _ends(1.0 / rise[back]))}
+    call = writer.call(solubility.given_off, values, curve, ("m_oil", "w", "s", "h", "T_oil", "TAB"))
+    slow = f"{writer.slow} * " if writer.slow else ""
+    body = ["s = gas_entropy(T, rho, P, TAB)", f"m_oil = {slow}m_oil", f"return {call}"]
+    writer.function("release_terms(phi, m_oil, w, T, rho, h, T_oil, P, TAB)", body)
+    writer.function("held_gas(oil, P)", [f"return oil * {writer.numbers.add(content.supply)}"])
+    tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest, _ends(-rise - content.rest))}
+    call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"))
+    writer.function("solution_entropy(w, P, TAB)", [f"return {call}"])
+
+
+def _ends(slope: np.ndarray) -> np.ndarray:
+    """Return the slopes at both ends of each interval, shape (n - 1, 2), from those of the rows."""
+    return np.column_stack([slope[:-1], slope[1:]])
 
 
 @kernel

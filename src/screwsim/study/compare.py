@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.errors import error_scale
+from screwsim.errors import FLASH, OF_FLASH, error_scale
 from screwsim.faults import UsageError
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
@@ -183,6 +183,7 @@ class _Side:
         relative = self._results.error[name].ravel()[self._cases]
         relative = np.where(np.isfinite(relative), relative, self._accuracy)
         needed = (name, "shaft_power", "ideal_isothermal_efficiency", "volumetric_efficiency", "gas_mass_flow")
+        needed += tuple(each for each in OF_FLASH if name in FLASH and each in self._results.performance)
         known = {each: np.nan_to_num(self.values(each)) for each in needed}
         return relative * error_scale(name, known, np.maximum)
 

@@ -1,0 +1,75 @@
+"""What gas dissolved in the oil has to do with the shaft power: its exergy rise, its mixing, what a line takes of it.
+
+Source: docs/model.md M233, M234. For the ledger, where what the oil holds is a state of the chambers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from screwsim.effects.base import OilSolution
+from screwsim.fluid.reservoir import Reservoir
+from screwsim.model import ledger as kernels
+from screwsim.model.slots import DISSOLVED, PORT_OIL, R_DISCHARGE
+
+Array = np.ndarray
+
+
+class Held:
+    """The gas that the oil holds: entropy and exergy (M233, M234) over gas at the state (h, s) of the suction line."""
+
+    def __init__(self, cycle: Any, suction: Any) -> None:
+        self.cycle, self.suction = cycle, suction
+        self.content: OilSolution = cycle.parts.oil_content
+
+    def entropies(self, w: float) -> tuple[float, float]:
+        """Return the entropy [J/(kg K)] of gas in oil that holds w, and of all that a kilogram of it holds."""
+        c = self.cycle.machinery.composition
+        s, total = self.cycle.machinery.module.solution_entropy(w, c.P, c.TAB)
+        return float(s), float(total)
+
+    def exergy(self, held: float, entropy: float) -> float:
+        """Return the exergy [W] of dissolved gas [kg/s] of an entropy [W/K]."""
+        h, s, T_0 = self.suction.h, self.suction.s, self.cycle.T_0
+        return held * (self.content.enthalpy - h) - T_0 * (entropy - held * s)
+
+    def of_oil(self, oil: float, w: float) -> float:
+        """Return the exergy [W] of what oil [kg/s] holds."""
+        return self.exergy(oil * w, oil * self.entropies(w)[1])
+
+    def of_gas(self, gas: float, state: Reservoir) -> float:
+        """Return the exergy [W] of gas [kg/s] of a state."""
+        return gas * (state.h - self.suction.h - self.cycle.T_0 * (state.s - self.suction.s))
+
+    def at_lines(self, ends: dict[str, list[tuple[str, list[float]]]], add: Callable[..., None]) -> None:
+        """Enter the mixing of what leaves in the discharge line, by path, and what other lines take (M234).
+
+        `ends` holds, for each line's entry, '' for the discharge line, the paths that lead to it with their sums.
+        """
+        out, held = self.flow_out()
+        w_out = held / out if out > 0.0 else 0.0
+        s, total = self.entropies(w_out)
+        for entry, paths in ends.items():
+            for name, row in paths:
+                oil, gas, entropy = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_HELD, kernels.OUT_HELD_ENTROPY))
+                if oil > 0.0 and not entry:
+                    add(name, entropy=oil * total + s * (gas - oil * w_out) - entropy)
+                elif oil > 0.0:
+                    add(entry, exergy=self.exergy(gas, entropy))
+
+    def flow_out(self) -> tuple[float, float]:
+        """Return the oil [kg/s] that leaves to the discharge line, and the gas [kg/s] that it holds."""
+        out = self.cycle.streams[3]
+        return -self.cycle.rate * float(out[2]), -self.cycle.rate * float(out[4])
+
+    def rise(self) -> float:
+        """Return the exergy [W] of what leaves to the discharge line over that of what comes with the oil."""
+        cycle = self.cycle
+        out, held = self.flow_out()
+        back, supplied = cycle.rate * float(cycle.streams[2, 2]), cycle.rate * float(cycle.streams[PORT_OIL, 2])
+        w_line = float(cycle.machinery.R[R_DISCHARGE + DISSOLVED])
+        found = self.of_oil(out, held / out) if out > 0.0 else 0.0
+        return found - self.of_oil(back, w_line) - self.of_oil(supplied, self.content.supply)
