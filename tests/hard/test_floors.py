@@ -139,7 +139,7 @@ def test_the_temperature_of_next_to_no_oil_counts_as_little(x, share, monkeypatc
 
 @pytest.mark.parametrize(("share", "weight"), [(1e-6, 0.1), (0.01, 0.1), (0.05, 0.5), (0.1, 1.0), (1.0, 1.0)])
 def test_the_error_of_a_chamber_counts_as_what_it_holds(share, weight):
-    """`places.HELD`, `places.EMPTY`: against the gas trapped, at the fuller end of a step."""
+    """`places.FILLED`, `places.EMPTY`: against the gas trapped, at the fuller end of a step."""
     R = np.zeros(places.R_TRAPPED + 1)
     R[places.R_TRAPPED] = 2e-3
     y = np.array([300.0, 4.0])

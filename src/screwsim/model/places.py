@@ -59,7 +59,7 @@ SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: 
 BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
 IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
 NO_OIL = 1e-13  # oil per gas, of either sign, that is rounding; `balance.oil_temperature_slope` has a floor above it
-HELD = 0.1  # of the gas trapped, from which on the error of a chamber counts whole
+FILLED = 0.1  # of the gas trapped, from which on the error of a chamber counts whole
 EMPTY = 0.1  # weight of the error of a chamber that holds next to nothing
 LEAST = 1e-6  # exponent and choking of a neighbour: a cubic across a border of the phases may dip below none
 
@@ -185,7 +185,7 @@ def counting(y0, y1, at, V0, V1, P, TAB, R):
     if not (trapped > 0.0):
         trapped = R[R_SUCTION + DENSITY] * volume_at(P[P_INJECTION], P, TAB)
     held = max(y0[at + 1] * V0, y1[at + 1] * V1)
-    return min(1.0, max(EMPTY, held / (HELD * trapped))) if trapped > 0.0 else 1.0
+    return min(1.0, max(EMPTY, held / (FILLED * trapped))) if trapped > 0.0 else 1.0
 
 
 @kernel
@@ -214,14 +214,14 @@ def relative_error(y0, y1, error, weight, at, place, row):
         if DISSOLVES == 1 and i == HELD:
             least = SOME_GAS
         e = abs(error[at + i]) / max(abs(y0[at + i]), abs(y1[at + i]), least)
-        if i < N - OWN_STATES:
-            e *= weight
         if i == 0:
             e *= max(1.0, place[row + TPT] / place[row + PRESSURE])
         if CARRIED == 1 and i == 2:
             e *= min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL)
         if DISSOLVES == 1 and i == HELD:
             e = max(e * min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL), abs(error[at + i] * y1[at + 3]))
+        if i < N - OWN_STATES:
+            e *= weight
         if not (e <= worst):
             worst = e
         if e != e:
