@@ -276,13 +276,17 @@ def _solved(solution: Solution, trace: bool) -> Result:
     forbidden, of_drive, balance["drive"] = shaft.judged(solution, closed)
     status, message = closed.status, ""
     residues = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
+    shown = ", ".join(f"{name} {size:.2g}" for name, size in residues.items())
     if status == "not_closed" or max(residues.values()) > balance.bound:
         status = "not_closed"
-        shown = ", ".join(f"{name} {size:.2g}" for name, size in residues.items())
         message = (
             f"{shown} against the bound {balance.bound:.2g}, last change {closed.change:.2g}; "
             f"{_unclosed(solution, closed)}"
         )
+    unknown = solution.open_question(closed.q, status == "ok")
+    if unknown:
+        unsettled = f"; their cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
+        status, message = "failed", unknown + unsettled
     if forbidden:
         status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
     cycle, kept = (solution.cycle(closed.q), book) if trace else ({}, Figures())

@@ -226,6 +226,11 @@ class Solution(Making):
         found |= performance.readings(self.parts, known, found)
         return found, notes
 
+    def open_question(self, q: closing.Array, closed: bool) -> str:
+        """Return what the scene leaves open of a cycle, and what to do; empty where nothing is open."""
+        asked = (part.open_question for part in self.parts.pulsations if part.open_question is not None)
+        return next(filter(None, (ask(self.turn(q), closed) for ask in asked)), "")
+
     def _shut(self, turn: Turn | None) -> bool:
         """Tell whether a check valve shuts a line for good: then nothing is delivered, but for rounding."""
         return turn is not None and any(part.shut is not None and part.shut(turn) for part in self.parts.pulsations)

@@ -101,6 +101,11 @@ class Parts:
         return found[0] if found else None
 
     @cached_property
+    def held_back(self) -> bool:
+        """Does a check valve let nothing of the discharge line back?"""
+        return any(part.to == "discharge" and part.shut is not None for part in self.pulsations)
+
+    @cached_property
     def oil_room(self) -> bool:
         """Does the oil take room?"""
         return bool(self.all(OilRoom))
