@@ -71,8 +71,7 @@ def _unclosed(solution: Solution, closed: closing.Closed) -> str:
     if any(part.shut is not None and part.shut(solution.turn(closed.q)) for part in solution.parts.pulsations):
         return (
             "a check valve of effects.plenums stays shut and the turns do not settle: the machine leaks more than it "
-            "takes in and delivers nothing, and what is locked behind the valve may not follow from the scene (leave "
-            "the valve out, or smaller leaks or a higher speed)"
+            "takes in and delivers nothing (leave the valve out, or smaller leaks or a higher speed)"
         )
     if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
         return "try numerics.closing: coupled, or a tighter numerics.accuracy"
@@ -165,8 +164,9 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
             "effects.plenums.discharge_valve, a larger discharge_volume or a smaller discharge_area)"
         )
     if found.gas_mass_flow == 0.0 and any(part.shut is not None for part in solution.parts.pulsations):
+        nothing = "takes nothing in" if solution.parts.plenums else "delivers nothing"
         warnings.append(
-            "a check valve of effects.plenums stays shut: against the line's pressure the machine delivers nothing"
+            f"a check valve of effects.plenums stays shut: against the line's pressure the machine {nothing}"
         )
     elif found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
         warnings.append(

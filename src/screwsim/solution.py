@@ -232,8 +232,12 @@ class Solution(Making):
         return next(filter(None, (ask(self.turn(q), closed) for ask in asked)), "")
 
     def _shut(self, turn: Turn | None) -> bool:
-        """Tell whether a check valve shuts a line for good: then nothing is delivered, but for rounding."""
-        return turn is not None and any(part.shut is not None and part.shut(turn) for part in self.parts.pulsations)
+        """Tell whether a check valve lets nothing in from the suction line for good, but for rounding.
+
+        A shut discharge line does so where what comes in can go nowhere else.
+        """
+        lines = [part for part in self.parts.pulsations if part.to == "suction" or not self.parts.plenums]
+        return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
 
     def complete(self, q: closing.Array) -> performance.CycleFigures:
         """Return what a shaft asks of the cycle: what is known of it, and the shaft power."""

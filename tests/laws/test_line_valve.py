@@ -188,6 +188,23 @@ def test_two_valves_of_a_machine_that_delivers_lock_in_nothing():
     assert result.performance.gas_mass_flow > 0.0
 
 
+def test_gas_of_a_third_line_leaves_by_the_suction_line_where_the_discharge_valve_stays_shut():
+    economizer = {"temperature": "20 degC", "opens": "385 deg", "closes": "485 deg", "area": "1 cm^2"}
+    result = run(
+        {
+            **SLOW,
+            "operation.speed": "100 rpm",
+            "effects.economizer": economizer,
+            "effects.plenums": {**SIZE, "discharge_valve": {}},
+        }
+    )
+    figures = result.performance
+    assert result.status == "ok"
+    assert figures.discharge_plenum_pressure < 12e5
+    assert figures.economizer_mass_flow > 0.0
+    assert figures.gas_mass_flow == pytest.approx(-figures.economizer_mass_flow, rel=ACCURACY)
+
+
 def test_explain_tells_of_the_valve():
     text = str(explain(make(plenums(discharge_valve={"area": "12 cm^2"}))))
     assert "discharge_valve" in text
