@@ -3,7 +3,8 @@
 What: a plenum's gas is compressed by what the chambers give it and the line does not take (M184), harmonic by harmonic
 of the lobe frequency; the chambers meet that pressure (M185, M186), which is found together with the cycle. The line is
 endless (no reflection) or lets a steady flow through; port and line take a drop from the mean (M184). A check valve
-between plenum and line lets nothing back, and shuts for good where the machine would deliver nothing (M220–M222).
+between plenum and line lets nothing back, and shuts for good where the machine would deliver nothing (M220–M222);
+two valves that stay shut lock in what the scene does not tell (M240).
 Source: filling of a volume, plane waves in an endless pipe (textbook acoustics); that pulsations of screw compressors
 come from the flow through the ports: E. Mujic, A. Kovacevic, N. Stosic, I. K. Smith, Noise control by suppression of
 gas pulsation in screw compressors, in: Advances in Noise Analysis, Mitigation and Control, InTech 2016.
@@ -276,7 +277,7 @@ def check(parameters: Parameters, facts) -> list[Fault]:
 EFFECT = Effect(
     name=NAME,
     title="finite volumes behind the ports, whose pressure pulsates",
-    equations=("M184", "M185", "M186", "M187", "M220", "M221", "M222"),
+    equations=("M184", "M185", "M186", "M187", "M220", "M221", "M222", "M240"),
     source="filling of a volume, plane waves (textbook)",
     parameters=Parameters,
     build=build,
