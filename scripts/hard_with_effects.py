@@ -82,7 +82,9 @@ EFFECTS: dict[str, dict[str, Any]] = {
     "wall_heat": WALLS,
     "thermal_clearances": {**WALLS, "effects.thermal_clearances": {"axis_distance": "125 mm"}},
     "plenums": {"effects.plenums": LINES},
-    "plenums, check valves": {"effects.plenums": {**LINES, **VALVES}},
+    "plenums, discharge valve": {"effects.plenums": {**LINES, "discharge_valve": VALVES["discharge_valve"]}},
+    "plenums, suction valve": {"effects.plenums": {**LINES, "suction_valve": VALVES["suction_valve"]}},
+    "plenums, both valves": {"effects.plenums": {**LINES, **VALVES}},
     "droplets": {"effects.oil_heat": DROP, "effects.droplets": {"diameter": "60 um", "slip": 0.02}},
     "droplets, two phases": {
         "gas.two_phase": "equilibrium",
