@@ -13,6 +13,10 @@ from scenes import scene_dict
 from screwsim.effects import catalogue
 from screwsim.machine.kinds import TWIN_SCREW
 
+UNCLOSED = {  # docs/effects.md: a machine that leaks far more than it moves
+    ("plenums, discharge valve", "paper, 10 rpm"),
+    ("plenums, suction valve", "paper, 10 rpm"),
+}
 PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
 STORED = hard_with_effects.stored()
 CASES = {case.name: case for case in hard_with_effects.chosen()}
@@ -23,7 +27,8 @@ def test_every_case_is_ok_refused_with_a_remedy_or_at_a_limit(name):
     outcomes = STORED[name]
     assert set(outcomes) == {case.name for case in hard_with_effects.chosen(name)}
     for case, each in outcomes.items():
-        fine = each["status"] in {"ok", "refused", "left out"} or hard_with_effects.at_a_limit(each)
+        unclosed = {"not_closed"} if (name, case) in UNCLOSED else set()
+        fine = each["status"] in {"ok", "refused", "left out"} | unclosed or hard_with_effects.at_a_limit(each)
         assert fine, (case, each)
         if each["status"] == "ok":
             assert each["balance"] <= 1.0, case
