@@ -170,7 +170,9 @@ class Behind:
             level = float(pressure.mean()) + abs(offset(line, self.area, self.loss)) * p
         spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
         answering = (1.0 + held) * p * line.open_volume / line.sound**2 * frequency / (2.0 * pi)
-        stands = self.along * line_valve.standing(held, line.flow, answering, 1.0 + held - self._far(turn) / p)
+        near = abs(self.along * level / p - held) <= line_valve.MOST_CHANGE * (1.0 + held)
+        across = 1.0 + held - (0.0 if near else self._far(turn) / p)  # where a turn may open the valve it is let
+        stands = self.along * line_valve.standing(held, line.flow, answering, across)
         shut = stands < level / p
         along = self.along * (stands if shut else level / p)
         return Mean(along, self.along * spectrum / p, 0.0 if shut else least, shut)
