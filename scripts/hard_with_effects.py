@@ -91,8 +91,15 @@ EFFECTS: dict[str, dict[str, Any]] = {
     "wall_heat": WALLS,
     "thermal_clearances": {**WALLS, "effects.thermal_clearances": {"axis_distance": "125 mm"}},
     "plenums": {"effects.plenums": LINES},
-    "plenums, check valves": {"effects.plenums": {**LINES, **VALVES}},
+    "plenums, discharge valve": {"effects.plenums": {**LINES, "discharge_valve": VALVES["discharge_valve"]}},
+    "plenums, suction valve": {"effects.plenums": {**LINES, "suction_valve": VALVES["suction_valve"]}},
+    "plenums, both valves": {"effects.plenums": {**LINES, **VALVES}},
     "droplets": {"effects.oil_heat": DROP, "effects.droplets": {"diameter": "60 um", "slip": 0.02}},
+    "droplets, two phases": {
+        "gas.two_phase": "equilibrium",
+        "effects.oil_heat": DROP,
+        "effects.droplets": {"diameter": "60 um", "slip": 0.02},
+    },
     "slide_valve": {"effects.slide_valve": {"slot_area": "60 cm^2", "closes": "640 deg", "position": 0.5}},
     "bypass, share": {"effects.bypass": {"share": 0.3}},
     "bypass, chamber": {
@@ -126,7 +133,7 @@ EFFECTS: dict[str, dict[str, Any]] = {
         "effects.liquid_injection": {"opens": "500 deg", "closes": "600 deg", "area": "4 mm^2"},
     },
 }
-NEEDS_REAL = {"liquid_injection"}
+NEEDS_REAL = {"liquid_injection", "droplets, two phases"}
 LIMITS = (  # what the message of a run says that ends at a limit of the machine or of the gas's equation
     "hydraulic lock",
     "warm rotors touch",
@@ -134,6 +141,7 @@ LIMITS = (  # what the message of a run says that ends at a limit of the machine
     "above the equation's highest temperature",
     "below the equation's lowest temperature",
     "condenses",
+    "both check valves of effects.plenums stay shut",
 )
 KEEP = ("gas.", "numerics.closing", "machine.volume.law", "machine.male_lobes")
 SECTIONS = {"effects", "oil", "gas", "machine.volume", "machine.suction_port", "machine.discharge_port"}

@@ -98,6 +98,7 @@ class Making(Prepared):
             self._line_flows(q),
             self.parts.omega,
             self.parts.geometry.pitch,
+            not self.parts.plenums,
         )
 
     def _line_flows(self, q: closing.Array) -> Callable[[str], LineFlow]:
@@ -143,13 +144,17 @@ class Making(Prepared):
 
         What flows back beyond the outflow comes from the line and brings no oil. So the plenum is a continuous function
         of the flows: a state that jumped where the net flow passes zero would leave such a machine without a cycle.
+        A check valve lets nothing of the line back: what flows back had flowed out, in this turn or before.
         """
         streams = self.balances.streams(q)
         mean = closing.discharge_enthalpy(streams)
         plenum = self._line()
+        if self.parts.held_back and mean is None:
+            return plenum
         given = self.scene.operation.discharge.temperature is not None
         back, out = float(streams[2, 0]), -float(streams[3, 0])
-        own = 1.0 if back <= max(out, 0.0) else out / back  # share of what flows back that had flowed out before
+        all_own = back <= max(out, 0.0) or self.parts.held_back
+        own = 1.0 if all_own else out / back  # share of what flows back that had flowed out before
         if not given:
             plenum[0] = mean[0] if mean is not None else 0.0
             if mean is None or own < 1.0:

@@ -71,8 +71,7 @@ def _unclosed(solution: Solution, closed: closing.Closed) -> str:
     if any(part.shut is not None and part.shut(solution.turn(closed.q)) for part in solution.parts.pulsations):
         return (
             "a check valve of effects.plenums stays shut and the turns do not settle: the machine leaks more than it "
-            "takes in and delivers nothing, and what is locked behind the valve may not follow from the scene (leave "
-            "the valve out, or smaller leaks or a higher speed)"
+            "takes in and delivers nothing (leave the valve out, or smaller leaks or a higher speed)"
         )
     if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
         return "try numerics.closing: coupled, or a tighter numerics.accuracy"
@@ -165,8 +164,9 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
             "effects.plenums.discharge_valve, a larger discharge_volume or a smaller discharge_area)"
         )
     if found.gas_mass_flow == 0.0 and any(part.shut is not None for part in solution.parts.pulsations):
+        nothing = "takes nothing in" if solution.parts.plenums else "delivers nothing"
         warnings.append(
-            "a check valve of effects.plenums stays shut: against the line's pressure the machine delivers nothing"
+            f"a check valve of effects.plenums stays shut: against the line's pressure the machine {nothing}"
         )
     elif found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
         warnings.append(
@@ -276,13 +276,17 @@ def _solved(solution: Solution, trace: bool) -> Result:
     forbidden, of_drive, balance["drive"] = shaft.judged(solution, closed)
     status, message = closed.status, ""
     residues = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
+    shown = ", ".join(f"{name} {size:.2g}" for name, size in residues.items())
     if status == "not_closed" or max(residues.values()) > balance.bound:
         status = "not_closed"
-        shown = ", ".join(f"{name} {size:.2g}" for name, size in residues.items())
         message = (
             f"{shown} against the bound {balance.bound:.2g}, last change {closed.change:.2g}; "
             f"{_unclosed(solution, closed)}"
         )
+    unknown = solution.open_question(closed.q, status == "ok")
+    if unknown:
+        unsettled = f"; their cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
+        status, message = "failed", unknown + unsettled
     if forbidden:
         status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
     cycle, kept = (solution.cycle(closed.q), book) if trace else ({}, Figures())

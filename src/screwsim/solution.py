@@ -233,9 +233,18 @@ class Solution(Making):
         found |= performance.readings(self.parts, known, found)
         return found, notes
 
+    def open_question(self, q: closing.Array, closed: bool) -> str:
+        """Return what the scene leaves open of a cycle, and what to do; empty where nothing is open."""
+        asked = (part.open_question for part in self.parts.pulsations if part.open_question is not None)
+        return next(filter(None, (ask(self.turn(q), closed) for ask in asked)), "")
+
     def _shut(self, turn: Turn | None) -> bool:
-        """Tell whether a check valve shuts a line for good: then nothing is delivered, but for rounding."""
-        return turn is not None and any(part.shut is not None and part.shut(turn) for part in self.parts.pulsations)
+        """Tell whether a check valve lets nothing in from the suction line for good, but for rounding.
+
+        A shut discharge line does so where what comes in can go nowhere else.
+        """
+        lines = [part for part in self.parts.pulsations if part.to == "suction" or not self.parts.plenums]
+        return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
 
     def complete(self, q: closing.Array) -> performance.CycleFigures:
         """Return what a shaft asks of the cycle: what is known of it, and the shaft power."""

@@ -5,8 +5,12 @@ import pytest
 from scenes import make, run
 from scipy.integrate import solve_ivp
 
+from screwsim.effects.base import Made
 from screwsim.effects.line_valve import POINTS, Behind, Valve, closed, standing, through
+from screwsim.effects.plenums import Parameters
+from screwsim.effects.plenums import build as plenum_parts
 from screwsim.explain import explain
+from screwsim.numerics.made import Entries
 
 ACCURACY = 3e-4
 BALANCES = ("mass", "energy", "entropy", "oil_mass")
@@ -81,8 +85,26 @@ def test_a_shut_plenum_stores_all_it_is_given():
 
 
 def test_a_plenum_falls_while_the_machine_draws_from_it():
-    assert standing(-0.1, -0.1 + np.cos(PHASE)) < -0.1
-    assert standing(-0.1, np.cos(PHASE)) == pytest.approx(-0.1)
+    assert standing(-0.1, -0.1 + np.cos(PHASE), 0.1, 0.8) < -0.1
+    assert standing(-0.1, np.cos(PHASE), 0.1, 0.8) == pytest.approx(-0.1)
+
+
+def test_a_plenum_goes_a_share_of_what_lies_across_the_machine():
+    """What the leaks of the whole flow drive back is not driven beyond the pressure at the other port."""
+    held, across = -0.5, 0.1
+    assert held - 0.5 * across < standing(held, np.full(64, -0.2), 0.0, across) < held
+    assert standing(held, np.full(64, -0.2), 0.0, 100.0) == pytest.approx(0.6 * (1.0 + held) - 1.0)
+
+
+def test_a_shut_plenum_that_is_all_but_empty_counts_by_its_own_pressure():
+    """From 2 to 3 thousandths of the line's pressure is half of it more; without a valve it is a thousandth."""
+    for valve, expected in ((Valve(), 0.5), (None, 1e-3)):
+        parts = plenum_parts(Parameters(discharge_volume=3e-3, discharge_valve=valve), None)
+        entries = Entries([part.entry for part in parts if isinstance(part, Made)])
+        old, new = np.zeros(len(entries)), np.zeros(len(entries))
+        old[0], new[0] = -0.998, -0.997
+        assert entries.change(new, old) == pytest.approx(expected)
+        assert entries.values(entries.coordinates(new), new) == pytest.approx(new)
 
 
 # ---- with the cycle ------------------------------------------------------------------------------------------------
@@ -122,6 +144,65 @@ def test_a_machine_that_delivers_nothing_stands_against_a_shut_valve():
     assert shut.balance.mass <= ACCURACY
     assert shut.balance.energy <= ACCURACY
     assert any("stays shut" in warning for warning in shut.warnings)
+
+
+SLOW = {**plenums(), "operation.speed": "50 rpm"}  # leaks more than it takes in
+DISCHARGE = {"discharge_valve": {"area": "12 cm^2", "pressure": "0.1 bar"}}
+SUCTION = {"suction_valve": {"area": "40 cm^2"}}
+
+
+def slow(**valves):
+    return run({**SLOW, "effects.plenums": {**SIZE, **valves}})
+
+
+@pytest.mark.parametrize("transport", ["paper", "carried"])
+def test_what_stands_against_a_shut_discharge_valve_is_not_below_suction(transport):
+    result = run({**SLOW, "oil.transport": transport, "effects.plenums": {**SIZE, **DISCHARGE}})
+    assert result.status == "ok"
+    assert result.performance.gas_mass_flow == 0.0
+    assert 1.5e5 < result.performance.discharge_plenum_pressure < 2e5
+    assert max(result.balance[name] or 0.0 for name in BALANCES) <= ACCURACY
+
+
+def test_what_stands_against_a_shut_suction_valve_is_not_above_discharge():
+    result = slow(**SUCTION)
+    assert result.status == "ok"
+    assert result.performance.gas_mass_flow == 0.0
+    assert 10e5 < result.performance.suction_plenum_pressure < 12e5
+    assert max(result.balance[name] or 0.0 for name in BALANCES) <= ACCURACY
+
+
+def test_two_valves_that_stay_shut_lock_in_what_the_scene_does_not_tell():
+    """The figures are those without the suction valve, as the message says."""
+    both, one = slow(**DISCHARGE, **SUCTION), slow(**DISCHARGE)
+    assert both.status == "failed"
+    assert "both check valves of effects.plenums stay shut" in both.message
+    assert "leave it out" in both.message
+    for name in ("discharge_plenum_pressure", "suction_plenum_pressure", "trapped_mass"):
+        assert both.performance[name] == pytest.approx(one.performance[name], rel=ACCURACY), name
+
+
+def test_two_valves_of_a_machine_that_delivers_lock_in_nothing():
+    result = run(plenums(**DISCHARGE, **SUCTION))
+    assert result.status == "ok"
+    assert result.performance.gas_mass_flow > 0.0
+
+
+def test_gas_of_a_third_line_leaves_by_the_suction_line_where_the_discharge_valve_stays_shut():
+    economizer = {"temperature": "20 degC", "opens": "385 deg", "closes": "485 deg", "area": "1 cm^2"}
+    result = run(
+        {
+            **SLOW,
+            "operation.speed": "100 rpm",
+            "effects.economizer": economizer,
+            "effects.plenums": {**SIZE, "discharge_valve": {}},
+        }
+    )
+    figures = result.performance
+    assert result.status == "ok"
+    assert figures.discharge_plenum_pressure < 12e5
+    assert figures.economizer_mass_flow > 0.0
+    assert figures.gas_mass_flow == pytest.approx(-figures.economizer_mass_flow, rel=ACCURACY)
 
 
 def test_explain_tells_of_the_valve():

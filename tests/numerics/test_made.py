@@ -38,3 +38,11 @@ def test_only_what_goes_in_its_logarithm_must_be_positive():
     found = ENTRIES.possible(np.array([-1.0, 0.0, 300.0, -2.0]))
     assert (found[:3] > 0.0).all()
     assert found[3] == -2.0
+
+
+def test_a_number_above_its_least_changes_by_what_it_is_above():
+    entries = Entries([Entry("offset", shift=1.0), Entry("swing", scale=1.0)])
+    old = np.array([-0.99, 0.5])
+    assert entries.change(np.array([-0.98, 0.5]), old) == pytest.approx(1.0)
+    assert entries.values(entries.coordinates(old), old) == pytest.approx(old)
+    assert entries.possible(np.array([-1.5, 0.5]))[0] >= -1.0

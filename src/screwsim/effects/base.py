@@ -292,7 +292,8 @@ class Turn(NamedTuple):
     `held` are the numbers that the cycle makes, by name, as the turn was integrated with them, `made` the same with
     this turn's images of those declared before. `heat` [W] goes from each wall into the gas, over `conductance` [W/K].
     `gaps` [m] are the stated clearances of the scene's effects, `T_0` is the ambient temperature [K]; `line` tells of
-    the flow to a line, `omega` [rad/s] and `pitch` [rad] how fast it repeats.
+    the flow to a line, `omega` [rad/s] and `pitch` [rad] how fast it repeats. `two_lines`: suction and discharge alone
+    give the chambers gas, or take it.
     """
 
     held: Mapping[str, float]
@@ -304,6 +305,7 @@ class Turn(NamedTuple):
     line: Callable[[str], LineFlow]
     omega: float
     pitch: float
+    two_lines: bool
 
 
 @dataclass(frozen=True)
@@ -343,13 +345,15 @@ class Pulsation:
 
     `to` is 'suction' or 'discharge'; `offset` and `harmonics` name `Made` numbers, over the line's pressure: a_1, b_1,
     a_2 … of cosines and sines, declared one after the other. `shut` tells whether a turn finds the line shut by a check
-    valve: nothing passes then, in the mean or ever.
+    valve: nothing passes then, in the mean or ever. `open_question` returns what the scene leaves open of a cycle,
+    which closed or did not, and what to do; empty where it leaves nothing open.
     """
 
     to: str
     offset: str
     harmonics: tuple[str, ...]
     shut: Callable[[Turn], bool] | None = None
+    open_question: Callable[[Turn, bool], str] | None = None
 
 
 @dataclass(frozen=True)

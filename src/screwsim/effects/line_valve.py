@@ -25,7 +25,8 @@ POINTS = 65  # of a pitch; odd, so that no harmonic is its own alias
 MOST_STEPS = 60
 CONVERGED = 1e-11  # residue over the largest flow
 LEAST_SHARE = 1e-4  # of a step of Newton's method, before it is taken whatever it does
-MOST_CHANGE = 0.4  # of a shut plenum's pressure in a turn
+MOST_CHANGE = 0.4  # of what drives the leaks, by which a shut plenum's pressure changes in a turn
+LEAST_ACROSS = 0.005  # of its pressure, that counts as driving them at least
 
 
 @dataclass(frozen=True)
@@ -101,12 +102,14 @@ def closed(given: Array, behind: Behind) -> Array:
     return np.fft.irfft(spectrum, POINTS)
 
 
-def standing(held: float, flow: Array) -> float:
+def standing(held: float, flow: Array, answering: float, across: float) -> float:
     """Return the mean pressure over the line's, less one, of a plenum whose valve stays shut, from that held (M222).
 
     It changes as long as the chambers' flow [kg/s] into it has a mean, by that over what moves, until nothing passes in
-    the mean. Leaks grow with the pressure, so that a share of the pressure itself is the right step.
+    the mean. `answering` is the flow with which what is open to the plenum answers a doubled pressure. Leaks grow with
+    what drives them, the pressure `across` the machine (over the line's), so that a share of that is the right step.
     """
-    moved = float(np.mean(np.abs(flow)))
+    moved = float(np.mean(np.abs(flow))) + answering
     share = float(np.mean(flow)) / moved if moved > 0.0 else 0.0
-    return held + (1.0 + held) * float(np.clip(share, -MOST_CHANGE, MOST_CHANGE))
+    step = abs(across) + LEAST_ACROSS * (1.0 + held)
+    return max(held + step * float(np.clip(share, -MOST_CHANGE, MOST_CHANGE)), (1.0 - MOST_CHANGE) * (1.0 + held) - 1.0)

@@ -3,7 +3,8 @@
 What: a plenum's gas is compressed by what the chambers give it and the line does not take (M184), harmonic by harmonic
 of the lobe frequency; the chambers meet that pressure (M185, M186), which is found together with the cycle. The line is
 endless (no reflection) or lets a steady flow through; port and line take a drop from the mean (M184). A check valve
-between plenum and line lets nothing back, and shuts for good where the machine would deliver nothing (M220–M222).
+between plenum and line lets nothing back, and shuts for good where the machine would deliver nothing (M220–M222);
+two valves that stay shut lock in what the scene does not tell (M240).
 Source: filling of a volume, plane waves in an endless pipe (textbook acoustics); that pulsations of screw compressors
 come from the flow through the ports: E. Mujic, A. Kovacevic, N. Stosic, I. K. Smith, Noise control by suppression of
 gas pulsation in screw compressors, in: Advances in Noise Analysis, Mitigation and Control, InTech 2016.
@@ -37,6 +38,12 @@ SHOWN = 4  # harmonics among the figures
 TRACE = 360  # points of a pitch
 LOWEST = -0.9  # offset of the mean at which nothing passes any more
 EMPTY = -0.999  # the same behind a check valve, which may hold the line's pressure off a plenum near that of suction
+LOCKED = (
+    "both check valves of effects.plenums stay shut: the machine delivers nothing, since its leaks take all that it "
+    "moves before the discharge plenum reaches its line's pressure; nothing passes between the lines, and how much gas "
+    "is locked between them follows from how the machine came there, not from the scene; the figures are those without "
+    "suction_valve (leave it out, or smaller leaks, a higher speed or a lower discharge pressure)"
+)
 SHUT = "the {to} line takes all of the pressure (a wider effects.plenums.{to}_area or a smaller {to}_loss)"
 FIGURES = (
     "discharge_line_least_flow",
@@ -123,6 +130,7 @@ class Behind:
         self.area, self.loss = getattr(parameters, f"{to}_area"), getattr(parameters, f"{to}_loss")
         self.valve: Valve | None = getattr(parameters, f"{to}_valve")
         self.along = 1.0 if to == "discharge" else -1.0
+        self.downstream: Behind | None = None  # of a suction valve: the plenum of the other check valve
         self.names = [f"{to}_{part}_{k}" for k in range(1, self.count + 1) for part in ("cos", "sin")]
         self._last: tuple[Any, Mean | None, list[float]] = None, None, []
 
@@ -136,17 +144,17 @@ class Behind:
             held = np.array([turn.held[name] for name in self.names]).reshape(-1, 2)
             before, frequency = held[:, 0] - 1j * held[:, 1], 2.0 * pi * turn.omega / turn.pitch
             line, mean = turn.line(self.to), None
-            if self.valve is None:
+            if self.valve is None or (self.downstream is not None and self.downstream.locks_in(turn)):
                 found = pulsation(line, before, self.volume, self.area, frequency)
             else:
-                mean = self._valved(self.valve, line, before, turn.held[f"{self.to}_offset"], frequency)
+                mean = self._valved(self.valve, line, before, turn, frequency)
                 found = mean.amplitudes
             self._last = turn.line, mean, np.column_stack([np.real(found), -np.imag(found)]).ravel().tolist()
         return self._last[1:]
 
-    def _valved(self, valve: Valve, line: LineFlow, before: Array, held: float, frequency: float) -> Mean:
+    def _valved(self, valve: Valve, line: LineFlow, before: Array, turn: Turn, frequency: float) -> Mean:
         """Return what a turn makes of a plenum with a check valve (M220–M222), met at an offset that was held."""
-        flow, p = self.along * line.flow, line.p
+        flow, p, held = self.along * line.flow, line.p, turn.held[f"{self.to}_offset"]
         given = self.along * answer(line, before, line.open_volume / line.sound**2, frequency)
         impedance = 0.0 if self.area is None else line.sound / self.area
         capacity = (self.volume + line.open_volume) / line.sound**2
@@ -161,10 +169,18 @@ class Behind:
             pressure, least = passed.pressure, float(passed.flow.min())
             level = float(pressure.mean()) + abs(offset(line, self.area, self.loss)) * p
         spectrum = np.fft.rfft(pressure)[1 : self.count + 1] * (2.0 / len(pressure))
-        stands = self.along * line_valve.standing(held, line.flow)
+        answering = (1.0 + held) * p * line.open_volume / line.sound**2 * frequency / (2.0 * pi)
+        near = abs(self.along * level / p - held) <= line_valve.MOST_CHANGE * (1.0 + held)
+        across = 1.0 + held - (0.0 if near else self._far(turn) / p)  # where a turn may open the valve it is let
+        stands = self.along * line_valve.standing(held, line.flow, answering, across)
         shut = stands < level / p
         along = self.along * (stands if shut else level / p)
         return Mean(along, self.along * spectrum / p, 0.0 if shut else least, shut)
+
+    def _far(self, turn: Turn) -> float:
+        """Return the mean pressure [Pa] beyond the machine's other port."""
+        to = "suction" if self.to == "discharge" else "discharge"
+        return turn.line(to).p * (1.0 + turn.held.get(f"{to}_offset", 0.0))
 
     def coefficient(self, i: int, turn: Turn) -> float:
         """Return one of them."""
@@ -180,15 +196,31 @@ class Behind:
         mean = self._found(turn)[0]
         return mean is not None and mean.shut
 
+    def locks_in(self, turn: Turn) -> bool:
+        """Tell whether nothing leaves the chambers but to the suction line: its valve, too, would stay shut (M240)."""
+        return turn.two_lines and self.shut(turn)
+
+    def unknown(self, turn: Turn, closed: bool) -> str:
+        """Return that the gas between two shut valves is not known, and what to do; empty where it is.
+
+        Of a cycle that did not close it is said where the plenum fell below the middle of both pressures, far from
+        where its valve opens.
+        """
+        held, far = 1.0 + turn.held[f"{self.to}_offset"], self._far(turn) / turn.line(self.to).p
+        return LOCKED if self.locks_in(turn) and (closed or held < 0.5 * (1.0 + far)) else ""
+
     def parts(self) -> list[Made | Pulsation]:
         """Return what declares it: offset and coefficients, one after the other, and the pressure that they make."""
         first = f"{self.to}_offset"
         least = LOWEST if self.valve is None else EMPTY
-        made = [Made(Entry(first, scale=1.0), _nothing, self.offset, least, SHUT.format(to=self.to))]
+        entry = Entry(first, scale=1.0) if self.valve is None else Entry(first, shift=1.0)
+        made = [Made(entry, _nothing, self.offset, least, SHUT.format(to=self.to))]
         made += [
             Made(Entry(name, scale=1.0), _nothing, partial(self.coefficient, i)) for i, name in enumerate(self.names)
         ]
-        return [*made, Pulsation(self.to, first, tuple(self.names), None if self.valve is None else self.shut)]
+        shut = None if self.valve is None else self.shut
+        unknown = None if self.downstream is None else self.downstream.unknown
+        return [*made, Pulsation(self.to, first, tuple(self.names), shut, unknown)]
 
     def figures(self, turn: Turn) -> dict[str, float | None]:
         """Return mean, swing and harmonics of the pressure [Pa]."""
@@ -210,6 +242,8 @@ def _nothing(site: Site) -> float:
 
 def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
     behind = [Behind(to, parameters) for to in LINES if getattr(parameters, f"{to}_volume") is not None]
+    if len(behind) == len(LINES) and all(one.valve is not None for one in behind):
+        behind[0].downstream = behind[1]
 
     def read(figures) -> dict[str, float | None]:
         found: dict[str, float | None] = dict.fromkeys(FIGURES)
@@ -245,7 +279,7 @@ def check(parameters: Parameters, facts) -> list[Fault]:
 EFFECT = Effect(
     name=NAME,
     title="finite volumes behind the ports, whose pressure pulsates",
-    equations=("M184", "M185", "M186", "M187", "M220", "M221", "M222"),
+    equations=("M184", "M185", "M186", "M187", "M220", "M221", "M222", "M240"),
     source="filling of a volume, plane waves (textbook)",
     parameters=Parameters,
     build=build,

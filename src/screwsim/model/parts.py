@@ -106,6 +106,12 @@ class Parts:
         return isinstance(self.oil_content, OilSolution)
 
     @cached_property
+    def held_back(self) -> bool:
+        """Does a check valve let nothing of the discharge line back, at once or because it could go nowhere else?"""
+        valved = [part.to for part in self.pulsations if part.shut is not None]
+        return "discharge" in valved or bool(valved and not self.plenums)
+
+    @cached_property
     def oil_room(self) -> bool:
         """Does the oil take room?"""
         return bool(self.all(OilRoom))

@@ -20,15 +20,17 @@ FLOOR = 1e-4  # what a change counts against at the least, where an entry does n
 class Entry:
     """One number that the cycle makes.
 
-    A positive one goes in its logarithm and its change is relative, with `floor` the least that it counts against;
-    where `scale` is given the number is any, and its change counts over that scale. `of` names the entry, an amount,
-    without which this one has no meaning: where that is at its floor or below, neither counts.
+    A positive one goes in its logarithm and its change is relative, with `floor` the least that it counts against; one
+    that exceeds −`shift` does so together with that. Where `scale` is given the number is any, and its change counts
+    over that scale. `of` names the entry, an amount, without which this one has no meaning: where that is at its floor
+    or below, neither counts.
     """
 
     name: str
     floor: float = FLOOR
     scale: float | None = None
     of: str = ""
+    shift: float = 0.0
 
 
 class Entries:
@@ -41,6 +43,7 @@ class Entries:
         self._mixed = bool(self.linear.any())  # or all in logarithms
         self.scales = np.array([1.0 if entry.scale is None else entry.scale for entry in entries])
         self.floors = np.array([entry.floor for entry in entries])
+        self.shifts = np.array([entry.shift for entry in entries])
         self.carried = [(i, self.names.index(entry.of)) for i, entry in enumerate(entries) if entry.of]
 
     def __len__(self) -> int:
@@ -48,7 +51,7 @@ class Entries:
 
     def change(self, new: Array, old: Array) -> float:
         """Return the largest change, each over its own measure."""
-        sizes = np.maximum(old, self.floors)
+        sizes = np.maximum(old + self.shifts, self.floors)
         changes = np.abs(new - old) / (np.where(self.linear, self.scales, sizes) if self._mixed else sizes)
         for what, amount in self.carried:
             if max(new[amount], old[amount]) <= self.floors[amount]:
@@ -57,7 +60,7 @@ class Entries:
 
     def coordinates(self, values: Array) -> Array:
         """Return what is mixed: logarithms, or values over their scale; an amount too small to count is its floor."""
-        found = np.log(np.maximum(values, LEAST))
+        found = np.log(np.maximum(values + self.shifts, LEAST))
         if self._mixed:
             found = np.where(self.linear, values / self.scales, found)
         for what, amount in self.carried:
@@ -68,9 +71,10 @@ class Entries:
     def values(self, coordinates: Array, raw: Array) -> Array:
         """Return the values of coordinates; amounts too small to count keep their raw values."""
         if self._mixed:
-            found = np.where(self.linear, coordinates * self.scales, np.exp(np.where(self.linear, 0.0, coordinates)))
+            powers = np.exp(np.where(self.linear, 0.0, coordinates)) - self.shifts
+            found = np.where(self.linear, coordinates * self.scales, powers)
         else:
-            found = np.exp(coordinates)
+            found = np.exp(coordinates) - self.shifts
         for what, amount in self.carried:
             if raw[amount] <= self.floors[amount]:
                 found[amount], found[what] = raw[amount], raw[what]
@@ -78,4 +82,4 @@ class Entries:
 
     def possible(self, values: Array) -> Array:
         """Return values of which none that goes in its logarithm is below nothing."""
-        return np.where(self.linear, values, np.maximum(values, LEAST))
+        return np.where(self.linear, values, np.maximum(values + self.shifts, LEAST) - self.shifts)
