@@ -155,7 +155,7 @@ def test_nothing_flows_into_the_bore_when_the_chamber_is_above_it():
 
 
 def test_oil_at_a_stated_pressure_is_that_of_the_line_that_leaves_it():
-    """12 bar less 2.5 bar of the line are 9.5 bar before the bore; a lower pressure drives less oil; the ledger closes."""
+    """12 bar less 2.5 bar of the line are 9.5 bar before the bore; a lower pressure drives less oil."""
     lost, stated = (
         run({**OIL_PORT, f"effects.oil_injection.{name}": value})
         for name, value in (("pressure_loss", "2.5 bar"), ("pressure", "9.5 bar"))

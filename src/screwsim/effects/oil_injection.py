@@ -1,8 +1,8 @@
 """Oil injection: the oil enters through a bore while the chamber faces it, not all at 360°.
 
 What: of displaced oil, orifice flow (M30) of the oil supply's bore under the pressure difference between the separator,
-less the loss of the line, or a stated pressure before the bore, and the chamber at that angle (M104); of pumped oil, what the pump displaces, whatever the
-chamber's pressure (M194). The oil mixes into the chamber continuously (M105).
+less the loss of the line, or a stated pressure before the bore, and the chamber at that angle (M104); of pumped oil,
+what the pump displaces, whatever the chamber's pressure (M194). The oil mixes into the chamber continuously (M105).
 Source: orifice: Lichtarowicz et al. 1965; the window and its ramps are ours.
 Assumptions: quasi-steady; a check valve keeps gas out of the oil line, so nothing flows back; one bore sees one chamber
 while it passes, so a window is as long as a lobe pitch of the rotor on whose side the bore lies.
