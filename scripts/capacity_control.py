@@ -1,7 +1,8 @@
 """Compare four ways of capacity control on one machine: slide valve, speed, bypass, suction throttle.
 
-Each way is a sweep of configs/control; oil comes from a pump, or (`…_displaced.yaml`) is displaced through an orifice that
-gives about the pump's ratio at full load. Figures are interpolated at equal loads (cooling capacity over that at full load).
+Each way is a sweep of configs/control; oil comes from a pump, or (files `…_displaced.yaml`) is displaced through an
+orifice that gives about the pump's ratio at full load. Figures are interpolated at equal loads (cooling capacity over
+that at full load).
 
     scripts/capacity_control.py [-o FOLDER]      writes capacity_control.csv and .png, .pdf (default: results/control)
 """

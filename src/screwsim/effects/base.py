@@ -160,8 +160,9 @@ class OilPort:
 
     `flow` returns oil [kg/s] into a chamber at angle `phi` [rad] and pressure `p` [Pa], 0 where it does not face the
     port; `width` [Pa] is that below which pressure differences may be smoothed. `pressure_loss` [Pa] lies between the
-    oil's source and the bore, or `pressure` [Pa] is stated there, `closes` [rad] is where the injection ends. Needs oil.transport: carried. Where a pump
-    feeds it, `pumped` returns the oil [kg/s] per gas [kg] that a chamber traps, by angle alone, for a ratio of one.
+    oil's source and the bore, or `pressure` [Pa] is stated there; `closes` [rad] is where the injection ends. Needs
+    oil.transport: carried. Where a pump feeds it, `pumped` returns the oil [kg/s] per gas [kg] that a chamber traps, by
+    angle alone, for a ratio of one.
     """
 
     flow: Kernel
