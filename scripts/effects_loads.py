@@ -7,6 +7,7 @@ Each effect alone is added to configs/paper/point.yaml (1000 rpm, d = 3); the dr
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -80,7 +81,7 @@ def main() -> int:
         warmer = p.discharge_temperature - base.discharge_temperature
         cells = [f"{power:+.2f}", f"{flow:+.2f}", f"{points:+.2f}", f"{warmer:+.1f}", own_figure(p)]
         row = " | ".join([name, *cells, f"{abs(result.ledger.relative_residue):.0e}"])
-        print(f"| {row} |", flush=True)
+        print(re.sub(r"\| -(?=\d)", "| −", f"| {row} |"), flush=True)
     return 0
 
 
