@@ -1,7 +1,8 @@
 """Compare four ways of capacity control on one machine: slide valve, speed, bypass, suction throttle.
 
-Each way is a sweep of configs/control; oil comes from a pump, or is displaced through an orifice that gives about the
-pump's ratio at full load. Figures are interpolated at equal loads (cooling capacity over that at full load).
+Each way is a sweep of configs/control; oil comes from a pump, or (files `…_displaced.yaml`) is displaced through an
+orifice that gives about the pump's ratio at full load. Figures are interpolated at equal loads (cooling capacity over
+that at full load).
 
     scripts/capacity_control.py [-o FOLDER]      writes capacity_control.csv and .png, .pdf (default: results/control)
 """
@@ -22,13 +23,7 @@ from screwsim.simulate import simulate_many
 
 CONFIGS = Path(__file__).parents[1] / "configs" / "control"
 WAYS = {"speed": "speed", "slide_valve": "slide valve", "throttle": "suction throttle", "bypass": "bypass"}
-DISPLACED = (
-    "oil_supply.kind=displacement",
-    "oil_supply.ratio=null",
-    "oil_supply.orifice_diameter=7 mm",
-    "effects.oil_pump=off",
-)
-SUPPLIES = {"pump": (), "displacement": DISPLACED}
+SUPPLIES = {"pump": "", "displacement": "_displaced"}
 FIGURES = {
     "isentropic_efficiency": ("isentropic efficiency (%)", 100.0, 0.0),
     "cop": ("COP", 1.0, 0.0),
@@ -40,7 +35,7 @@ LOADS = np.array([1.0, 0.75, 0.5, 0.25])
 
 def curves(way: str, supply: str) -> dict[str, np.ndarray]:
     """Return the figures of one way over the load, falling from 1."""
-    scene = load(CONFIGS / f"{way}.yaml", overrides=SUPPLIES[supply])
+    scene = load(CONFIGS / f"{way}{SUPPLIES[supply]}.yaml")
     results = list(simulate_many([case(scene, i) for i in range(case_count(scene))], trace=False))
     bad = [result.message for result in results if result.status != "ok"]
     if bad:
@@ -67,8 +62,18 @@ def table(found: dict[tuple[str, str], dict[str, np.ndarray]], path: Path) -> No
         writer = csv.writer(file)
         writer.writerow(["way", "oil_supply", "load", *FIGURES])
         writer.writerows(rows)
-    for row in rows:
-        print("{:<12} {:<13} {:>5} {:>7} {:>7} {:>7} {:>7}".format(*row))
+    pages(found)
+
+
+def pages(found: dict[tuple[str, str], dict[str, np.ndarray]]) -> None:
+    """Print a table of each figure at equal loads, as docs/effects-loads.md has them."""
+    for name, (title, factor, offset) in FIGURES.items():
+        print(f"| {title.replace('$', '')} at a load of | {' | '.join(f'{x:.0%}'.replace('%', ' %') for x in LOADS)} |")
+        print(f"|{'---|' * (1 + len(LOADS))}")
+        for (way, supply), curve in found.items():
+            values = " | ".join(f"{value:.4g}" for value in factor * at_loads(curve, name) + offset)
+            print(f"| {WAYS[way]}, {'pump' if supply == 'pump' else 'oil displaced'} | {values} |")
+        print()
 
 
 def figure(found: dict[tuple[str, str], dict[str, np.ndarray]]):

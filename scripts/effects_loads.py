@@ -7,6 +7,7 @@ Each effect alone is added to configs/paper/point.yaml (1000 rpm, d = 3); the dr
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -29,7 +30,15 @@ EFFECTS = {
     "gas_torque": ["effects.gas_torque={male_share: 0.9}"],
     "droplets, 19 µm": ["effects.oil_heat=off", "effects.droplets={diameter: 19 um}"],
     "droplets, 19 µm, slip 0.1": ["effects.oil_heat=off", "effects.droplets={diameter: 19 um, slip: 0.1}"],
-    "droplets, 1.7 mm": ["effects.oil_heat=off", "effects.droplets={diameter: 1.7 mm}"],
+    "droplets, merrington_richardson": [
+        "effects.oil_heat=off",
+        "effects.droplets={size: merrington_richardson, orifice_diameter: 3 mm, jet_pressure: 5 bar}",
+    ],
+    "droplets, varde, slip 0.1": [
+        "effects.oil_heat=off",
+        "effects.droplets={size: varde, orifice_diameter: 3 mm, jet_pressure: 5 bar, "
+        "surface_tension: 30 mN/m, slip: 0.1}",
+    ],
     "suction_throttle, 0.7": ["effects.suction_throttle={pressure_ratio: 0.7}"],
     "bypass, 30 % of discharge": ["effects.bypass={share: 0.3}"],
     "bypass, 5 cm² at 400°": [
@@ -37,12 +46,19 @@ EFFECTS = {
     ],
     "slide_valve, half way": [f"effects.slide_valve={{{SLIDE}}}"],
 }
-OWN = ("oil_drag_power", "bearing_power", "motor_loss", "gas_torque_peak_to_peak", "gas_torque_harmonic_1")
+OWN = (
+    "droplet_diameter",
+    "oil_drag_power",
+    "bearing_power",
+    "motor_loss",
+    "gas_torque_peak_to_peak",
+    "gas_torque_harmonic_1",
+)
 
 
 def own_figure(performance) -> str:
     """Return the first figure of the effect's own, in its SI unit."""
-    units = {"oil_drag_power": "W", "bearing_power": "W", "motor_loss": "W"}
+    units = {"droplet_diameter": "m", "oil_drag_power": "W", "bearing_power": "W", "motor_loss": "W"}
     found = [
         f"{name} {performance[name]:.4g} {units.get(name, 'N m')}" for name in OWN if performance[name] is not None
     ]
@@ -65,7 +81,7 @@ def main() -> int:
         warmer = p.discharge_temperature - base.discharge_temperature
         cells = [f"{power:+.2f}", f"{flow:+.2f}", f"{points:+.2f}", f"{warmer:+.1f}", own_figure(p)]
         row = " | ".join([name, *cells, f"{abs(result.ledger.relative_residue):.0e}"])
-        print(f"| {row} |", flush=True)
+        print(re.sub(r"\| -(?=\d)", "| −", f"| {row} |"), flush=True)
     return 0
 
 

@@ -210,6 +210,8 @@ CYCLE = {
     "suction_plenum_pressure": Variable("Pa", "pressure in the suction plenum, by the youngest chamber's angle"),
     "discharge_plenum_pressure": Variable("Pa", "pressure in the discharge plenum, by the youngest chamber's angle"),
     "gas_torque": Variable("N m", "torque of the gas in all chambers on the male rotor's shaft"),
+    "male_gas_torque": Variable("N m", "torque of the gas in all chambers on the male rotor itself"),
+    "female_gas_torque": Variable("N m", "torque of the gas on the female rotor itself, about its own axis"),
     "speed": Variable("rad s-1", "speed of the male rotor"),
     "motor_speed": Variable("rad s-1", "speed of the motor"),
     "twist": Variable("rad", "twist of the coupling, the motor ahead"),

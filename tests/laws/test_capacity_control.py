@@ -1,13 +1,16 @@
 """Capacity control: throttle, bypass, slide valve: conservation, limits, signs, and what they cost."""
 
 import math
+from pathlib import Path
 
 import pytest
 from scenes import make, run
 
 from screwsim.faults import SceneError
 from screwsim.outputs import ledger_entries
-from screwsim.simulate import simulate_many
+from screwsim.scene import load
+from screwsim.scene.grid import case, case_count
+from screwsim.simulate import simulate, simulate_many
 
 THROTTLED = {"effects.suction_throttle": {"pressure_ratio": 0.6}}
 RETURNED = {"effects.bypass": {"share": 0.4}}
@@ -146,6 +149,27 @@ def test_the_trapped_gas_is_that_of_the_slots_closing():
     full = run({"effects.slide_valve": {**SLIDE, "position": 0}}).performance.gas_mass_flow
     part = run({"effects.slide_valve": wide}).performance.gas_mass_flow
     assert part / full == pytest.approx(V / 600e-6, abs=0.1)  # leaks take more of the smaller charge; ramps of 10°
+
+
+# ---- the study ----
+
+CONFIGS = Path(__file__).parents[2] / "configs" / "control"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("supply", ["", "_displaced"])
+@pytest.mark.parametrize("way", ["speed", "slide_valve", "throttle", "bypass"])
+def test_the_study_goes_from_full_load_to_a_quarter_of_it(way, supply):
+    """One machine at full load, whichever way; at the end of each way at most a quarter, closed, at a lower COP."""
+    scene = load(CONFIGS / f"{way}{supply}.yaml")
+    first, last = simulate_many([case(scene, i) for i in (0, case_count(scene) - 1)], trace=False)
+    full = simulate(load(CONFIGS / ("displaced.yaml" if supply else "point.yaml")), trace=False)
+    assert first.status == last.status == "ok"
+    assert first.performance.cooling_capacity == pytest.approx(full.performance.cooling_capacity, rel=3e-4)
+    assert last.performance.cooling_capacity <= 0.25 * first.performance.cooling_capacity
+    assert last.performance.cop < first.performance.cop
+    assert last.performance.electrical_cop < last.performance.cop
+    assert (last.performance.oil_pump_power is None) == bool(supply)
 
 
 # ---- faults ----

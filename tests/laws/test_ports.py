@@ -17,6 +17,7 @@ CONFIG = "configs/r134a/point.yaml"
 LIQUID = ["gas.two_phase=equilibrium", "effects.liquid_injection={opens: 500 deg, closes: 600 deg, area: 4 mm^2}"]
 ACCURACY = 3e-4
 CARRIED = {"oil.transport": "carried"}
+AT_PRESSURE = {**ECONOMIZER, "effects.economizer.temperature": DROP, "effects.economizer.pressure": "4 bar"}
 CASES = {"economizer": ECONOMIZER, "oil port": OIL_PORT, "oil volume": OIL_VOLUME, "together": TOGETHER}
 SEEN = ("gas_mass_flow", "indicated_power", "shaft_power", "discharge_temperature", "trapped_mass", "peak_pressure")
 
@@ -96,6 +97,15 @@ def test_the_plenum_of_an_ideal_gas_has_the_real_saturation_pressure():
     assert np.array_equal(np.sign(flow), np.sign(p - pressure))
 
 
+def test_an_economizer_of_a_pressure_is_that_of_its_saturation_temperature():
+    pressure = constants.dew_pressure("R134a", 278.0)
+    found = run({**AT_PRESSURE, "effects.economizer.pressure": f"{pressure!r} Pa"})
+    stated = run(ECONOMIZER)
+    assert found.status == "ok"
+    for name in ("gas_mass_flow", "shaft_power", "economizer_mass_flow", "economizer_flow_ratio"):
+        assert found.performance[name] == pytest.approx(stated.performance[name], rel=1e-6), name
+
+
 # ---- liquid --------------------------------------------------------------------------------------------------------
 
 
@@ -144,6 +154,22 @@ def test_nothing_flows_into_the_bore_when_the_chamber_is_above_it():
     assert 0.0 <= late.performance.oil_mass_flow < 0.5 * run(OIL_PORT).performance.oil_mass_flow
 
 
+def test_oil_at_a_stated_pressure_is_that_of_the_line_that_leaves_it():
+    """12 bar less 2.5 bar of the line are 9.5 bar before the bore; a lower pressure drives less oil."""
+    lost, stated = (
+        run({**OIL_PORT, f"effects.oil_injection.{name}": value})
+        for name, value in (("pressure_loss", "2.5 bar"), ("pressure", "9.5 bar"))
+    )
+    low = run({**OIL_PORT, "effects.oil_injection.pressure": "5 bar"})
+    for name in ("oil_mass_flow", "shaft_power", "injection_pressure"):
+        assert stated.performance[name] == pytest.approx(lost.performance[name], rel=1e-9), name
+    assert stated.ledger.exergy_destroyed_oil_supply == pytest.approx(lost.ledger.exergy_destroyed_oil_supply, rel=1e-9)
+    assert low.performance.oil_mass_flow < stated.performance.oil_mass_flow < run(OIL_PORT).performance.oil_mass_flow
+    for result in (stated, low):
+        assert result.status == "ok"
+        assert max(result.balance.mass, result.balance.energy, result.balance.entropy) <= result.balance.bound
+
+
 # ---- faults --------------------------------------------------------------------------------------------------------
 
 
@@ -161,6 +187,17 @@ def test_nothing_flows_into_the_bore_when_the_chamber_is_above_it():
         ({**ECONOMIZER, "effects.economizer.closes": "800 deg"}, "effects.economizer.closes", "720 deg"),
         ({**ECONOMIZER, "effects.economizer.temperature": "400 K"}, "effects.economizer.temperature", "374.21"),
         ({**ECONOMIZER, "effects.economizer.temperature": "330 K"}, "effects.economizer.temperature", "between"),
+        ({**ECONOMIZER, "effects.economizer.pressure": "4 bar"}, "effects.economizer.temperature", "beside pressure"),
+        ({**AT_PRESSURE, "effects.economizer.pressure": DROP}, "effects.economizer.temperature", "is missing"),
+        ({**AT_PRESSURE, "effects.economizer.pressure": "50 bar"}, "effects.economizer.pressure", "40.59 bar"),
+        ({**AT_PRESSURE, "effects.economizer.pressure": "13 bar"}, "effects.economizer.pressure", "between"),
+        ({**OIL_PORT, "effects.oil_injection.pressure": "13 bar"}, "effects.oil_injection.pressure", "the separator"),
+        (
+            {**OIL_PORT, "effects.oil_injection.pressure": "9 bar", "effects.oil_injection.pressure_loss": "1 bar"},
+            "effects.oil_injection.pressure",
+            "beside pressure_loss",
+        ),
+        ({**PUMPED_PORT, "effects.oil_injection.pressure": "9 bar"}, "effects.oil_injection.pressure", "displaced oil"),
         ({**ECONOMIZER, "gas.fluid": "nothing"}, "gas.fluid", "no pure"),
         (
             {"effects.liquid_injection": {"opens": "380 deg", "closes": "480 deg", "area": "4 mm^2"}},

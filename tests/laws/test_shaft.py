@@ -92,6 +92,13 @@ def test_the_shares_of_both_shafts_give_the_power():
     assert p.male_gas_torque == pytest.approx(0.9 * p.gas_torque_mean, rel=1e-12)
 
 
+def test_torques_of_both_rotors_over_the_angle_do_the_work_of_the_whole():
+    cycle, p = run(LOADED).cycle, run(LOADED).performance
+    male, female = cycle["male_gas_torque"], cycle["female_gas_torque"]
+    assert np.allclose(male + female * 4 / 6, cycle["gas_torque"], rtol=1e-12)
+    assert np.mean(male[:-1]) == pytest.approx(p.male_gas_torque, rel=1e-3)  # the trace has a point a degree
+
+
 def test_rotors_know_the_share_of_each():
     """The volume's slope is the sum of both rotors' parts, and uniform pressure on one chamber has their mean share."""
     geometry = Geometry(load(CONFIGS / "rotors" / "a.yaml").machine)
@@ -109,6 +116,11 @@ def test_rotors_know_the_share_of_each():
     shaft, female = gas_torque.on_rotors(gas_torque.Parameters(), pitch, 1.5)
     assert shaft + female / 1.5 == pytest.approx(50.0, rel=1e-12)
     assert shaft / 50.0 == pytest.approx(geometry.profile.rotors.sections.male_share, abs=0.02)
+    curves = gas_torque.rotor_torques(gas_torque.Parameters(), pitch, 1.5)
+    assert curves is not None
+    assert [curve.mean() for curve in curves] == pytest.approx([shaft, female], rel=1e-12)
+    assert np.allclose(curves[0] + curves[1] / 1.5, gas_torque.torque(pitch), rtol=1e-12)
+    assert np.ptp(curves[0] / gas_torque.torque(pitch)) > 1e-3  # the share changes over the angle
 
 
 def test_forces_are_areas_times_the_excess_of_pressure():

@@ -179,7 +179,8 @@ def test_a_real_gas_is_also_asked_of_coolprop(scene):
 def test_what_is_next_to_nothing_without_an_effect_is_not_divided_by(scene, monkeypatch):
     def fake(asked, trace):
         flow = 0.1 if "suction_port" in asked.effects else 1e-17
-        figures = {"gas_mass_flow": flow, "shaft_power": 100.0 * (1.0 + flow)}
+        figures = {"gas_mass_flow": flow, "shaft_power": 100.0 * (1.0 + flow), "discharge_temperature": 300.0 + flow}
+        figures |= dict.fromkeys(("cooling_capacity", "cop", "electrical_cop"))
         numerics = {"wall_time": 1.0, "estimating_time": 0.0, "rhs_evaluations": 10}
         return Result("ok", performance=Figures(figures), numerics=Figures(numerics))
 
@@ -189,3 +190,5 @@ def test_what_is_next_to_nothing_without_an_effect_is_not_divided_by(scene, monk
     found = effects.effect_costs(scene, "suction_port", QUICK)
     assert math.isnan(found.gas_mass_flow)
     assert found.shaft_power == pytest.approx(0.1)
+    assert found.discharge_temperature == pytest.approx(0.1)
+    assert math.isnan(found.cop) and math.isnan(found.cooling_capacity)

@@ -188,6 +188,10 @@ def accuracy(
     quick: Annotated[bool, typer.Option("--quick", help="Try less: seconds instead of minutes.")] = False,
 ) -> int:
     """Say what accuracy costs in time: integrators, gases, numerical choices, effects, size."""
+    from screwsim.study.stages import is_stages
+
+    if is_stages(scene_file):
+        raise UsageError(f"{scene_file}: describes two stages, and accuracy is of one scene (name that of a stage)")
     scene = _base_point(_loaded(scene_file, overrides, without))
     from screwsim.printing import accuracy_drawing
     from screwsim.report.accuracy import draw

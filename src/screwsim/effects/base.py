@@ -179,8 +179,9 @@ class OilPort:
 
     `flow` returns oil [kg/s] into a chamber at angle `phi` [rad] and pressure `p` [Pa], 0 where it does not face the
     port; `width` [Pa] is that below which pressure differences may be smoothed. `pressure_loss` [Pa] lies between the
-    oil's source and the bore, `closes` [rad] is where the injection ends. Needs oil.transport: carried. Where a pump
-    feeds it, `pumped` returns the oil [kg/s] per gas [kg] that a chamber traps, by angle alone, for a ratio of one.
+    oil's source and the bore, or `pressure` [Pa] is stated there; `closes` [rad] is where the injection ends. Needs
+    oil.transport: carried. Where a pump feeds it, `pumped` returns the oil [kg/s] per gas [kg] that a chamber traps, by
+    angle alone, for a ratio of one.
     """
 
     flow: Kernel
@@ -189,6 +190,11 @@ class OilPort:
     knots: Sequence[float] = ()
     pressure_loss: float = 0.0
     pumped: Kernel | None = None
+    pressure: float | None = None
+
+    def loss(self, source: float) -> float:
+        """Return what the oil loses [Pa] between its source at a pressure [Pa] and the bore."""
+        return self.pressure_loss if self.pressure is None else source - self.pressure
 
 
 @dataclass(frozen=True)

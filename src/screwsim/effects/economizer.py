@@ -6,7 +6,7 @@ Source: port: ours; cycle: textbook (two-stage expansion with one compressor).
 Assumptions: the plenum keeps its state, whatever the port draws; gas that is pushed back into it gives its heat away
 there; what the port draws and what the exchanger evaporates need not agree: economizer_draw_ratio tells, and it is 1
 at the temperature to which the economizer settles.
-Parameters: temperature (saturation), superheat, opens, closes, area, flow_coefficient, kind, approach.
+Parameters: temperature (saturation) or pressure, superheat, opens, closes, area, flow_coefficient, kind, approach.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ class Parameters(WindowParameters):
 
     area: float = quantity("area", "area of the port", gt=0.0)
     flow_coefficient: float = number("flow coefficient of the port", 1.0, ge=0.0)
-    temperature: float = quantity("temperature", "saturation temperature in the economizer", gt=0.0)
+    temperature: float | None = quantity("temperature", "saturation temperature in the economizer", None, gt=0.0)
+    pressure: float | None = quantity("pressure", "of the vapour, in place of temperature", None, gt=0.0)
     superheat: float = quantity("temperature_difference", "of the vapour over temperature", 0.0, ge=0.0)
     kind: str = choice(
         "heat_exchanger: the liquid is subcooled at its pressure; flash_tank: it boils down to the economizer's",
@@ -42,11 +43,19 @@ class Parameters(WindowParameters):
     )
 
 
+def saturation(parameters: Parameters, fluid: str) -> float:
+    """Return the saturation temperature [K] in the economizer: the stated one, or that of the stated pressure."""
+    if parameters.temperature is not None:
+        return parameters.temperature
+    return constants.saturation_temperature(fluid, parameters.pressure or 0.0)
+
+
 def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
     def state(site: Site) -> Reservoir:
         """Return the vapour in the economizer; of the ideal gas, at the real fluid's saturation pressure."""
-        p = constants.dew_pressure(site.fluid, parameters.temperature)
-        return site.gas.vapour(p, parameters.temperature + parameters.superheat)
+        T = saturation(parameters, site.fluid)
+        p = parameters.pressure or constants.dew_pressure(site.fluid, T)
+        return site.gas.vapour(p, T + parameters.superheat)
 
     def figures(drawn: Drawn) -> dict[str, float | None]:
         return economizer_figures(parameters, drawn)
@@ -67,7 +76,7 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> dict[str, float 
     if h_c is None or q_0 is None or ratio is None:
         return found
     wanted = h_c - _cold_liquid(parameters, site)
-    p, T = drawn.reservoir.p, parameters.temperature + parameters.superheat
+    p, T = drawn.reservoir.p, saturation(parameters, site.fluid) + parameters.superheat
     evaporating = max(ratio, 0.0) * (constants.vapour_enthalpy(site.fluid, p, T) - h_c)
     if wanted > 0.0:
         found["economizer_draw_ratio"] = evaporating / wanted
@@ -77,47 +86,60 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> dict[str, float 
 
 def _cold_liquid(parameters: Parameters, site: Site) -> float:
     """Return the enthalpy [J/kg] of the liquid as cold as the economizer can make it."""
+    T = saturation(parameters, site.fluid)
     if parameters.kind == "flash_tank":
-        return constants.saturated_liquid_enthalpy(site.fluid, parameters.temperature)
-    return constants.liquid_enthalpy(site.fluid, site.p_d, parameters.temperature + parameters.approach)
+        return constants.saturated_liquid_enthalpy(site.fluid, T)
+    return constants.liquid_enthalpy(site.fluid, site.p_d, T + parameters.approach)
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
-    faults = list(check_window(NAME, parameters, facts))
-    limits = constants.limits(facts.gas.fluid)
+    faults, path = list(check_window(NAME, parameters, facts)), f"effects.{NAME}"
+    if (parameters.temperature is None) == (parameters.pressure is None):
+        given = "is given beside pressure (remove one of the two)"
+        missing = "is missing (write e.g. temperature: 15 degC, or pressure: 5 bar)"
+        return [*faults, Fault(f"{path}.temperature", missing if parameters.temperature is None else given)]
+    fluid, limits = facts.gas.fluid, constants.limits(facts.gas.fluid)
     if limits is None:
         return faults
-    if not limits.T_triple <= parameters.temperature < limits.T_critical:
-        what = f"{facts.gas.fluid} saturates between {limits.T_triple:.6g} K and {limits.T_critical:.6g} K"
-        faults.append(Fault(f"effects.{NAME}.temperature", f"{parameters.temperature:.6g} K: {what} (choose another)"))
-    else:
-        faults += [*_between(parameters, facts), *_warm_enough(parameters, facts)]
-    return faults
+    if parameters.temperature is None:
+        p, low, high = parameters.pressure or 0.0, limits.p_triple, limits.p_critical
+        if not low <= p < high:
+            what = f"{p / 1e5:.6g} bar: {fluid} saturates between {low / 1e5:.4g} bar and {high / 1e5:.4g} bar"
+            return [*faults, Fault(f"{path}.pressure", f"{what} (choose another)")]
+    elif not limits.T_triple <= parameters.temperature < limits.T_critical:
+        what = f"{fluid} saturates between {limits.T_triple:.6g} K and {limits.T_critical:.6g} K"
+        return [*faults, Fault(f"{path}.temperature", f"{parameters.temperature:.6g} K: {what} (choose another)")]
+    T = saturation(parameters, fluid)
+    return [*faults, *_between(parameters, T, facts), *_warm_enough(parameters, T, facts)]
 
 
-def _warm_enough(parameters: Parameters, facts) -> list[Fault]:
+def _warm_enough(parameters: Parameters, T: float, facts) -> list[Fault]:
     """Return a fault where the liquid behind the condenser is colder than the economizer can make it."""
     T_c, subcooling = facts.operation.condensing_temperature, facts.operation.subcooling or 0.0
-    coldest = parameters.temperature + (parameters.approach if parameters.kind == "heat_exchanger" else 0.0)
+    coldest = T + (parameters.approach if parameters.kind == "heat_exchanger" else 0.0)
     if T_c is None or T_c - subcooling > coldest:
         return []
     what = f"the liquid, {T_c - subcooling:.6g} K, is not warmer than the {coldest:.6g} K to which it would be cooled"
-    return [Fault(f"effects.{NAME}", f"{what} (choose a lower temperature, a smaller approach or less subcooling)")]
+    remedy = f"choose a lower {_stated(parameters)}, a smaller approach or less subcooling"
+    return [Fault(f"effects.{NAME}", f"{what} ({remedy})")]
 
 
-def _between(parameters: Parameters, facts) -> list[Fault]:
+def _stated(parameters: Parameters) -> str:
+    return "temperature" if parameters.pressure is None else "pressure"
+
+
+def _between(parameters: Parameters, T: float, facts) -> list[Fault]:
     """Return a fault where the economizer's pressure is not between those of the lines."""
-    operation = facts.operation
+    operation, what = facts.operation, ""
     low, high = operation.evaporating_temperature, operation.condensing_temperature
-    what, T = "", parameters.temperature
     if low is not None and high is not None and not low < T < high:
         what = f"{T:.6g} K is not between evaporation, {low:.6g} K, and condensation, {high:.6g} K"
     p_s, p_d = operation.suction.pressure, operation.discharge.pressure
     if p_s is not None and p_d is not None:
-        p = constants.dew_pressure(facts.gas.fluid, T)
+        p = parameters.pressure or constants.dew_pressure(facts.gas.fluid, T)
         if not min(p_s, p_d) < p < max(p_s, p_d):
             what = f"{T:.6g} K saturates at {p / 1e5:.4g} bar, not between {p_s / 1e5:.4g} bar and {p_d / 1e5:.4g} bar"
-    return [Fault(f"effects.{NAME}.temperature", f"{what} (choose one between)")] if what else []
+    return [Fault(f"effects.{NAME}.{_stated(parameters)}", f"{what} (choose one between)")] if what else []
 
 
 EFFECT = Effect(

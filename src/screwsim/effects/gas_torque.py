@@ -74,6 +74,22 @@ def on_rotors(parameters: Parameters, pitch, ratio: float) -> tuple[float | None
     return share * pitch.torque_mean, (1.0 - share) * pitch.torque_mean * ratio
 
 
+def rotor_torques(parameters: Parameters, pitch, ratio: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return the torques on male and female shaft at the points of a pitch [N m]; None where no share is known (M145).
+
+    Each about its own axis; their means are those of `on_rotors`.
+    """
+    means, curve = on_rotors(parameters, pitch, ratio), torque(pitch)
+    if means[0] is None or means[1] is None:
+        return None
+    if pitch.male_slope is None:
+        male = (parameters.male_share or 0.0) * curve
+    else:
+        male = -((pitch.pressure - pitch.low_pressure) * pitch.male_slope).sum(axis=1)
+        male += means[0] - male.mean()
+    return male, (curve - male) * ratio
+
+
 def force(area: float | None, pitch) -> np.ndarray | None:
     """Return the gas force on a projected area of each chamber, at the points of a pitch [N] (M146)."""
     return None if area is None else area * (pitch.pressure - pitch.low_pressure).sum(axis=1)
@@ -98,6 +114,8 @@ def build(parameters: Parameters, machine) -> list[Reading]:
         """Return torque and forces over a pitch."""
         pitch = figures.pitch()
         found = {"gas_torque": torque(pitch)}
+        if (rotors := rotor_torques(parameters, pitch, ratio)) is not None:
+            found |= zip(("male_gas_torque", "female_gas_torque"), rotors, strict=True)
         found |= {f"{way}_gas_force": force(areas[way], pitch) for way in FORCES if areas[way] is not None}
         return found
 

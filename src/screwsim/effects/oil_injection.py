@@ -1,12 +1,13 @@
 """Oil injection: the oil enters through a bore while the chamber faces it, not all at 360°.
 
 What: of displaced oil, orifice flow (M30) of the oil supply's bore under the pressure difference between the separator,
-less the loss of the line, and the chamber at that angle (M104); of pumped oil, what the pump displaces, whatever the
-chamber's pressure (M194). The oil mixes into the chamber continuously (M105).
+less the loss of the line, or a stated pressure before the bore, and the chamber at that angle (M104); of pumped oil,
+what the pump displaces, whatever the chamber's pressure (M194). The oil mixes into the chamber continuously (M105).
 Source: orifice: Lichtarowicz et al. 1965; the window and its ramps are ours.
 Assumptions: quasi-steady; a check valve keeps gas out of the oil line, so nothing flows back; one bore sees one chamber
 while it passes, so a window is as long as a lobe pitch of the rotor on whose side the bore lies.
-Parameters: opens, closes, pressure_loss (displaced oil); bores or the pump's ratio, temperature of the oil: oil_supply.
+Parameters: opens, closes, pressure_loss or pressure (displaced oil); bores or the pump's ratio, temperature of the oil:
+oil_supply.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from screwsim.effects.base import Effect, OilPort
 from screwsim.effects.gap import ramp
 from screwsim.effects.port_window import RAMP, WindowParameters, check_window, window_knots
 from screwsim.faults import Fault
+from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
 from screwsim.machine.kinds import TWIN_SCREW
 from screwsim.numerics.kernel import kernel
@@ -31,6 +33,9 @@ class Parameters(WindowParameters):
 
     pressure_loss: float = quantity(
         "pressure_difference", "pressure loss of the oil line from the separator to the bore", 0.0, ge=0.0
+    )
+    pressure: float | None = quantity(
+        "pressure", "of the oil before the bore, in place of the separator's less pressure_loss", None, gt=0.0
     )
 
 
@@ -58,18 +63,40 @@ def flow(
 
 
 @kernel
+def flow_from(
+    phi,
+    p,
+    width,
+    opens,
+    closes,
+    upstream_pressure,
+    oil_density,
+    oil_viscosity,
+    bore_diameter,
+    bore_length,
+    bore_count,
+):
+    """Return what `flow` does, of oil at a stated pressure before the bore (M104)."""
+    share = ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
+    if share == 0.0:
+        return 0.0
+    dp = upstream_pressure - p
+    return share * smooth_orifice_flow(dp, width, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count)
+
+
+@kernel
 def pumped(phi, opens, closes, omega):
     """Return the oil [kg/s] of a pump at phi [rad], per gas trapped [kg], for a ratio of one (M194)."""
     return omega * ramp(phi, opens, opens + RAMP, closes - RAMP, closes) / (closes - opens - RAMP)
 
 
 def build(parameters: Parameters, machine) -> list[OilPort]:
-    values = {
-        "opens": parameters.opens,
-        "closes": parameters.closes,
-        "pressure_loss": parameters.pressure_loss,
-    }
-    return [OilPort(flow, values, parameters.closes, window_knots(parameters), parameters.pressure_loss, pumped)]
+    window, knots = {"opens": parameters.opens, "closes": parameters.closes}, window_knots(parameters)
+    if parameters.pressure is not None:
+        values = {**window, "upstream_pressure": parameters.pressure}
+        return [OilPort(flow_from, values, parameters.closes, knots, pressure=parameters.pressure)]
+    values = {**window, "pressure_loss": parameters.pressure_loss}
+    return [OilPort(flow, values, parameters.closes, knots, parameters.pressure_loss, pumped)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
@@ -77,9 +104,29 @@ def check(parameters: Parameters, facts) -> list[Fault]:
     if facts.oil_supply.kind == "pump" and parameters.pressure_loss > 0.0:
         what = "is the loss of displaced oil; with oil_supply.kind: pump the pump pays it"
         faults.append(Fault(f"effects.{NAME}.pressure_loss", f"{what} (write it under effects.oil_pump)"))
+    faults += _stated(parameters, facts)
     if facts.oil.transport != "carried":
         faults.append(Fault(f"effects.{NAME}", "needs oil.transport: carried (write that, or remove the effect)"))
     return faults
+
+
+def _stated(parameters: Parameters, facts) -> list[Fault]:
+    """Return what is wrong with a stated pressure before the bore."""
+    p, path = parameters.pressure, f"effects.{NAME}.pressure"
+    if p is None:
+        return []
+    if facts.oil_supply.kind == "pump":
+        what = "is that of displaced oil; with oil_supply.kind: pump the ratio is stated"
+        return [Fault(path, f"{what} (remove it, or write oil_supply.kind: displacement)")]
+    if parameters.pressure_loss > 0.0:
+        return [Fault(path, "is given beside pressure_loss (remove one of the two)")]
+    p_d, T_c = facts.operation.discharge.pressure, facts.operation.condensing_temperature
+    if p_d is None and T_c is not None:
+        p_d = constants.bubble_pressure(facts.gas.fluid, T_c)
+    if p_d is not None and p > p_d:
+        what = f"{p / 1e5:.6g} bar is above the {p_d / 1e5:.6g} bar of the separator that pushes the oil"
+        return [Fault(path, f"{what} (choose a lower one, or oil_supply.kind: pump)")]
+    return []
 
 
 EFFECT = Effect(

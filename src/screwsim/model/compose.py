@@ -366,7 +366,7 @@ def _fixed_numbers(parts: Parts) -> list[float]:
     head += [oil.heat_capacity, oil.temperature, float("ratio" in oil.supply)] if oil is not None else [1.0, 0.0, 0.0]
     if oil is not None and (parts.oil_room or parts.oil_port is not None):
         room = 1.0 / oil.density if parts.oil_room else 0.0
-        loss = parts.oil_port.pressure_loss if parts.oil_port is not None else 0.0
+        loss = parts.oil_port.loss(oil.source_pressure) if parts.oil_port is not None else 0.0
         if parts.pumped:
             loss = 0.0  # the pump pays it
         at_port = oil.temperature + room * (oil.source_pressure - loss) / oil.heat_capacity

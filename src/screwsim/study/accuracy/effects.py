@@ -28,6 +28,9 @@ class EffectCost:
     efficiency: float = np.nan  # points of the isothermal, or else of the isentropic efficiency
     shaft_power: float = np.nan  # relative
     gas_mass_flow: float = np.nan  # relative
+    discharge_temperature: float = np.nan  # [K]
+    cooling_capacity: float = np.nan  # relative
+    cop: float = np.nan  # relative; where a motor is simulated in one of both, on the electrical power
     reason: str = ""
 
 
@@ -61,6 +64,9 @@ def effect_costs(scene: Scene, name: str, extent: Extent) -> EffectCost:
         _points(full, less),
         _relative(full, less, "shaft_power"),
         _relative(full, less, "gas_mass_flow"),
+        _warmer(full, less),
+        _relative(full, less, "cooling_capacity"),
+        _cop(full, less),
     )
 
 
@@ -74,6 +80,17 @@ def _points(full: Result, less: Result) -> float:
         if one is not None and other is not None:
             return 100.0 * (one - other)
     return np.nan
+
+
+def _warmer(full: Result, less: Result) -> float:
+    one, other = (each.performance.discharge_temperature for each in (full, less))
+    return np.nan if one is None or other is None else one - other
+
+
+def _cop(full: Result, less: Result) -> float:
+    """Return the change of the COP on the power that the machine takes: electrical with a motor, else of the shaft."""
+    one, other = (each.performance.electrical_cop or each.performance.cop for each in (full, less))
+    return np.nan if one is None or other is None else one / other - 1.0
 
 
 def _relative(full: Result, less: Result, name: str) -> float:

@@ -148,17 +148,26 @@ def _effects(study: Study) -> list[str]:
             (each.efficiency, "+.2f"),
             (each.shaft_power, "+.2%"),
             (each.gas_mass_flow, "+.2%"),
+            (each.discharge_temperature, "+.1f"),
+            (each.cooling_capacity, "+.2%"),
+            (each.cop, "+.2%"),
         )
         rows.append([each.effect.replace("_", " "), *(_number(*cell) for cell in cells)])
     if not rows:
         return []
-    heads = ("simulated over left out", "time", "RHS", "efficiency", "shaft power", "gas flow")
+    heads = ("effect", "time", "RHS", "eta", "power", "flow", "T_d", "capacity", "COP")
     notes = []
     for each in study.effects:
         if each.reason:
             text = f"{each.effect.replace('_', ' ')}: {each.reason}"
             notes += textwrap.wrap(text, WIDTH, initial_indent="  ", subsequent_indent="    ")
-    return ["What each effect costs and changes (efficiency in points)", *_lines(heads, rows), *notes]
+    return [
+        "What each effect costs and changes, simulated over left out",
+        "(eta: isothermal or isentropic efficiency, points; power: shaft; T_d: discharge, K;",
+        "capacity, COP: where the scene states a condenser; COP of the electrical power with a motor)",
+        *_lines(heads, rows),
+        *notes,
+    ]
 
 
 def _size(study: Study) -> list[str]:

@@ -1,0 +1,156 @@
+"""Every effect alone on the paper's machine: it closes, is explained and accounted for, and vanishes in its limit."""
+
+import importlib.util
+import re
+import shutil
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from screwsim.effects import catalogue
+from screwsim.effects.base import Reading
+from screwsim.explain import explain
+from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.prepared import build_parts
+from screwsim.simulate import simulate
+
+ROOT = Path(__file__).parents[2]
+
+
+def script():
+    spec = importlib.util.spec_from_file_location("each_effect", ROOT / "scripts" / "each_effect.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # its annotations are looked up there
+    spec.loader.exec_module(module)
+    return module
+
+
+each = script()
+LIMITS = [name for name, row in each.ROWS.items() if not row.whole]
+PAGE = (ROOT / "docs" / "effects.md").read_text(encoding="utf-8")
+
+
+@cache
+def found(name):
+    return simulate(each.with_it(name))
+
+
+def test_every_effect_of_a_screw_has_a_row():
+    of_screws = {name for name, effect in catalogue().items() if TWIN_SCREW in effect.machines}
+    # valves, rings and the cylinder's walls are those of a piston machine
+    assert of_screws == {each.effect_of(name) for name in each.ROWS}
+
+
+def test_the_page_has_every_row_as_the_script_has_it():
+    lines = {cells[1].strip(): cells for line in PAGE.splitlines() if len(cells := line.split("|")) == 10}
+    for name, row in each.ROWS.items():
+        assert [cell.strip() for cell in lines[name][2:5]] == [row.scene, row.says, row.source], name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", each.ROWS)
+def test_mass_energy_and_entropy_close_with_the_effect_alone(name):
+    result = found(name)
+    assert result.status == "ok", result.message
+    balance = result.balance
+    assert max(balance.mass, balance.energy, balance.entropy) <= balance.bound
+    assert abs(result.ledger.relative_residue) < 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", each.ROWS)
+def test_it_stands_in_explain_and_in_the_ledger(name):
+    scene, effect = each.with_it(name), each.effect_of(name)
+    text = " ".join(str(explain(scene)).split())
+    assert catalogue()[effect].title in text
+    assert ", ".join(catalogue()[effect].equations) in text
+    parts = build_parts(scene).effects[effect]
+    reads = bool(parts) and all(isinstance(part, Reading) for part in parts)  # acts on nothing
+    assert (f"exergy_destroyed_{effect}" in found(name).ledger) != reads
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LIMITS)
+def test_it_vanishes_in_its_limit(name):
+    """Within the wanted accuracy; efficiencies of the flow of a machine that delivers next to nothing are not asked."""
+    row = each.ROWS[name]
+    limit, none = simulate(each.with_it(name, row.limit)), simulate(each.without_it(name, row.limit))
+    assert limit.status == none.status == "ok", (limit.message, none.message)
+    for figure in each.SEEN:
+        assert limit.performance[figure] == pytest.approx(none.performance[figure], rel=3e-4), figure
+    for figure in row.zero:
+        assert abs(limit.performance[figure]) < 3e-4, figure
+
+
+WITHOUT_FILES = """
+import json, sys
+from pathlib import Path
+from screwsim.effects import catalogue
+from screwsim.scene import load
+from screwsim.simulate import simulate
+result = simulate(load(sys.argv[1]))
+print(json.dumps([len(catalogue()), result.performance, result.numerics.rhs_evaluations, result.balance]))
+"""
+
+
+def _used(package):
+    """Return the modules of effects that the program itself imports by name, and what those import, with the base."""
+    kept, open_names = set(), {"base", "gap", "port_window", "valves", "gap_flow", "gas_transport", "line_valve"}
+    for path in package.rglob("*.py"):
+        if path.parent.name != "effects":
+            text = path.read_text(encoding="utf-8")
+            open_names |= set(re.findall(r"screwsim\.effects\.(\w+)", text))
+            open_names |= {
+                name
+                for many in re.findall(r"from screwsim\.effects import (.+)", text)
+                for name in re.findall(r"\w+", many)
+                if (package / "effects" / f"{name}.py").exists()
+            }
+    while open_names:
+        name = open_names.pop()
+        file = package / "effects" / f"{name}.py"
+        if name in kept or not file.exists():
+            continue
+        kept.add(name)
+        text = file.read_text(encoding="utf-8")
+        open_names |= set(re.findall(r"screwsim\.effects\.(\w+)", text))
+        open_names |= {
+            word
+            for many in re.findall(r"from screwsim\.effects import (.+)", text)
+            for word in re.findall(r"\w+", many)
+        }
+    return kept
+
+
+@pytest.mark.parametrize("config", ["paper/point.yaml", "r134a/point.yaml"])
+def test_a_scene_gives_the_same_bits_where_the_files_of_other_effects_are_not_there(config, tmp_path):
+    """As before those effects were written: the same figures bit for bit, at the same number of evaluations."""
+    import json
+
+    from screwsim.scene import load
+
+    package = tmp_path / "screwsim"
+    shutil.copytree(ROOT / "src" / "screwsim", package, ignore=shutil.ignore_patterns("__pycache__"))
+    path = ROOT / "configs" / config
+    scene = load(path)
+    keep = _used(package) | set(scene.effects) | {"__init__"}
+    gone = [file for file in (package / "effects").glob("*.py") if file.stem not in keep]
+    for file in gone:
+        file.unlink()
+    assert {"economizer", "oil_volume", "wall_heat", "droplets", "oil_injection"} <= {file.stem for file in gone}
+    run = subprocess.run(
+        [sys.executable, "-c", WITHOUT_FILES, str(path)],
+        capture_output=True,
+        text=True,
+        env={**__import__("os").environ, "PYTHONPATH": str(tmp_path)},
+    )
+    assert run.returncode == 0, run.stderr[-800:]
+    count, figures, evaluations, balance = json.loads(run.stdout)
+    ours = simulate(scene)
+    assert count < len(catalogue()) - 5
+    assert figures == dict(ours.performance)
+    assert evaluations == ours.numerics.rhs_evaluations
+    assert balance == dict(ours.balance)
