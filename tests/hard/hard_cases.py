@@ -333,7 +333,7 @@ MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice
     "found: closes only damped": 30_000_000,
     "found: throttled suction": 13_000_000,
     "found: closes only with tighter steps": 500_000,
-    "found: held to the lines": 90_000,
+    "found: held to the lines": 600_000,
     "found: entropy closes last": 500_000,
     "found: heats without end": 40_000_000,
     "found: closes only damped, at hardly any pressure ratio": 40_000_000,

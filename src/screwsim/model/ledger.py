@@ -362,6 +362,8 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
         E[i] = 0.0
     for step in range(steps):
         h = times[step + 1] - times[step]
+        if not (h > 0.0):  # a step of scipy's may vanish in the rounding of angles when pitches become a life
+            continue
         middle = times[step] + 0.5 * h
         for k in range(POINTS):
             theta = NODES[k]
