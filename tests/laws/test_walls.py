@@ -33,7 +33,8 @@ def change(one, other, names=SEEN):
 def test_mass_energy_entropy_and_oil_are_kept(changes):
     result = run({**WALLS, **changes})
     assert result.status == "ok"
-    assert max(result.balance[name] for name in BALANCES) <= ACCURACY
+    names = BALANCES if result.performance.oil_mass_flow else [name for name in BALANCES if name != "oil_mass"]
+    assert max(result.balance[name] for name in names) <= ACCURACY  # without any oil its residue is one of nothing
     assert abs(result.ledger.relative_residue) <= ACCURACY
 
 
@@ -90,7 +91,8 @@ def test_walls_may_be_far_better_conductors_than_any():
     """A hundred times the correlation's: gas and walls all but share their temperature; the cycle still closes."""
     result = run(walls(nusselt_factor=2.3))
     assert result.status == "ok"
-    assert max(result.balance[name] for name in BALANCES) <= ACCURACY
+    names = BALANCES if result.performance.oil_mass_flow else [name for name in BALANCES if name != "oil_mass"]
+    assert max(result.balance[name] for name in names) <= ACCURACY  # without any oil its residue is one of nothing
 
 
 def test_more_cooling_than_the_gas_can_give_fails_with_a_remedy():
@@ -160,7 +162,8 @@ def test_walls_and_gaps_settle_together():
     result = run(BOTH)
     p = result.performance
     assert result.status == "ok"
-    assert max(result.balance[name] for name in BALANCES) <= ACCURACY
+    names = BALANCES if result.performance.oil_mass_flow else [name for name in BALANCES if name != "oil_mass"]
+    assert max(result.balance[name] for name in names) <= ACCURACY  # without any oil its residue is one of nothing
     assert abs(p.wall_heat_power) < ACCURACY * p.shaft_power
     growth = 10.5e-6 * (p.housing_temperature - 293.15) - 11.5e-6 * (p.rotor_temperature - 293.15)
     assert p.tip_gap == pytest.approx(50e-6 + 0.08 * growth, rel=1e-6)

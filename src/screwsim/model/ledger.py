@@ -90,7 +90,7 @@ RELEASED = 10  # of gas that oil gives off over time: energy that the oil loses 
 OIL_SUMS = 11
 
 NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
-POINTS = 3
+POINTS = 2
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
 NODES = 0.5 + 0.5 * _NODES
 WEIGHTS = 0.5 * _WEIGHTS
