@@ -221,18 +221,19 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
     finest = rtol = hope.share * wanted.of_histories * wanted.rtol
     first_rtol, first_gap = finest if hope.gap <= GOOD else FIRST_RTOL, 1.0
     for turn in range(1, MAX_TURNS + 1):
-        point = _vector(task, y, angles, made)
+        point = _vector(task, _all_states(machinery, y, angles), made)
         rtol = max(finest, first_rtol if turn == 1 else min(0.5 * rtol, AHEAD * gap))
         status, angle, _, q = machinery.turn(y, rtol, 1e-3)
         if status != 0:
             return Closed("failed", q, y, turn, "histories", rtol, angle) if last else None
         machinery.swap()
         made_image = task.image(q)
-        image = _vector(task, y, angles, made_image)
+        reached = _all_states(machinery, y, angles)
+        image = _vector(task, reached, made_image)
         now = (float(machinery.R[R_TRAPPED]), float(q[0]))
         least = LEAST_WORK * now[0] * task.pv
         gap, before = max(_change(now, before, least), task.entries.change(made_image, made)), now
-        states = NEAR * _moved(task, image - point, y, angles)
+        states = NEAR * _moved(machinery, image - point, reached, angles)
         if turn == 1:  # what was expected of mass and work may agree by chance: the states must, too
             gap = first_gap = max(gap, states)
         gaps.append(gap)
@@ -256,8 +257,8 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
 
 @lru_cache(maxsize=8)
 def _angles(life: float, chambers: int) -> Array:
-    """Return where the last history's states are compared and mixed [rad]."""
-    return np.linspace(0.0, life, 8 * chambers, endpoint=False) + 1e-3
+    """Return where states are compared and mixed [rad]: at 0°, and from there on those of the last history."""
+    return np.append(0.0, np.linspace(0.0, life, 8 * chambers, endpoint=False) + 1e-3)
 
 
 def _states(mixed: Array, raw: Array, c: Composition) -> Array:
@@ -277,20 +278,21 @@ def _states(mixed: Array, raw: Array, c: Composition) -> Array:
     return states.ravel()
 
 
-def _vector(task: Task, y: Array, angles: Array, made: Array) -> Array:
-    """Return what one turn maps: states at 0° and of the last history, and what the cycle makes (`_logarithms`)."""
-    states = np.concatenate([y, task.machinery.states_at(angles).ravel()])
+def _all_states(machinery: Machinery, y: Array, angles: Array) -> Array:
+    """Return the states at 0° and those of the last history at the other angles, one row an angle."""
+    return np.concatenate([y[None, : machinery.n], machinery.states_at(angles[1:])])
+
+
+def _vector(task: Task, states: Array, made: Array) -> Array:
+    """Return what one turn maps: `_all_states`, and what the cycle makes (`_logarithms`)."""
     return np.concatenate([_logarithms(states, task.machinery.composition), task.entries.coordinates(made)])
 
 
-def _moved(task: Task, change: Array, y: Array, angles: Array) -> float:
+def _moved(machinery: Machinery, change: Array, states: Array, angles: Array) -> float:
     """Return the largest change of what a turn maps, that of states as much as their errors count."""
-    machinery, rows = task.machinery, len(angles) + 1
-    n = machinery.n
-    states = np.concatenate([y, machinery.states_at(angles).ravel()]).reshape(rows, n)
-    weights = machinery.weights_along(np.append(0.0, angles), states)
-    of_states = np.abs(change[: rows * n]).reshape(rows, n) * weights[:, None]
-    return max(float(of_states.max()), float(np.abs(change[rows * n :]).max(initial=0.0)))
+    change = np.abs(change)
+    of_states = change[: states.size].reshape(states.shape) * machinery.weights_along(angles, states)[:, None]
+    return max(float(of_states.max()), float(change[states.size :].max(initial=0.0)))
 
 
 def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array) -> Array:
