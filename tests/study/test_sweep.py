@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,21 @@ def test_the_number_of_workers_does_not_change_the_data(jobs, reference, tmp_pat
 def test_the_summary_counts_every_status(tmp_path):
     summary = run_sweep(grid_scene(), tmp_path / "out.h5", jobs=2, simulate=fake_simulate)
     assert (summary.cases, summary.ok, summary.not_closed, summary.failed, summary.reused) == (120, 114, 3, 3, 0)
+
+
+def test_slow_machines_are_simulated_first(tmp_path):
+    """They take longest; one that began last would leave the other workers idle."""
+    speeds = []
+
+    def noted(case):
+        speeds.append(case.operation.speed)
+        return fake_simulate(case)
+
+    fast_first = grid_scene()
+    backwards = {path: values[::-1] for path, values in fast_first.sweep.items()}
+    run_sweep(replace(fast_first, sweep=backwards), tmp_path / "out.h5", jobs=1, simulate=noted)
+    assert len(speeds) == 120
+    assert speeds == sorted(speeds)
 
 
 @pytest.mark.parametrize("count", [1, 3, 6])
