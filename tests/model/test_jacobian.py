@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from scenes import HELD_GAPS, SOLUBLE, SOLUBLE_RATE, make
+from scenes import FILMS, HELD_GAPS, SOLUBLE, SOLUBLE_RATE, make
 from scenes import TOGETHER as PORTS_AND_ROOM
 
 from screwsim.solution import Solution
@@ -36,6 +36,7 @@ CASES = {
     "carried": {"oil.transport": "carried"},
     "ports and room": PORTS_AND_ROOM,
     "gaps held back": HELD_GAPS,
+    "oil films": FILMS,
     "oil that flashes": SOLUBLE,
     "oil that flashes over time": SOLUBLE_RATE,
 }
