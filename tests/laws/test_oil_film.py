@@ -9,6 +9,8 @@ from screwsim.explain import explain
 from screwsim.faults import SceneError
 from screwsim.fluid.gap_flow import film_flux
 from screwsim.model.compose import compose
+from screwsim.model.slots import OIL_TEMPERATURE, PLACE, PRESSURE
+from screwsim.solution import Solution
 
 ACCURACY = 3e-4  # numerics.accuracy
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "trapped_mass")
@@ -93,26 +95,44 @@ def test_no_gas_leaks_out_of_a_chamber_that_has_oil():
 
 def test_what_leaves_one_chamber_enters_the_one_behind():
     cycle = run(FILMS).cycle
-    phi = np.arange(10.0, 620.0)
-    for gap in ("tip", "interlobe", "end_face"):
-        ahead = cycle[f"oil_flow_{gap}_leakage_leading"]
-        behind = cycle[f"oil_flow_{gap}_leakage_trailing"]
-        there, here = (np.interp(x, cycle["angle"], y) for x, y in ((phi, ahead), (phi + 90.0, behind)))
-        assert there == pytest.approx(-here, rel=2e-3, abs=2e-3 * abs(ahead).max())
+    offsets = dict(compose(build_parts(make(FILMS))).gap_paths)
+    for gap in ("tip_leakage", "interlobe_leakage"):  # one interface each
+        phi = np.arange(10.0, 620.0 - 90.0 * offsets[gap])
+        ahead, behind = cycle[f"oil_flow_{gap}_leading"], cycle[f"oil_flow_{gap}_trailing"]
+        there = np.interp(phi, cycle["angle"], ahead)
+        here = np.interp(phi + 90.0 * offsets[gap], cycle["angle"], behind)
+        assert there == pytest.approx(-here, rel=2e-3, abs=2e-3 * abs(there).max()), gap
 
 
-def test_with_room_the_work_of_the_film_heats_the_oil():
-    """Ledger of a tip whose oil all leaks as a film: ∮ ṁ Δp/(ρ T) beside the mixing, which is all without room."""
-    with_room, without = run(tip(ROOM)), run(tip())
-    more = with_room.ledger.entropy_generated_tip_leakage - without.ledger.entropy_generated_tip_leakage
-    cycle = with_room.cycle
-    phi = cycle["angle"]
-    flow = np.maximum(-cycle["oil_flow_tip_leakage_trailing"], 0.0)  # to the chamber behind
-    drop = cycle["pressure"] - np.interp(phi - 90.0, phi, cycle["pressure"])
-    inside = (phi >= 90.0) & (phi < 700.0)
-    dissipated = np.where(inside, flow * np.maximum(drop, 0.0) / OIL_DENSITY, 0.0)
-    mean = np.trapezoid(dissipated, phi) / 90.0  # all chambers [W]
-    assert more * 293.5 == pytest.approx(mean, rel=0.1)  # the oil's temperature; mixing differs a little
+@pytest.mark.parametrize("room", [False, True])
+def test_the_ledger_has_what_films_generate(room):
+    """M254 over a fine grid of angles, of films to the chamber behind and between the last one and the line.
+
+    A dead volume that keeps its oil to the end: without it the last gas, squeezed, leaks after the oil.
+    """
+    scene = {**tip(ROOM if room else FILMS), "machine.volume.min": "20 cm^3"}
+    entry = run(scene).ledger.entropy_generated_tip_leakage
+    solution = Solution(make(scene))
+    assert solution.close().status == "ok"
+    m, per_life = solution.machinery, 0.5 * np.pi
+
+    def generated(q, T_u, p_u, T, p):
+        drop = (p_u - p) / OIL_DENSITY if room else 0.0
+        return np.maximum(q, 0.0) * ((2000.0 * (T_u - T) + drop) / T - 2000.0 * np.log(T_u / T))
+
+    phi = np.linspace(per_life, 4.0 * np.pi, 63001)
+    own, behind = (m.sample(angles)[0] for angles in (phi, phi - per_life))
+    here, there = (own[:, 6], own[:, 1]), (behind[:, 6], behind[:, 1])
+    q = m.oil_films(phi)[:, 1]
+    between = generated(-q, *here, *there) + generated(q, *there, *here)
+    beyond = np.linspace(3.5 * np.pi, 4.0 * np.pi, 9001)
+    q, (last, _), line = m.oil_films(beyond)[:, 0], m.sample(beyond), m.R[PLACE:]
+    p, T = line[PRESSURE], line[OIL_TEMPERATURE]
+    T -= p / (2000.0 * OIL_DENSITY) if room else 0.0
+    to_and_fro = generated(q, T, p, last[:, 6], last[:, 1]) + generated(-q, last[:, 6], last[:, 1], T, p)
+    expected = (np.trapezoid(between, phi) + np.trapezoid(to_and_fro, beyond)) / per_life
+    assert min(between.min(), to_and_fro.min()) >= -1e-12
+    assert entry == pytest.approx(expected, rel=2e-3)
 
 
 def test_films_generate_entropy():
