@@ -50,13 +50,14 @@ def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
     """Return the viscosities [Pa s] that a gap's flow model needs."""
     if parameters.model == "nozzle":
         return {}
+    viscosity = around.oil.viscosity if around.oil is not None else None
+    of_oil = {"oil_viscosity": viscosity} if viscosity is not None else {}
     if parameters.model == "oil_film":
-        return {"oil_viscosity": around.oil.viscosity} if around.oil is not None else {}
+        return of_oil
     gas = parameters.gas_viscosity
     if gas is None:
         gas = transport(around.fluid, around.p_s, max(around.T_s, around.T_oil or 0.0))[1]
-    oil = around.oil.viscosity if around.oil is not None else None
-    return {"gas_viscosity": gas} | ({"oil_viscosity": oil} if oil is not None else {})
+    return {"gas_viscosity": gas} | of_oil
 
 
 def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
