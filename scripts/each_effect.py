@@ -78,6 +78,15 @@ ROWS: dict[str, Row] = {
         base=CARRIED,
         plain=(),
     ),
+    "tip_leakage, oil_film": Row(
+        ("effects.tip_leakage={model: oil_film, passage: 2 mm, filled_from: 0.1}",),
+        "carried",
+        "oil leaks as a viscous film, and no gas with it (M250, M251)",
+        "Poiseuille flow",
+        ("oil_supply.ratio=1e-9",),
+        base=CARRIED,
+        plain=(),
+    ),
     "interlobe_leakage": Row(
         (), PAPER, "leaks take flow; no number", "ours", ("effects.interlobe_leakage.flow_coefficient=0",)
     ),

@@ -233,6 +233,15 @@ effects_gaps = {
         leak_change,
         (),
     ),
+    "oil_film": Entry(
+        REAL,
+        held("model=oil_film", "filled_from=0.1"),
+        (),
+        "M250, M251",
+        "no gas where there is oil",
+        leak_change,
+        (),
+    ),
 }
 
 # ---- dissolved refrigerant -----------------------------------------------------------------------------------------

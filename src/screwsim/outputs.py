@@ -279,9 +279,12 @@ def sorted_entries(ledger: Mapping[str, Any]) -> list[tuple[str, dict[str, Any]]
 
 
 def cycle_variable(name: str) -> Variable:
-    """Return unit and meaning of a cycle trace, those of flow paths (`mass_flow_<effect>[_leading]`) included."""
+    """Return unit and meaning of a cycle trace, of flow paths too (`mass_flow_<effect>[_leading]`, `oil_flow_…`)."""
     if name.startswith("mass_flow_"):
         return Variable("kg s-1", f"mass flow into the chamber, {name.removeprefix('mass_flow_').replace('_', ' ')}")
+    if name.startswith("oil_flow_"):
+        gap = name.removeprefix("oil_flow_").replace("_", " ")
+        return Variable("kg s-1", f"oil that flows into the chamber without gas, {gap}")
     return CYCLE.get(name) or Variable("1", name.replace("_", " "))
 
 

@@ -36,16 +36,21 @@ def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
     plenum_paths = [path for _, path in parts.all(FlowPath) if path.to != "neighbour"]
     to_lines = [i for i, path in enumerate(plenum_paths) if parts.number(path.to) < FIRST_OWN and not path.narrow]
     _smooth_plenum_flows(flows, to_lines, parts.omega * out[:, 3])
+    films = m.oil_films(np.minimum(np.radians(degrees), geometry.life)) if any(parts.films) else np.empty((0, 0))
     if c.speed_curve is not None:  # the model's flows are those over the mean speed
-        flows /= np.array([slowness(phi, geometry.pitch, c.speed_curve, c.P) for phi in np.radians(degrees).tolist()])[
-            :, None
-        ]
+        slow = np.array([slowness(phi, geometry.pitch, c.speed_curve, c.P) for phi in np.radians(degrees).tolist()])
+        flows /= slow[:, None]
+        if any(parts.films):
+            films /= slow[:, None]
     for i, name in enumerate(c.plenum_paths):
         found[f"mass_flow_{name}"] = found.get(f"mass_flow_{name}", 0.0) + flows[:, i]
     for i, (name, _) in enumerate(c.gap_paths):
         for side, word in enumerate(("leading", "trailing")):
             key, column = f"mass_flow_{name}_{word}", len(c.plenum_paths) + 2 * i + side
             found[key] = found.get(key, 0.0) + flows[:, column]
+            if parts.films[i]:
+                key = f"oil_flow_{name}_{word}"
+                found[key] = found.get(key, 0.0) + films[:, 2 * i + side]
     return found
 
 

@@ -79,3 +79,51 @@ def test_with_room_the_homogeneous_mixture_is_exact():
 def test_no_flow_no_division_by_nothing():
     assert gap_flow.radial_friction(0.0, GAP, PASSAGE, MU) == pytest.approx(0.0, abs=1e-9)
     assert mixture(gap_flow.cicchitti_mixture, 0.0, 1.0) == pytest.approx(0.0, abs=1e-9)
+
+
+# ---- a gap full of oil ---------------------------------------------------------------------------------------------
+
+RHO_OIL = 950.0
+
+
+def film(drop, gap=GAP, viscosity=MU_OIL):
+    return gap_flow.film_flux(drop, gap, PASSAGE, viscosity, RHO_OIL)
+
+
+def test_oil_creeps_through_a_full_gap_as_between_plates():
+    """Plane Poiseuille flow: ρ h³ Δp/(12 μ L) of a unit length, h times the flux."""
+    viscous = 1e4 * MU_OIL
+    assert GAP * film(1e6, viscosity=viscous) == pytest.approx(
+        RHO_OIL * GAP**3 * 1e6 / (12.0 * viscous * PASSAGE), rel=1e-7
+    )
+
+
+def test_thin_oil_in_a_wide_gap_is_bernoullis():
+    assert film(1e6, gap=5e-3, viscosity=1e-4) == pytest.approx(math.sqrt(2.0 * RHO_OIL * 1e6), rel=1e-3)
+
+
+@pytest.mark.parametrize("drop", [1.0, 1e3, 1e5, 2e6])
+@pytest.mark.parametrize("gap", [10e-6, 50e-6, 300e-6])
+def test_entry_and_friction_take_the_whole_pressure_drop(drop, gap):
+    flux = film(drop, gap)
+    friction = 12.0 * MU_OIL * PASSAGE * flux / (RHO_OIL * gap * gap)
+    assert flux**2 / (2.0 * RHO_OIL) + friction == pytest.approx(drop, rel=1e-12)
+
+
+def test_what_oil_fills_is_not_open_to_the_gas():
+    for x, filled in ((-1e-9, 0.0), (0.0, 0.0), (0.1, 0.5), (0.2, 1.0), (3.0, 1.0)):
+        assert gap_flow.filled_share(x, 0.2) == pytest.approx(filled, abs=1e-15)
+        assert gap_flow.open_share(x, 0.2) == 1.0 - gap_flow.filled_share(x, 0.2)
+        share = gap_flow.oil_film(1e6, x, GAP, PASSAGE, 0.2, MU_OIL, RHO_OIL) / film(1e6)
+        assert share == pytest.approx(filled, abs=1e-15)
+
+
+def test_the_filled_share_is_smooth_where_it_begins_and_ends():
+    for x, side in ((0.0, 1e-6), (0.2, -1e-6)):
+        slope = (gap_flow.filled_share(x + side, 0.2) - gap_flow.filled_share(x, 0.2)) / side
+        assert abs(slope) < 1e-3  # of 7.5 in the middle
+
+
+def test_no_film_without_a_pressure_difference_or_without_oil():
+    assert film(0.0) == 0.0
+    assert gap_flow.oil_film(1e6, 0.0, GAP, PASSAGE, 0.2, MU_OIL, RHO_OIL) == 0.0

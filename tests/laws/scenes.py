@@ -82,6 +82,13 @@ HELD_GAPS: dict[str, Any] = {  # one gap of each flow model
     "effects.interlobe_leakage": {"gap": "40 um", "length": "150 mm", "friction_fit": "flank", **FRICTION},
     "effects.end_face_leakage": {"gap": "50 um", "length": "80 mm", "friction_fit": "radial", **FRICTION},
 }
+FILM: dict[str, Any] = {"model": "oil_film", "passage": "2 mm", "filled_from": 0.2}
+FILMS: dict[str, Any] = {  # all gaps full of oil where the upstream chamber has it
+    "oil.transport": "carried",
+    "effects.tip_leakage": {"gap": "50 um", **FILM},
+    "effects.interlobe_leakage": {"gap": "40 um", "length": "150 mm", **FILM},
+    "effects.end_face_leakage": {"gap": "50 um", "length": "80 mm", **FILM},
+}
 SPEEDS = (5000, 3000, 1000, 500, 250)
 DROP = object()  # as a value: the field is left out
 OIL_PORT["effects.oil_pump"] = DROP

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from scenes import HELD_GAPS, SOLUBLE, SOLUBLE_RATE, make
+from scenes import FILMS, HELD_GAPS, SOLUBLE, SOLUBLE_RATE, make
 from scenes import TOGETHER as PORTS_AND_ROOM
 
 from screwsim.solution import Solution
@@ -31,11 +31,14 @@ class Driver(NamedTuple):
     nq: int
 
 
+PLENUMS = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
 CASES = {
     "paper": {"oil.transport": "paper"},
     "carried": {"oil.transport": "carried"},
     "ports and room": PORTS_AND_ROOM,
     "gaps held back": HELD_GAPS,
+    "oil films": FILMS,
+    "oil films, lines that pulsate": {**SOLUBLE_RATE, **FILMS, "effects.plenums": PLENUMS},
     "oil that flashes": SOLUBLE,
     "oil that flashes over time": SOLUBLE_RATE,
 }

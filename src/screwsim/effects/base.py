@@ -29,11 +29,16 @@ class Resistance:
     `share` returns the share that passes, 0 to 1, of the nozzle's mass flux `flux` [kg/(m² s)]; it may ask for the
     upstream place's `oil_ratio` and `density` [kg/m³], for numbers of `values`, and for symbols. It must be smooth, and
     flux times share must grow with the flux. `title` says what it is.
+
+    `film`, where given, returns the mass flux of oil [kg/(m² s)] over the gap's area that flows beside the gas's stream
+    and the oil in that (M252), at the pressure difference `drop` ≥ 0 [Pa] from the upstream to the downstream place; it
+    may ask for the upstream `oil_ratio` and the like, must be smooth, and nothing at no drop and at no oil.
     """
 
     share: Kernel
     values: Mapping[str, float]
     title: str
+    film: Kernel | None = None
 
 
 @dataclass(frozen=True)

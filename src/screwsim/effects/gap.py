@@ -40,6 +40,9 @@ class ClearanceParameters(GapParameters):
     )
     friction_fit: str | None = choice("fit of model: nozzle_friction", tuple(gap_flow.FITS), None)
     mixture_viscosity: str | None = choice("rule of model: oil_sealed", tuple(gap_flow.MIXTURES), None)
+    filled_from: float | None = number(
+        "model: oil_film: oil per gas of the upstream chamber from which oil fills the gap", None, gt=0.0
+    )
     gas_viscosity: float | None = quantity("viscosity", "mu of the gas (default: CoolProp's)", None, gt=0.0)
 
 

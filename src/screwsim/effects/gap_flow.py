@@ -1,13 +1,16 @@
-"""Flow models of a gap with a clearance: the paper's nozzle, with friction of the gas, or sealed by oil.
+"""Flow models of a gap with a clearance: the paper's nozzle, with friction of the gas, sealed by oil, or full of oil.
 
 What: `nozzle` is M12, M13. The other models let a share of that flow pass: `nozzle_friction` that of Bell et al.
 (M190, M191), `oil_sealed` that of a homogeneous mixture of gas and oil, in the ratio of the upstream chamber, with
-inertia and laminar friction (M190, M192, M193).
+inertia and laminar friction (M190, M192, M193). With `oil_film` oil fills a share of the gap's length and leaks there
+as a viscous film, without gas; through the rest gas flows as through a nozzle (M250–M252).
 Source: Bell et al. 2013, fitted to gaps of dry scroll machines; McAdams et al. 1942, Cicchitti et al. 1960 for the
-viscosity of a mixture, which differ a hundredfold.
+viscosity of a mixture, which differ a hundredfold; of the film, textbook (plane Poiseuille flow).
 Assumptions: walls at rest; constant viscosities, the gas's at suction pressure and the warmer of suction gas and
-injected oil where it is not stated, the oil's that of its supply; no heat passes from oil to gas inside the gap.
-Parameters: model, passage, friction_fit, mixture_viscosity, gas_viscosity.
+injected oil where it is not stated, the oil's that of its supply; no heat passes from oil to gas inside the gap. Of
+`oil_film`: the share that is full follows the oil per gas of the upstream chamber, all of it from the stated
+`filled_from` on, for which there is no measurement; no moving wall drags oil along (no Couette flow).
+Parameters: model, passage, friction_fit, mixture_viscosity, gas_viscosity, filled_from.
 """
 
 from __future__ import annotations
@@ -20,11 +23,11 @@ from screwsim.faults import Fault, UsageError
 from screwsim.fluid import gap_flow
 from screwsim.fluid.constants import transport
 
-MODELS = ("nozzle", "nozzle_friction", "oil_sealed")
+MODELS = ("nozzle", "nozzle_friction", "oil_sealed", "oil_film")
 FITS = {"radial": gap_flow.radial_friction, "flank": gap_flow.flank_friction}
 MIXTURES = {"mcadams": gap_flow.mcadams_mixture, "cicchitti": gap_flow.cicchitti_mixture}
-_CHOICE = {"nozzle_friction": "friction_fit", "oil_sealed": "mixture_viscosity"}
-_EXAMPLES = {"friction_fit": "radial", "mixture_viscosity": "cicchitti"}
+_CHOICE = {"nozzle_friction": "friction_fit", "oil_sealed": "mixture_viscosity", "oil_film": "filled_from"}
+_EXAMPLES = {"friction_fit": "radial", "mixture_viscosity": "cicchitti", "filled_from": "0.2"}
 
 
 def resistance(parameters: Any) -> Resistance | None:
@@ -36,6 +39,10 @@ def resistance(parameters: Any) -> Resistance | None:
     if parameters.model == "oil_sealed":
         rule = parameters.mixture_viscosity
         return Resistance(MIXTURES[rule], values, f"mixture of gas and oil, viscosity by {rule} (M192, M193)")
+    if parameters.model == "oil_film":
+        title = f"full of oil from {parameters.filled_from:g} kg per kg of gas on: viscous film (M250-M252)"
+        values["filled_from"] = parameters.filled_from
+        return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film)
     return None
 
 
@@ -43,18 +50,21 @@ def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
     """Return the viscosities [Pa s] that a gap's flow model needs."""
     if parameters.model == "nozzle":
         return {}
+    viscosity = around.oil.viscosity if around.oil is not None else None
+    of_oil = {"oil_viscosity": viscosity} if viscosity is not None else {}
+    if parameters.model == "oil_film":
+        return of_oil
     gas = parameters.gas_viscosity
     if gas is None:
         gas = transport(around.fluid, around.p_s, max(around.T_s, around.T_oil or 0.0))[1]
-    oil = around.oil.viscosity if around.oil is not None else None
-    return {"gas_viscosity": gas} | ({"oil_viscosity": oil} if oil is not None else {})
+    return {"gas_viscosity": gas} | of_oil
 
 
 def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
     """Yield what a gap's flow model lacks, or is given without a meaning."""
     path, model = f"effects.{name}", parameters.model
     if model == "nozzle":
-        for extra in ("passage", "friction_fit", "mixture_viscosity", "gas_viscosity"):
+        for extra in ("passage", "friction_fit", "mixture_viscosity", "gas_viscosity", "filled_from"):
             if getattr(parameters, extra) is not None:
                 yield Fault(f"{path}.{extra}", "has no meaning with model: nozzle (remove it)")
         return
@@ -66,22 +76,27 @@ def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
             yield Fault(f"{path}.{choice}", f"is missing (model: {model} needs it, e.g. {choice}: {_EXAMPLES[choice]})")
         elif other != model and given:
             yield Fault(f"{path}.{choice}", f"has no meaning with model: {model} (remove it)")
+    if model == "oil_film":
+        if parameters.gas_viscosity is not None:
+            yield Fault(f"{path}.gas_viscosity", "has no meaning with model: oil_film (remove it)")
+        yield from _oil_faults(path, model, facts)
+        return
     if parameters.gas_viscosity is None:
         try:
             transport(facts.gas.fluid, 1e4, 400.0)
         except UsageError as error:
             yield Fault(f"{path}.gas_viscosity", f"is missing: {error}")
     if model == "oil_sealed":
-        yield from _oil_faults(path, facts)
+        yield from _oil_faults(path, model, facts)
 
 
-def _oil_faults(path: str, facts: Any) -> Iterator[Fault]:
+def _oil_faults(path: str, model: str, facts: Any) -> Iterator[Fault]:
     if facts.oil is None:
-        yield Fault(f"{path}.model", "oil_sealed needs oil (write an oil section, or choose nozzle_friction)")
+        yield Fault(f"{path}.model", f"{model} needs oil (write an oil section, or choose nozzle_friction)")
         return
     if facts.oil.transport != "carried":
-        yield Fault(f"{path}.model", "oil_sealed needs oil.transport: carried (write that, or choose another model)")
+        yield Fault(f"{path}.model", f"{model} needs oil.transport: carried (write that, or choose another model)")
     if not any("T_oil" in active.effect.states for active in facts.effects.values()):
-        yield Fault(f"{path}.model", "oil_sealed needs oil in the chambers (add e.g. effects.oil_heat)")
+        yield Fault(f"{path}.model", f"{model} needs oil in the chambers (add e.g. effects.oil_heat)")
     if not facts.oil.knows_viscosity:
-        yield Fault("oil.viscosity", f"is missing ({path}.model: oil_sealed needs it, or oil.name)")
+        yield Fault("oil.viscosity", f"is missing ({path}.model: {model} needs it, or oil.name)")

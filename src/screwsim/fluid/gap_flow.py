@@ -1,8 +1,8 @@
-"""What a narrow gap lets pass of an isentropic nozzle's flow: friction of the gas, or a mixture of gas and oil.
+"""What a narrow gap lets pass: of an isentropic nozzle's flow, with friction or oil in it, or of oil that fills it.
 
-Source: docs/model.md M190–M193. Friction: I. H. Bell, E. A. Groll, J. E. Braun, W. T. Horton, Int. J. Refrigeration 36
-(2013) 1965. Viscosity of mixtures: W. H. McAdams, W. K. Woods, L. C. Heroman, Trans. ASME 64 (1942) 193; A. Cicchitti
-et al., Energia Nucleare 7 (1960) 407.
+Source: docs/model.md M190–M193, M250–M252. Friction: I. H. Bell, E. A. Groll, J. E. Braun, W. T. Horton, Int. J.
+Refrigeration 36 (2013) 1965. Viscosity of mixtures: W. H. McAdams, W. K. Woods, L. C. Heroman, Trans. ASME 64 (1942)
+193; A. Cicchitti et al., Energia Nucleare 7 (1960) 407.
 """
 
 from __future__ import annotations
@@ -89,3 +89,29 @@ def cicchitti_mixture(flux, oil_ratio, density, gap, passage, gas_viscosity, oil
     x = max(oil_ratio, 0.0)
     viscosity = (gas_viscosity + x * oil_viscosity) / (1.0 + x)
     return mixture_passes(flux, x, density, gap, passage, viscosity, oil_room)
+
+
+@kernel
+def filled_share(oil_ratio, filled_from):
+    """Return the share of a gap's length that oil fills: 0 without oil, 1 from `filled_from` on, C1 (M250)."""
+    u = min(max(oil_ratio, 0.0) / filled_from, 1.0)
+    return u * u * (3.0 - 2.0 * u)
+
+
+@kernel
+def open_share(oil_ratio, filled_from):
+    """Return the share of a gap's length that oil leaves to the gas, which passes there as through a nozzle (M250)."""
+    return 1.0 - filled_share(oil_ratio, filled_from)
+
+
+@kernel
+def film_flux(drop, gap, passage, oil_viscosity, oil_density):
+    """Return the mass flux [kg/(m² s)] of oil that a pressure difference ≥ 0 [Pa] drives through a full gap (M251)."""
+    laminar = oil_density * gap * gap / (12.0 * oil_viscosity * passage)
+    return 2.0 * laminar * drop / (1.0 + math.sqrt(1.0 + 2.0 * laminar * laminar * drop / oil_density))
+
+
+@kernel
+def oil_film(drop, oil_ratio, gap, passage, filled_from, oil_viscosity, oil_density):
+    """Return the flux [kg/(m² s)] of oil over the gap's whole area: `film_flux` in the share that it fills (M252)."""
+    return filled_share(oil_ratio, filled_from) * film_flux(drop, gap, passage, oil_viscosity, oil_density)

@@ -10,6 +10,7 @@ own[PLACE] is the phase that the gas is held in during a step (`slots.FREE`: non
 
 from __future__ import annotations
 
+from screwsim.model.film import add_film, film_beside, film_flow
 from screwsim.model.places import (
     IMPOSSIBLE,
     angle_terms,
@@ -33,6 +34,7 @@ from screwsim.model.slots import (
     E_AREAS,
     E_LINES,
     E_VOLUME,
+    FILMED,
     FIRST_OWN,
     FLASHED,
     FREE,
@@ -202,6 +204,12 @@ def rates(y, E, context, f, g):
                 add_stream(work, gap_category(E, b, m) * width, m, E, b)
             else:
                 add_stream(work, gap_category(E, b, m) * width, m, own, 0)
+            if FILMED == 1:
+                q = film_flow(i // 2, E[areas + i], own, 0, E, b, P)
+                if q >= 0.0:
+                    add_film(work, gap_category(E, b, q) * width, q, E, b)
+                else:
+                    add_film(work, gap_category(E, b, q) * width, q, own, 0)
     if PORTED == 1:
         oil = oil_inflow(E[E_ANGLE], own[PRESSURE], P, TAB)
         work[PORT_OIL * width + 2] = oil
@@ -246,6 +254,17 @@ def path_flows(y, E, context, out):
         out[N_PLENUM + i] = place_flow(E[areas + i], own, 0, E, b, P[P_GAP_WIDTH]) if E[areas + i] > 0.0 else 0.0
         if RESISTED == 1 and E[areas + i] > 0.0:
             out[N_PLENUM + i] = held_back(i // 2, out[N_PLENUM + i], E[areas + i], own, 0, E, b, P)
+
+
+@kernel
+def film_flows(y, E, context, out):
+    """Fill `out` with the oil [kg/s] that flows into the chamber as films: each gap ahead and behind (M252)."""
+    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    fill_place(FREE, y, 0, P, TAB, own, 0)
+    areas = E_AREAS + N_PLENUM
+    for i in range(2 * N_GAPS):
+        b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
+        out[i] = film_flow(i // 2, E[areas + i], own, 0, E, b, P) if E[areas + i] > 0.0 else 0.0
 
 
 @inlined
@@ -327,6 +346,8 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
             else:
                 add_stream(work, at, m, source, b)
                 add_stream_slope(work, ds + N * n_sums + at, m, by_phi, source, b, work, other)
+            if FILMED == 1 and gap >= 0:
+                film_beside(gap // 2, area, darea, own, source, b, P, work, d, other, n_sums)
             for k in range(PLACE):
                 work[other + k] = 0.0
             for j in range(N):

@@ -33,6 +33,7 @@ from screwsim.model.writing import (
     scales,
     symbols_of,
     write_areas,
+    write_films,
     write_flash,
     write_gas,
     write_heat,
@@ -62,7 +63,7 @@ DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "
 OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
 OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
 OWN += ("state_rate", "path_opening", "flash_terms", "stop_push", "restitution")
-OWN += ("release_terms", "held_gas", "solution_entropy")
+OWN += ("gap_film", "release_terms", "held_gas", "solution_entropy")
 
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
 
@@ -170,6 +171,8 @@ def compose(parts: Parts) -> Composition:
     carried = heated and oil is not None and oil.transport == "carried"
     if not carried and (port is not None or parts.oil_room):
         raise TypeError("oil that enters through ports or takes room needs oil, and oil.transport: carried")
+    if not carried and any(parts.films):
+        raise TypeError("oil that leaks as a film needs a temperature of the oil, and oil.transport: carried")
     own_states = [part for _, part in parts.all(ChamberState)]
     names = tuple(part.name for part in own_states)
     held = (HELD_GAS,) if parts.dissolves else ()
@@ -202,6 +205,8 @@ def compose(parts: Parts) -> Composition:
         write_flash(writer, parts, oil, parts.oil_gas)
     if _resisted(parts):
         write_shares(writer, [path for _, path in gaps])
+    if any(parts.films):
+        write_films(writer, [path for _, path in gaps])
     if own_states:
         write_own_states(writer, own_states, states)
     if opened:
@@ -340,7 +345,7 @@ def _structure(parts: Parts) -> dict[str, int]:
     found["PULSATING"] = int(bool(parts.pulsations))
     found["ACROSS"] = int(any(name not in PORTS and path.to in LINES for name, path in parts.all(FlowPath)))
     found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
-    found |= {"RESISTED": int(_resisted(parts)), "PUMPED": int(parts.pumped)}
+    found |= {"RESISTED": int(_resisted(parts)), "PUMPED": int(parts.pumped), "FILMED": int(any(parts.films))}
     gas = parts.oil_gas
     dissolves = parts.dissolves
     found |= {"FLASHED": int(gas is not None and not dissolves), "DISSOLVES": int(dissolves)}
@@ -406,6 +411,8 @@ def _module_text(
         model |= flatten((trace.oil_with_outflow,), own, numbers=numbers)
     if numbers["PULSATING"]:
         model |= flatten((line_flow.into_lines,), own, numbers=numbers)
+    if numbers["FILMED"]:
+        model |= flatten((trace.oil_films,), own, numbers=numbers)
     if numbers["PORTED"]:
         model |= flatten((trace.port_oil,), own, numbers=numbers)
     if numbers["STOPS"]:

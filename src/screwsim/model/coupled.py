@@ -13,6 +13,7 @@ before that angle from those beyond it is counted with what the lines' sums take
 
 from __future__ import annotations
 
+from screwsim.model.film import add_film, film_between, film_beyond, film_flow
 from screwsim.model.places import (
     IMPOSSIBLE,
     angle_terms,
@@ -39,6 +40,7 @@ from screwsim.model.slots import (
     E_ANGLE,
     E_AREAS,
     E_VOLUME,
+    FILMED,
     FIRST_OWN,
     FLASHED,
     GAP_OFFSET,
@@ -142,6 +144,11 @@ def all_rates(y, E, context, f, g):
                     source = (ahead if m >= 0.0 else j) * PLACE
                     add_stream(work, j * n_sums + BETWEEN * width, m, places, source)
                     add_stream(work, ahead * n_sums + BETWEEN * width, -m, places, source)
+                    if FILMED == 1:
+                        q = film_flow(i, area, places, j * PLACE, places, ahead * PLACE, P)
+                        source = (ahead if q >= 0.0 else j) * PLACE
+                        add_film(work, j * n_sums + BETWEEN * width, q, places, source)
+                        add_film(work, ahead * n_sums + BETWEEN * width, -q, places, source)
                 else:
                     if PULSATING == 0:
                         m = place_flow(area, places, j * PLACE, R, R_DISCHARGE, P[P_GAP_WIDTH])
@@ -151,6 +158,12 @@ def all_rates(y, E, context, f, g):
                             add_stream(work, j * n_sums + DISCHARGE_IN * width, m, R, R_DISCHARGE)
                         else:
                             add_stream(work, j * n_sums + (DISCHARGE_IN + 1) * width, m, places, j * PLACE)
+                        if FILMED == 1:
+                            q = film_flow(i, area, places, j * PLACE, R, R_DISCHARGE, P)
+                            if q >= 0.0:
+                                add_film(work, j * n_sums + DISCHARGE_IN * width, q, R, R_DISCHARGE)
+                            else:
+                                add_film(work, j * n_sums + (DISCHARGE_IN + 1) * width, q, places, j * PLACE)
                     else:
                         m = place_flow(area, places, j * PLACE, E, ALL_LINES + R_DISCHARGE, P[P_GAP_WIDTH])
                         if RESISTED == 1:
@@ -159,6 +172,12 @@ def all_rates(y, E, context, f, g):
                             add_stream(work, j * n_sums + DISCHARGE_IN * width, m, E, ALL_LINES + R_DISCHARGE)
                         else:
                             add_stream(work, j * n_sums + (DISCHARGE_IN + 1) * width, m, places, j * PLACE)
+                        if FILMED == 1:
+                            q = film_flow(i, area, places, j * PLACE, E, ALL_LINES + R_DISCHARGE, P)
+                            if q >= 0.0:
+                                add_film(work, j * n_sums + DISCHARGE_IN * width, q, E, ALL_LINES + R_DISCHARGE)
+                            else:
+                                add_film(work, j * n_sums + (DISCHARGE_IN + 1) * width, q, places, j * PLACE)
     if PORTED == 1:
         for j in range(CHAMBERS):
             oil = oil_inflow(E[j * size + E_ANGLE], places[j * PLACE + PRESSURE], P, TAB)
@@ -226,6 +245,8 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                         gap_slopes(area, darea, j, ahead, BETWEEN * width, context, d, ds)
                     if RESISTED == 1:
                         gap_slopes(area, darea, j, ahead, BEYOND + i - N_PLENUM, context, d, ds)
+                    if FILMED == 1:
+                        film_between(i - N_PLENUM, area, darea, j, ahead, context, d, ds)
                 else:
                     to = PLENUM[i] if i < N_PLENUM else 1
                     epsilon = P[P_PORT_WIDTH + to] if i < N_PLENUM else P[P_GAP_WIDTH]
@@ -235,6 +256,12 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                         opening_slopes(area, darea, j, to, epsilon, context, d, ds)
                     if PULSATING == 1:
                         pulsating_slopes(area, darea, j, to, epsilon, delta, E, E_next, context, d, ds)
+                    if FILMED == 1 and i >= N_PLENUM:
+                        gap = i - N_PLENUM
+                        if PULSATING == 0:
+                            film_beyond(gap, area, darea, j, R, R, R_DISCHARGE, delta, context, d, ds)
+                        if PULSATING == 1:
+                            film_beyond(gap, area, darea, j, E, E_next, ALL_LINES + R_DISCHARGE, delta, context, d, ds)
     if PORTED == 1:
         n_cols = n_all + 1
         for j in range(CHAMBERS):

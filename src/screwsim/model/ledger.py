@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from screwsim.model.chamber import SIDE, path_flows, surroundings
+from screwsim.model.film import film_flow
 from screwsim.model.port_oil import released
 from screwsim.model.room import gas_mass, gas_mass_slope
 from screwsim.model.slots import (
@@ -25,6 +26,7 @@ from screwsim.model.slots import (
     E_SLOPE,
     E_VOLUME,
     ENTHALPY,
+    FILMED,
     FIRST_OWN,
     FLASH,
     FLASHED,
@@ -268,6 +270,26 @@ def add_departure(sums, m, own, s, ratio, T_oil, dt):
 
 
 @kernel
+def add_film_moment(sums, q, source, b, own, y, dt, P, TAB):
+    """Add what a film of oil q [kg/s] generates in the chamber, or what it takes to the line beyond it (M254)."""
+    if q > 0.0:
+        if VOLUMED == 0:
+            sums[GENERATED] += dt * P[P_C_OIL] * oil_arriving(q, source[b + OIL_TEMPERATURE], y[2])
+        else:
+            sums[GENERATED] += dt * P[P_C_OIL] * pressed_oil_arriving(q, source, b, own, y[2])
+        if DISSOLVES == 1:
+            sums[GENERATED] += dt * held_arriving(q, source[b + DISSOLVED], y[HELD], P, TAB)
+    elif q < 0.0 and source[b + PLACE] > 0.0 and y[2] > 0.0:
+        sums[OUT_OIL] -= dt * q
+        sums[OUT_OIL_T] -= dt * q * own[OIL_TEMPERATURE]
+        sums[OUT_OIL_LOG] -= dt * q * math.log(y[2])
+        if DISSOLVES == 1:
+            _s, total = solution_entropy(y[HELD], P, TAB)
+            sums[OUT_HELD] -= dt * q * y[HELD]
+            sums[OUT_HELD_ENTROPY] -= dt * q * total
+
+
+@kernel
 def add_walls(T, m, V, phi, rho, p, dt, P, heats):
     """Add the heat of the walls to the gas, and the entropy that it generates between wall and gas (M171)."""
     for i in range(WALLS):
@@ -322,6 +344,9 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
             discharged -= leaving * m
         if DISSOLVES == 1 and (m > 0.0 or E[b + PLACE] > 0.0):
             add_held(paths[N_PLENUM + i // 2], m, E, b, y[HELD], leaving, dt, P, TAB)
+        if FILMED == 1 and E[E_AREAS + N_PLENUM + i] > 0.0:
+            q = film_flow(i // 2, E[E_AREAS + N_PLENUM + i], own, 0, E, b, P)
+            add_film_moment(paths[N_PLENUM + i // 2], q, E, b, own, y, dt, P, TAB)
     if HEATED == 1:
         m_gas = y[1] * E[E_VOLUME]
         if VOLUMED == 1:

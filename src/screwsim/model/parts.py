@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from screwsim.effects.base import OilContent, OilGas, OilPort, OilRoom, OilSolution, Pulsation, Shaft, Wall
+from screwsim.effects.base import FlowPath, OilContent, OilGas, OilPort, OilRoom, OilSolution, Pulsation, Shaft, Wall
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.slots import FIRST_OWN
 
@@ -115,6 +115,12 @@ class Parts:
     def oil_room(self) -> bool:
         """Does the oil take room?"""
         return bool(self.all(OilRoom))
+
+    @cached_property
+    def films(self) -> list[bool]:
+        """Of each gap between chambers: does oil leak through it as a film?"""
+        gaps = [path for _, path in self.all(FlowPath) if path.to == "neighbour"]
+        return [path.resistance is not None and path.resistance.film is not None for path in gaps]
 
     @cached_property
     def walls(self) -> list[tuple[str, Wall]]:

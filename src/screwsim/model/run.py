@@ -177,6 +177,13 @@ class Machinery:
         self.module.trace__sample(angles, *self.last(), self.context, c.n_E, out, flows)
         return out, flows
 
+    def oil_films(self, angles: Array) -> Array:
+        """Return rows of the oil [kg/s] that flows in through gaps as films, each ahead and behind, at angles [rad]."""
+        c, (times, dense, _, steps) = self.composition, self.last()
+        out = np.empty((len(angles), 2 * len(c.gap_paths)))
+        self.module.trace__oil_films(angles, times, dense, steps, self.context, c.n_E, out)
+        return out
+
     def into_lines(self, points: int) -> tuple[Array, Array]:
         """Return the flow [kg/s] into suction and discharge line, and the mean volume [m³] that is open to each.
 

@@ -10,6 +10,7 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p,
 `gap_share(i, flux, density, oil_ratio, P)` → share of a nozzle's flux [kg/(m² s)] that gap i lets pass,
+`gap_film(i, drop, oil_ratio, P)` → flux of oil [kg/(m² s)] that leaks through gap i as a film at a drop [Pa],
 `flash_terms(oil, p, P, TAB)` → gas [kg/s] that flashes out of oil that enters, its enthalpy [W], and the heat that it
 takes from the oil over the oil's heat capacity [kg K/s],
 `release_terms(phi, m_oil, w, T, rho, h, T_oil, P, TAB)` → the same of gas that comes out of a chamber's oil over time,
@@ -31,11 +32,12 @@ Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plen
 ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE
 is a constant, too), STOPS (how many of them move between a seat and a stop; then STOP_POSITION and STOP_SPEED, where
 they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), RESISTED (1: gaps hold
-flow back), WALLS (how many exchange heat with the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump
-feeds the oil port), ACROSS (1: effects open chambers beyond the injection angle to suction, or others to discharge),
-FLASHED (1: gas flashes out of its oil as it enters), DISSOLVES (1: over time; what the oil holds is a state) and FLASH
-(the category of that gas), CATEGORIES, WIDTH (sums of a category: mass, enthalpy, and with carried oil its mass, that
-times its temperature and, where it dissolves, what it holds),
+flow back), FILMED (1: oil leaks through gaps beside the gas), WALLS (how many exchange heat with the gas), PULSATING
+(1: the lines' pressures pulsate), PUMPED (1: a pump feeds the oil port), ACROSS (1: effects open chambers beyond the
+injection angle to suction, or others to discharge), FLASHED (1: gas flashes out of its oil as it enters), DISSOLVES
+(1: over time; what the oil holds is a state) and FLASH (the category of that gas), CATEGORIES, WIDTH (sums of a
+category: mass, enthalpy, and with carried oil its mass, that times its temperature and, where it dissolves, what it
+holds),
 Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of all), and the indices into
 P that move with them.
 
@@ -63,6 +65,7 @@ line_pulse: Any = Slot("line_pulse")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
 gap_share: Any = Slot("gap_share")
+gap_film: Any = Slot("gap_film")
 state_rate: Any = Slot("state_rate")
 path_opening: Any = Slot("path_opening")
 flash_terms: Any = Slot("flash_terms")
@@ -97,6 +100,7 @@ PORTED: Any = Structure("PORTED")
 VOLUMED: Any = Structure("VOLUMED")
 WALLS: Any = Structure("WALLS")
 RESISTED: Any = Structure("RESISTED")
+FILMED: Any = Structure("FILMED")
 OWN_STATES: Any = Structure("OWN_STATES")
 OPENED: Any = Structure("OPENED")
 STOPS: Any = Structure("STOPS")

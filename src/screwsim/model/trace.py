@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from screwsim.model.chamber import SIDE, path_flows, surroundings
+from screwsim.model.chamber import SIDE, film_flows, path_flows, surroundings
 from screwsim.model.ledger import NODES, POINTS, WEIGHTS
 from screwsim.model.port_oil import released
 from screwsim.model.room import gas_mass_slope
@@ -91,6 +91,21 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         if DISSOLVES == 1:
             gas, _h, _heat = released(y, phi, E, _own, P, TAB)
             out[a, 3] -= gas / P[P_OMEGA]
+
+
+@kernel
+def oil_films(angles, times, dense, steps, context, n_e, out):
+    """Fill out[i] with the oil [kg/s] that flows into the chamber as films at the given angles [rad], gap by gap."""
+    E = np.empty(n_e)
+    y = np.empty(N)
+    i = 0
+    for a in range(angles.shape[0]):
+        phi = angles[a]
+        inward = phi - 1e-6 if a == angles.shape[0] - 1 else phi + 1e-6
+        i = locate(phi, inward, times, steps, i)
+        read(phi, times, dense, i, y)
+        surroundings(phi, inward, context, E)
+        film_flows(y, E, context, out[a])
 
 
 @kernel

@@ -263,6 +263,16 @@ def write_shares(writer: Writer, gaps: Sequence[FlowPath]) -> None:
     writer.function("gap_share(i, flux, density, oil_ratio, P)", [*body, "return 1.0"])
 
 
+def write_films(writer: Writer, gaps: Sequence[FlowPath]) -> None:
+    body = []
+    for index, path in enumerate(gaps):
+        if path.resistance is not None and path.resistance.film is not None:
+            values = {**path.values, **path.resistance.values}
+            call = writer.call(path.resistance.film, values, {}, ("drop", "oil_ratio"))
+            body += [f"if i == {index}:", f"    return {call}"]
+    writer.function("gap_film(i, drop, oil_ratio, P)", [*body, "return 0.0"])
+
+
 def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:
     """Return a function's body behind those states of y, beyond T and rho, that are asked for by name."""
     return [*(f"{name} = y[at + {i}]" for i, name in enumerate(states) if i > 1 and name in asked), *body]
