@@ -12,6 +12,7 @@ from screwsim.build import prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
 from screwsim.ledger import entropy_residue
 from screwsim.model import close as closing
+from screwsim.model.pulsation import LOWEST
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
 from screwsim.model.stops import MOST_IMPACTS
 from screwsim.outputs import Figures, Result
@@ -27,6 +28,7 @@ REMEDIES = {  # of the limits of an equation of state, by a word of what the gas
 }
 
 HOT = 1000.0  # [K] beyond what a machine stands
+PHASES = 120  # of a pitch at which a plenum's pressure is looked at
 RESTLESS = 500  # impacts of a turn that does not settle, above which the reeds are why
 UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
 
@@ -61,6 +63,21 @@ def _remedied(reason: str) -> str:
     """Return what a gas says of its limits, with a remedy where it names none."""
     remedy = next((remedy for word, remedy in REMEDIES.items() if word in reason), "")
     return f"{reason}; {remedy}" if remedy else reason
+
+
+def _beyond_its_mean(solution: Solution) -> str:
+    """Return that a plenum's pressure swings beyond its mean, where no M186 holds; empty where none does."""
+    machinery, c = solution.machinery, solution.machinery.composition
+    for part in solution.parts.pulsations:
+        line = solution.parts.number(part.to)
+        angles = np.linspace(0.0, solution.parts.geometry.pitch, PHASES, endpoint=False)
+        pulses = np.array([machinery.module.line_pulse(line, angle, c.P) for angle in angles])
+        if np.min(1.0 + pulses[:, 1] / (1.0 + pulses[:, 0])) < LOWEST:
+            return (
+                f"the pressure of the {part.to} plenum would swing beyond its mean: a chamber moves more gas than the "
+                f"plenum holds (a larger effects.plenums.{part.to}_volume, or a higher speed)"
+            )
+    return ""
 
 
 def _unclosed(solution: Solution, closed: closing.Closed) -> str:
@@ -287,6 +304,9 @@ def _solved(solution: Solution, trace: bool) -> Result:
     if unknown:
         unsettled = f"; their cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
         status, message = "failed", unknown + unsettled
+    swings = "" if status == "ok" or unknown else _beyond_its_mean(solution)
+    if swings:
+        status, message = "failed", f"{swings}; its cycle does not close: {shown}, bound {balance.bound:.2g}"
     if forbidden:
         status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
     cycle, kept = (solution.cycle(closed.q), book) if trace else ({}, Figures())
