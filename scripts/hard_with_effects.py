@@ -28,7 +28,7 @@ sys.path[:0] = [str(ROOT / "tests" / "hard"), str(ROOT / "tests" / "laws")]
 from case import CARRIED  # noqa: E402
 from hard_cases import CASES  # noqa: E402
 from judging import Stopped, finite, limited  # noqa: E402
-from scenes import DROP, HELD_GAPS, make  # noqa: E402
+from scenes import DROP, FILMS, HELD_GAPS, make  # noqa: E402
 
 from screwsim.faults import SceneError  # noqa: E402
 from screwsim.simulate import simulate, warm_up  # noqa: E402
@@ -74,6 +74,7 @@ EFFECTS: dict[str, dict[str, Any]] = {
     "oil_injection": PORT,
     "oil_volume": {"effects.oil_volume": {}},
     "gap models": HELD_GAPS,
+    "gaps full of oil": FILMS,
     "refrigerant_solubility": {
         **PORT,
         "oil_supply.temperature": "325 K",
