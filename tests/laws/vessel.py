@@ -14,6 +14,7 @@ from scenes import DROP, scene_dict
 from screwsim.build import build_parts
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.model.compose import compose
+from screwsim.model.slots import PLACE
 from screwsim.scene import loads
 
 VOLUME, AREA = 6e-4, 1e-6  # m³, m²: a pin hole, so that the vessel takes seconds
@@ -65,7 +66,7 @@ def run(v: Vessel, inside: tuple[float, float], outside: tuple[float, float], ti
     nq, room, n = v.composition.n_quadratures, 3000, 2
     columns = n + v.composition.n_place
     history = np.zeros(room + 1), np.zeros((room, 4, columns)), np.zeros((room, nq))
-    spaces = np.zeros(columns), np.append(np.zeros(10), -1.0), np.zeros(400)
+    spaces = np.zeros(columns), np.append(np.zeros(PLACE), -1.0), np.zeros(400)
     kept = np.zeros(2, np.int64)
     context = (
         P,
