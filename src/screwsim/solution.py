@@ -81,7 +81,6 @@ class Solution(Making):
             self._set_lines(self.scene.operation.discharge.temperature or float(guess.y[0]), 0.0)
             self.set_made(guess.made[: len(self.entries)])
             speed.put_back(machinery.composition, guess.made[len(self.entries) :])
-            machinery.R[R_TRAPPED] = guess.hope.seen[0]
         return guess
 
     def note(self, closed: closing.Closed) -> None:

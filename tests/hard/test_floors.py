@@ -7,7 +7,7 @@ from scenes import DROP, make, run
 from screwsim import errors
 from screwsim.errors import relative_errors
 from screwsim.estimate import worst
-from screwsim.model import close, compose, places
+from screwsim.model import close, places
 from screwsim.model.balance import oil_temperature_slope
 from screwsim.simulate import simulate
 
@@ -96,7 +96,7 @@ def size_of(y0, y1, error, monkeypatch):
         monkeypatch.setattr(places, name, value)
     place = np.zeros(places.PLACE)
     place[[places.PRESSURE, places.TPT]] = 1e5
-    return places.relative_error(np.array(y0), np.array(y1), np.array(error), 1.0, 0, place, 0)
+    return places.relative_error(np.array(y0), np.array(y1), np.array(error), 0, place, 0)
 
 
 @pytest.mark.parametrize(("x", "possible"), [(0.0, True), (-0.9, True), (-1.1, False), (-100.0, False)])
@@ -135,39 +135,6 @@ def test_the_temperature_of_next_to_no_oil_counts_as_little(x, share, monkeypatc
     y = [300.0, 1.0, 310.0, x]
     assert size_of(y, y, [0.0, 0.0, 31.0, 0.0], monkeypatch) == pytest.approx(0.1 * share, rel=1e-12)
     assert size_of(y, y, [0.0, 0.0, 0.0, 1e-7], monkeypatch) == pytest.approx(1e-7 / max(x, places.SOME_OIL), rel=1e-9)
-
-
-@pytest.mark.parametrize(("share", "weight"), [(1e-6, 0.1), (0.01, 0.1), (0.05, 0.5), (0.1, 1.0), (1.0, 1.0)])
-def test_the_error_of_a_chamber_counts_as_what_it_holds(share, weight):
-    """`places.FILLED`, `places.EMPTY`: against the gas trapped, at the fuller end of a step."""
-    R = np.zeros(places.R_TRAPPED + 1)
-    R[places.R_TRAPPED] = 2e-3
-    y = np.array([300.0, 4.0])
-    V = share * 2e-3 / 4.0
-    assert places.counting(y, y, 0, V, 0.1 * V, None, None, R) == pytest.approx(weight, rel=1e-12)
-    assert places.counting(y, y, 0, 0.1 * V, V, None, None, R) == pytest.approx(weight, rel=1e-12)
-
-
-@pytest.fixture
-def counting_whole(monkeypatch):
-    """Let the errors of nearly empty chambers count whole, in models composed meanwhile."""
-
-    def begin():
-        monkeypatch.setattr(places, "EMPTY", 1.0)
-        compose._module_text.cache_clear()
-
-    yield begin
-    compose._module_text.cache_clear()
-
-
-@pytest.mark.parametrize("case", [{}, CARRIED])
-def test_what_a_nearly_empty_chamber_errs_moves_no_figure(case, counting_whole):
-    """`places.EMPTY`: errors of a chamber that holds next to nothing stay below the accuracy asked for."""
-    weighted = run(case)
-    counting_whole()
-    found = simulate(make(case))
-    assert weighted.numerics.rhs_evaluations < found.numerics.rhs_evaluations
-    assert worst(relative_errors(found.performance, weighted.performance))[1] <= ACCURACY
 
 
 def test_without_oil_the_slope_of_its_temperature_is_finite():

@@ -64,7 +64,7 @@ def emitted(problem: Problem) -> dict[str, Any]:
     def conserve(y: Array, y1: Array, E: Array, E_next: Array, context: Any, dq: Array) -> None:
         problem.correct(y, y1, dq)
 
-    def error_size(y: Array, y1: Array, error: Array, E: Array, E_next: Array, context: Any) -> float:
+    def error_size(y: Array, y1: Array, error: Array, context: Any) -> float:
         return float(np.max(np.abs(error) / np.maximum(np.maximum(np.abs(y), np.abs(y1)), 1e-300)))  # NaN stays NaN
 
     def share_in_phase(y: Array, y1: Array, u: Array, rtol: float, context: Any) -> float:

@@ -14,7 +14,6 @@ from screwsim.model.film import add_film, film_beside, film_flow
 from screwsim.model.places import (
     IMPOSSIBLE,
     angle_terms,
-    counting,
     fill_place,
     neighbour,
     perturbation,
@@ -478,13 +477,12 @@ def at_knot(phi, y, context):
 
 
 @kernel
-def error_size(y0, y1, error, E, E_next, context):
+def error_size(y0, y1, error, context):
     """Return the size of a step's error; the place of the last stage is that of y1 all but for the error itself."""
-    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
     if VOLUMED == 1 and locked(y1, 0, P):
         return IMPOSSIBLE
-    weight = counting(y0, y1, 0, E[E_VOLUME], E_next[E_VOLUME], P, TAB, R)
-    return relative_error(y0, y1, error, weight, 0, own, 0)
+    return relative_error(y0, y1, error, 0, own, 0)
 
 
 @kernel

@@ -228,12 +228,11 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
             return Closed("failed", q, y, turn, "histories", rtol, angle) if last else None
         machinery.swap()
         made_image = task.image(q)
-        reached = _all_states(machinery, y, angles)
-        image = _vector(task, reached, made_image)
+        image = _vector(task, _all_states(machinery, y, angles), made_image)
         now = (float(machinery.R[R_TRAPPED]), float(q[0]))
         least = LEAST_WORK * now[0] * task.pv
         gap, before = max(_change(now, before, least), task.entries.change(made_image, made)), now
-        states = NEAR * _moved(machinery, image - point, reached, angles)
+        states = NEAR * float(np.max(np.abs(image - point)))
         if turn == 1:  # what was expected of mass and work may agree by chance: the states must, too
             gap = first_gap = max(gap, states)
         gaps.append(gap)
@@ -286,13 +285,6 @@ def _all_states(machinery: Machinery, y: Array, angles: Array) -> Array:
 def _vector(task: Task, states: Array, made: Array) -> Array:
     """Return what one turn maps: `_all_states`, and what the cycle makes (`_logarithms`)."""
     return np.concatenate([_logarithms(states, task.machinery.composition), task.entries.coordinates(made)])
-
-
-def _moved(machinery: Machinery, change: Array, states: Array, angles: Array) -> float:
-    """Return the largest change of what a turn maps, that of states as much as their errors count."""
-    change = np.abs(change)
-    of_states = change[: states.size].reshape(states.shape) * machinery.weights_along(angles, states)[:, None]
-    return max(float(of_states.max()), float(change[states.size :].max(initial=0.0)))
 
 
 def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Array) -> Array:

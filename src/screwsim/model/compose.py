@@ -53,7 +53,7 @@ from screwsim.numerics.kernel import HEADER, Kernel, flatten, without_wrapper
 # what is called from Python; a wrapper for every small kernel would cost a sixth of the compilation
 CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
 CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian", "places__places_along", "ledger__account")
-CALLED += ("places__weights_along", "line_flow__into_lines")
+CALLED += ("line_flow__into_lines",)
 CALLED += ("stops__begin", "stops__push_on", "stops__take_event")
 
 # what the integrator calls of both drivers
@@ -402,7 +402,6 @@ def _module_text(
         landing.all_lands,
         places.keep_places,
         places.places_along,
-        places.weights_along,
     )
     model = flatten(rooms, own, numbers=numbers)
     model |= flatten((history.add_history, history.states_at))

@@ -17,7 +17,6 @@ from screwsim.model.film import add_film, film_between, film_beyond, film_flow
 from screwsim.model.places import (
     IMPOSSIBLE,
     angle_terms,
-    counting,
     fill_place,
     perturbation,
     place_derivatives,
@@ -378,19 +377,16 @@ def no_knot(phi, y, context):
 
 
 @kernel
-def all_error_size(y0, y1, error, E, E_next, context):
+def all_error_size(y0, y1, error, context):
     """Return the size of a step's error, the largest of all chambers."""
-    P, TAB, R, places, _changed, _work = context
-    size = E_AREAS + N_PLENUM + N_GAPS
+    P, _TAB, _R, places, _changed, _work = context
     worst = 0.0
     if VOLUMED == 1:
         for j in range(CHAMBERS):
             if locked(y1, j * N, P):
                 return IMPOSSIBLE
     for j in range(CHAMBERS):
-        at = j * size + E_VOLUME
-        weight = counting(y0, y1, j * N, E[at], E_next[at], P, TAB, R)
-        worst = max(worst, relative_error(y0, y1, error, weight, j * N, places, j * PLACE))
+        worst = max(worst, relative_error(y0, y1, error, j * N, places, j * PLACE))
     return worst
 
 

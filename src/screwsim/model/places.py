@@ -35,7 +35,6 @@ from screwsim.model.slots import (
     POSITIVE,
     PRESSURE,
     R_SUCTION,
-    R_TRAPPED,
     TPT,
     VARIES,
     VOLUMED,
@@ -59,8 +58,6 @@ SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: 
 BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
 IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
 NO_OIL = 1e-13  # oil per gas, of either sign, that is rounding; `balance.oil_temperature_slope` has a floor above it
-FILLED = 0.1  # of the gas trapped, from which on the error of a chamber counts whole
-EMPTY = 0.1  # weight of the error of a chamber that holds next to nothing
 LEAST = 1e-6  # exponent and choking of a neighbour: a cubic across a border of the phases may dip below none
 
 
@@ -176,31 +173,9 @@ def places_along(dense, steps, context):
 
 
 @kernel
-def counting(y0, y1, at, V0, V1, P, TAB, R):
-    """Return the weight of a chamber's error, less than one where it holds little gas (docs/numerics.md).
-
-    What is trapped is known from the last turn; before there is one, what gas of the suction line would be.
-    """
-    trapped = R[R_TRAPPED]
-    if not (trapped > 0.0):
-        trapped = R[R_SUCTION + DENSITY] * volume_at(P[P_INJECTION], P, TAB)
-    held = max(y0[at + 1] * V0, y1[at + 1] * V1)
-    return min(1.0, max(EMPTY, held / (FILLED * trapped))) if trapped > 0.0 else 1.0
-
-
-@kernel
-def weights_along(angles, states, P, TAB, R, out):
-    """Fill `out` with the weights of the states of one chamber at angles, one row an angle."""
-    for i in range(angles.shape[0]):
-        V = volume_at(angles[i], P, TAB)
-        out[i] = counting(states[i], states[i], 0, V, V, P, TAB, R)
-
-
-@kernel
-def relative_error(y0, y1, error, weight, at, place, row):
+def relative_error(y0, y1, error, at, place, row):
     """Return the largest relative error of one chamber's states (docs/numerics.md); huge for states that cannot be.
 
-    `weight` is that of the gas and the oil in the chamber.
     Relative, but for next to no oil. In the dome p follows T by 7:1 and more, and flows follow p: the error of T counts
     as that of the pressure that it makes, at fixed density, where that is larger (for an ideal gas they are equal). A
     negative T, ρ or oil ratio would pass where it is small beside the value before the step, and oil less than none is
@@ -220,8 +195,6 @@ def relative_error(y0, y1, error, weight, at, place, row):
             e *= min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL)
         if DISSOLVES == 1 and i == HELD:
             e = max(e * min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL), abs(error[at + i] * y1[at + 3]))
-        if i < N - OWN_STATES:
-            e *= weight
         if not (e <= worst):
             worst = e
         if e != e:

@@ -77,7 +77,7 @@ class Machinery:
             with self._compiling("one"):
                 self.turn(start(), 1e-2, 1e-3)
                 self.swap()
-                self.weights_along(np.array([0.1]), self.states_at(np.array([0.1])))
+                self.states_at(np.array([0.1]))
                 self.remember()
                 self.images.append(self.images[0])
                 self.mix(np.array([0.5, 0.5]))
@@ -148,13 +148,6 @@ class Machinery:
         out = np.empty((len(angles), self.n))
         times, dense, _, steps = self.last()
         self.module.history__states_at(angles, times, dense, steps, out)
-        return out
-
-    def weights_along(self, angles: Array, states: Array) -> Array:
-        """Return how much errors of the states of a chamber at angles count, one row an angle (places.counting)."""
-        out = np.empty(len(angles))
-        c = self.composition
-        self.module.places__weights_along(angles, states, c.P, c.TAB, self.R, out)
         return out
 
     def install(self, times: Array, dense: Array, quads: Array) -> None:

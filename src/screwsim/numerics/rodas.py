@@ -11,7 +11,7 @@ the system enlarged by q, at a fraction of the cost; linear invariants (mass) ar
 The model is reached by nine slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
 derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state), `lands`
 (whether one step may take all that is left of a segment, from the surroundings at both ends), `error_size` (the size
-of a step's error, from the surroundings at both ends; huge for a state that cannot be: a smaller step is tried),
+of a step's error; huge for a state that cannot be: a smaller step is tried),
 `share_in_phase` (the share of a step after which the equations change their form, 1 where they do not: the step is made
 again that long), `conserve` (closes the balances of an accepted step, in its end and its quadratures), `keep_places`
 (fills columns of the dense output beyond the states). Steps land on knots and keep their size across them. Where JUMPS
@@ -234,7 +234,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
                 trial *= 0.5
             attempt(phi, trial, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq)
             counts[2] += STAGES - 1
-            error = error_size(y, y1, u[LAST], E, E_next, context) / rtol
+            error = error_size(y, y1, u[LAST], context) / rtol
             if not (error <= 1.0):
                 counts[1] += 1
                 h = trial * (max(0.15, 0.85 * error**POWER) if error < 1e12 else 0.15)  # NaN, too
