@@ -9,7 +9,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import pytest
-from sweep_fakes import assert_same, chained, forked, grid_scene, held, mortal
+from sweep_fakes import assert_same, chained, forked, grid_scene, held, slow
 
 from screwsim.study.sweep import run_sweep
 
@@ -24,10 +24,9 @@ def reference(tmp_path_factory) -> Path:
     return output
 
 
-def running(output: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[BaseProcess, Path]:
+def running(output: Path) -> tuple[BaseProcess, Path]:
     """Return a sweep on two workers that has begun with its cases, and the file of their process numbers."""
     pids = output.with_name("pids")
-    monkeypatch.setenv("SWEEP_FAKES_PIDS", str(pids))  # for what goes on here
     process = forked(pids, output)
     deadline = time.monotonic() + 60.0
     while not (pids.exists() and pids.read_text()):
@@ -37,22 +36,22 @@ def running(output: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[BaseProcess,
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_a_parent_that_is_killed_at_any_moment(seed, reference, tmp_path, monkeypatch):
+def test_a_parent_that_is_killed_at_any_moment(seed, reference, tmp_path):
     output = tmp_path / "out.h5"
-    process, _ = running(output, monkeypatch)
+    process, _ = running(output)
     time.sleep(random.Random(seed).uniform(0.0, SPAN))
     process.kill()
     process.join(10.0)
     there = 120 if output.exists() else held(output)
-    assert run_sweep(grid_scene(), output, jobs=2, simulate_many=mortal).reused == there
+    assert run_sweep(grid_scene(), output, jobs=2, simulate_many=slow).reused == there
     assert_same(reference, output)
     assert sorted(os.listdir(tmp_path)) == ["out.h5", "pids"]
 
 
 @pytest.mark.parametrize("seed", range(10, 20))
-def test_a_worker_that_is_killed_at_any_moment(seed, reference, tmp_path, monkeypatch):
+def test_a_worker_that_is_killed_at_any_moment(seed, reference, tmp_path):
     output = tmp_path / "out.h5"
-    process, pids = running(output, monkeypatch)
+    process, pids = running(output)
     chance = random.Random(seed)
     time.sleep(chance.uniform(0.0, SPAN))
     with suppress(ProcessLookupError):  # it ended before

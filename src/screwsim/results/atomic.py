@@ -25,22 +25,39 @@ def _sync_folder(folder: Path) -> None:
 
 
 @contextmanager
-def replacing(path: Path, folder: Path | None = None) -> Iterator[Path]:
-    """Give a temporary path; put what was written there at `path` when the block ends well.
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary path beside; put what was written there at `path` when the block ends well.
 
-    The temporary file lies in `folder` (default: that of `path`; it must be on the same disk). When anything
-    fails it is removed and the old file stays. Raise UsageError, in one line, when the system refuses.
+    When anything fails it is removed and the old file stays. Raise UsageError, in one line, when the system refuses.
     """
-    temporary = (folder or path.parent) / f".{path.name}.{os.getpid()}.tmp"
+    temporary = beside(path)
     try:
-        yield temporary
-        _sync(temporary)
-        os.replace(temporary, path)
-        _sync_folder(path.parent)
+        with refused(path):
+            yield temporary
+            put(temporary, path)
+    finally:
+        remove(temporary)
+
+
+def beside(path: Path, folder: Path | None = None) -> Path:
+    """Return where a file is written until it is whole: in `folder`, on the same disk (default: that of `path`)."""
+    return (folder or path.parent) / f".{path.name}.{os.getpid()}.tmp"
+
+
+def put(temporary: Path, path: Path) -> None:
+    """Put a file at `path` that is whole, for good; raise OSError when the system refuses."""
+    _sync(temporary)
+    os.replace(temporary, path)
+    _sync_folder(path.parent)
+
+
+@contextmanager
+def refused(path: Path) -> Iterator[None]:
+    """Raise UsageError, in one line, when the system refuses to write what shall lie at `path`."""
+    try:
+        yield
     except OSError as error:
         raise UsageError(cannot_write(path, error)) from error
-    finally:
-        _remove(temporary)
 
 
 def cannot_write(path: Path, error: OSError) -> str:
@@ -57,6 +74,7 @@ def make_folder(folder: Path) -> None:
         raise UsageError(cannot_write(folder, error)) from error
 
 
-def _remove(path: Path) -> None:
+def remove(path: Path) -> None:
+    """Remove a file, if it is there and the system allows."""
     with suppress(OSError):  # the folder itself is gone or refuses: that error is already on its way
         path.unlink(missing_ok=True)

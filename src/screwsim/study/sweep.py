@@ -17,7 +17,8 @@ from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder
 from screwsim.results.read import count_statuses, open_results, read_attributes
 from screwsim.results.schema import axes_of, digest, fingerprint, version
-from screwsim.results.write import write_tables
+from screwsim.results.table import Table
+from screwsim.results.write import Draft
 from screwsim.scene import grid
 from screwsim.scene.types import Scene
 from screwsim.study.blocks import blocks_of
@@ -81,9 +82,10 @@ def run_sweep(
     parts.open(restart)
     try:
         many, warm = _simulator(scene, simulate, simulate_many, warm_up)
-        run = _Sweep(scene, parts, progress or Silent(), many, warm)
-        reused = run.run(jobs, scheduler, case_limit)
-        write_tables(output, scene, axes_of(scene), parts.all(run.blocks.cases), "sweep", folder=parts.folder)
+        with Draft(output, scene, axes_of(scene), "sweep", parts.folder) as draft:
+            run = _Sweep(scene, parts, progress or Silent(), many, warm, draft)
+            reused = run.run(jobs, scheduler, case_limit)
+            draft.complete(parts.all(run.blocks.cases))
         parts.discard()
     finally:
         parts.close()
@@ -115,7 +117,9 @@ def sweep(scene: Scene, jobs: int | None = None, **options: Any) -> Any:
 class _Sweep:
     """One run over the cases that the parts do not hold yet."""
 
-    def __init__(self, scene: Scene, parts: Parts, progress: Progress, many: SimulateMany, warm_up: WarmUp) -> None:
+    def __init__(
+        self, scene: Scene, parts: Parts, progress: Progress, many: SimulateMany, warm_up: WarmUp, draft: Draft
+    ) -> None:
         self.scene = scene
         self.blocks = blocks_of(scene)
         self._parts = parts
@@ -124,6 +128,8 @@ class _Sweep:
         self._warm_up = warm_up
         self._angles = AngleGuard()
         self._chunks = Chunks([], 1, lambda: 1)
+        self._draft = draft
+        self._first: Table | None = None
 
     def run(self, jobs: int | None, scheduler: str | None, case_limit: float | None) -> int:
         """Compute what is missing; return how many cases were there."""
@@ -178,14 +184,21 @@ class _Sweep:
                 self._run_here(job)
             else:
                 task = partial(run_packed, packed(job))
-                settle(self._chunks, Work(pool, task, self._payload, self._finish, self._progress.tick), limit)
+                settle(self._chunks, Work(pool, task, self._payload, self._finish, self._tick), limit)
         finally:
             self._progress.stop()
 
     def _run_here(self, job: Job) -> None:
         while (blocks := self._chunks.take()) is not None:
             self._finish(blocks, run_blocks(job, self._payload(blocks)))
-            self._progress.tick()
+            self._tick()
+
+    def _tick(self) -> None:
+        """Use the time in which workers compute: lay the file out."""
+        if self._first is not None and len(self._first):
+            self._draft.lay_out(self._first)
+            self._first = self._first.rows(slice(0))  # seen
+        self._progress.tick()
 
     def _payload(self, blocks: range) -> list[Block]:
         """Return the cases of blocks, made when they are wanted."""
@@ -203,6 +216,7 @@ class _Sweep:
         self._angles.check(table.angle)
         self._parts.write(self.blocks.cases_of(blocks).start, table)
         self._chunks.learn(len(blocks), seconds)
+        self._first = table if self._first is None else self._first
         self._progress.advance(len(table), int(np.count_nonzero(table.status)))
 
 

@@ -1,0 +1,182 @@
+"""The variables of a results file: what they are called, what they mean, and what fills them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, cycle_variable, ledger_variable
+from screwsim.results.netcdf import Layout, flag_attributes, number_attributes, set_attributes, text_lines
+from screwsim.results.schema import Axis, figure_variable, numeric_inputs, root_attributes, variable_name
+from screwsim.results.table import (
+    GROUPS,
+    NOT_COMPUTED,
+    TEXTS,
+    Table,
+    ledger_names,
+    ledger_of,
+    renumbered,
+    rows_of,
+    same_angles,
+    trace_names,
+)
+from screwsim.scene.types import Scene
+
+_CASE_TEXTS = {
+    "message": "why the case failed or did not close, and the remedy",
+    "warnings": "warnings, one a line",
+    "notes": "why a figure of a simulated effect has no value, one a line",
+}
+
+
+@dataclass(frozen=True)
+class Names:
+    """What tables together have: effects, states, angles, names of traces and ledger."""
+
+    effects: tuple[str, ...]
+    states: tuple[str, ...]
+    angle: tuple[float, ...]
+    traces: tuple[str, ...]
+    ledger: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A variable of the file that is written piece by piece, and its values (cases, …) of a table."""
+
+    data: Any
+    values: Callable[[Table], np.ndarray]
+
+
+def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]:
+    """Return the names of tables, and the different words of each of their texts."""
+    effects: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    angle = np.empty(0)
+    words: dict[str, set[str]] = {name: set() for name in TEXTS}
+    traces: dict[str, None] = {}
+    ledger: dict[str, None] = {}
+    for head in heads:
+        effects, states = effects or head.effects, states or head.states
+        if angle.size and head.angle.size:
+            same_angles(angle, head.angle)
+        angle = angle if angle.size else head.angle
+        for name in TEXTS:
+            words[name].update(map(text_lines, head.texts[name].words))
+        traces |= dict.fromkeys(head.traces)
+        ledger |= dict.fromkeys(head.ledger)
+    found = Names(effects, states, tuple(angle.tolist()), trace_names(traces), ledger_names(ledger))
+    return found, {name: tuple(sorted(several)) for name, several in words.items()}
+
+
+class Plan:
+    """The variables of an open file, made in two steps: all but the texts, whose words come last."""
+
+    def __init__(self, file: Any, scene: Scene, axes: Sequence[Axis], command: str, names: Names) -> None:
+        stated = {"effects": ", ".join(names.effects), "states": ", ".join(names.states)}
+        set_attributes(file, root_attributes(scene, command) | stated)
+        self.layout = Layout(file)
+        self.names = names
+        self.shape = tuple(len(axis.values) for axis in axes)
+        self._axes = axes
+        self._dimensions = [axis.name for axis in axes]
+        self._beside = _beside(axes)
+        self._groups: dict[str, Any] = {}
+        self._write_inputs(scene)
+        self.columns = [column for group in GROUPS for column in self._figures(group)]
+        self.traces = list(self._cycle()) if names.traces else []
+        self.columns += list(self._ledger()) if names.ledger else []
+
+    def texts(self, words: Mapping[str, Sequence[str]]) -> list[Column]:
+        """Make the variables of texts of which `words` are the different ones; return those with values."""
+        found = []
+        for group, texts in {"performance": _CASE_TEXTS, "numerics": NUMERICS_TEXT}.items():
+            for text, long_name in texts.items():
+                data = self.layout.texts(
+                    self._groups[group], text, words[text], self.shape, self._dimensions, long_name
+                )
+                if data is not None:
+                    set_attributes(data, self._beside)
+                    found.append(Column(data, _numbers(text, words[text])))
+        return found
+
+    def _group(self, name: str) -> Any:
+        """Make a group with its own copy of the axes."""
+        group = self._groups[name] = self.layout.group(name)
+        for axis in self._axes:
+            values, about = _coordinate(axis)
+            self.layout.coordinate(group, axis.name, values, about)
+        for axis in self._axes:
+            for inner in axis.joined:
+                values, about = _coordinate(inner)
+                self.layout.variable(group, inner.name, values, (axis.name,), about)
+        return group
+
+    def _write_inputs(self, scene: Scene) -> None:
+        """Write the axes, and every other numeric input of the base scene."""
+        group = self._group("inputs")
+        for path, variable, value in numeric_inputs(scene):
+            name = variable_name(path)
+            if name not in group:
+                about = number_attributes(variable) | {"path": path}
+                self.layout.variable(group, name, np.array(value), (), about)
+
+    def _empty(self, group: Any, name: str, dtype: Any, about: dict[str, Any]) -> Any:
+        return self.layout.empty(group, name, self.shape, dtype, self._dimensions, about | self._beside)
+
+    def _figures(self, name: str) -> Iterator[Column]:
+        """Make the variables of a group of figures."""
+        group = self._group(name)
+        if name == "performance":
+            about = flag_attributes(STATUSES, "how the case ended", NOT_COMPUTED)
+            yield Column(self._empty(group, "status", np.int8, about), lambda table: table.status)
+        for figure in GROUPS[name]:
+            data = self._empty(group, figure, float, number_attributes(figure_variable(name, figure)))
+            yield Column(data, lambda table, figure=figure: table.column(name, figure))
+
+    def _cycle(self) -> Iterator[Column]:
+        """Make the variables of the traces."""
+        group, points = self._group("cycle"), len(self.names.angle)
+        self.layout.coordinate(group, "angle", np.array(self.names.angle), CYCLE["angle"]._asdict())
+        shape, dimensions = (*self.shape, points), (*self._dimensions, "angle")
+        for name in self.names.traces:
+            about = number_attributes(cycle_variable(name)) | self._beside
+            data = self.layout.empty(group, name, shape, float, dimensions, about)
+            yield Column(data, lambda table, name=name: rows_of(table, name, points))
+
+    def _ledger(self) -> Iterator[Column]:
+        group = self._group("ledger")
+        for name in self.names.ledger:
+            data = self._empty(group, name, float, number_attributes(ledger_variable(name)))
+            yield Column(data, lambda table, name=name: ledger_of(table, name))
+
+
+def _beside(axes: Sequence[Axis]) -> dict[str, str]:
+    """Return the attribute that names the coordinates beside the dimensions' own (CF, section 5)."""
+    names = " ".join(inner.name for axis in axes for inner in axis.joined)
+    return {"coordinates": names} if names else {}
+
+
+def _coordinate(axis: Axis) -> tuple[np.ndarray, dict[str, Any]]:
+    """Return the coordinate of an axis; texts are numbered, their words kept in the attributes."""
+    about: dict[str, Any] = {"units": axis.units, "long_name": axis.long_name, "path": axis.path}
+    if axis.values.dtype.kind != "U":
+        return axis.values, about
+    words = [str(word) for word in axis.values]
+    different = list(dict.fromkeys(words))
+    about |= flag_attributes(different, axis.long_name) | {"labels": "\n".join(different)}
+    return np.array([different.index(word) for word in words], np.int8), about
+
+
+def _numbers(name: str, words: Sequence[str]) -> Callable[[Table], np.ndarray]:
+    """Return what gives the numbers of a table's texts in `words`."""
+    place = {word: index for index, word in enumerate(words)}
+
+    def numbers(table: Table) -> np.ndarray:
+        texts = table.texts[name]
+        return renumbered(texts._replace(words=tuple(map(text_lines, texts.words))), place)
+
+    return numbers
