@@ -96,7 +96,8 @@ class Layout:
         self, group: Any, name: str, values: np.ndarray, dimensions: Sequence[str], about: Mapping[str, Any]
     ) -> None:
         """Make a variable over dimensions that the group has; `_FillValue` of `about` must have its type."""
-        self.empty(group, name, values.shape, values.dtype, dimensions, about)[...] = values
+        data = self.empty(group, name, values.shape, values.dtype, dimensions, about)
+        data.id.write(data.id.get_space(), data.id.get_space(), np.ascontiguousarray(values))
 
     def empty(
         self, group: Any, name: str, shape: tuple[int, ...], dtype: Any, dimensions: Sequence[str], about: Mapping

@@ -52,6 +52,12 @@ class Table:
     def __len__(self) -> int:
         return len(self.status)
 
+    @property
+    def size(self) -> int:
+        """Size of the numbers [byte]."""
+        arrays = (self.status, self.figures, self.angle, *self.traces.values(), *self.ledger.values())
+        return sum(array.nbytes for array in arrays) + sum(texts.number.nbytes for texts in self.texts.values())
+
     def column(self, group: str, name: str) -> np.ndarray:
         """Return one figure of all cases (cases,)."""
         return self.figures[:, COLUMN[group, name]]

@@ -22,6 +22,7 @@ from screwsim.study.part_files import is_whole, read_head, read_part, write_part
 
 MOST_SMALL = 128  # parts written until small neighbours are joined
 LARGE = 16_000_000  # [byte] of a part that stays as it is
+AT_HAND = 16_000_000  # [byte] of parts that are kept in memory, too, and not read again
 _NAME = re.compile(r"cases_(\d{9})_(\d{9})\.npz")
 
 
@@ -34,6 +35,8 @@ class Parts:
         self.identity = dict(identity)  # what must agree for parts to belong together
         self._lock: Any = None
         self._small = 0
+        self._at_hand: dict[Path, Table] = {}
+        self._room = AT_HAND
 
     @property
     def _manifest(self) -> Path:
@@ -101,7 +104,11 @@ class Parts:
 
     def write(self, start: int, table: Table) -> None:
         """Store the results of the cases from `start` on."""
-        write_part(self._path(range(start, start + len(table))), table)
+        path = self._path(range(start, start + len(table)))
+        write_part(path, table)
+        self._room -= table.size
+        if self._room >= 0:
+            self._at_hand[path] = table
         self._small += 1
         if self._small >= MOST_SMALL:
             self._join_neighbours()
@@ -158,23 +165,24 @@ class Parts:
                 stop = cases.stop
         if stop != total:
             raise RuntimeError(f"{self.folder}: cases from {stop} on are missing")
-        return StoredTables(paths, total)
+        return StoredTables(paths, total, self._at_hand)
 
 
 class StoredTables:
-    """Consecutive parts, one in memory at a time."""
+    """Consecutive parts, read one at a time but for those at hand."""
 
-    def __init__(self, paths: list[Path], cases: int) -> None:
+    def __init__(self, paths: list[Path], cases: int, at_hand: Mapping[Path, Table]) -> None:
         self.cases = cases
         self._paths = paths
+        self._at_hand = at_hand
 
     def heads(self) -> Iterator[Table]:
-        """Yield the parts without their cases."""
-        return map(read_head, self._paths)
+        """Yield the parts; those that are read come without their cases."""
+        return (self._at_hand.get(path) or read_head(path) for path in self._paths)
 
     def tables(self, traces: bool) -> Iterator[Table]:
-        """Yield the parts, with or without traces."""
-        return (read_part(path, traces) for path in self._paths)
+        """Yield the parts; those that are read come with traces or without."""
+        return (self._at_hand.get(path) or read_part(path, traces) for path in self._paths)
 
 
 class AngleGuard:
