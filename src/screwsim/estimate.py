@@ -20,12 +20,12 @@ from screwsim.errors import flow_errors, relative_errors
 from screwsim.model import close as closing
 from screwsim.outputs import Figures
 
-FINER = 0.2  # tolerance of a step in the turn that estimates the error
+FINER = 0.25  # tolerance of a step in the turn that estimates the error
 NARROWER = 0.25  # regularisation in that turn
 WHOLE = 1.0 / (1.0 - NARROWER)  # the error over what that turn shows of it, where it is linear in the regularisation
 TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
 AIM = 0.6  # of the wanted accuracy, at which the next try aims
-EASY = 0.3  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
+EASY = 0.4  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
 TIGHTEST = 0.05  # factor of the tolerances with which a scene of a course may begin
 TRIES = 7
 MUCH = 1e-4  # wanted accuracy from which on two turns estimate

@@ -7,7 +7,7 @@ from screwsim.numerics.kernel import inlined
 
 @inlined
 def lu_factor(M, pivots, n):
-    """Factor the n×n matrix M in place, rows permuted by `pivots`; a zero pivot leaves infinities behind it."""
+    """Factor the n×n matrix M in place, rows permuted by `pivots`, pivots inverted; one of zero leaves infinities."""
     for k in range(n):
         p = k
         for i in range(k + 1, n):
@@ -18,6 +18,7 @@ def lu_factor(M, pivots, n):
             for j in range(n):
                 M[k, j], M[p, j] = M[p, j], M[k, j]
         inverse = 1.0 / M[k, k]
+        M[k, k] = inverse
         for i in range(k + 1, n):
             factor = M[i, k] * inverse
             M[i, k] = factor
@@ -42,4 +43,4 @@ def lu_solve(M, pivots, b, n):
         value = b[i]
         for j in range(i + 1, n):
             value -= M[i, j] * b[j]
-        b[i] = value / M[i, i]
+        b[i] = value * M[i, i]

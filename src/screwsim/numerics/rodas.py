@@ -111,7 +111,8 @@ def attempt(phi, h, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pi
     if STATES > 0:
         n = STATES
         nq = QUADRATURES
-    shift = 1.0 / (GAMMA * h)
+    inverse = 1.0 / h
+    shift = inverse / GAMMA
     for i in range(n):
         for j in range(n):
             M[i, j] = -J[i, j]
@@ -134,7 +135,7 @@ def attempt(phi, h, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pi
             value = 0.0
             for j in range(stage):
                 value += C[stage, j] * u[j, i]
-            u[stage, i] += value / h + h * D[stage] * f_phi[i]
+            u[stage, i] += value * inverse + h * D[stage] * f_phi[i]
         lu_solve(M, pivots, u[stage], n)
         for i in range(nq):
             dq[i] += BETA[stage] * g_stage[i]
