@@ -37,7 +37,7 @@ from screwsim.scene.fields import Leaf, Section, section_of
 from screwsim.scene.grid import case_count, dimensions
 from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Scene
-from screwsim.scene.units import format_quantity
+from screwsim.scene.units import readable_quantity
 from screwsim.scene.values import text_of
 
 WIDTH = 79
@@ -114,7 +114,7 @@ def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
         yield from _cylinder(scene.machine, scene.operation.speed)
     else:
         yield from _screws(scene.machine, parts)
-    speed = format_quantity(KINDS["speed"], scene.operation.speed)
+    speed = readable_quantity(KINDS["speed"], scene.operation.speed)
     yield _row("speed", f"{speed}, {parts.omega / parts.geometry.pitch:.5g} chamber lives/s")
 
 
@@ -129,7 +129,7 @@ def _cylinder(machine: SliderCrank, omega: float) -> Iterator[str]:
 
 def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     length = KINDS["length"]
-    size = f"{format_quantity(length, machine.rotor_diameter)} x {format_quantity(length, machine.rotor_length)}"
+    size = f"{readable_quantity(length, machine.rotor_diameter)} x {readable_quantity(length, machine.rotor_length)}"
     yield _row(
         "kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}"
     )
@@ -169,8 +169,12 @@ def _parameters(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
         value = getattr(values, name)
         if isinstance(leaf, Leaf) and name not in skip and value is not None:
             mark = " (default)" if not leaf.required and value == leaf.default else ""
-            texts.append(f"{name} {text_of(leaf, value)}{mark}".replace(" ", NO_BREAK))
+            texts.append(f"{name} {_text(leaf, value)}{mark}".replace(" ", NO_BREAK))
     return ", ".join(texts)
+
+
+def _text(leaf: Leaf, value: Any) -> str:
+    return text_of(leaf, value) if leaf.dimension is None else readable_quantity(leaf.dimension, value)
 
 
 def _sections(values: Any, under: str = "") -> Iterator[str]:
@@ -283,12 +287,12 @@ def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     dew, bubble = _stated(operation.evaporating_temperature, "dew"), _stated(operation.condensing_temperature, "bubble")
     yield _row("suction line", f"{at.p_s / 1e5:.6g} bar{dew}, {at.T_s:.6g} K")
     T_d = operation.discharge.temperature
-    back = "mean temperature of the outflow (M27)" if T_d is None else format_quantity(KINDS["temperature"], T_d)
+    back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)
     yield _row("surroundings", f"{operation.ambient_temperature:.6g} K, to which the ledger's exergy refers (M59)")
     back = f"what flows back has {'the ' if T_d is None else ''}{back}"
     yield _row("discharge line", f"{at.p_d / 1e5:.6g} bar{bubble}; {back}")
     if operation.condensing_temperature is not None:
-        subcooling = format_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
+        subcooling = readable_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
         yield _row("cooling", f"liquid subcooled by {subcooling}; enthalpies of the real fluid (M43)")
 
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from screwsim.declare import KINDS
-from screwsim.scene.units import Refused, format_quantity, parse_quantity
+from screwsim.scene.units import Refused, format_quantity, parse_quantity, readable_quantity
 
 
 @pytest.mark.parametrize(
@@ -105,6 +105,18 @@ def test_the_example_of_a_kind_reads_back(kind):
 )
 def test_values_are_written_in_customary_units(kind, value, text):
     assert format_quantity(KINDS[kind], value) == text
+
+
+@pytest.mark.parametrize(
+    ("kind", "value", "text"),
+    [
+        ("length", 60e-6 + 1e-20, "0.06 mm"),
+        ("temperature", 313.15, "40 degC"),
+        ("pressure", 1.23456789012e5, "1.23456789 bar"),
+    ],
+)
+def test_values_for_people_show_no_rounding(kind, value, text):
+    assert readable_quantity(KINDS[kind], value) == text
 
 
 @given(kind=st.sampled_from(list(KINDS.values())), value=st.floats(1e-12, 1e12))

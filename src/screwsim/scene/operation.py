@@ -11,7 +11,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.constants import Limits
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
-from screwsim.scene.units import ZERO_CELSIUS, format_quantity
+from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
 
 EVAPORATING, CONDENSING = "operation.evaporating_temperature", "operation.condensing_temperature"
 SUPERHEAT, SUBCOOLING = "operation.superheat", "operation.subcooling"
@@ -135,7 +135,7 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     yield from _order(scene, p_s, p_d, P_D)
     if suction.temperature is None and not limits.p_triple <= p_s < limits.p_critical:
         name, limit = ("critical", limits.p_critical) if p_s > limits.p_triple else ("triple-point", limits.p_triple)
-        shown = format_quantity(KINDS["pressure"], p_s)
+        shown = readable_quantity(KINDS["pressure"], p_s)
         yield Fault(
             QUALITY if suction.superheat is None else SUPERHEAT_S,
             f"{scene.gas.fluid} has no saturation at the suction pressure {shown}: its {name} pressure is "
@@ -145,7 +145,7 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
 
 def _order(scene: Scene, p_s: float, p_d: float, path: str) -> Iterator[Fault]:
     if path == P_D:
-        low, shown = (format_quantity(KINDS["pressure"], value) for value in (p_s, p_d))
+        low, shown = (readable_quantity(KINDS["pressure"], value) for value in (p_s, p_d))
     else:
         low, shown = f"{p_s / 1e5:.6g} bar", f"gives {p_d / 1e5:.6g} bar, which"
     if p_s == p_d:

@@ -164,5 +164,10 @@ def format_quantity(kind: Kind, value: float) -> str:
     return f"{value!r} {kind.si}"
 
 
+def readable_quantity(kind: Kind, value: float) -> str:
+    """Return an SI value in its customary unit for people to read, of ten digits."""
+    return f"{to_customary(kind, value):.10g} {customary_unit(kind)}"
+
+
 # A declared example must be readable; a new kind without a row in the table fails here, not in a user's scene.
 assert all(customary_unit(kind) in _TABLE[kind.si] for kind in KINDS.values())

@@ -7,14 +7,14 @@ import textwrap
 from screwsim.declare import KINDS
 from screwsim.explain import WIDTH, explain
 from screwsim.scene.lines import lines
-from screwsim.scene.units import format_quantity
+from screwsim.scene.units import readable_quantity
 from screwsim.study.stages.read import NAMES, Chain, Intercooler
 
 
 def explain_stages(chain: Chain) -> str:
     """Return the text. Raises UsageError for a fluid that is not there."""
     p_s, p_d = lines(chain.first).p_s, lines(chain.second).p_d
-    ends = " to ".join(format_quantity(KINDS["pressure"], p) for p in (p_s, p_d))
+    ends = " to ".join(readable_quantity(KINDS["pressure"], p) for p in (p_s, p_d))
     found = (
         f"Two stages, {ends}. The pressure between them is found: that at which what the first stage gives is what the "
         f"second one takes (M200). {_between(chain.intercooler)} The discharge line of the first scene and the suction "
@@ -35,8 +35,8 @@ def _between(between: Intercooler) -> str:
         "economizer": "Vapour of a flash tank between condenser and evaporator mixes with the gas (M202).",
     }[between.kind]
     if between.outlet_temperature is not None:
-        words = words.format(T=format_quantity(KINDS["temperature"], between.outlet_temperature))
+        words = words.format(T=readable_quantity(KINDS["temperature"], between.outlet_temperature))
     if between.pressure_drop > 0.0:
-        lost = format_quantity(KINDS["pressure_difference"], between.pressure_drop)
+        lost = readable_quantity(KINDS["pressure_difference"], between.pressure_drop)
         words += f" Both lines differ by a pressure drop of {lost}."
     return words
