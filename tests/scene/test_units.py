@@ -111,7 +111,7 @@ def test_values_are_written_in_customary_units(kind, value, text):
     ("kind", "value", "text"),
     [
         ("length", 60e-6 + 1e-20, "0.06 mm"),
-        ("temperature", 313.15, "40 degC"),
+        ("temperature", 313.15 + 1e-13, "313.15 K"),
         ("pressure", 1.23456789012e5, "1.23456789 bar"),
     ],
 )
