@@ -10,7 +10,7 @@ import numpy as np
 from screwsim import settling, shaft
 from screwsim.build import prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
-from screwsim.ledger import entropy_residue
+from screwsim.ledger.total import entropy_residue
 from screwsim.model import close as closing
 from screwsim.model.pulsation import LOWEST
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE

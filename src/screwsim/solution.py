@@ -11,7 +11,8 @@ import numpy as np
 from screwsim import expander, performance
 from screwsim.build import build_site
 from screwsim.effects.base import Drawn, OilSolution, Plenum, Reading, Site, Turn
-from screwsim.ledger import Cycle, ledger
+from screwsim.ledger.book import Cycle
+from screwsim.ledger.total import ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
 from screwsim.model import speed

@@ -1,0 +1,133 @@
+"""The book of the ledger: its entries while they are written, and what they ask of a closed cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from screwsim.fluid.reservoir import Reservoir
+from screwsim.intake import Suction
+from screwsim.model.close import Array
+from screwsim.model.run import Machinery
+from screwsim.model.slots import FIRST_OWN, PLACE, PRESSURE
+from screwsim.performance import CycleFigures, Lines
+
+OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
+SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"
+
+
+@dataclass(frozen=True)
+class State:
+    """A state of the gas, relative to nothing: T [K], ρ [kg/m³], h [J/kg], s [J/(kg K)]."""
+
+    T: float
+    rho: float
+    h: float
+    s: float
+
+    def generated(self, mass: float, enthalpy: float, entropy: float) -> float:
+        """Return the entropy [J/K] generated where gas with these sums comes to this state, at its pressure (M52)."""
+        return (enthalpy - mass * self.h) / self.T - (entropy - mass * self.s)
+
+
+@dataclass
+class Entry:
+    """One line of the ledger [SI]: gas moved, energy moved, entropy generated and the shaft power that it costs."""
+
+    gas_moved: float | None = None
+    energy_moved: float | None = None
+    entropy_generated: float = 0.0
+    exergy_destroyed: float = 0.0
+
+
+@dataclass
+class Book:
+    """The entries while they are written, in rates; T_0 [K]."""
+
+    T_0: float
+    entries: dict[str, Entry] = field(default_factory=dict)
+
+    def add(
+        self,
+        name: str,
+        *,
+        entropy: float | None = None,
+        exergy: float | None = None,
+        gas: float | None = None,
+        energy: float | None = None,
+    ) -> None:
+        """Add to an entry: entropy generated [W/K], or exergy destroyed [W], which stands for entropy at T_0."""
+        entry = self.entries.setdefault(name, Entry())
+        if gas is not None:
+            entry.gas_moved = (entry.gas_moved or 0.0) + gas
+        if energy is not None:
+            entry.energy_moved = (entry.energy_moved or 0.0) + energy
+        destroyed = exergy if exergy is not None else self.T_0 * (entropy or 0.0)
+        entry.exergy_destroyed += destroyed
+        entry.entropy_generated += destroyed / self.T_0
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """What the ledger asks of a closed cycle.
+
+    `streams` are the sums over one chamber's life (model.close.Balances.streams); `line_given` tells that the state of
+    the discharge line is not that of the outflow.
+    """
+
+    parts: Any
+    lines: Lines
+    machinery: Machinery
+    streams: Array
+    known: CycleFigures
+    shaft_power: float
+    T_0: float
+    line_given: bool
+    intake: Suction
+
+    def pressed(self, p: float) -> float:
+        """Return p/(ρ_oil c_oil) [K] where the oil takes room, else 0 (M108)."""
+        oil = self.parts.oil
+        return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
+
+    @property
+    def rate(self) -> float:
+        """Return chamber lives per second."""
+        return self.parts.omega / self.parts.geometry.pitch
+
+    def state(self, T: float, rho: float, h: float) -> State:
+        """Return a state of the gas with its entropy."""
+        c = self.machinery.composition
+        return State(T, rho, h, float(self.machinery.module.gas_entropy(T, rho, c.P, c.TAB)))
+
+    def behind(self, to: str, line: State) -> State:
+        """Return the mean state that the chambers meet in a line: throttled where its pressure has an offset (M184)."""
+        for part in self.parts.pulsations:
+            if part.to == to:
+                c, gas = self.machinery.composition, self.parts.gas
+                p = float(self.machinery.R[self.parts.number(to) * PLACE + PRESSURE])
+                p *= 1.0 + float(c.P[c.made[list(self.parts.made).index(part.offset)]])
+                return self.state(gas.temperature(p, line.h), gas.place_of_enthalpy(p, line.h)[1], line.h)
+        return line
+
+    def at_discharge(self, h: float) -> State:
+        """Return the state at discharge pressure of enthalpy h [J/kg]."""
+        gas, p_d = self.parts.gas, self.lines.p_d
+        return self.state(gas.temperature(p_d, h), gas.place_of_enthalpy(p_d, h)[1], h)
+
+    @property
+    def paths(self) -> list[str]:
+        """Return whose flow paths there are, in the order of their sums."""
+        c = self.machinery.composition
+        return [*c.plenum_paths, *(name for name, _ in c.gap_paths)]
+
+    def pressure(self, end: str) -> float:
+        """Return the pressure [Pa] of a line or plenum."""
+        pressures = {"suction": self.lines.p_s, "discharge": self.lines.p_d}
+        return pressures[end] if end in pressures else self.parts.plenums[end].p
+
+    def drawn(self) -> Iterator[tuple[float, Reservoir]]:
+        """Yield the net flow [kg/s] from each own plenum, and its state."""
+        for i, own in enumerate(self.parts.plenums.values(), FIRST_OWN):
+            yield float(self.streams[2 * i, 0] + self.streams[2 * i + 1, 0]) * self.rate, own

@@ -1,0 +1,95 @@
+"""The gas in the ledger: its exergy rise; what flow paths, lines and walls destroy (M50–M57, M163, M187)."""
+
+from __future__ import annotations
+
+from screwsim.effects.base import Intake, Pulsation
+from screwsim.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, State
+from screwsim.model import ledger as kernels
+from screwsim.model.close import Array
+from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE
+
+
+def enter_paths(book: Book, cycle: Cycle, paths: Array, suction: State, discharge: State) -> None:
+    """Enter every flow path: what its gas generates where it arrives, in a chamber or in a line (M50–M52)."""
+    states = {"suction": suction, "discharge": discharge} | {
+        name: State(own.T, own.rho, own.h, own.s) for name, own in cycle.parts.plenums.items()
+    }
+    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths.tolist(), strict=True):
+        target = states[end]
+        left = target.generated(row[kernels.OUT_MASS], row[kernels.OUT_ENTHALPY], row[kernels.OUT_ENTROPY])
+        moved = row[kernels.MOVED]
+        energy = row[kernels.CARRIES] - moved * suction.h
+        book.add(name, gas=moved, energy=energy, entropy=row[kernels.GENERATED] + left)
+        if end != "discharge" and row[kernels.OUT_MASS] > 0.0:
+            # the line stays at T_s: what the gas brings above that leaves as heat at T_s (M54)
+            heat = row[kernels.OUT_ENTHALPY] - row[kernels.OUT_MASS] * target.h
+            entry = SUCTION_LINE if end == "suction" else f"{end}_plenum"
+            book.add(entry, energy=heat, exergy=heat * (1.0 - cycle.T_0 / target.T))
+
+
+def gas_rise(book: Book, cycle: Cycle, suction: State, line: State, discharge: State) -> float:
+    """Return the exergy rise of the gas [W] (M55), and enter what keeps the discharge line at a given state (M54)."""
+
+    def exergy(state: State) -> float:
+        return state.h - suction.h - cycle.T_0 * (state.s - suction.s)
+
+    back, out = (float(cycle.streams[row, 0]) * cycle.rate for row in (2, 3))
+    if cycle.line_given:
+        heat = back * (discharge.h - line.h)
+        book.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
+    return -(out + back) * exergy(discharge) - sum(
+        net * exergy(State(own.T, own.rho, own.h, own.s)) for net, own in cycle.drawn()
+    )
+
+
+def enter_pulsations(
+    book: Book, cycle: Cycle, suction: tuple[State, State], discharge: tuple[State, State], line: State
+) -> None:
+    """Enter what lines that pulsate cost (M187): throttling, and what gas that comes in takes of the pulsation.
+
+    The gas is throttled from the first to the second of two states.
+    """
+    for name, part in cycle.parts.all(Pulsation):
+        row = 2 * cycle.parts.number(part.to)
+        before, after = suction if part.to == "suction" else discharge
+        sums = cycle.rate * cycle.streams[row : row + 2]
+        h = before.h if part.to == "suction" else line.h
+        pulsation = float(sums[0, 1] - sums[0, 0] * h)
+        throttled = abs(float(sums[:, 0].sum())) * (after.s - before.s)
+        book.add(name, gas=abs(float(sums[:, 0].sum())), energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)
+
+
+def enter_intake(book: Book, cycle: Cycle, gas_rise: float, discharge: State) -> float:
+    """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttle (M163)."""
+    intake, T_s = cycle.intake, cycle.lines.T_s
+    h_d = float(cycle.machinery.R[R_DISCHARGE + ENTHALPY])
+    drawn = list(cycle.drawn())
+    flow = -float(cycle.streams[2, 0] + cycle.streams[3, 0]) * cycle.rate - sum(net for net, _ in drawn)
+
+    def exergy(state: State) -> float:
+        return state.h - cycle.T_0 * state.s
+
+    line, mixed = (
+        exergy(cycle.state(intake.temperature(place, T_s), place[DENSITY], place[ENTHALPY]))
+        for place in (intake.line, intake.mixed(h_d))
+    )
+    share, out = intake.returned, exergy(discharge)
+    delivered = (1.0 - share) * flow * (out - line)
+    delivered += sum(net * (out - exergy(State(own.T, own.rho, own.h, own.s))) for net, own in drawn)
+    returned = flow * (share * out + (1.0 - share) * line - mixed)
+    for name, part in cycle.parts.all(Intake):
+        if part.returned > 0.0:
+            energy = share * flow * (discharge.h - intake.line[ENTHALPY])
+            book.add(name, gas=share * flow, energy=energy, exergy=returned)
+        if part.pressure_ratio < 1.0:
+            book.add(name, gas=flow, exergy=gas_rise - delivered - returned)
+    return delivered
+
+
+def enter_walls(book: Book, cycle: Cycle, heats: Array) -> None:
+    """Enter the heat between walls and gas, and what leaves the walls at their temperature (M171)."""
+    c = cycle.machinery.composition
+    for (name, wall), (heat, generated) in zip(cycle.parts.walls, heats.tolist(), strict=True):
+        held = wall.temperature
+        T = float(c.P[c.made[list(cycle.parts.made).index(held)]]) if isinstance(held, str) else held
+        book.add(name, energy=heat, exergy=cycle.T_0 * generated - heat * (1.0 - cycle.T_0 / T))

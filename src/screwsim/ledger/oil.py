@@ -1,0 +1,179 @@
+"""The oil in the ledger: its exergy rise, its injection and supply, the heat of its droplets, the gas that it holds."""
+
+from __future__ import annotations
+
+from math import log
+
+import numpy as np
+
+from screwsim.dissolved import Held
+from screwsim.effects.base import OilGas, PowerLoss
+from screwsim.ledger.book import NOT_CONSERVED, OIL_INJECTION, OIL_SUPPLY, SUCTION_LINE, Book, Cycle, State
+from screwsim.model import ledger as kernels
+from screwsim.model.close import Array
+from screwsim.model.parts import OilPart
+from screwsim.model.slots import (
+    OIL_TEMPERATURE,
+    P_INJECTION,
+    R_DISCHARGE,
+    R_INJECTED,
+    R_OIL_BEFORE,
+    R_RATIO,
+)
+from screwsim.performance import oil_lift
+
+
+def cool_at_lines(cycle: Cycle, paths: Array) -> None:
+    """Let oil that takes room have the temperature to which throttling to its line brings it, in place (M109)."""
+    if not cycle.parts.oil_room:
+        return
+    for row, end in zip(paths, cycle.machinery.composition.ends, strict=True):
+        row[kernels.OUT_OIL_T] -= row[kernels.OUT_OIL] * cycle.pressed(cycle.pressure(end))
+
+
+def oil_rise(book: Book, cycle: Cycle, suction: State, paths: Array, heats: Array, sums: Array) -> float:
+    """Return the exergy rise of the oil [W] (M56), and enter its heat, injection, supply and what is not conserved."""
+    c, known = cycle.machinery.composition, cycle.known
+    for name, row in zip(c.heats, heats, strict=True):
+        book.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
+    lift = oil_lift(cycle.parts, cycle.lines, known)
+    book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
+    if c.ported:
+        book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
+    dissolved = _flash(book, cycle, suction, paths, sums)
+    mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
+    if c.carried:
+        return dissolved + mechanical + _carried(book, cycle, paths)
+    if c.heats:
+        return mechanical + _not_carried(book, cycle, paths, sums)
+    return mechanical
+
+
+def _flash(book: Book, cycle: Cycle, suction: State, paths: Array, sums: Array) -> float:
+    """Enter the gas that flashes out of the oil; return the exergy [W] by which it is less than that gas (M197)."""
+    content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
+    if content is None:
+        return 0.0
+    if cycle.parts.dissolves:
+        return _released(book, cycle, suction, paths, sums)
+    for name, _ in cycle.parts.all(OilGas):
+        generated = float(sums[kernels.FLASH_GENERATED])
+        book.add(name, gas=flashed, energy=flashed * content.latent, entropy=generated)
+    return flashed * content.latent * (1.0 - cycle.T_0 / cycle.parts.oil.temperature)
+
+
+def _released(book: Book, cycle: Cycle, suction: State, paths: Array, sums: Array) -> float:
+    """Enter the gas that oil gives off over time; return the rise [W] of what it holds, and of that gas (M234)."""
+    held, ends = Held(cycle, suction), {}
+    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths.tolist(), strict=True):
+        entry = {"discharge": "", "suction": SUCTION_LINE}.get(end, f"{end}_plenum")
+        ends.setdefault(entry, []).append((name, row))
+    held.at_lines(ends, book.add)
+    gas, energy = float(sums[kernels.FLASH_MASS]), float(sums[kernels.RELEASED])
+    rise = held.rise()
+    for name, part in cycle.parts.all(OilGas):
+        book.add(name, gas=gas, energy=energy, entropy=float(sums[kernels.FLASH_GENERATED]))
+        i = 2 * cycle.parts.number(part.plenum)
+        net = float(cycle.streams[i : i + 2, 0].sum()) * cycle.rate
+        rise += held.of_gas(net, cycle.parts.plenums[part.plenum])
+    return rise
+
+
+def _throttled(cycle: Cycle) -> float:
+    """Return the pressure [Pa] that the oil loses between its source and the chamber, dissipated at T_0 (M58).
+
+    Where the oil takes room, what it loses in the chamber heats it instead: left is the loss of the line, and what
+    lifts oil from a source below the chamber's pressure.
+    """
+    known, port = cycle.known, cycle.parts.oil_port
+    if not cycle.parts.oil_room:
+        return known.oil_source_pressure - known.injection_pressure
+    return (
+        port.loss(known.oil_source_pressure)
+        if port is not None
+        else min(0.0, known.oil_source_pressure - known.injection_pressure)
+    )
+
+
+def _thermal(cycle: Cycle, mass: float, mass_T: float, mass_log: float) -> float:
+    """Return the exergy [W] of oil above that of injected oil at equal pressure, from Σ ṁ, Σ ṁ T, Σ ṁ ln T (M56)."""
+    oil: OilPart = cycle.parts.oil
+    T = oil.temperature
+    return oil.heat_capacity * ((mass_T - mass * T) - cycle.T_0 * (mass_log - mass * log(T)))
+
+
+def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
+    """Return Σ ṁ, Σ ṁ T, Σ ṁ ln T of oil mixed to one temperature."""
+    return mass, mass_T, mass * log(mass_T / mass) if mass > 0.0 else 0.0
+
+
+def _mixing(book: Book, cycle: Cycle, paths: Array, T_mean: float) -> None:
+    """Enter the mixing of the oil that leaves to the discharge line to its mean temperature there (M53)."""
+    c_oil = cycle.parts.oil.heat_capacity
+    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths.tolist(), strict=True):
+        mass, mass_T, mass_log = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG))
+        if mass > 0.0 and end == "discharge":
+            book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
+
+
+def _carried(book: Book, cycle: Cycle, paths: Array) -> float:
+    """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
+    oil: OilPart = cycle.parts.oil
+    out, out_T = (-float(cycle.streams[3, i]) * cycle.rate for i in (2, 3))
+    out_T -= out * cycle.pressed(cycle.lines.p_d)
+    back = float(cycle.streams[2, 2]) * cycle.rate
+    if out > 0.0:
+        _mixing(book, cycle, paths, out_T / out)
+    lost = 0.0
+    columns, ends = slice(kernels.OUT_OIL, kernels.OUT_OIL_LOG + 1), cycle.machinery.composition.ends
+    for end in dict.fromkeys(end for end in ends if end != "discharge"):
+        rows = [i for i, other in enumerate(ends) if other == end]
+        taken = paths[rows, columns].sum(axis=0).tolist()
+        rise = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
+        lost += rise
+        if taken[0] > 0.0:
+            p = cycle.pressure(end) if cycle.parts.oil_room else cycle.lines.p_d
+            pressure = taken[0] / oil.density * (p - cycle.known.oil_source_pressure)
+            energy = oil.heat_capacity * (taken[1] - taken[0] * oil.temperature)
+            entry = SUCTION_LINE if end == "suction" else f"{end}_plenum"
+            book.add(entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
+    if not cycle.machinery.composition.ported:
+        book.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
+    T_line = float(cycle.machinery.R[R_DISCHARGE + OIL_TEMPERATURE]) - cycle.pressed(cycle.lines.p_d)
+    return _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
+
+
+def _injection(cycle: Cycle) -> float:
+    """Return the entropy [J/K] that one injection generates by mixing with the oil that is there (M53)."""
+    oil, R = cycle.parts.oil, cycle.machinery.R
+    before, injected = float(R[R_OIL_BEFORE]), float(R[R_INJECTED])
+    times, dense, _, steps = cycle.machinery.last()
+    i = int(np.searchsorted(times[: steps + 1], cycle.machinery.composition.P[P_INJECTION] + 1e-9)) - 1
+    T_before, T_after = float(dense[i - 1, 1, 2]), float(dense[i, 0, 2])
+    mixed = injected * log(T_after / oil.temperature)
+    return oil.heat_capacity * (mixed + (before * log(T_after / T_before) if before > 0.0 else 0.0))
+
+
+def _not_carried(book: Book, cycle: Cycle, paths: Array, sums: Array) -> float:
+    """Return the thermal exergy rise of oil at a constant ratio [W], and enter what appears and vanishes (M57)."""
+    oil, R = cycle.parts.oil, cycle.machinery.R
+    out, out_T = (float(paths[:, column].sum()) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
+    T_mean = out_T / out if out > 0.0 else oil.temperature
+    _mixing(book, cycle, paths, T_mean)
+    injected = cycle.known.oil_mass_flow
+    times, dense, _, steps = cycle.machinery.last()
+    c = cycle.machinery.composition
+    volume = float(cycle.machinery.module.volume_at(times[steps], c.P, c.TAB))
+    rest = cycle.rate * float(R[R_RATIO] * dense[steps - 1, 1, 1]) * volume
+    rise = _thermal(cycle, *_mixed(injected, injected * T_mean))
+    entry = _thermal(cycle, *_mixed(rest, rest * float(dense[steps - 1, 1, 2])))
+    entry -= _thermal(cycle, sums[kernels.MADE], sums[kernels.MADE_T], sums[kernels.MADE_LOG])
+    entry += _thermal(cycle, *_mixed(out, out_T)) - rise
+    entry += float(sums[kernels.LOST] - cycle.T_0 * sums[kernels.LOST_OVER_T])
+    book.add(NOT_CONSERVED, exergy=float(entry))
+    return rise
+
+
+def _kept(cycle: Cycle) -> float:
+    """Return the power [W] that losses leave in the oil as pressure."""
+    return sum(float(part.kept(cycle.known)) for _, part in cycle.parts.all(PowerLoss) if part.kept is not None)

@@ -1,0 +1,98 @@
+"""The ledger: where the shaft power goes, as exergy destroyed by each effect (docs/model.md M50–M59).
+
+Shaft power = exergy rise of the gas + exergy rise of the oil + T_0 Σ entropy generated + residue. Every effect of the
+scene has an entry, and so has what the model itself destroys or gives: the oil's supply, its injection, the lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+from screwsim.effects.base import PowerLoss, Reading
+from screwsim.ledger.book import Book, Cycle, Entry
+from screwsim.ledger.gas import enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
+from screwsim.ledger.oil import cool_at_lines, oil_rise
+from screwsim.model.close import discharge_enthalpy
+from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
+from screwsim.outputs import Figures
+
+
+def ledger(cycle: Cycle) -> Figures:
+    """Return the ledger of a closed cycle: its totals, and the entries as `<quantity>_<effect>` (outputs.LEDGER)."""
+    R = cycle.machinery.R
+    place = cycle.intake.place(float(R[R_DISCHARGE + ENTHALPY]))
+    T_suction = cycle.intake.temperature(place, cycle.lines.T_s)
+    suction = cycle.state(T_suction, float(R[R_SUCTION + DENSITY]), float(R[R_SUCTION + ENTHALPY]))
+    line = cycle.at_discharge(float(R[R_DISCHARGE + ENTHALPY]))
+    mean = discharge_enthalpy(cycle.streams)
+    discharge = line if mean is None else cycle.at_discharge(mean[0])
+    sucked, given = cycle.behind("suction", suction), cycle.behind("discharge", discharge)
+    paths, heats, oil = (
+        cycle.rate * sums for sums in cycle.machinery.account(sucked.s, cycle.behind("discharge", line).s)
+    )
+    cool_at_lines(cycle, paths)
+    book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
+    enter_paths(book, cycle, paths, sucked, given)
+    enter_pulsations(book, cycle, (suction, sucked), (given, discharge), line)
+    of_gas = gas_rise(book, cycle, suction, line, discharge)
+    if cycle.intake.changed:
+        of_gas = enter_intake(book, cycle, of_gas, discharge)
+    warmed = len(cycle.machinery.composition.heats)
+    enter_walls(book, cycle, heats[warmed:])
+    of_oil = None
+    if cycle.parts.oil is not None:
+        of_oil = oil_rise(book, cycle, suction, paths, heats[:warmed], oil)
+    _losses(book, cycle)
+    return _figures(book, cycle, of_gas, of_oil)
+
+
+def _acting(cycle: Cycle) -> Iterator[str]:
+    """Yield the effects that do more than read the cycle."""
+    for name, items in cycle.parts.effects.items():
+        if not (items and all(isinstance(part, Reading) for part in items)):
+            yield name
+
+
+def _figures(book: Book, cycle: Cycle, of_gas: float, of_oil: float | None) -> Figures:
+    destroyed = sum(entry.exergy_destroyed for entry in book.entries.values())
+    residue = cycle.shaft_power - of_gas - (of_oil or 0.0) - destroyed
+    found: dict[str, Any] = {
+        "ambient_temperature": cycle.T_0,
+        "shaft_power": cycle.shaft_power,
+        "gas_exergy_rise": of_gas,
+        "oil_exergy_rise": of_oil,
+        "exergy_destroyed": destroyed,
+        "residue": residue,
+        "relative_residue": residue / abs(cycle.shaft_power) if cycle.shaft_power != 0.0 else None,
+    }
+    for name, entry in book.entries.items():
+        found |= zip(_titles(name), vars(entry).values(), strict=True)
+    return Figures(found)
+
+
+@cache
+def _titles(name: str) -> tuple[str, ...]:
+    """Return what the figures of an entry are called."""
+    return tuple(f"{quantity}_{name}" for quantity in vars(Entry()))
+
+
+def _losses(book: Book, cycle: Cycle) -> None:
+    """Enter every power beside the gas work: dissipated at T_0, but for what stays in the oil as pressure (M58)."""
+    for name, part in cycle.parts.all(PowerLoss):
+        power = float(part.power(cycle.known))
+        kept = float(part.kept(cycle.known)) if part.kept is not None else 0.0
+        book.add(name, energy=power, exergy=power - kept)
+
+
+def entropy_residue(book: Figures, least_power: float = 0.0) -> float | None:
+    """Return the residue of the ledger over the shaft power and all that is destroyed; None without a ledger.
+
+    Given that energy closes, it is the residue of the entropy balance times T_0 (docs/model.md M59). Powers [W] below
+    the least one are rounding, as in the energy balance.
+    """
+    if not book:
+        return None
+    destroyed = sum([abs(value) for name, value in book.items() if value and name.startswith("exergy_destroyed_")])
+    return abs(book["residue"]) / max(abs(book["shaft_power"]) + destroyed, least_power, 1e-300)
