@@ -15,6 +15,7 @@ def least(monkeypatch):
     monkeypatch.setattr(accuracy, "QUICK", extent)
 
 
+@pytest.mark.slow
 def test_accuracy_prints_tables_and_a_sentence_and_writes_files(folder, command, least):
     answer = command("accuracy", "small.yaml", "--quick", "-o", "out/study")
     assert answer.code == 0, answer.err

@@ -79,6 +79,7 @@ def test_reference_state_is_the_stated_one_or_that_of_the_suction():
 # ---- in the cycle ----
 
 
+@pytest.mark.slow
 def test_without_slip_the_cycle_is_that_of_the_stated_coefficient():
     own = with_droplets(diameter="100 um", **STATED)
     alpha = 2.0 * 0.0146 / 100e-6

@@ -9,6 +9,7 @@ SLIDE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rpm", [3000, 1000])
 def test_coupled_chambers_with_a_slot_to_suction_keep_mass_energy_and_entropy(rpm):
     found = run({**SLIDE, "operation.speed": f"{rpm} rpm", "numerics.closing": "coupled"})

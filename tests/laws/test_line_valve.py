@@ -188,6 +188,7 @@ def test_two_valves_of_a_machine_that_delivers_lock_in_nothing():
     assert result.performance.gas_mass_flow > 0.0
 
 
+@pytest.mark.slow
 def test_gas_of_a_third_line_leaves_by_the_suction_line_where_the_discharge_valve_stays_shut():
     economizer = {"temperature": "20 degC", "opens": "385 deg", "closes": "485 deg", "area": "1 cm^2"}
     result = run(

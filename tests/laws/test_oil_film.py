@@ -44,6 +44,7 @@ def tip(base=FILMS, **changes):
     return {**plain, "effects.tip_leakage": {"gap": "50 um", **SEALED, **changes}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_mass_energy_entropy_and_oil_close(case):
     result = run(CASES[case])
@@ -52,6 +53,7 @@ def test_mass_energy_entropy_and_oil_close(case):
     assert max(balances) <= result.balance.bound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_coupled_chambers_agree_with_histories(case):
     assert change(run({**CASES[case], "numerics": {"closing": "coupled"}}), run(CASES[case])) < ACCURACY
@@ -104,6 +106,7 @@ def test_what_leaves_one_chamber_enters_the_one_behind():
         assert there == pytest.approx(-here, rel=2e-3, abs=2e-3 * abs(there).max()), gap
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", [False, True])
 def test_the_ledger_has_what_films_generate(room):
     """M254 over a fine grid of angles, of films to the chamber behind and between the last one and the line.

@@ -63,6 +63,7 @@ def test_more_oil_than_the_chamber_holds_locks_at_the_injection():
     assert "hydraulic lock at 360.00 deg" in result.message
 
 
+@pytest.mark.slow
 def test_a_wide_bore_locks_too():
     result = run({**TOGETHER, "oil_supply.orifice_diameter": "40 mm"})
     assert result.status == "failed"

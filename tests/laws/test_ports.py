@@ -154,6 +154,7 @@ def test_nothing_flows_into_the_bore_when_the_chamber_is_above_it():
     assert 0.0 <= late.performance.oil_mass_flow < 0.5 * run(OIL_PORT).performance.oil_mass_flow
 
 
+@pytest.mark.slow
 def test_oil_at_a_stated_pressure_is_that_of_the_line_that_leaves_it():
     """12 bar less 2.5 bar of the line are 9.5 bar before the bore; a lower pressure drives less oil."""
     lost, stated = (

@@ -37,6 +37,7 @@ def cycle():
     return simulate(ideal())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["a", "b", "c"])
 def test_the_shipped_machines_close_and_keep_their_balances(name):
     result = simulate(load(CONFIGS / f"{name}.yaml"))
@@ -56,6 +57,7 @@ def test_all_chambers_at_once_give_the_same_cycle(cycle):
     assert difference(together, cycle) < 2 * ideal().numerics.accuracy  # either may be off by the accuracy
 
 
+@pytest.mark.slow
 def test_tables_of_the_profile_give_the_same_cycle(cycle, tmp_path):
     for name, text in table_files(ideal(), tmp_path).items():
         (tmp_path / name).write_text(text, encoding="utf-8")

@@ -48,6 +48,7 @@ def solution_of(changes):
     return solution, solution.parts.oil_content, build_site(scene, solution.parts.gas)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_mass_energy_entropy_and_what_is_dissolved_close(case):
     result = run(CASES[case])

@@ -158,6 +158,7 @@ def test_without_expansion_nothing_changes(none):
     assert change(run({**GAPS, "effects.thermal_clearances": {**WARM, **none}}), run(CARRIED)) < ACCURACY
 
 
+@pytest.mark.slow
 def test_walls_and_gaps_settle_together():
     result = run(BOTH)
     p = result.performance
