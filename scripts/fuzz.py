@@ -36,7 +36,7 @@ from judging import finite  # noqa: E402
 from screwsim.errors import relative_errors  # noqa: E402
 from screwsim.estimate import worst  # noqa: E402
 from screwsim.faults import SceneError  # noqa: E402
-from screwsim.outputs import Result  # noqa: E402
+from screwsim.outputs import Figures, Result  # noqa: E402
 from screwsim.scene import Scene  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
 
@@ -62,6 +62,9 @@ NO_ANSWER = "no answer"  # of Radau
 PACKAGES = ("numpy", "scipy", "numba", "coolprop")
 
 
+OIL = ("oil_ratio", "oil_flow_ratio")  # figures that next to no oil makes
+
+
 def against_radau(scene: Scene, result: Result) -> tuple[str, float | str]:
     """Return the figure that differs most from coupled chambers under a tight Radau, and by how much."""
     accuracy = scene.numerics.accuracy
@@ -69,7 +72,10 @@ def against_radau(scene: Scene, result: Result) -> tuple[str, float | str]:
     radau = simulate(replace(scene, numerics=replace(scene.numerics, **tight)), trace=False)
     if radau.status != "ok":
         return "", NO_ANSWER
-    return worst(relative_errors(result.performance, radau.performance))
+    errors = relative_errors(result.performance, radau.performance)
+    if (radau.balance.get("oil_mass") or 0.0) > accuracy:  # next to no oil, which Radau's cycle has not settled
+        errors = Figures({name: size for name, size in errors.items() if name not in OIL})
+    return worst(errors)
 
 
 def one(index: int, seed: int) -> tuple[dict[str, Any], Scene | None, Result | None]:
