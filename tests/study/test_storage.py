@@ -2,6 +2,7 @@
 
 import errno
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -9,14 +10,14 @@ import numpy as np
 import pytest
 import xarray as xr
 from result_fakes import CYCLE, SCENE, fake_simulate, scene
-from sweep_fakes import StopAfter, assert_same, chained, grid_scene, held, parts_of
+from sweep_fakes import StopAfter, assert_same, chained, grid_scene, held, parts_of, without_moments
 
 from screwsim.faults import UsageError
 from screwsim.report import plot
 from screwsim.results import open_results
 from screwsim.results.schema import axes_of
 from screwsim.results.table import InMemory, join, regrouped, table_of
-from screwsim.results.write import write_tables
+from screwsim.results.write import Draft, write_tables
 from screwsim.scene import case, case_count
 from screwsim.scene.grid import shape
 from screwsim.study import shards
@@ -99,6 +100,37 @@ def test_a_file_does_not_depend_on_how_its_cases_came(sizes, chunk, tmp_path, mo
     write_tables(tmp_path / "pieces.h5", swept, axes_of(swept), source, "sweep")
     assert_same(tmp_path / "whole.h5", tmp_path / "pieces.h5")
     assert join(pieces).texts["warnings"].words == ("first warning\nη of 2",)
+
+
+@pytest.mark.parametrize("changes", [{}, {"effects": ("blow_hole",)}, {"ledger": {"residue": np.zeros(1)}}])
+def test_a_file_laid_out_ahead_is_that_laid_out_in_the_end(changes, tmp_path):
+    """A first part may know less of the names than all parts, or others: the file is laid out again then."""
+    swept = scene(LONG)
+    whole = table_of([fake_simulate(case(swept, index)) for index in range(case_count(swept))], keep_cycle=False)
+    write_tables(tmp_path / "late.h5", swept, axes_of(swept), InMemory(whole), "sweep")
+    with Draft(tmp_path / "early.h5", swept, axes_of(swept), "sweep") as draft:
+        draft.lay_out(replace(whole.rows(slice(1)), **changes))
+        draft.complete(InMemory(whole))
+    assert without_moments(tmp_path / "early.h5") == without_moments(tmp_path / "late.h5")
+    assert sorted(os.listdir(tmp_path)) == ["early.h5", "late.h5"]
+
+
+def test_a_draft_that_is_left_leaves_nothing(tmp_path):
+    swept = scene(LONG)
+    (tmp_path / "out.h5").write_text("old")
+    one = table_of([fake_simulate(case(swept, 0))], keep_cycle=False)
+    with pytest.raises(KeyboardInterrupt), Draft(tmp_path / "out.h5", swept, axes_of(swept), "sweep") as draft:
+        draft.lay_out(one)
+        assert len(os.listdir(tmp_path)) == 2
+        raise KeyboardInterrupt
+    assert os.listdir(tmp_path) == ["out.h5"]
+    assert (tmp_path / "out.h5").read_text() == "old"
+
+
+def test_parts_at_hand_are_bounded_and_the_file_is_the_same(reference, tmp_path, monkeypatch):
+    monkeypatch.setattr(shards, "AT_HAND", 30_000)  # some of the parts
+    run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate_many=chained)
+    assert_same(reference, tmp_path / "out.h5")
 
 
 def test_traces_come_in_chunks_of_whole_cases(tmp_path):
