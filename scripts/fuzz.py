@@ -60,9 +60,7 @@ COLUMNS = (
 TRY = "the cycle closed only with "
 NO_ANSWER = "no answer"  # of Radau
 PACKAGES = ("numpy", "scipy", "numba", "coolprop")
-
-
-OIL = ("oil_ratio", "oil_flow_ratio")  # figures that next to no oil makes
+PER_GAS = ("oil_ratio", "oil_flow_ratio")  # oil figures over the gas, which next to no oil leaves open
 
 
 def against_radau(scene: Scene, result: Result) -> tuple[str, float | str]:
@@ -74,7 +72,7 @@ def against_radau(scene: Scene, result: Result) -> tuple[str, float | str]:
         return "", NO_ANSWER
     errors = relative_errors(result.performance, radau.performance)
     if (radau.balance.get("oil_mass") or 0.0) > accuracy:  # next to no oil, which Radau's cycle has not settled
-        errors = Figures({name: size for name, size in errors.items() if name not in OIL})
+        errors = Figures({name: size for name, size in errors.items() if name not in PER_GAS})
     return worst(errors)
 
 

@@ -59,7 +59,7 @@ def enter_pulsations(
         book.add(name, gas=abs(float(sums[:, 0].sum())), energy=-pulsation, exergy=cycle.T_0 * throttled - pulsation)
 
 
-def enter_intake(book: Book, cycle: Cycle, gas_rise: float, discharge: State) -> float:
+def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttle (M163)."""
     intake, T_s = cycle.intake, cycle.lines.T_s
     h_d = float(cycle.machinery.R[R_DISCHARGE + ENTHALPY])
@@ -82,7 +82,7 @@ def enter_intake(book: Book, cycle: Cycle, gas_rise: float, discharge: State) ->
             energy = share * flow * (discharge.h - intake.line[ENTHALPY])
             book.add(name, gas=share * flow, energy=energy, exergy=returned)
         if part.pressure_ratio < 1.0:
-            book.add(name, gas=flow, exergy=gas_rise - delivered - returned)
+            book.add(name, gas=flow, exergy=of_gas - delivered - returned)
     return delivered
 
 

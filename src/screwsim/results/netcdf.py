@@ -97,7 +97,8 @@ class Layout:
     ) -> None:
         """Make a variable over dimensions that the group has; `_FillValue` of `about` must have its type."""
         data = self.empty(group, name, values.shape, values.dtype, dimensions, about)
-        data.id.write(data.id.get_space(), data.id.get_space(), np.ascontiguousarray(values))
+        space = data.id.get_space()
+        data.id.write(space, space, np.ascontiguousarray(values))
 
     def empty(
         self, group: Any, name: str, shape: tuple[int, ...], dtype: Any, dimensions: Sequence[str], about: Mapping

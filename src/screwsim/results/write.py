@@ -75,9 +75,13 @@ class Draft:
         self._drop()
 
     def lay_out(self, head: Table) -> None:
-        """Make the variables ahead, as one of the tables to come wants them; what is refused is so again at the end."""
-        with suppress(OSError):
-            self._lay_out(names_of([head])[0])
+        """Make the variables ahead, unless they are there, as one of the tables to come wants them.
+
+        What the system refuses now it refuses again in the end, which tells it.
+        """
+        if self._plan is None:
+            with suppress(OSError):
+                self._lay_out(names_of([head])[0])
 
     def complete(self, source: Tables, knock_out: Sequence[Figures] = ()) -> None:
         """Write all results, chunk by chunk: no more than one chunk of each variable is in memory.

@@ -17,7 +17,6 @@ from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder
 from screwsim.results.read import count_statuses, open_results, read_attributes
 from screwsim.results.schema import axes_of, digest, fingerprint, version
-from screwsim.results.table import Table
 from screwsim.results.write import Draft
 from screwsim.scene import grid
 from screwsim.scene.types import Scene
@@ -129,7 +128,6 @@ class _Sweep:
         self._angles = AngleGuard()
         self._chunks = Chunks([], 1, lambda: 1)
         self._draft = draft
-        self._first: Table | None = None
 
     def run(self, jobs: int | None, scheduler: str | None, case_limit: float | None) -> int:
         """Compute what is missing; return how many cases were there."""
@@ -184,21 +182,14 @@ class _Sweep:
                 self._run_here(job)
             else:
                 task = partial(run_packed, packed(job))
-                settle(self._chunks, Work(pool, task, self._payload, self._finish, self._tick), limit)
+                settle(self._chunks, Work(pool, task, self._payload, self._finish, self._progress.tick), limit)
         finally:
             self._progress.stop()
 
     def _run_here(self, job: Job) -> None:
         while (blocks := self._chunks.take()) is not None:
             self._finish(blocks, run_blocks(job, self._payload(blocks)))
-            self._tick()
-
-    def _tick(self) -> None:
-        """Use the time in which workers compute: lay the file out."""
-        if self._first is not None and len(self._first):
-            self._draft.lay_out(self._first)
-            self._first = self._first.rows(slice(0))  # seen
-        self._progress.tick()
+            self._progress.tick()
 
     def _payload(self, blocks: range) -> list[Block]:
         """Return the cases of blocks, made when they are wanted."""
@@ -216,8 +207,8 @@ class _Sweep:
         self._angles.check(table.angle)
         self._parts.write(self.blocks.cases_of(blocks).start, table)
         self._chunks.learn(len(blocks), seconds)
-        self._first = table if self._first is None else self._first
         self._progress.advance(len(table), int(np.count_nonzero(table.status)))
+        self._draft.lay_out(table)  # once, while the other chunks are computed
 
 
 def _simulator(
