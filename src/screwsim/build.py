@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
 from typing import Any, NamedTuple
 
 from screwsim.effects.base import (
@@ -13,7 +12,9 @@ from screwsim.effects.base import (
     FlowPath,
     HeatRate,
     Made,
+    OilContent,
     OilGas,
+    OilSolution,
     Plenum,
     Scaled,
     Site,
@@ -22,6 +23,7 @@ from screwsim.effects.base import (
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
+from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.settings import GasSettings
 from screwsim.machine.kinds import Machine, geometry_of
 from screwsim.model import close as closing
@@ -133,11 +135,7 @@ def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | Non
     geometry = stock.geometry(scene.machine)
     effects = stock.effects(scene, geometry, at)
     gas = stock.gas(scene)
-    plenums, made = ([part for _, part in effects.all(kind)] for kind in (Plenum, Made))
-    site = cache(lambda: build_site(scene, gas))
-    names = [part.entry.name for part in made]
-    if len(set(names)) < len(names):
-        raise TypeError(f"two effects declare the same of {', '.join(sorted(names))} as made by the cycle")
+    plenums, made, content = _of_site(effects, scene, gas)
     return Parts(
         geometry=geometry,
         gas=gas,
@@ -145,11 +143,26 @@ def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | Non
         widths=_widths(scene, at),
         effects=effects,
         oil=build_oil(scene, at),
-        plenums={part.name: part.state(site()) for part in plenums},
-        made={part.entry.name: part.guess(site()) for part in made},
+        plenums=plenums,
+        made=made,
         set_speed=set_speed,
-        oil_content=next((part.content(site()) for _, part in effects.all(OilGas)), None),
+        oil_content=content,
     )
+
+
+def _of_site(
+    effects: Effects, scene: Scene, gas: Gas
+) -> tuple[dict[str, Reservoir], dict[str, float], OilContent | OilSolution | None]:
+    """Return the states of own plenums, first guesses of what the cycle makes, and what the oil brings dissolved."""
+    plenums, made, brings = ([part for _, part in effects.all(kind)] for kind in (Plenum, Made, OilGas))
+    if not (plenums or made or brings):
+        return {}, {}, None
+    site = build_site(scene, gas)
+    guesses = {part.entry.name: part.guess(site) for part in made}
+    if len(guesses) < len(made):
+        names = ", ".join(sorted(part.entry.name for part in made))
+        raise TypeError(f"two effects declare the same of {names} as made by the cycle")
+    return {part.name: part.state(site) for part in plenums}, guesses, brings[0].content(site) if brings else None
 
 
 def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:

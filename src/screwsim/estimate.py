@@ -26,6 +26,7 @@ WHOLE = 1.0 / (1.0 - NARROWER)  # the error over what that turn shows of it, whe
 TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
 AIM = 0.6  # of the wanted accuracy, at which the next try aims
 EASY = 0.4  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
+LOOSER = 1.5  # by no more than this factor
 TIGHTEST = 0.05  # factor of the tolerances with which a scene of a course may begin
 TRIES = 7
 MUCH = 1e-4  # wanted accuracy from which on two turns estimate
@@ -43,7 +44,7 @@ class Accurate(NamedTuple):
 
     closed: closing.Closed
     errors: Figures
-    counts: np.ndarray
+    counts: list[int]
     closing_time: float
     estimating_time: float
     figures: Read | None = None
@@ -87,7 +88,7 @@ def close_accurately(solution: Any) -> Accurate:
 def _next_tightness(used: float, estimated: float) -> float:
     """Return the factor of the tolerances with which the next scene of a course begins; error over accuracy."""
     if estimated < EASY:
-        used = min(1.0, used * AIM / estimated) if estimated > 0.0 else 1.0
+        used = min(1.0, used * (min(LOOSER, AIM / estimated) if estimated > 0.0 else LOOSER))
     return max(used, TIGHTEST)
 
 
@@ -98,7 +99,8 @@ def close_tighter(solution: Any, accurate: Accurate) -> Accurate:
     solution.tighten(TIGHTER)
     closed = shaft.settled(solution, closing.again(solution, accurate.closed))
     watch.lap("closing")
-    counts, spent = accurate.counts + watch.counts["closing"], accurate.closing_time + watch.times["closing"]
+    counts = [before + more for before, more in zip(accurate.counts, watch.counts["closing"], strict=True)]
+    spent = accurate.closing_time + watch.times["closing"]
     if closed.status != "ok":
         before.put_back()
         solution.wanted, closed = wanted, accurate.closed
@@ -131,25 +133,28 @@ class Watch:
     def __init__(self, machinery: Any) -> None:
         self.machinery = machinery
         self.times = {"closing": 0.0, "estimating": 0.0}
-        self.counts = {name: np.zeros_like(machinery.counts) for name in self.times}
-        self._start()
+        self.started = self._now()
+        self.counts = {name: [0] * len(self.started[1]) for name in self.times}
 
-    def _start(self) -> None:
-        self.started = time.perf_counter(), self.machinery.compile_time, self.machinery.counts.copy()
+    def _now(self) -> tuple[float, list[int]]:
+        return time.perf_counter() - self.machinery.compile_time, self.machinery.counts.tolist()
 
     def lap(self, name: str) -> None:
         """Add what was spent since the last lap."""
-        then, compiling, counts = self.started
-        self.times[name] += time.perf_counter() - then - (self.machinery.compile_time - compiling)
-        self.counts[name] += self.machinery.counts - counts
-        self._start()
+        (then, before), now = self.started, self._now()
+        self.times[name] += now[0] - then
+        spent = zip(self.counts[name], now[1], before, strict=True)
+        self.counts[name] = [count + new - old for count, new, old in spent]
+        self.started = now
 
 
 def worst(errors: Figures) -> tuple[str, float]:
     """Return the figure of the largest estimated error, and that error."""
-    known = {name: error for name, error in errors.items() if error is not None}
-    name = max(known, key=known.__getitem__, default="")
-    return name, known.get(name, 0.0)
+    found, largest = "", 0.0
+    for name, error in errors.items():
+        if error is not None and (error > largest or not found):
+            found, largest = name, error
+    return found, largest
 
 
 def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Read]:
@@ -162,8 +167,9 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Re
         if q is None:
             return Figures(dict.fromkeys(found)), (found, notes)
         better, _ = solution.figures(q)
-    shown = relative_errors(found, better, *solution.least(closed.q))
-    errors = Figures({name: None if size is None else WHOLE * size for name, size in shown.items()})
+    errors = relative_errors(found, better, *solution.least(closed.q))
+    for name, size in errors.items():
+        errors[name] = WHOLE * size if size is not None else None
     flow = found["gas_mass_flow"]
     lost = abs(solution.balances.mass_in(closed.q) * solution.lives_per_second / flow) if flow else 0.0
     for name, size in flow_errors(found, lost).items():
@@ -184,7 +190,9 @@ def _finer_turn(solution: Any, closed: closing.Closed, found: Figures) -> np.nda
     if closed.how == "histories":
         status, _, _, q = machinery.turn(y, rtol, 1e-3)
         machinery.swap()
-        if status == 0 and _much_asked(solution, found):
+        if status == 0 and not _much_asked(solution, found):
+            return _evened(solution, q)
+        if status == 0:
             solution.set_made(solution.entries.possible(solution.image(q)))
             status, _, _, q = machinery.turn(y, rtol, 1e-3)
             machinery.swap()
@@ -197,6 +205,17 @@ def _finer_turn(solution: Any, closed: closing.Closed, found: Figures) -> np.nda
         y = machinery.shift(y)
     machinery.install_coupled()
     return q if status == 0 else None
+
+
+def _evened(solution: Any, q: np.ndarray) -> np.ndarray:
+    """Return a life's quadratures with a suction flow in the middle between what it takes in and what it gives away.
+
+    They differ in a finer life that meets the coarser life of its neighbours: what it should have got from them goes
+    back to suction in part, and to discharge.
+    """
+    evened = q.copy()
+    solution.balances.streams(evened)[0, 0] -= 0.5 * solution.balances.mass_in(q)
+    return evened
 
 
 def _finer_cycle(solution: Any, closed: closing.Closed) -> np.ndarray | None:

@@ -164,24 +164,22 @@ def figures(
     etas, notes = efficiencies(gas, lines, inlet, flow, shaft, _drawn(parts, streams, rate))
     swept = inlet.density * geometry.swept_volume * rate
     mean = discharge_enthalpy(streams)
-    found |= (
-        etas
-        | losses
-        | {
-            "volumetric_efficiency": flow / swept,
-            "gas_mass_flow": flow,
-            "indicated_power": known.indicated_power,
-            "shaft_power": shaft,
-            "discharge_temperature": None if mean is None else gas.temperature(lines.p_d, mean[0]),
-            "peak_pressure": peak,
-            "work_per_cycle": work,
-            "trapped_mass": trapped,
-            "injection_pressure": known.injection_pressure,
-            "suction_pressure": lines.p_s,
-            "suction_temperature": lines.T_s,
-            "discharge_pressure": lines.p_d,
-        }
-    )
+    found |= etas
+    found |= losses
+    found |= {
+        "volumetric_efficiency": flow / swept,
+        "gas_mass_flow": flow,
+        "indicated_power": known.indicated_power,
+        "shaft_power": shaft,
+        "discharge_temperature": None if mean is None else gas.temperature(lines.p_d, mean[0]),
+        "peak_pressure": peak,
+        "work_per_cycle": work,
+        "trapped_mass": trapped,
+        "injection_pressure": known.injection_pressure,
+        "suction_pressure": lines.p_s,
+        "suction_temperature": lines.T_s,
+        "discharge_pressure": lines.p_d,
+    }
     if mean is None:
         notes["discharge_temperature"] = "nothing flows out to the discharge line"
     if oil is not None:

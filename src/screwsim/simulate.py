@@ -10,7 +10,7 @@ import numpy as np
 from screwsim import settling, shaft
 from screwsim.build import prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
-from screwsim.ledger.total import entropy_residue
+from screwsim.ledger.total import Ledger
 from screwsim.model import close as closing
 from screwsim.model.pulsation import LOWEST
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
@@ -224,14 +224,16 @@ def _finite(table: Figures) -> bool:
     return all(map(math.isfinite, [value for value in table.values() if value is not None]))
 
 
-def _judged(solution: Solution, accurate: Accurate, trace: bool) -> tuple[Figures, dict[str, str], Figures, Figures]:
-    """Return figures, why some are None, the balances and the ledger of a closed cycle."""
+def _judged(
+    solution: Solution, accurate: Accurate, trace: bool
+) -> tuple[Figures, dict[str, str], Figures, Ledger | None]:
+    """Return figures, why some are None, the balances and the ledger of a closed cycle, None where none is wanted."""
     closed = accurate.closed
     found, notes = accurate.figures or solution.figures(closed.q)
     balance = solution.balance(closed.q)
     wanted = trace or solution.scene.numerics.error == "estimate"
-    book = solution.ledger(closed.q, found.shaft_power) if wanted else Figures()
-    balance["entropy"] = entropy_residue(book, solution.least(closed.q)[0])
+    book = solution.ledger(closed.q, found.shaft_power) if wanted else None
+    balance["entropy"] = None if book is None else book.entropy_residue(solution.least(closed.q)[0])
     return found, notes, balance, book
 
 
@@ -285,11 +287,12 @@ def _solved(solution: Solution, trace: bool) -> Result:
         closed, numerics = accurate.closed, _numerics(solution, accurate)
         found, notes, balance, book = _judged(solution, accurate, trace)
     solution.note(closed)
-    if not _finite(found) or (closed.status == "ok" and not _finite(book)):
+    sound = book is None or book.finite
+    if not _finite(found) or (closed.status == "ok" and not sound):
         message = "a figure is not finite; ask for a tighter numerics.accuracy"
         return Result("failed", message, effects=effects, states=states, numerics=numerics)
-    if not _finite(book):  # of a cycle that is none, states between steps may be none of the gas
-        book, balance["entropy"] = Figures(), None
+    if not sound:  # of a cycle that is none, states between steps may be none of the gas
+        book, balance["entropy"] = None, None
     forbidden, of_drive, balance["drive"] = shaft.judged(solution, closed)
     status, message = closed.status, ""
     residues = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
@@ -309,7 +312,7 @@ def _solved(solution: Solution, trace: bool) -> Result:
         status, message = "failed", f"{swings}; its cycle does not close: {shown}, bound {balance.bound:.2g}"
     if forbidden:
         status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
-    cycle, kept = (solution.cycle(closed.q), book) if trace else ({}, Figures())
+    cycle, kept = solution.cycle(closed.q) if trace else {}, book.figures() if trace and book else Figures()
     tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()
     of_turns = settling.warnings(solution, closed)
     warnings = (*tried, *of_drive, *of_turns, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from screwsim import expander, performance
 from screwsim.build import build_site
 from screwsim.effects.base import Drawn, OilSolution, Plenum, Reading, Site, Turn
 from screwsim.ledger.book import Cycle
-from screwsim.ledger.total import ledger
+from screwsim.ledger.total import Ledger, ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
 from screwsim.model import speed
@@ -166,7 +166,7 @@ class Solution(Making):
             oil_discharge_temperature=self._oil_discharge_temperature(q) if oil is not None else None,
             oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
             oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
-            pitch=cache(lambda: self._pitch(q)),
+            pitch=lambda: self.pitch_of(q),
             turn=self._imaged(q) if parts.all(Reading) else None,
         )
 
@@ -252,7 +252,7 @@ class Solution(Making):
 
     def pitch_of(self, q: closing.Array) -> Pitch:
         """Return the pitch of the last history, whose quadratures are q."""
-        return self._pitch(q)
+        return self.once("pitch", q, lambda: self._pitch(q))
 
     def loss_torque(self, q: closing.Array, omega: float) -> float:
         """Return the torque of the losses and of the oil's lift at a mean speed [rad/s], from one pitch's q (M213)."""
@@ -292,7 +292,7 @@ class Solution(Making):
             raise TypeError(f"a plenum gives {', '.join(unknown)}, which outputs.PERFORMANCE does not list")
         return found
 
-    def ledger(self, q: closing.Array, shaft_power: float) -> Figures:
+    def ledger(self, q: closing.Array, shaft_power: float) -> Ledger:
         """Return where the shaft power [W] goes (contract: ledger)."""
         streams, operation = self.balances.streams(q), self.scene.operation
         given = operation.discharge.temperature is not None or not _delivers(streams)

@@ -16,6 +16,8 @@ from screwsim.performance import CycleFigures, Lines
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
 SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"
 
+Rows = list[list[float]]  # sums of model.ledger, in rates, a row a flow path
+
 
 @dataclass(frozen=True)
 class State:

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from screwsim.effects.base import Intake, Pulsation
-from screwsim.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, State
+from screwsim.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
 from screwsim.model.close import Array
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE
 
 
-def enter_paths(book: Book, cycle: Cycle, paths: Array, suction: State, discharge: State) -> None:
+def enter_paths(book: Book, cycle: Cycle, paths: Rows, suction: State, discharge: State) -> None:
     """Enter every flow path: what its gas generates where it arrives, in a chamber or in a line (M50–M52)."""
     states = {"suction": suction, "discharge": discharge} | {
         name: State(own.T, own.rho, own.h, own.s) for name, own in cycle.parts.plenums.items()
     }
-    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths.tolist(), strict=True):
+    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths, strict=True):
         target = states[end]
         left = target.generated(row[kernels.OUT_MASS], row[kernels.OUT_ENTHALPY], row[kernels.OUT_ENTROPY])
         moved = row[kernels.MOVED]

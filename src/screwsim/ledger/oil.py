@@ -8,7 +8,7 @@ import numpy as np
 
 from screwsim.dissolved import Held
 from screwsim.effects.base import OilGas, PowerLoss
-from screwsim.ledger.book import NOT_CONSERVED, OIL_INJECTION, OIL_SUPPLY, SUCTION_LINE, Book, Cycle, State
+from screwsim.ledger.book import NOT_CONSERVED, OIL_INJECTION, OIL_SUPPLY, SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
 from screwsim.model.close import Array
 from screwsim.model.parts import OilPart
@@ -23,7 +23,7 @@ from screwsim.model.slots import (
 from screwsim.performance import oil_lift
 
 
-def cool_at_lines(cycle: Cycle, paths: Array) -> None:
+def cool_at_lines(cycle: Cycle, paths: Rows) -> None:
     """Let oil that takes room have the temperature to which throttling to its line brings it, in place (M109)."""
     if not cycle.parts.oil_room:
         return
@@ -31,7 +31,7 @@ def cool_at_lines(cycle: Cycle, paths: Array) -> None:
         row[kernels.OUT_OIL_T] -= row[kernels.OUT_OIL] * cycle.pressed(cycle.pressure(end))
 
 
-def oil_rise(book: Book, cycle: Cycle, suction: State, paths: Array, heats: Array, sums: Array) -> float:
+def oil_rise(book: Book, cycle: Cycle, suction: State, paths: Rows, heats: Array, sums: Array) -> float:
     """Return the exergy rise of the oil [W] (M56), and enter its heat, injection, supply and what is not conserved."""
     c, known = cycle.machinery.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
@@ -49,7 +49,7 @@ def oil_rise(book: Book, cycle: Cycle, suction: State, paths: Array, heats: Arra
     return mechanical
 
 
-def _flash(book: Book, cycle: Cycle, suction: State, paths: Array, sums: Array) -> float:
+def _flash(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array) -> float:
     """Enter the gas that flashes out of the oil; return the exergy [W] by which it is less than that gas (M197)."""
     content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
     if content is None:
@@ -62,10 +62,10 @@ def _flash(book: Book, cycle: Cycle, suction: State, paths: Array, sums: Array) 
     return flashed * content.latent * (1.0 - cycle.T_0 / cycle.parts.oil.temperature)
 
 
-def _released(book: Book, cycle: Cycle, suction: State, paths: Array, sums: Array) -> float:
+def _released(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array) -> float:
     """Enter the gas that oil gives off over time; return the rise [W] of what it holds, and of that gas (M234)."""
     held, ends = Held(cycle, suction), {}
-    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths.tolist(), strict=True):
+    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths, strict=True):
         entry = {"discharge": "", "suction": SUCTION_LINE}.get(end, f"{end}_plenum")
         ends.setdefault(entry, []).append((name, row))
     held.at_lines(ends, book.add)
@@ -107,16 +107,16 @@ def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
     return mass, mass_T, mass * log(mass_T / mass) if mass > 0.0 else 0.0
 
 
-def _mixing(book: Book, cycle: Cycle, paths: Array, T_mean: float) -> None:
+def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float) -> None:
     """Enter the mixing of the oil that leaves to the discharge line to its mean temperature there (M53)."""
     c_oil = cycle.parts.oil.heat_capacity
-    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths.tolist(), strict=True):
+    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths, strict=True):
         mass, mass_T, mass_log = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG))
         if mass > 0.0 and end == "discharge":
             book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
 
 
-def _carried(book: Book, cycle: Cycle, paths: Array) -> float:
+def _carried(book: Book, cycle: Cycle, paths: Rows) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
     oil: OilPart = cycle.parts.oil
     out, out_T = (-float(cycle.streams[3, i]) * cycle.rate for i in (2, 3))
@@ -127,8 +127,8 @@ def _carried(book: Book, cycle: Cycle, paths: Array) -> float:
     lost = 0.0
     columns, ends = slice(kernels.OUT_OIL, kernels.OUT_OIL_LOG + 1), cycle.machinery.composition.ends
     for end in dict.fromkeys(end for end in ends if end != "discharge"):
-        rows = [i for i, other in enumerate(ends) if other == end]
-        taken = paths[rows, columns].sum(axis=0).tolist()
+        rows = [row[columns] for row, other in zip(paths, ends, strict=True) if other == end]
+        taken = [sum(column) for column in zip(*rows, strict=True)]
         rise = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
         lost += rise
         if taken[0] > 0.0:
@@ -154,10 +154,10 @@ def _injection(cycle: Cycle) -> float:
     return oil.heat_capacity * (mixed + (before * log(T_after / T_before) if before > 0.0 else 0.0))
 
 
-def _not_carried(book: Book, cycle: Cycle, paths: Array, sums: Array) -> float:
+def _not_carried(book: Book, cycle: Cycle, paths: Rows, sums: Array) -> float:
     """Return the thermal exergy rise of oil at a constant ratio [W], and enter what appears and vanishes (M57)."""
     oil, R = cycle.parts.oil, cycle.machinery.R
-    out, out_T = (float(paths[:, column].sum()) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
+    out, out_T = (sum([row[column] for row in paths]) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
     T_mean = out_T / out if out > 0.0 else oil.temperature
     _mixing(book, cycle, paths, T_mean)
     injected = cycle.known.oil_mass_flow

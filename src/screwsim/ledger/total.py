@@ -6,7 +6,9 @@ scene has an entry, and so has what the model itself destroys or gives: the oil'
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -19,8 +21,60 @@ from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
 from screwsim.outputs import Figures
 
 
-def ledger(cycle: Cycle) -> Figures:
-    """Return the ledger of a closed cycle: its totals, and the entries as `<quantity>_<effect>` (outputs.LEDGER)."""
+@dataclass(frozen=True)
+class Ledger:
+    """Where the shaft power of a closed cycle goes [W]: exergy rise of gas and oil (None without), and the entries."""
+
+    entries: dict[str, Entry]
+    T_0: float
+    shaft_power: float
+    of_gas: float
+    of_oil: float | None
+
+    @property
+    def destroyed(self) -> float:
+        """The exergy destroyed by all entries [W]."""
+        return sum([entry.exergy_destroyed for entry in self.entries.values()])
+
+    @property
+    def residue(self) -> float:
+        """What no entry explains [W]."""
+        return self.shaft_power - self.of_gas - (self.of_oil or 0.0) - self.destroyed
+
+    @property
+    def finite(self) -> bool:
+        """Is every number one?"""
+        values = [value for entry in self.entries.values() for value in vars(entry).values() if value is not None]
+        return math.isfinite(self.residue) and all(map(math.isfinite, values))
+
+    def entropy_residue(self, least_power: float = 0.0) -> float:
+        """Return the residue over the shaft power and all that is destroyed.
+
+        Given that energy closes, it is the residue of the entropy balance times T_0 (docs/model.md M59). Powers [W]
+        below the least one are rounding, as in the energy balance.
+        """
+        destroyed = sum([abs(entry.exergy_destroyed) for entry in self.entries.values()])
+        return abs(self.residue) / max(abs(self.shaft_power) + destroyed, least_power, 1e-300)
+
+    def figures(self) -> Figures:
+        """Return the totals, and the entries as `<quantity>_<effect>` (outputs.LEDGER)."""
+        residue = self.residue
+        found: dict[str, Any] = {
+            "ambient_temperature": self.T_0,
+            "shaft_power": self.shaft_power,
+            "gas_exergy_rise": self.of_gas,
+            "oil_exergy_rise": self.of_oil,
+            "exergy_destroyed": self.destroyed,
+            "residue": residue,
+            "relative_residue": residue / abs(self.shaft_power) if self.shaft_power != 0.0 else None,
+        }
+        for name, entry in self.entries.items():
+            found |= zip(_titles(name), vars(entry).values(), strict=True)
+        return Figures(found)
+
+
+def ledger(cycle: Cycle) -> Ledger:
+    """Return the ledger of a closed cycle."""
     R = cycle.machinery.R
     place = cycle.intake.place(float(R[R_DISCHARGE + ENTHALPY]))
     T_suction = cycle.intake.temperature(place, cycle.lines.T_s)
@@ -29,9 +83,10 @@ def ledger(cycle: Cycle) -> Figures:
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at_discharge(mean[0])
     sucked, given = cycle.behind("suction", suction), cycle.behind("discharge", discharge)
-    paths, heats, oil = (
+    moved, heats, oil = (
         cycle.rate * sums for sums in cycle.machinery.account(sucked.s, cycle.behind("discharge", line).s)
     )
+    paths = moved.tolist()
     cool_at_lines(cycle, paths)
     book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
     enter_paths(book, cycle, paths, sucked, given)
@@ -45,7 +100,7 @@ def ledger(cycle: Cycle) -> Figures:
     if cycle.parts.oil is not None:
         of_oil = oil_rise(book, cycle, suction, paths, heats[:warmed], oil)
     _losses(book, cycle)
-    return _figures(book, cycle, of_gas, of_oil)
+    return Ledger(book.entries, book.T_0, cycle.shaft_power, of_gas, of_oil)
 
 
 def _acting(cycle: Cycle) -> Iterator[str]:
@@ -53,23 +108,6 @@ def _acting(cycle: Cycle) -> Iterator[str]:
     for name, items in cycle.parts.effects.items():
         if not (items and all(isinstance(part, Reading) for part in items)):
             yield name
-
-
-def _figures(book: Book, cycle: Cycle, of_gas: float, of_oil: float | None) -> Figures:
-    destroyed = sum(entry.exergy_destroyed for entry in book.entries.values())
-    residue = cycle.shaft_power - of_gas - (of_oil or 0.0) - destroyed
-    found: dict[str, Any] = {
-        "ambient_temperature": cycle.T_0,
-        "shaft_power": cycle.shaft_power,
-        "gas_exergy_rise": of_gas,
-        "oil_exergy_rise": of_oil,
-        "exergy_destroyed": destroyed,
-        "residue": residue,
-        "relative_residue": residue / abs(cycle.shaft_power) if cycle.shaft_power != 0.0 else None,
-    }
-    for name, entry in book.entries.items():
-        found |= zip(_titles(name), vars(entry).values(), strict=True)
-    return Figures(found)
 
 
 @cache
@@ -84,15 +122,3 @@ def _losses(book: Book, cycle: Cycle) -> None:
         power = float(part.power(cycle.known))
         kept = float(part.kept(cycle.known)) if part.kept is not None else 0.0
         book.add(name, energy=power, exergy=power - kept)
-
-
-def entropy_residue(book: Figures, least_power: float = 0.0) -> float | None:
-    """Return the residue of the ledger over the shaft power and all that is destroyed; None without a ledger.
-
-    Given that energy closes, it is the residue of the entropy balance times T_0 (docs/model.md M59). Powers [W] below
-    the least one are rounding, as in the energy balance.
-    """
-    if not book:
-        return None
-    destroyed = sum([abs(value) for name, value in book.items() if value and name.startswith("exergy_destroyed_")])
-    return abs(book["residue"]) / max(abs(book["shaft_power"]) + destroyed, least_power, 1e-300)

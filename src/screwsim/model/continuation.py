@@ -147,23 +147,28 @@ def _weights(known: list[Array], wanted: Array) -> list[Array]:
     last = np.ones(1)
     if len(known) < 2:
         return [last]
-    points = np.array([*known, wanted])
-    points = points[:, (points != wanted).any(axis=0)]
-    scale = np.abs(points).max(axis=0)
-    ways = (points - points[-2]) / scale
-    line = -ways[-3]  # from the last but one to the last
-    length = float(line @ line)
+    columns = zip(*(point.tolist() for point in (*known, wanted)), strict=True)
+    moving = [column for column in columns if column.count(column[-1]) < len(column)]  # few: faster without numpy
+    scales = [max(map(abs, column)) for column in moving]
+    ways = [
+        [(x - column[-2]) / scale for x, column, scale in zip(point, moving, scales, strict=True)]
+        for point in zip(*moving, strict=True)
+    ]
+    line = [-x for x in ways[-3]] if ways else []  # from the last but one to the last
+    length = _product(line, line)
     if length == 0.0:
         return [last]
-    along = (ways @ line / length).tolist()
-    squares = np.einsum("ij,ij->i", ways, ways).tolist()
-    places = [
-        place if square - place * place * length <= ON_LINE**2 * square else None
-        for place, square in zip(along, squares, strict=True)
-    ]
+    places = []
+    for way in ways:
+        place, square = _product(way, line) / length, _product(way, way)
+        places.append(place if square - place * place * length <= ON_LINE**2 * square else None)
     if places[-1] is None:
         return [last]
     return [*_polynomials(places), last]
+
+
+def _product(a: list[float], b: list[float]) -> float:
+    return sum([x * y for x, y in zip(a, b, strict=True)])
 
 
 def _polynomials(places: list[float | None]) -> list[Array]:

@@ -133,13 +133,13 @@ def _fill_row(row: np.ndarray, result: Result) -> None:
 
 
 @lru_cache(maxsize=64)
-def _columns(group: str, names: tuple[str, ...]) -> tuple[list[str], list[int]]:
+def _columns(group: str, names: tuple[str, ...]) -> tuple[list[str], np.ndarray]:
     """Return which of a group's names are numbers, and their columns."""
     numbers = [name for name in names if name not in NUMERICS_TEXT]
     for name in numbers:
         if (group, name) not in COLUMN:
             raise ValueError(f"{group}.{name} has no entry in screwsim.outputs (add its unit and meaning there)")
-    return numbers, [COLUMN[group, name] for name in numbers]
+    return numbers, np.array([COLUMN[group, name] for name in numbers], np.intp)
 
 
 def numbered(texts: Iterable[str]) -> Texts:
