@@ -190,9 +190,7 @@ def _finer_turn(solution: Any, closed: closing.Closed, found: Figures) -> np.nda
     if closed.how == "histories":
         status, _, _, q = machinery.turn(y, rtol, 1e-3)
         machinery.swap()
-        if status == 0 and not _much_asked(solution, found):
-            return _evened(solution, q)
-        if status == 0:
+        if status == 0 and _much_asked(solution, found):
             solution.set_made(solution.entries.possible(solution.image(q)))
             status, _, _, q = machinery.turn(y, rtol, 1e-3)
             machinery.swap()
@@ -205,17 +203,6 @@ def _finer_turn(solution: Any, closed: closing.Closed, found: Figures) -> np.nda
         y = machinery.shift(y)
     machinery.install_coupled()
     return q if status == 0 else None
-
-
-def _evened(solution: Any, q: np.ndarray) -> np.ndarray:
-    """Return a life's quadratures with a suction flow in the middle between what it takes in and what it gives away.
-
-    They differ in a finer life that meets the coarser life of its neighbours: what it should have got from them goes
-    back to suction in part, and to discharge.
-    """
-    evened = q.copy()
-    solution.balances.streams(evened)[0, 0] -= 0.5 * solution.balances.mass_in(q)
-    return evened
 
 
 def _finer_cycle(solution: Any, closed: closing.Closed) -> np.ndarray | None:

@@ -27,6 +27,7 @@ WIDTH = 1e-2  # of the reference's regularisation over its accuracy: as good as 
 LIMIT = 120.0  # [s] for a reference
 ACCURACIES = 1e-5, 1e-2  # drawn evenly in logarithms
 TRIES = 200  # draws until one makes sense
+JUDGED = 0.05  # of the wanted accuracy: estimates of smaller errors matter to nobody
 
 
 class Kept(NamedTuple):
@@ -149,6 +150,15 @@ def account(found: list[Kept]) -> str:
             f"true error within the wanted accuracy in {share:.1%}, within three times in {np.mean(ratios <= 3.0):.1%}"
         )
         lines.append(f"wanted over true error: median {1.0 / np.median(ratios):.3g}, least {1.0 / ratios.max():.3g}")
+    judged = [
+        each.estimated / each.true for each in solved if each.true > JUDGED * each.wanted and each.estimated > 0.0
+    ]
+    if judged:
+        low, middle, high = np.quantile(judged, (0.05, 0.5, 0.95))
+        lines.append(
+            f"estimated over true error, where that is above {JUDGED:g} of the wanted: median {middle:.2g}, 5 % below "
+            f"{low:.2g}, 5 % above {high:.2g}"
+        )
     for each in sorted(solved, key=lambda one: -one.ratio)[:10]:
         if each.ratio > 1.0:
             lines.append(
