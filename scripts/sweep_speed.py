@@ -29,8 +29,9 @@ REAL = ROOT / "configs" / "r134a" / "point.yaml"
 PRESSURES = [
     "operation.speed=3000 rpm",
     "operation.condensing_temperature=45 degC",
-    "sweep.operation.condensing_temperature={from: 30 degC, to: 60 degC, count: 1000}",
+    "sweep.operation.condensing_temperature={{from: 30 degC, to: 60 degC, count: {}}}",
 ]
+REAL_SWEEPS = ((1000, "estimate"), (5000, "estimate"), (1000, "none"))  # points, and numerics.error
 
 
 def seconds(work: Callable[[], object], clock: Callable[[], float]) -> float:
@@ -122,11 +123,13 @@ def main() -> None:
     print(
         f"blocks alone: one process {alone:.2f} s, two at once {both:.2f} s: the machine gives {2 * alone / both:.2f}"
     )
-    for errors in ("estimate", "none"):
-        real = load(str(REAL), [*PRESSURES, f"numerics.error={errors}"])
+    for points, errors in REAL_SWEEPS:
+        asked = [text.format(points) if text.startswith("sweep.") else text for text in PRESSURES]
+        real = load(str(REAL), [*asked, f"numerics.error={errors}"])
         warm_up(real)
         best = min(seconds(partial(swept, real, 2), time.perf_counter) for _ in range(min(repeats, 3)))
-        print(f"real gas at 3000 rpm, two workers, numerics.error: {errors}: {1000 / best:.0f} points/s")
+        told = f"numerics.error: {errors}: {points / best:.0f} points/s"
+        print(f"real gas at 3000 rpm over {points} condensing temperatures, two workers, {told}")
 
 
 if __name__ == "__main__":

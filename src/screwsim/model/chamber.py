@@ -28,11 +28,13 @@ from screwsim.model.slots import (
     CARRIED,
     CATEGORIES,
     DENSITY,
+    DISSOLVED,
     DISSOLVES,
     E_ANGLE,
     E_AREAS,
     E_LINES,
     E_VOLUME,
+    ENTHALPY,
     FILMED,
     FIRST_OWN,
     FLASHED,
@@ -45,6 +47,7 @@ from screwsim.model.slots import (
     N_PLENUM,
     OFFSETS,
     OIL_RATIO,
+    OIL_TEMPERATURE,
     OILED,
     ONE_WAY,
     OPENED,
@@ -226,8 +229,9 @@ def rates(y, E, context, f, g):
     if STOPS > 0:
         keep_at_rest(own, f)
         note_end(E, own)
+    per_omega = 1.0 / P[P_OMEGA]
     for i in range(CATEGORIES * width):
-        g[Q_STREAMS + i] = work[i] / P[P_OMEGA]
+        g[Q_STREAMS + i] = work[i] * per_omega
 
 
 @kernel
@@ -275,6 +279,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     """
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, work = context
     width = WIDTH
+    per_delta = 1.0 / delta
     n_sums = CATEGORIES * width
     d = n_sums  # work: sums; derivatives of the own place by each state, then by φ; derivatives of the sums likewise
     ds = d + (N + 1) * PLACE
@@ -295,7 +300,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     areas = E_AREAS + N_PLENUM
     for i in range(N_PLENUM + 2 * N_GAPS):
         area = E[E_AREAS + i]
-        darea = (E_next[E_AREAS + i] - area) / delta
+        darea = (E_next[E_AREAS + i] - area) * per_delta
         if area > 0.0 or darea > 0.0:
             if RESISTED == 1:
                 x_1 = 0.0
@@ -320,8 +325,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                     b += E_LINES
                     source = E
                     m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, E, b, P[P_PORT_WIDTH + PLENUM[i]])
-                    for k in range(PLACE):
-                        work[other + k] = (E_next[b + k] - E[b + k]) / delta
+                    change_of_place(E, E_next, b, per_delta, work, other)
                 at = category(PLENUM[i], m) * width
             else:
                 b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE
@@ -333,8 +337,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                     )
                 at = gap_category(source, b, m) * width
                 if area > 0.0:
-                    for k in range(PLACE):
-                        work[other + k] = (E_next[b + k] - E[b + k]) / delta
+                    change_of_place(E, E_next, b, per_delta, work, other)
             by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi, work, other)
             if RESISTED == 1:
                 by_phi += area * x_2 * work[other + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
@@ -347,9 +350,11 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                 add_stream_slope(work, ds + N * n_sums + at, m, by_phi, source, b, work, other)
             if FILMED == 1 and gap >= 0:
                 film_beside(gap // 2, area, darea, own, source, b, P, work, d, other, n_sums)
-            for k in range(PLACE):
-                work[other + k] = 0.0
+            if gap >= 0 or PULSATING == 1:
+                change_of_place(E, E, b, 0.0, work, other)
             for j in range(N):
+                if VOLUMED == 0 and OWN_STATES == 0 and j >= 2 and m >= 0.0:
+                    continue  # the oil's states set no flow, and what comes in brings the oil of its source
                 row = d + j * PLACE
                 dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
                 if RESISTED == 1:
@@ -374,11 +379,12 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
         for i in range(Q_WALLS, Q_STREAMS):
             g[i] = 0.0
     finish(y, 0, E, 0, own, 0, R, P, work, 0, f, g)
+    per_omega = 1.0 / P[P_OMEGA]
     for i in range(n_sums):
-        g[Q_STREAMS + i] = work[i] / P[P_OMEGA]
+        g[Q_STREAMS + i] = work[i] * per_omega
     for j in range(N):
-        own_column(y, j, E, own, state, work, d, other, n_sums, P, R, f, g, J, Jq)
-    angle_column(y, E_next, delta, own, work, ds + N * n_sums, n_sums, P, R, f, g, f_phi, g_phi)
+        own_column(y, j, E, own, state, work, d, other, n_sums, per_omega, P, R, f, g, J, Jq)
+    angle_column(y, E_next, delta, per_delta, own, work, ds + N * n_sums, n_sums, per_omega, P, R, f, g, f_phi, g_phi)
     if STOPS > 0:
         keep_at_rest(own, f)
         keep_at_rest(own, f_phi)
@@ -387,11 +393,25 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
 
 
 @inlined
-def own_column(y, j, E, own, state, work, d, place, n_sums, P, R, f, g, J, Jq):
+def change_of_place(E, E_next, b, per_delta, d, at):
+    """Fill d[at …] with the derivative by the angle of the place at E[b …], as far as streams from there ask for it."""
+    d[at + PRESSURE] = (E_next[b + PRESSURE] - E[b + PRESSURE]) * per_delta
+    d[at + DENSITY] = (E_next[b + DENSITY] - E[b + DENSITY]) * per_delta
+    d[at + ENTHALPY] = (E_next[b + ENTHALPY] - E[b + ENTHALPY]) * per_delta
+    if CARRIED == 1:
+        d[at + OIL_RATIO] = (E_next[b + OIL_RATIO] - E[b + OIL_RATIO]) * per_delta
+        d[at + OIL_TEMPERATURE] = (E_next[b + OIL_TEMPERATURE] - E[b + OIL_TEMPERATURE]) * per_delta
+    if DISSOLVES == 1:
+        d[at + DISSOLVED] = (E_next[b + DISSOLVED] - E[b + DISSOLVED]) * per_delta
+
+
+@inlined
+def own_column(y, j, E, own, state, work, d, place, n_sums, per_omega, P, R, f, g, J, Jq):
     """Fill column j of J and Jq: change one state, its place and (linearly) its streams; difference the first law."""
     ds = d + (N + 1) * PLACE
     changed = ds + (N + 1) * n_sums
     delta = perturbation(y, 0, j)
+    per_delta = 1.0 / delta
     for i in range(N):
         state[i] = y[i]
     state[j] += delta
@@ -399,7 +419,7 @@ def own_column(y, j, E, own, state, work, d, place, n_sums, P, R, f, g, J, Jq):
         work[place + i] = own[i] + delta * work[d + j * PLACE + i]
     sums = ds + j * n_sums
     for i in range(n_sums):
-        Jq[Q_STREAMS + i, j] = work[sums + i] / P[P_OMEGA]
+        Jq[Q_STREAMS + i, j] = work[sums + i] * per_omega
         work[sums + i] = work[i] + delta * work[sums + i]
     work[changed + N] = 0.0
     work[changed + N + 1] = 0.0
@@ -408,16 +428,16 @@ def own_column(y, j, E, own, state, work, d, place, n_sums, P, R, f, g, J, Jq):
             work[changed + N + i] = 0.0
     finish(state, 0, E, 0, work, place, R, P, work, sums, work[changed:], work[changed + N :])
     for i in range(N):
-        J[i, j] = (work[changed + i] - f[i]) / delta
+        J[i, j] = (work[changed + i] - f[i]) * per_delta
     for i in range(Q_STREAMS):
-        Jq[i, j] = (work[changed + N + i] - g[i]) / delta
+        Jq[i, j] = (work[changed + N + i] - g[i]) * per_delta
 
 
 @inlined
-def angle_column(y, E_next, delta, own, work, sums, n_sums, P, R, f, g, f_phi, g_phi):
+def angle_column(y, E_next, delta, per_delta, own, work, sums, n_sums, per_omega, P, R, f, g, f_phi, g_phi):
     """Fill ∂f/∂φ and ∂g/∂φ in the same way, from the surroundings at φ + delta."""
     for i in range(n_sums):
-        g_phi[Q_STREAMS + i] = work[sums + i] / P[P_OMEGA]
+        g_phi[Q_STREAMS + i] = work[sums + i] * per_omega
         work[sums + i] = work[i] + delta * work[sums + i]
     g_phi[Q_WORK] = 0.0
     g_phi[Q_HEAT] = 0.0
@@ -426,9 +446,9 @@ def angle_column(y, E_next, delta, own, work, sums, n_sums, P, R, f, g, f_phi, g
             g_phi[i] = 0.0
     finish(y, 0, E_next, 0, own, 0, R, P, work, sums, f_phi, g_phi)
     for i in range(N):
-        f_phi[i] = (f_phi[i] - f[i]) / delta
+        f_phi[i] = (f_phi[i] - f[i]) * per_delta
     for i in range(Q_STREAMS):
-        g_phi[i] = (g_phi[i] - g[i]) / delta
+        g_phi[i] = (g_phi[i] - g[i]) * per_delta
 
 
 @kernel

@@ -264,10 +264,11 @@ def place_derivatives(held, y, at, P, TAB, place, row, changed, d):
         for i in range(N):
             changed[i] = y[at + i]
         delta = perturbation(y, at, j)
+        per_delta = 1.0 / delta
         changed[j] += delta
         fill_place(held, changed, 0, P, TAB, d, j * PLACE)
         for i in range(PLACE):
-            d[j * PLACE + i] = (d[j * PLACE + i] - place[row + i]) / delta
+            d[j * PLACE + i] = (d[j * PLACE + i] - place[row + i]) * per_delta
     if HEATED == 1:
         d[2 * PLACE + OIL_TEMPERATURE] = 1.0
     if CARRIED == 1:
