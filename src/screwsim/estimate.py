@@ -8,8 +8,6 @@ changes in the figures, and in those that go with the net gas flow what the uncl
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -160,8 +158,8 @@ def worst(errors: Figures) -> tuple[str, float]:
 def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Read]:
     """Return the estimated relative error of every figure of a closed cycle, left as it was, and what was read."""
     found, notes = solution.figures(closed.q)
-    with _borrowed(solution.machinery):
-        machinery = solution.machinery
+    machinery = solution.machinery
+    with machinery.set_aside():
         machinery.composition.P[machinery.composition.widths] *= NARROWER
         q = _finer_cycle(solution, closed) if closed.needed else _finer_turn(solution, closed, found)
         if q is None:
@@ -234,13 +232,3 @@ class Snapshot:
         self.machinery.composition.P[:], self.machinery.R[:] = self.P, self.R
         self.machinery.restore(*self.history)
         self.machinery.stamp = self.stamp  # it is the same history again
-
-
-@contextmanager
-def _borrowed(machinery: Any) -> Iterator[None]:
-    """Leave a machinery as it was."""
-    before = Snapshot(machinery)
-    try:
-        yield
-    finally:
-        before.put_back()

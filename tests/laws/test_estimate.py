@@ -1,5 +1,6 @@
 """The estimated error of the figures against the true one, and that work rises with what is asked."""
 
+import numpy as np
 import pytest
 from scenes import make, run
 
@@ -51,12 +52,43 @@ def test_histories_keep_the_net_flow_where_much_is_asked():
     assert abs(found / exact - 1.0) < 2e-6
 
 
-def test_a_cycle_is_left_as_it_was_by_the_estimate():
+def state_of(machinery):
+    """Return copies of all that a reading of the last turn depends on."""
+    times, dense, quads, steps = machinery.last()
+    history = times[: steps + 1].copy(), dense[:steps].copy(), quads[:steps].copy()
+    return *history, machinery.composition.P.copy(), machinery.R.copy(), machinery.kept.copy()
+
+
+@pytest.mark.parametrize("case", CASES)  # one turn, two, all chambers together
+def test_a_cycle_is_left_as_it_was_by_the_estimate(case):
+    solution = Solution(make(CASES[case]))
+    closed = solution.close()
+    before, stamp, figures = state_of(solution.machinery), solution.machinery.stamp, solution.figures(closed.q)[0]
+    estimated_errors(solution, closed)
+    assert all(np.array_equal(a, b) for a, b in zip(before, state_of(solution.machinery), strict=True))
+    assert solution.machinery.stamp is stamp
+    assert solution._new_figures(closed.q)[0] == figures
+    assert len({id(arrays[1]) for arrays in solution.machinery.histories}) == 2
+
+
+def test_what_is_set_aside_stands_when_longer_turns_come_after_it():
     solution = Solution(make(CASES["paper"]))
     closed = solution.close()
-    before = solution.figures(closed.q)[0]
-    estimated_errors(solution, closed)
-    assert solution.figures(closed.q)[0] == before
+    machinery = solution.machinery
+    before = state_of(machinery)
+    _, dense, quads, steps = machinery.last()
+    longer = [np.repeat(part[:steps], 2 + machinery.max_steps // steps, axis=0) for part in (dense, quads)]
+    longer_times = np.arange(len(longer[0]) + 1.0)
+    with machinery.set_aside():
+        machinery.install(longer_times, longer[0][:, :, : machinery.n], longer[1])
+        assert machinery.last()[3] == len(longer[0])
+    assert all(np.array_equal(a, b) for a, b in zip(before, state_of(machinery), strict=True))
+    assert all(len(arrays[1]) >= machinery.max_steps for arrays in machinery.histories)
+    again = solution.close()  # and turns go on from there
+    assert again.status == closed.status
+    assert solution.figures(again.q)[0].shaft_power == pytest.approx(
+        solution.figures(closed.q)[0].shaft_power, rel=1e-4
+    )
 
 
 def test_an_estimate_above_the_accuracy_closes_again():

@@ -351,7 +351,8 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
             if FILMED == 1 and gap >= 0:
                 film_beside(gap // 2, area, darea, own, source, b, P, work, d, other, n_sums)
             if gap >= 0 or PULSATING == 1:
-                change_of_place(E, E, b, 0.0, work, other)
+                for k in range(PLACE):
+                    work[other + k] = 0.0
             for j in range(N):
                 if VOLUMED == 0 and OWN_STATES == 0 and j >= 2 and m >= 0.0:
                     continue  # the oil's states set no flow, and what comes in brings the oil of its source

@@ -278,7 +278,7 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     total_rates(y, E, P, R, places, work, f, g)
     for c in range(CHAMBERS):
         for k in range(N):
-            column(y, E, c, k, context, d, ds, spare, g, J, Jq)
+            column(y, E, c, k, context, d, ds, spare, f, g, J, Jq)
     angle_columns(y, E_next, delta, context, ds, f, g, f_phi, g_phi)
 
 
@@ -300,7 +300,7 @@ def angle_columns(y, E_next, delta, context, ds, f, g, f_phi, g_phi):
 
 
 @kernel
-def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
+def column(y, E, c, k, context, d, ds, spare, f, g, J, Jq):
     """Fill the column of state k of chamber c: its own first law differenced, the others' linear in their streams."""
     P, _TAB, R, places, changed, work = context
     size = E_AREAS + N_PLENUM + N_GAPS
@@ -309,18 +309,28 @@ def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
     n_cols = CHAMBERS * N + 1
     col = c * N + k
     delta = perturbation(y, c * N, k)
+    first = c  # of the chambers whose streams the state touches
+    last = c
+    for r in range(CHAMBERS):
+        sums = ds + (r * n_cols + col) * n_sums
+        for i in range(n_sums):
+            if work[sums + i] != 0.0:
+                first = min(first, r)
+                last = max(last, r)
     for i in range(n_sums):
         total = 0.0
-        crossing = 0.0
-        for r in range(CHAMBERS):
+        for r in range(first, last + 1):
             total += work[ds + (r * n_cols + col) * n_sums + i]
-            if side_of(r, P) == 0:
-                crossing += work[ds + (r * n_cols + col) * n_sums + i]
         Jq[Q_STREAMS + i, col] = total / P[P_OMEGA]
-        if i == BETWEEN * width:
-            Jq[Q_STREAMS + n_sums, col] = crossing / P[P_OMEGA]
-        if OWN_PLENUMS > 0 and i >= 2 * FIRST_OWN * width and i % width == 0:
-            Jq[Q_STREAMS + n_sums, col] += crossing / P[P_OMEGA]
+        if i == BETWEEN * width or (OWN_PLENUMS > 0 and i >= 2 * FIRST_OWN * width and i % width == 0):
+            crossing = 0.0
+            for r in range(first, last + 1):
+                if side_of(r, P) == 0:
+                    crossing += work[ds + (r * n_cols + col) * n_sums + i]
+            if i == BETWEEN * width:
+                Jq[Q_STREAMS + n_sums, col] = crossing / P[P_OMEGA]
+            if OWN_PLENUMS > 0 and i >= 2 * FIRST_OWN * width:
+                Jq[Q_STREAMS + n_sums, col] += crossing / P[P_OMEGA]
     if ACROSS == 1:
         for r in range(CHAMBERS):
             Jq[Q_STREAMS + n_sums, col] += sideways(r, work, ds + (r * n_cols + col) * n_sums, P) / P[P_OMEGA]
@@ -331,12 +341,7 @@ def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
         new = work[spare + N + Q_STREAMS : spare + 2 * (N + Q_STREAMS)]
     row = places[CHAMBERS * PLACE :]
     for r in range(CHAMBERS):
-        sums = ds + (r * n_cols + col) * n_sums
-        touched = r == c
-        for i in range(n_sums):
-            if work[sums + i] != 0.0:
-                touched = True
-        if not touched:
+        if r < first or r > last:
             for i in range(N):
                 J[r * N + i, col] = 0.0
             continue
@@ -345,30 +350,35 @@ def column(y, E, c, k, context, d, ds, spare, g, J, Jq):
         e = r * size
         for i in range(PLACE):
             row[i] = places[r * PLACE + i]
-        base[N] = 0.0
-        base[N + 1] = 0.0
-        if WALLS > 0:
-            for i in range(Q_WALLS, Q_STREAMS):
-                base[N + i] = 0.0
-                new[N + i] = 0.0
-        finish(changed, 0, E, e, row, 0, R, P, work, r * n_sums, base, base[N:])
-        for i in range(n_sums):
-            work[sums + i] = work[r * n_sums + i] + delta * work[sums + i]
-        if r == c:
+        sums = ds + (r * n_cols + col) * n_sums
+        if r == c:  # what the chamber adds to work and heat of all
+            clear_heads(base)
+            finish(changed, 0, E, e, row, 0, R, P, work, r * n_sums, base, base[N:])
             changed[k] += delta
             for i in range(PLACE):
                 row[i] += delta * work[d + col * PLACE + i]
-        new[N] = 0.0
-        new[N + 1] = 0.0
+        for i in range(n_sums):
+            work[sums + i] = work[r * n_sums + i] + delta * work[sums + i]
+        clear_heads(new)
         finish(changed, 0, E, e, row, 0, R, P, work, sums, new, new[N:])
         for i in range(N):
-            J[r * N + i, col] = (new[i] - base[i]) / delta
+            J[r * N + i, col] = (new[i] - f[r * N + i]) / delta
         if r == c:
             Jq[Q_WORK, col] = (new[N] - base[N]) / delta
             Jq[Q_HEAT, col] = (new[N + 1] - base[N + 1]) / delta
             if WALLS > 0:
                 for i in range(Q_WALLS, Q_STREAMS):
                     Jq[i, col] = (new[N + i] - base[N + i]) / delta
+
+
+@kernel
+def clear_heads(filled):
+    """Set the sums of work, heat and walls behind N rates to zero."""
+    filled[N] = 0.0
+    filled[N + 1] = 0.0
+    if WALLS > 0:
+        for i in range(Q_WALLS, Q_STREAMS):
+            filled[N + i] = 0.0
 
 
 @kernel

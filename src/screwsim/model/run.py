@@ -37,6 +37,8 @@ class Machinery:
         self.max_steps = max_steps
         self.columns = n + composition.n_place
         self.histories = [self._history(max_steps, self.columns, self.nq) for _ in range(2)]
+        self._aside: tuple[Array, Array, Array] | None = None  # the history that nothing may be written into
+        self._spare: tuple[Array, Array, Array] | None = None  # arrays that are in no use
         self.images: list[tuple[Array, Array, int]] = []
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
@@ -97,7 +99,7 @@ class Machinery:
         """Integrate one life from y (changed in place); return (status, angle reached, last step, quadratures)."""
         self.watch()
         c = self.composition
-        new = self.histories[1]
+        new = self._writable(1)
         q = np.zeros(self.nq)
         status, phi, h = self.module.rodas__integrate_one(
             c.knots, len(c.knots), y, q, self.context, rtol, h, c.n_E, *new, self.kept, self.counts
@@ -117,6 +119,36 @@ class Machinery:
         self.kept[0] = 0
         self.stamp = object()
 
+    def _writable(self, place: int) -> tuple[Array, Array, Array]:
+        """Return the arrays of a history to be written; other ones take the place of what is set aside."""
+        if self.histories[place] is self._aside:
+            spare = self._spare
+            if spare is None or len(spare[1]) < self.max_steps:
+                spare = self._history(self.max_steps, self.columns, self.nq)
+            self.histories[place], self._spare = spare, None
+        return self.histories[place]
+
+    @contextmanager
+    def set_aside(self) -> Iterator[None]:
+        """Leave the machinery as it is, whatever is integrated meanwhile; of the last turn nothing is copied."""
+        P, R, kept, stamp = self.composition.P.copy(), self.R.copy(), self.kept.copy(), self.stamp
+        history = self._aside = self.histories[0]
+        try:
+            yield
+        finally:
+            self._aside = None
+            others = [arrays for arrays in self.histories if arrays is not history]
+            if len(history[1]) < self.max_steps:  # turns since then took more steps than it has room for
+                room = self._history(self.max_steps, self.columns, self.nq)
+                for larger, whole in zip(room, history, strict=True):
+                    larger[: len(whole)] = whole
+                history = room
+                others = [arrays for arrays in others if len(arrays[1]) >= self.max_steps]
+            self.histories = [history, others[0] if others else self._history(self.max_steps, self.columns, self.nq)]
+            self._spare = others[1] if len(others) > 1 else self._spare
+            self.composition.P[:], self.R[:], self.kept[:] = P, R, kept
+            self.stamp = stamp
+
     def last(self) -> tuple[Array, Array, Array, int]:
         """Return (times, dense, quadratures, steps) of the last turn."""
         return (*self.histories[0], int(self.kept[1]))
@@ -135,7 +167,7 @@ class Machinery:
     def blend(self, histories: Sequence[tuple[Array, Array, int]], weights: Array) -> None:
         """Replace the last history by the weighted sum of whole histories, on the steps of the last of them."""
         times, dense, steps = histories[-1]
-        old = self.histories[0]
+        old = self._writable(0)
         old[0][: steps + 1], target = times, old[1][:steps]
         self.kept[:] = 0, steps
         self.stamp = object()
@@ -156,7 +188,7 @@ class Machinery:
         if steps > self.max_steps:
             self.max_steps = steps
             self.histories = [self._history(steps, self.columns, self.nq) for _ in range(2)]
-        old = self.histories[0]
+        old = self._writable(0)
         old[0][: steps + 1], old[1][:steps, :, : self.n], old[2][:steps] = times, dense, quads
         self.kept[:] = 0, steps
         self.stamp = object()
@@ -210,7 +242,7 @@ class Machinery:
 
     def restore(self, times: Array, dense: Array, quads: Array) -> None:
         """Put back a whole history, places included, as the last turn's."""
-        old, steps = self.histories[0], len(dense)
+        old, steps = self._writable(0), len(dense)
         old[0][: steps + 1], old[1][:steps], old[2][:steps] = times, dense, quads
         self.kept[:] = 0, steps
         self.stamp = object()

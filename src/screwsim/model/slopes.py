@@ -19,6 +19,7 @@ from screwsim.model.slots import (
     PRESSURE,
     R_DISCHARGE,
     RESISTED,
+    VOLUMED,
     WIDTH,
     N,
 )
@@ -63,6 +64,8 @@ def gap_slopes(area, darea, j, ahead, at, context, d, ds):
         by_p = area * (p_1 if side == 0 else p_2)
         by_rho = area * (rho_1 if side == 0 else rho_2)
         for k in range(N):
+            if VOLUMED == 0 and k >= 2 and source != c * PLACE:
+                continue  # an oil's state sets no flow; it goes with what leaves its chamber
             row = d + (c * N + k) * PLACE
             dm = by_p * work[row + PRESSURE] + by_rho * work[row + DENSITY]
             if RESISTED == 1:
@@ -106,6 +109,8 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
         add_stream(work, j * n_sums + at, m, places, own)
         add_stream_slope(work, over_phi, m, by_phi, places, own, work, d_phi)
     for k in range(N):
+        if VOLUMED == 0 and k >= 2 and inward:
+            continue
         row = d + (j * N + k) * PLACE
         dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
         if RESISTED == 1:
@@ -149,6 +154,8 @@ def pulsating_slopes(area, darea, j, to, epsilon, delta, E, E_next, context, d, 
         add_stream(work, j * n_sums + at, m, places, own)
         add_stream_slope(work, over_phi, m, by_phi, places, own, work, d_phi)
     for k in range(N):
+        if VOLUMED == 0 and k >= 2 and inward:
+            continue
         row = d + (j * N + k) * PLACE
         dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
         if RESISTED == 1:
