@@ -373,7 +373,7 @@ def column(y, E, c, k, context, d, ds, spare, f, g, J, Jq):
 
 @kernel
 def clear_heads(filled):
-    """Set the sums of work, heat and walls behind N rates to zero."""
+    """Set to zero what stands behind N rates: work, heat and the like."""
     filled[N] = 0.0
     filled[N + 1] = 0.0
     if WALLS > 0:
