@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim.study.accuracy.kept import Kept, account
+from screwsim.study.accuracy.kept import Kept, account, estimates_over_errors
 
 pytestmark = pytest.mark.slow
 
@@ -45,6 +45,13 @@ def test_the_true_error_is_below_the_wanted_accuracy(found):
 
 def test_accuracy_is_not_wasted(found):
     assert np.median([1.0 / each.ratio for each in found if each.status == "ok"]) <= 30.0, account(found)
+
+
+def test_estimates_tell_the_true_errors(found):
+    ratios = estimates_over_errors(found)
+    assert len(ratios) >= len(found) // 2, account(found)
+    assert 1.0 <= np.median(ratios) <= 5.0, account(found)
+    assert np.quantile(ratios, 0.05) >= 0.5, account(found)
 
 
 def test_work_rises_with_the_accuracy_asked(script):

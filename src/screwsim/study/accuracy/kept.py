@@ -139,6 +139,12 @@ def _outcome(
     return Kept(status, wanted, estimated, true, name, kind, evaluations, warned, changes)
 
 
+def estimates_over_errors(found: list[Kept]) -> list[float]:
+    """Return estimated over true error of scenes that are ok, where that is above `JUDGED` of the wanted one."""
+    solved = [each for each in found if each.status == "ok"]
+    return [each.estimated / each.true for each in solved if each.true > JUDGED * each.wanted and each.estimated > 0.0]
+
+
 def account(found: list[Kept]) -> str:
     """Return what a sample shows, in lines."""
     solved = [each for each in found if each.status == "ok"]
@@ -150,9 +156,7 @@ def account(found: list[Kept]) -> str:
             f"true error within the wanted accuracy in {share:.1%}, within three times in {np.mean(ratios <= 3.0):.1%}"
         )
         lines.append(f"wanted over true error: median {1.0 / np.median(ratios):.3g}, least {1.0 / ratios.max():.3g}")
-    judged = [
-        each.estimated / each.true for each in solved if each.true > JUDGED * each.wanted and each.estimated > 0.0
-    ]
+    judged = estimates_over_errors(solved)
     if judged:
         low, middle, high = np.quantile(judged, (0.05, 0.5, 0.95))
         lines.append(
