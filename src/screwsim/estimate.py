@@ -24,7 +24,7 @@ WHOLE = 1.0 / (1.0 - NARROWER)  # the error over what that turn shows of it, whe
 TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
 AIM = 0.6  # of the wanted accuracy, at which the next try aims
 EASY = 0.4  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
-LOOSER = 1.5  # by no more than this factor
+LOOSER = 1.5  # by this factor, AIM over EASY: none of them is estimated above AIM then
 TIGHTEST = 0.05  # factor of the tolerances with which a scene of a course may begin
 TRIES = 7
 MUCH = 1e-4  # wanted accuracy from which on two turns estimate
@@ -86,7 +86,7 @@ def close_accurately(solution: Any) -> Accurate:
 def _next_tightness(used: float, estimated: float) -> float:
     """Return the factor of the tolerances with which the next scene of a course begins; error over accuracy."""
     if estimated < EASY:
-        used = min(1.0, used * (min(LOOSER, AIM / estimated) if estimated > 0.0 else LOOSER))
+        used = min(1.0, LOOSER * used)
     return max(used, TIGHTEST)
 
 
