@@ -29,6 +29,8 @@ TIGHTEST = 0.05  # factor of the tolerances with which a scene of a course may b
 TRIES = 7
 MUCH = 1e-4  # wanted accuracy from which on two turns estimate
 TIGHT = 0.75  # volumetric efficiency below which leaks rule, and two turns estimate
+LEAKY = 0.5  # volumetric efficiency below which an error of histories lives on for so many turns
+HIDDEN = 2.0  # that it is as many times what two of them show
 
 
 Read = tuple[Figures, dict[str, str]]  # figures, and why some are None
@@ -166,8 +168,9 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Re
             return Figures(dict.fromkeys(found)), (found, notes)
         better, _ = solution.figures(q)
     errors = relative_errors(found, better, *solution.least(closed.q))
+    whole = WHOLE * (HIDDEN if closed.how == "histories" and _among_leaks(solution, found) else 1.0)
     for name, size in errors.items():
-        errors[name] = WHOLE * size if size is not None else None
+        errors[name] = whole * size if size is not None else None
     flow = found["gas_mass_flow"]
     lost = abs(solution.balances.mass_in(closed.q) * solution.lives_per_second / flow) if flow else 0.0
     for name, size in flow_errors(found, lost).items():
@@ -177,9 +180,18 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Re
 
 def _much_asked(solution: Any, found: Figures) -> bool:
     """Tell whether one finer life is not enough for an estimate: it still meets the coarser life of its neighbours."""
+    return _filling(found) < TIGHT or solution.scene.numerics.accuracy <= MUCH
+
+
+def _among_leaks(solution: Any, found: Figures) -> bool:
+    """Tell whether chambers live on what leaks from the others."""
+    return solution.machinery.composition.chambers > 1 and _filling(found) < LEAKY
+
+
+def _filling(found: Figures) -> float:
+    """Return the volumetric efficiency, 1 where it is not defined."""
     filling = found.get("volumetric_efficiency")
-    leaky = filling is not None and filling < TIGHT
-    return leaky or solution.scene.numerics.accuracy <= MUCH
+    return 1.0 if filling is None else filling
 
 
 def _finer_turn(solution: Any, closed: closing.Closed, found: Figures) -> np.ndarray | None:

@@ -164,6 +164,19 @@ def test_many_processes_may_keep_answers_in_one_file(fresh):
     assert constants._known() == {**known, "of another process": 1.5}
 
 
+def test_answers_about_many_conditions_fill_neither_memory_nor_disk(fresh, monkeypatch):
+    monkeypatch.setattr(constants, "_FULL", 2000)
+    monkeypatch.setattr(constants, "_MOST", 50)
+    asked = [constants.dew_pressure("R134a", 250.0 + 0.5 * step) for step in range(80)]
+    (path,) = fresh.glob("coolprop-*")
+    assert path.stat().st_size < 2200
+    assert len(constants._known()) == 50
+    constants._known.cache_clear()
+    assert 20 < len(constants._known()) < 50 and not path.exists()  # full: what it held serves this process
+    assert [constants.dew_pressure("R134a", 250.0 + 0.5 * step) for step in range(80)] == asked
+    assert path.stat().st_size < 2200
+
+
 def test_saturation_is_coolprops(fresh):
     PropsSI = coolprop().PropsSI
     assert constants.dew_pressure("R134a", 275.15) == pytest.approx(PropsSI("P", "T", 275.15, "Q", 1, "R134a"))

@@ -2,7 +2,8 @@
 
 Importing CoolProp costs seconds, so that a question is asked once. The file has one answer a line, appended whole:
 many processes may write it, and a torn line is asked again. It is named by CoolProp's version, so that a new version
-is asked anew.
+is asked anew. Neither the file nor the memory grows with a sweep over conditions: full, the file is begun anew by the
+next process, and the oldest answers in memory make room.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from typing import Any, NamedTuple
 from screwsim.faults import UsageError
 from screwsim.numerics.store import cache_folder
 
+_FULL = 250_000  # [byte] of the file; it is read at every start
+_MOST = 5000  # answers in memory
 _NEAR = 0.6  # likeness from which on a name is offered in place of an unknown one
 
 
@@ -47,22 +50,29 @@ def _file() -> Path:
 def _known() -> dict[str, Any]:
     known: dict[str, Any] = {}
     with contextlib.suppress(OSError, ValueError):
-        for line in _file().read_text().splitlines():
+        text = _file().read_text()
+        for line in text.splitlines():
             with contextlib.suppress(ValueError, TypeError):
                 key, answer = json.loads(line)
                 known[key] = answer
+        if len(text) >= _FULL:
+            _file().unlink(missing_ok=True)
     return known
 
 
 def _ask(key: str, question: Callable[[], Any]) -> Any:
     known = _known()
     if key not in known:
-        known[key] = question()
+        answer = question()
+        while len(known) >= _MOST:
+            del known[next(iter(known))]
+        known[key] = answer
         line = f"\n{json.dumps([key, known[key]])}\n".encode()  # the first break ends what another left torn
         with contextlib.suppress(OSError):  # what cannot be kept is asked again
             handle = os.open(_file(), os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
             try:
-                os.write(handle, line)
+                if os.fstat(handle).st_size < _FULL:
+                    os.write(handle, line)
             finally:
                 os.close(handle)
     return known[key]

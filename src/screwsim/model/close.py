@@ -3,7 +3,7 @@
 Two ways (docs/numerics.md). *Histories*: integrate one chamber's life, reading the neighbours ahead from the last turn
 and those behind from this one; repeat until the trapped mass, the work and the balances stand. *Coupled*: integrate
 all chambers over one pitch, accelerated by Anderson's method; conserves exactly, and converges where leakage rules.
-`auto` takes histories while they contract well.
+`auto` takes histories as long as they have not cost as much as coupled chambers would.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from screwsim.numerics.periodic import Anderson
 from screwsim.numerics.rodas import dense_value
 
 Array = np.ndarray
-PATIENCE = 6  # turns before the histories may give way to coupled chambers
-DEAR = 18.0  # turns ahead that cost as much as coupled chambers
+DEAR = 120_000  # evaluations that coupled chambers take in the median, with steps of
+DEAR_RTOL = 1e-4  # this tolerance; the histories may take as many
 ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
 STALL = 3  # pitches without progress of the states
 NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
@@ -205,8 +205,9 @@ def _logarithms(states: Array, c: Composition) -> Array:
 
 
 def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Closed | None:
-    """Close by histories; return None when they contract too slowly and another way is allowed (`last` is False).
+    """Close by histories; return None when they do not, and another way is allowed (`last` is False).
 
+    They may cost as much as that other way: whatever is ahead then, the two cost no more than twice the cheaper one.
     One turn maps (history, state at 0°, what the cycle makes) to the next; Anderson's method mixes the last images. The
     first turns are integrated loosely: their error is that of the guess. A guess made from cycles of machines nearby
     may be so good that the first turn closes: it is as fine as is hoped of the guess.
@@ -217,9 +218,9 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
     accelerate = Anderson(HISTORY_DEPTH)
     made = task.made()
     before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
-    gaps: list[float] = []
     finest = rtol = hope.share * wanted.of_histories * wanted.rtol
     first_rtol, first_gap = finest if hope.gap <= GOOD else FIRST_RTOL, 1.0
+    dear = machinery.evaluations + DEAR * (DEAR_RTOL / wanted.rtol) ** 0.25  # as the steps of a method of order 4
     for turn in range(1, MAX_TURNS + 1):
         point = _vector(task, _all_states(machinery, y, angles), made)
         rtol = max(finest, first_rtol if turn == 1 else min(0.5 * rtol, AHEAD * gap))
@@ -235,7 +236,6 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
         states = NEAR * float(np.max(np.abs(image - point)))
         if turn == 1:  # what was expected of mass and work may agree by chance: the states must, too
             gap = first_gap = max(gap, states)
-        gaps.append(gap)
         if gap <= wanted.tolerance and rtol <= finest:
             residue = task.residue(q)
             if residue <= ENOUGH * wanted.bound:
@@ -243,15 +243,14 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
                 return Closed("ok", q, y, turn, "histories", finest, change=gap, first_gap=first_gap, residue=over)
             if states <= wanted.tolerance:  # else it is no matter of the steps yet
                 finest = finer(finest, residue / wanted.bound)
-                gaps.clear()
-        if not last and _too_slow(gaps, wanted.tolerance):
+        if not last and machinery.evaluations > dear:
             return None
         machinery.remember()
         mixed = _mixed(machinery, accelerate, point, image)
         y[:] = _states(mixed[: machinery.n], y, c)
         made = task.entries.values(mixed[len(mixed) - len(made) :], made_image)
         task.set_made(made)
-    return Closed("not_closed", q, y, turn, "histories", finest, change=gap)
+    return Closed("not_closed", q, y, turn, "histories", finest, change=gap) if last else None
 
 
 @lru_cache(maxsize=8)
@@ -295,16 +294,6 @@ def _mixed(machinery: Machinery, accelerate: Anderson, point: Array, image: Arra
     else:
         mixed = image
     return mixed
-
-
-def _too_slow(gaps: list[float], tolerance: float) -> bool:
-    """Tell whether so many turns lie ahead that coupled chambers are cheaper."""
-    if len(gaps) < PATIENCE:
-        return False
-    contraction = (gaps[-1] / max(gaps[-4], 1e-300)) ** (1.0 / 3.0)
-    if gaps[-1] <= tolerance:
-        return len(gaps) >= 3 * PATIENCE
-    return contraction >= 1.0 or np.log(tolerance / gaps[-1]) / np.log(contraction) > DEAR
 
 
 def by_coupling(

@@ -107,6 +107,11 @@ class Machinery:
         return int(status), float(phi), float(h), q
 
     @property
+    def evaluations(self) -> int:
+        """Evaluations of the right-hand side of one chamber so far, those for Jacobians included."""
+        return int(self.counts[2] + self.counts[3] * self.n)
+
+    @property
     def impacts(self) -> int:
         """Impacts of the last turn, where something moves between seat and stop."""
         own, stops = self._spaces[1], len(self.composition.stops)
