@@ -64,8 +64,8 @@ def main() -> None:
     by_coupled = np.array([coupled for coupled, _ in rows])
     best = np.minimum(by_coupled, [min(cost for cost, _ in autos) for _, autos in rows])
     told = f"coupled chambers take {np.median(by_coupled):.0f} evaluations in the median"
-    print(f"{len(rows)} of {count} scenes close whatever the limit; {told}\n\n| histories may take | given way | mean over the cheapest | all scenes |")
-    print("|---|---|---|---|")
+    print(f"{len(rows)} of {count} scenes close whatever the limit; {told}")
+    print("\n| histories may take | given way | mean over the cheapest | all scenes |\n|---|---|---|---|")
     for place, limit in enumerate(LIMITS):
         costs = np.array([autos[place][0] for _, autos in rows])
         given = sum(autos[place][1] == "coupled" for _, autos in rows)

@@ -121,22 +121,17 @@ def constant_text(value: Any) -> str | None:
     return None
 
 
-class _Rename(ast.NodeTransformer):
-    def __init__(self, names: Mapping[str, str]) -> None:
-        self.names = names
-
-    def visit_Name(self, node: ast.Name) -> ast.AST:
-        node.id = self.names.get(node.id, node.id)
-        return node
-
-    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
-        node.name = self.names.get(node.name, node.name)
-        node.decorator_list = []
-        node.returns = None
-        for argument in node.args.args:
-            argument.annotation = None
-        self.generic_visit(node)
-        return node
+def _rename(tree: ast.Module, names: Mapping[str, str]) -> None:
+    """Rename what the one function of a text uses, and the function itself; drop decorators and annotations."""
+    for node in ast.walk(tree):
+        if type(node) is ast.Name:
+            node.id = names.get(node.id, node.id)
+        elif type(node) is ast.FunctionDef:
+            node.name = names.get(node.name, node.name)
+            node.decorator_list = []
+            node.returns = None
+            for argument in node.args.args:
+                argument.annotation = None
 
 
 class _Prune(ast.NodeTransformer):
@@ -169,10 +164,14 @@ class _Prune(ast.NodeTransformer):
         return None
 
 
-def _names(tree: ast.Module) -> tuple[str, ...]:
-    """Return the global names and attributes of the one function of a text, in the order of their first use."""
-    codes = compile(ast.fix_missing_locations(tree), "<kernel>", "exec").co_consts
-    return next(code.co_names for code in codes if isinstance(code, types.CodeType))
+def _pruned(item: Kernel, numbers: Mapping[str, int]) -> tuple[ast.Module, tuple[str, ...]]:
+    """Return a kernel's text without what cannot run, and its global names and attributes in the order of first use."""
+    tree, known, used = ast.parse(item.source), item.function.__globals__, item.function.__code__.co_names
+    if any(isinstance(known.get(name), Structure) for name in used):
+        tree = _Prune(known, numbers).visit(tree)
+        codes = compile(ast.fix_missing_locations(tree), "<kernel>", "exec").co_consts
+        used = next(code.co_names for code in codes if isinstance(code, types.CodeType))
+    return tree, used
 
 
 def flatten(
@@ -211,8 +210,8 @@ def flatten(
         seen[name] = item
         found[name] = ""  # holds its place; callees come before it
         renames = {item.__name__: name}
-        pruned = _Prune(item.function.__globals__, numbers).visit(ast.parse(item.source))
-        for used in _names(pruned):
+        tree, names = _pruned(item, numbers)
+        for used in names:
             value = item.function.__globals__.get(used)
             own = ""
             if isinstance(value, Structure):
@@ -232,7 +231,7 @@ def flatten(
                 constant = f"{flat_module(item.function)}__{used}{own}"
                 found[constant] = f"{constant} = {text}"
                 renames[used] = constant
-        tree = _Rename(renames).visit(pruned)
+        _rename(tree, renames)
         del found[name]
         found[name] = decorate(ast.unparse(tree), item.inlined)
 
