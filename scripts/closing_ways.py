@@ -2,7 +2,7 @@
 
 Run: .venv/bin/python scripts/closing_ways.py [SCENES] [SEED]. Scenes are those of scripts/fuzz.py. Evaluations of the
 right-hand side of one chamber, those of the estimates included; `model.close.DEAR` is what histories may take before
-they give way. Told are the scenes that close by coupled chambers, with an estimate within the wanted accuracy.
+they give way. Told are the scenes that close by coupled chambers and whatever the limit.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ from found_scenes import (
     WET_AND_LEAKY,
 )
 
-HYDROGEN = {"gas.fluid": "Hydrogen", "numerics.closing": "coupled"}
+COUPLED_HYDROGEN = {"gas.fluid": "Hydrogen", "numerics.closing": "coupled"}
 
 
 def _without_end() -> list[Case]:
@@ -40,7 +40,7 @@ def _without_end() -> list[Case]:
     return [
         Case("found: heats without end", BLOWN, swings, "not_closed", says=says, slow=True),
         Case("found: heats and empties in a swing", SWINGING, swings, "not_closed", says=says, slow=True),
-        Case("found: closes only damped", {**BLOWN, **HYDROGEN}, damped, says=closed, slow=True),
+        Case("found: closes only damped", {**BLOWN, **COUPLED_HYDROGEN}, damped, says=closed, slow=True),
         Case("found: closes only damped, carried", HOT, damped, says=closed, slow=True),
         Case("found: closes only damped, at hardly any pressure ratio", HELIUM, damped, says=closed, slow=True),
     ]
