@@ -212,7 +212,7 @@ def dear(rtol: float) -> float:
 def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Closed | None:
     """Close by histories; return None when they do not, and another way is allowed (`last` is False).
 
-    They may cost as much as that other way does in the median: the two seldom cost much more than twice the cheaper one.
+    They may cost as much as that other way does in the median: the two seldom cost more than twice the cheaper one.
     One turn maps (history, state at 0°, what the cycle makes) to the next; Anderson's method mixes the last images. The
     first turns are integrated loosely: their error is that of the guess. A guess made from cycles of machines nearby
     may be so good that the first turn closes: it is as fine as is hoped of the guess.
