@@ -41,12 +41,17 @@ def scenes(count: int, seed: int) -> list[Scene]:
     return found
 
 
-def evaluations(scene: Scene, way: str, dear: float) -> tuple[float, str]:
-    """Return what a scene costs by a way, infinite where it does not close so, and the way that closed it."""
-    close.DEAR = dear
-    result = simulate(with_values(scene, {"numerics.closing": way}), trace=False)
+def evaluations(scene: Scene) -> tuple[float, str]:
+    """Return what a scene costs, infinite where it does not close, and the way that closed it."""
+    result = simulate(scene, trace=False)
     cost = result.numerics.rhs_evaluations if result.status == "ok" else np.inf
     return cost, str(result.numerics.get("closing"))
+
+
+def within(scene: Scene, limit: int) -> tuple[float, str]:
+    """Return that where histories may take so many evaluations."""
+    close.DEAR = limit
+    return evaluations(scene)
 
 
 def main() -> None:
@@ -55,10 +60,8 @@ def main() -> None:
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
     rows = []
     for scene in scenes(count, seed):
-        usual = close.DEAR
-        coupled = evaluations(scene, "coupled", usual)[0]
-        autos = [evaluations(scene, "auto", limit) for limit in LIMITS]
-        close.DEAR = usual
+        coupled, _ = evaluations(with_values(scene, {"numerics.closing": "coupled"}))
+        autos = [within(scene, limit) for limit in LIMITS]
         if np.isfinite([coupled, *(cost for cost, _ in autos)]).all():
             rows.append((coupled, autos))
     by_coupled = np.array([coupled for coupled, _ in rows])

@@ -41,7 +41,7 @@ def _numerics(solution: Solution, accurate: Accurate) -> Figures:
         rtol=closed.rtol,
         turns=closed.turns,
         steps=int(counts[0]),
-        rhs_evaluations=int(counts[2] + counts[3] * len(solution.machinery.composition.states)),
+        rhs_evaluations=solution.machinery.evaluations_of(counts),
         jacobians=int(counts[3]),
         wall_time=accurate.closing_time,
         estimating_time=accurate.estimating_time,

@@ -225,7 +225,7 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
     before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
     finest = rtol = hope.share * wanted.of_histories * wanted.rtol
     first_rtol, first_gap = finest if hope.gap <= GOOD else FIRST_RTOL, 1.0
-    most = machinery.evaluations + dear(wanted.rtol)
+    most = machinery.evaluations_of(machinery.counts) + dear(wanted.rtol)
     for turn in range(1, MAX_TURNS + 1):
         point = _vector(task, _all_states(machinery, y, angles), made)
         rtol = max(finest, first_rtol if turn == 1 else min(0.5 * rtol, AHEAD * gap))
@@ -248,7 +248,7 @@ def by_histories(task: Task, y: Array, last: bool, hope: Hope = NO_HOPE) -> Clos
                 return Closed("ok", q, y, turn, "histories", finest, change=gap, first_gap=first_gap, residue=over)
             if states <= wanted.tolerance:  # else it is no matter of the steps yet
                 finest = finer(finest, residue / wanted.bound)
-        if not last and machinery.evaluations > most:
+        if not last and machinery.evaluations_of(machinery.counts) > most:
             return None
         machinery.remember()
         mixed = _mixed(machinery, accelerate, point, image)

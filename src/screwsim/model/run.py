@@ -106,10 +106,9 @@ class Machinery:
         )
         return int(status), float(phi), float(h), q
 
-    @property
-    def evaluations(self) -> int:
-        """Evaluations of the right-hand side of one chamber so far, those for Jacobians included."""
-        return int(self.counts[2] + self.counts[3] * self.n)
+    def evaluations_of(self, counts: Sequence[int] | Array) -> int:
+        """Return the evaluations of the right-hand side of one chamber in counts, those for Jacobians included."""
+        return int(counts[2] + counts[3] * self.n)
 
     @property
     def impacts(self) -> int:

@@ -124,7 +124,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, solution: Solution | 
         finally:
             watch.lap("closing")
     counts = watch.counts["closing"]
-    evaluations = int(counts[2] + counts[3] * machinery.n)
+    evaluations = machinery.evaluations_of(counts)
     return Solved(solution, closed, watch.times["closing"], evaluations, int(counts[0]))
 
 
