@@ -85,18 +85,18 @@ def test_both_forms_of_equation_12_have_their_own_text():
 @pytest.mark.parametrize("edited", [nozzle.flow, tip_leakage.area, rodas.attempt], ids=lambda item: item.flat_name)
 def test_an_edit_in_any_file_makes_another_module(edited, monkeypatch):
     """No stale compiled code: the module's name is the hash of all text, other files' included."""
-    composing._module_text.cache_clear()
+    composing.module_text.cache_clear()
     before = composition().text
     monkeypatch.setattr(edited, "source", edited.source.replace('"""', '"""Edited. ', 1))
-    composing._module_text.cache_clear()
+    composing.module_text.cache_clear()
     after = composition().text
-    composing._module_text.cache_clear()
+    composing.module_text.cache_clear()
     assert module_name(after) != module_name(before)
 
 
 def test_the_same_scene_has_the_same_text():
     before = composition().text
-    composing._module_text.cache_clear()
+    composing.module_text.cache_clear()
     assert composition().text == before
 
 

@@ -1,13 +1,15 @@
 """Flattening: names, constants, slots, refusals, and text that follows every edit."""
 
+import inspect
 import math
 import os
+import textwrap
 from types import FunctionType
 
 import numpy as np
 import pytest
 
-from screwsim.numerics.kernel import HEADER, Slot, Structure, flatten, kernel, written
+from screwsim.numerics.kernel import HEADER, Slot, Structure, flatten, kernel, source_of, written
 
 FACTOR = 2.5
 TABLE = np.array((1.0, 2.0))
@@ -57,6 +59,35 @@ def run(text: dict[str, str], **names):
     space = {"math": math, "np": np, "njit": lambda **_: lambda function: function, **names}
     exec("\n\n".join(text.values()), space)
     return space
+
+
+ODDLY_LAID_OUT = [
+    "def f(x):\n    return x\n\n# behind\nBEHIND = 1\n",
+    "def f(\n    x,\n) -> float:\n    return (\n        x\n)\n\n\ndef g(x):\n    return 0\n",
+    "@str\ndef f(x):\n# at the edge\n    y = x\n\n# and again\n\n    return y\nx = 1\n",
+    'def f(x):\n    \'a\'\n    y = """\nat the edge\n"""\n    return y\nx = 1\n',
+    "if True:\n    def f(x):\n        return x\n    g = 1\n",
+    "f = lambda x: x\n",
+]
+
+
+@pytest.mark.parametrize("text", ODDLY_LAID_OUT)
+def test_a_functions_text_is_that_which_python_reads(tmp_path, text):
+    path = tmp_path / "odd.py"
+    path.write_text(text)
+    space = {"__name__": "odd", "str": lambda f: f}
+    exec(compile(text, str(path), "exec"), space)
+    assert source_of(space["f"]).rstrip() == textwrap.dedent(inspect.getsource(space["f"])).rstrip()
+
+
+def test_a_functions_text_is_that_of_the_file_as_it_is(tmp_path):
+    path, texts = tmp_path / "edited.py", []
+    for number in (1, 22):
+        path.write_text(f"def f(x):\n    return {number} * x\n")
+        space = {"__name__": "edited"}
+        exec(compile(path.read_text(), str(path), "exec"), space)
+        texts.append(source_of(space["f"]))
+    assert [text.count("22 * x") for text in texts] == [0, 1]
 
 
 def test_names_carry_the_file():

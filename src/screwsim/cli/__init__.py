@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 
 from screwsim import __version__
-from screwsim.cli import startup, studies
+from screwsim.cli import process, startup, studies
 from screwsim.cli.options import (
     BAD_SCENE,
     INTERNAL,
@@ -367,4 +367,5 @@ def _complain(text: str, code: int) -> int:
 
 def main() -> None:
     """Be the command `screwsim`."""
-    sys.exit(exit_code(sys.argv[1:]))
+    process.begin()
+    process.end(exit_code(sys.argv[1:]))

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
-from screwsim.model import chamber, coupled, landing, ledger, line_flow, places, trace
+from screwsim.model import chamber
+from screwsim.model.module_text import module_text
 from screwsim.model.parts import Parts
 from screwsim.model.slots import (
     FEWEST,
@@ -47,26 +47,8 @@ from screwsim.model.writing import (
     write_supply,
     write_walls,
 )
-from screwsim.numerics import history, rodas
-from screwsim.numerics.kernel import HEADER, Kernel, flatten, without_wrapper
-
-# what is called from Python; a wrapper for every small kernel would cost a sixth of the compilation
-CALLED = ("own ", "rodas__integrate", "coupled__all", "trace__", "history__", "chamber__inject", "chamber__path_flows")
-CALLED += ("chamber__surroundings", "chamber__rates", "chamber__jacobian", "places__places_along", "ledger__account")
-CALLED += ("line_flow__into_lines",)
-CALLED += ("stops__begin", "stops__push_on", "stops__take_event")
-
-# what the integrator calls of both drivers
-DRIVEN = ("surroundings", "rates", "jacobian", "error_size", "share_in_phase", "conserve")
-
-# what a composition writes itself (slots.py)
-OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
-OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
-OWN += ("state_rate", "path_opening", "flash_terms", "stop_push", "restitution")
-OWN += ("gap_film", "release_terms", "held_gas", "solution_entropy")
 
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
-
 PORTS, LINES = ("suction_port", "discharge_port"), ("suction", "discharge")
 
 
@@ -246,9 +228,7 @@ def compose(parts: Parts) -> Composition:
     held = (FIRST_OWN + len(parts.plenums)) * PLACE if parts.pulsations else 0
     numbers = writer.numbers
     return Composition(
-        text=_module_text(
-            tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())
-        ),
+        text=module_text(tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())),
         P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
         knots=_knots(parts, law, [path for _, path in named], port.knots if port is not None else ()),
@@ -379,59 +359,3 @@ def _fixed_numbers(parts: Parts) -> list[float]:
         if parts.pumped:
             head.append(0.0)
     return head
-
-
-@lru_cache(maxsize=64)
-def _module_text(
-    own_functions: tuple[str, ...],
-    kernels: tuple[Kernel, ...],
-    named: tuple[tuple[str, Any], ...],
-    structure: tuple[tuple[str, int], ...],
-) -> str:
-    """Return the flat module: constants, pasted kernels, the composition's functions, the drivers."""
-    constants, numbers = dict(named), dict(structure)
-    quadratures = numbers["Q_STREAMS"] + numbers["CATEGORIES"] * numbers["WIDTH"]
-    lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
-    own = {name: name for name in (*constants, *OWN)}
-    rooms = (
-        *(getattr(chamber, name) for name in (*DRIVEN, "at_knot", "inject")),
-        *(getattr(coupled, f"all_{name}") for name in DRIVEN),
-        coupled.no_knot,
-        coupled.no_places,
-        landing.lands,
-        landing.all_lands,
-        places.keep_places,
-        places.places_along,
-    )
-    model = flatten(rooms, own, numbers=numbers)
-    model |= flatten((history.add_history, history.states_at))
-    model |= flatten((trace.peak_pressure, trace.sample, trace.work_along, ledger.account), own, numbers=numbers)
-    if constants["HEATED"] and not constants["CARRIED"]:
-        model |= flatten((trace.oil_with_outflow,), own, numbers=numbers)
-    if numbers["PULSATING"]:
-        model |= flatten((line_flow.into_lines,), own, numbers=numbers)
-    if numbers["FILMED"]:
-        model |= flatten((trace.oil_films,), own, numbers=numbers)
-    if numbers["PORTED"]:
-        model |= flatten((trace.port_oil,), own, numbers=numbers)
-    if numbers["STOPS"]:
-        model |= flatten((chamber.jump,), own, numbers=numbers)
-    blocks = flatten(kernels)
-    blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
-    blocks |= {name: text for name, text in model.items() if name not in blocks}
-    for kind, room, prefix, knot, keep, lands in (
-        ("_one", chamber, "", chamber.at_knot, places.keep_places, landing.lands),
-        ("_all", coupled, "all_", coupled.no_knot, coupled.no_places, landing.all_lands),
-    ):
-        slots = {name: getattr(room, prefix + name).flat_name for name in DRIVEN}
-        slots |= {"at_knot": knot.flat_name, "keep_places": keep.flat_name, "lands": lands.flat_name}
-        jumps = int(numbers["STOPS"] > 0 and room is chamber)
-        if jumps:
-            slots["jump"] = chamber.jump.flat_name
-        sizes = {"STATES": constants["N"], "QUADRATURES": quadratures}
-        if room is coupled:
-            sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": quadratures + 1}
-        driver = flatten((rodas.integrate,), slots, kind, {"JUMPS": jumps, **sizes})
-        blocks |= {name: text for name, text in driver.items() if name not in blocks}
-    texts = [text if name.startswith(CALLED) else without_wrapper(text) for name, text in blocks.items()]
-    return "\n\n".join(["\n".join(lines), *texts]) + "\n"

@@ -12,6 +12,7 @@ from __future__ import annotations
 import ast
 import hashlib
 import inspect
+import linecache
 import math
 import re
 import textwrap
@@ -35,9 +36,10 @@ class Kernel:
         self.inlined = inlined
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
-        self.arguments = tuple(inspect.signature(function).parameters)
+        code = function.__code__
+        self.arguments = code.co_varnames[: code.co_argcount]
         # now: a file may be edited while we run
-        self.source = source or textwrap.dedent(inspect.getsource(function))
+        self.source = source or source_of(function)
 
     def __call__(self, *arguments: Any) -> Any:
         return self.function(*arguments)
@@ -52,6 +54,33 @@ def flat_module(function: Callable[..., Any]) -> str:
     """Return a module's name as part of a flat name; a user's module never shares one with ours."""
     name = function.__module__
     return name.rpartition(".")[2] if name.startswith("screwsim.") else "user_" + name.replace(".", "_")
+
+
+def source_of(function: Callable[..., Any]) -> str:
+    """Return the text of a function, decorators included.
+
+    `inspect.getsource` reads it token by token, which for all kernels takes a tenth of a second of each start. Here
+    it goes on until a line begins further left, as far as the code knows of lines at least; else that is asked.
+    """
+    code = function.__code__
+    linecache.checkcache(code.co_filename)
+    lines = linecache.getlines(code.co_filename, function.__globals__)[code.co_firstlineno - 1 :]
+    head = next((n for n, line in enumerate(lines) if line.lstrip().startswith("def ")), len(lines))
+    edge = len(lines[0]) - len(lines[0].lstrip()) if lines else 0
+    last = head
+    for number, line in enumerate(lines[head + 1 :], head + 1):
+        text = line.lstrip()
+        if text and len(line) - len(text) <= edge and text[0] not in ")#":
+            break
+        last = number if text and (len(line) - len(text) > edge or text[0] == ")") else last
+    if not lines or last < _last_line(code) - code.co_firstlineno:
+        return textwrap.dedent(inspect.getsource(function))
+    return textwrap.dedent("".join(lines[: last + 1]))
+
+
+def _last_line(code: types.CodeType) -> int:
+    inner = (_last_line(each) for each in code.co_consts if isinstance(each, types.CodeType))
+    return max(max(end for _, end, _, _ in code.co_positions() if end is not None), *inner, 0)
 
 
 class Slot:
@@ -121,37 +150,51 @@ def constant_text(value: Any) -> str | None:
     return None
 
 
-def _rename(tree: ast.Module, names: Mapping[str, str]) -> None:
+def _named(tree: ast.Module) -> list[ast.Name]:
+    """Return the names in a text."""
+    return [node for node in ast.walk(tree) if type(node) is ast.Name]
+
+
+def _rename(tree: ast.Module, found: Iterable[ast.Name], names: Mapping[str, str]) -> None:
     """Rename what the one function of a text uses, and the function itself; drop decorators and annotations."""
-    for node in ast.walk(tree):
-        if type(node) is ast.Name:
-            node.id = names.get(node.id, node.id)
-        elif type(node) is ast.FunctionDef:
-            node.name = names.get(node.name, node.name)
-            node.decorator_list = []
-            node.returns = None
-            for argument in node.args.args:
-                argument.annotation = None
+    for node in found:
+        node.id = names.get(node.id, node.id)
+    for function in tree.body:
+        assert isinstance(function, ast.FunctionDef)
+        function.name = names.get(function.name, function.name)
+        function.decorator_list = []
+        function.returns = None
+        for argument in function.args.args:
+            argument.annotation = None
 
 
-class _Prune(ast.NodeTransformer):
+class _Prune:
     """Leaves out the branches that a composition's numbers rule out."""
 
     def __init__(self, names: Mapping[str, Any], numbers: Mapping[str, int]) -> None:
         self.names, self.numbers = names, numbers
 
-    def visit_If(self, node: ast.If) -> ast.AST | list[ast.stmt]:
-        self.generic_visit(node)
+    def prune(self, node: Any) -> None:
+        """Change a statement's own statements, in place."""
+        for part in ("body", "orelse"):
+            statements = getattr(node, part, None)
+            if statements:
+                setattr(node, part, [kept for statement in statements for kept in self._kept(statement)])
+
+    def _kept(self, node: ast.stmt) -> list[ast.stmt]:
+        self.prune(node)
+        if not isinstance(node, ast.If):
+            return [node]
         tests = node.test.values if isinstance(node.test, ast.BoolOp) else [node.test]
         holds = self._holds(tests[0])
         if holds is None or (isinstance(node.test, ast.BoolOp) and isinstance(node.test.op, ast.Or)):
-            return node
+            return [node]
         if not holds:
             return node.orelse
         if len(tests) == 1:
             return node.body
         node.test = tests[1] if len(tests) == 2 else ast.BoolOp(ast.And(), tests[1:])
-        return node
+        return [node]
 
     def _holds(self, test: ast.expr) -> bool | None:
         """Return whether a test of a structure holds; None of any other test."""
@@ -164,14 +207,14 @@ class _Prune(ast.NodeTransformer):
         return None
 
 
-def _pruned(item: Kernel, numbers: Mapping[str, int]) -> tuple[ast.Module, tuple[str, ...]]:
-    """Return a kernel's text without what cannot run, and its global names and attributes in the order of first use."""
+def _pruned(item: Kernel, numbers: Mapping[str, int]) -> tuple[ast.Module, list[ast.Name], list[str]]:
+    """Return a kernel's text without what cannot run, the names in it, and those that are global, in a fixed order."""
     tree, known, used = ast.parse(item.source), item.function.__globals__, item.function.__code__.co_names
     if any(isinstance(known.get(name), Structure) for name in used):
-        tree = _Prune(known, numbers).visit(tree)
-        codes = compile(ast.fix_missing_locations(tree), "<kernel>", "exec").co_consts
-        used = next(code.co_names for code in codes if isinstance(code, types.CodeType))
-    return tree, used
+        _Prune(known, numbers).prune(tree.body[0])
+    found = _named(tree)
+    left = {node.id for node in found}
+    return tree, found, [name for name in used if name in left]
 
 
 def flatten(
@@ -210,7 +253,7 @@ def flatten(
         seen[name] = item
         found[name] = ""  # holds its place; callees come before it
         renames = {item.__name__: name}
-        tree, names = _pruned(item, numbers)
+        tree, found_names, names = _pruned(item, numbers)
         for used in names:
             value = item.function.__globals__.get(used)
             own = ""
@@ -231,7 +274,7 @@ def flatten(
                 constant = f"{flat_module(item.function)}__{used}{own}"
                 found[constant] = f"{constant} = {text}"
                 renames[used] = constant
-        _rename(tree, renames)
+        _rename(tree, found_names, renames)
         del found[name]
         found[name] = decorate(ast.unparse(tree), item.inlined)
 

@@ -1,0 +1,99 @@
+"""The text of the flat module: kernels pasted with all they use, and what a composition writes itself."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+from screwsim.model import (
+    chamber,
+    chamber_jacobian,
+    chamber_steps,
+    coupled,
+    coupled_jacobian,
+    coupled_steps,
+    landing,
+    ledger,
+    line_flow,
+    places,
+    trace,
+)
+from screwsim.numerics import history, rodas
+from screwsim.numerics.kernel import HEADER, Kernel, flatten, without_wrapper
+
+# what is called from Python; a wrapper for every small kernel would cost a sixth of the compilation
+CALLED = ("own ", "rodas__integrate", "coupled__all", "coupled_jacobian__all", "trace__", "history__")
+CALLED += ("chamber__surroundings", "chamber__rates", "chamber__path_flows", "chamber_jacobian__jacobian")
+CALLED += ("chamber_steps__inject", "places__places_along", "ledger__account", "line_flow__into_lines")
+CALLED += ("stops__begin", "stops__push_on", "stops__take_event")
+
+# what the integrator calls of both drivers: by its slot (rodas.py)
+ONE = {
+    "surroundings": chamber.surroundings,
+    "rates": chamber.rates,
+    "jacobian": chamber_jacobian.jacobian,
+    "error_size": chamber_steps.error_size,
+    "share_in_phase": chamber_steps.share_in_phase,
+    "conserve": chamber_steps.conserve,
+    "at_knot": chamber_steps.at_knot,
+    "keep_places": places.keep_places,
+    "lands": landing.lands,
+}
+ALL = {
+    "surroundings": coupled.all_surroundings,
+    "rates": coupled.all_rates,
+    "jacobian": coupled_jacobian.all_jacobian,
+    "error_size": coupled_steps.all_error_size,
+    "share_in_phase": coupled_steps.all_share_in_phase,
+    "conserve": coupled_steps.all_conserve,
+    "at_knot": coupled_steps.no_knot,
+    "keep_places": coupled_steps.no_places,
+    "lands": landing.all_lands,
+}
+
+# what a composition writes itself (slots.py)
+OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
+OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
+OWN += ("state_rate", "path_opening", "flash_terms", "stop_push", "restitution")
+OWN += ("gap_film", "release_terms", "held_gas", "solution_entropy")
+
+
+@lru_cache(maxsize=64)
+def module_text(
+    own_functions: tuple[str, ...],
+    kernels: tuple[Kernel, ...],
+    named: tuple[tuple[str, Any], ...],
+    structure: tuple[tuple[str, int], ...],
+) -> str:
+    """Return the flat module: constants, pasted kernels, the composition's functions, the drivers."""
+    constants, numbers = dict(named), dict(structure)
+    quadratures = numbers["Q_STREAMS"] + numbers["CATEGORIES"] * numbers["WIDTH"]
+    lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
+    own = {name: name for name in (*constants, *OWN)}
+    rooms = *ONE.values(), *ALL.values(), chamber_steps.inject, places.places_along
+    model = flatten(rooms, own, numbers=numbers)
+    model |= flatten((history.add_history, history.states_at))
+    model |= flatten((trace.peak_pressure, trace.sample, trace.work_along, ledger.account), own, numbers=numbers)
+    if constants["HEATED"] and not constants["CARRIED"]:
+        model |= flatten((trace.oil_with_outflow,), own, numbers=numbers)
+    if numbers["PULSATING"]:
+        model |= flatten((line_flow.into_lines,), own, numbers=numbers)
+    if numbers["FILMED"]:
+        model |= flatten((trace.oil_films,), own, numbers=numbers)
+    if numbers["PORTED"]:
+        model |= flatten((trace.port_oil,), own, numbers=numbers)
+    if numbers["STOPS"]:
+        model |= flatten((chamber_steps.jump,), own, numbers=numbers)
+    blocks = flatten(kernels)
+    blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
+    blocks |= {name: text for name, text in model.items() if name not in blocks}
+    for kind, filling, chambers, more in (("_one", ONE, 1, 0), ("_all", ALL, constants["CHAMBERS"], 1)):
+        slots = {name: filler.flat_name for name, filler in filling.items()}
+        jumps = int(numbers["STOPS"] > 0 and filling is ONE)
+        if jumps:
+            slots["jump"] = chamber_steps.jump.flat_name
+        sizes = {"STATES": chambers * constants["N"], "QUADRATURES": quadratures + more}
+        driver = flatten((rodas.integrate,), slots, kind, {"JUMPS": jumps, **sizes})
+        blocks |= {name: text for name, text in driver.items() if name not in blocks}
+    texts = [text if name.startswith(CALLED) else without_wrapper(text) for name, text in blocks.items()]
+    return "\n\n".join(["\n".join(lines), *texts]) + "\n"
