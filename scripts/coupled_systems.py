@@ -31,7 +31,9 @@ def matrix_of(life: Life, y: Array) -> Array:
     s = 0.5 * float(c.P[P_PITCH]) + 1e-3
     module.coupled__all_surroundings(s, s, context, E)
     module.coupled__all_surroundings(s + rodas.ANGLE_STEP, s, context, E_next)
-    module.coupled__all_jacobian(y, E, E_next, rodas.ANGLE_STEP, context, f, g, J, Jq, np.empty(n), np.empty(nq))
+    module.coupled_jacobian__all_jacobian(
+        y, E, E_next, rodas.ANGLE_STEP, context, f, g, J, Jq, np.empty(n), np.empty(nq)
+    )
     return SHIFT * np.eye(n) - J
 
 

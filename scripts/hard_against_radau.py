@@ -32,6 +32,7 @@ from scenes import make  # noqa: E402
 from screwsim.errors import relative_errors  # noqa: E402
 from screwsim.estimate import close_accurately  # noqa: E402
 from screwsim.model import close as closing  # noqa: E402
+from screwsim.model.residues import LEAST_WORK  # noqa: E402
 from screwsim.numerics.store import write_atomically  # noqa: E402
 from screwsim.outputs import Figures, Result  # noqa: E402
 from screwsim.scene import Scene  # noqa: E402
@@ -139,7 +140,7 @@ def difference(found: Result, better: Figures, pv: float, start: str) -> float:
     Work below the least one is rounding. A chamber that is only followed gives back what it takes up, and its work is
     none: it is over m p/ρ.
     """
-    least = (1.0 if start == FOLLOWED else closing.LEAST_WORK) * better.trapped_mass * pv
+    least = (1.0 if start == FOLLOWED else LEAST_WORK) * better.trapped_mass * pv
     errors = relative_errors(found.performance, better, least_work=least)
     return max(errors.work_per_cycle, errors.trapped_mass)
 

@@ -77,7 +77,7 @@ class Life:
         after = np.ascontiguousarray(y[: self.n])
         P, TAB, R = self.context[:3]
         if abs(phi - P[P_INJECTION]) < 1e-9:
-            self.module.chamber__inject(after, 0, P, TAB, R)
+            self.module.chamber_steps__inject(after, 0, P, TAB, R)
         return np.concatenate([after, y[self.n :]])
 
     def rates(self, phi: float, middle: float, y: Array) -> Array:
@@ -95,7 +95,7 @@ class Life:
         self.module.chamber__surroundings(phi, middle, self.context, self.E)
         self.module.chamber__surroundings(phi + delta, middle, self.context, self.E_next)
         z = np.ascontiguousarray(y)
-        self.module.chamber__jacobian(z, self.E, self.E_next, delta, self.context, f, g, J, Jq, f_phi, g_phi)
+        self.module.chamber_jacobian__jacobian(z, self.E, self.E_next, delta, self.context, f, g, J, Jq, f_phi, g_phi)
         return np.concatenate([f, g]), np.vstack([J, Jq]), np.concatenate([f_phi, g_phi])
 
     def differenced(self, phi: float, middle: float, y: Array) -> tuple[Array, Array, Array]:

@@ -99,7 +99,7 @@ def side_by_side(times, p, rho, choke, choked, c, out):
 def timers(life: Life) -> dict[str, Callable[[int], object]]:
     """Return what is timed: the parts of a step, as compiled for the scene."""
     module, n, nq, context = life.module, life.n, life.nq, life.context
-    around, rate, derive = module.chamber__surroundings, module.chamber__rates, module.chamber__jacobian
+    around, rate, derive = module.chamber__surroundings, module.chamber__rates, module.chamber_jacobian__jacobian
     factor, solve, flow = module.linear__lu_factor, module.linear__lu_solve, module.nozzle__flow
     times, dense, _, steps = life.machinery.last()
     chosen = np.linspace(0, steps - 1, MOMENTS).astype(int)

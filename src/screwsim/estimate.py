@@ -16,6 +16,7 @@ import numpy as np
 from screwsim import shaft
 from screwsim.errors import flow_errors, relative_errors
 from screwsim.model import close as closing
+from screwsim.model import tries
 from screwsim.outputs import Figures
 
 FINER = 0.25  # tolerance of a step in the turn that estimates the error
@@ -119,7 +120,7 @@ def _close_somehow(solution: Any) -> closing.Closed:
     if solution.outside(closed):
         return closed
     before = Snapshot(solution.machinery)
-    for name, attempt in closing.further_tries(solution, solution.start):
+    for name, attempt in tries.further_tries(solution, solution.start):
         better = attempt()
         if better.status == "ok":
             return replace(better, needed=name)

@@ -56,7 +56,7 @@ TRANSPORT = {
     "carried": "carried: oil mass is a state, leaks carry the donor's oil (M8, M9)",
 }
 CLOSING = {
-    "auto": "auto: turn by turn while that contracts well, else all chambers at once",
+    "auto": "auto: turn by turn as long as that costs no more than all chambers at once would",
     "histories": "histories: one chamber, its neighbours read from its own last life",
     "coupled": "coupled: all chambers alive at once",
 }

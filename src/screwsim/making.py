@@ -12,6 +12,7 @@ from screwsim.effects.base import LineFlow, Made, Turn
 from screwsim.effects.gap import ClearanceParameters
 from screwsim.faults import UsageError
 from screwsim.model import close as closing
+from screwsim.model import residues
 from screwsim.model.slots import (
     DENSITY,
     DISSOLVED,
@@ -147,7 +148,7 @@ class Making(Prepared):
         A check valve lets nothing of the line back: what flows back had flowed out, in this turn or before.
         """
         streams = self.balances.streams(q)
-        mean = closing.discharge_enthalpy(streams)
+        mean = residues.discharge_enthalpy(streams)
         plenum = self._line()
         if self.parts.held_back and mean is None:
             return plenum
@@ -164,7 +165,7 @@ class Making(Prepared):
             present = mean is not None and mean[2] > 0.0
             dry = 1e-9, self.parts.oil.temperature + self._pressed(self.lines.p_d)
             plenum[1:3] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else dry
-            plenum[3:] = closing.discharge_held(streams)
+            plenum[3:] = residues.discharge_held(streams)
         return plenum
 
     def _set_line(self, plenum: closing.Array) -> None:

@@ -11,9 +11,9 @@ import numpy as np
 
 from screwsim.effects.base import Plenum, PowerLoss, Reading, Turn
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.model.close import Array, discharge_enthalpy
 from screwsim.model.parts import Parts
 from screwsim.model.pitch import Pitch
+from screwsim.model.residues import Array, discharge_enthalpy
 from screwsim.outputs import PERFORMANCE, Figures
 from screwsim.scene.lines import Lines
 
@@ -151,7 +151,7 @@ def figures(
 ) -> tuple[Figures, dict[str, str]]:
     """Return the performance figures of one closed cycle and why some are None.
 
-    `streams` are the sums over one chamber's life (model.close.Balances.streams), `work` [J] that of one life;
+    `streams` are the sums over one chamber's life (model.residues.Balances.streams), `work` [J] that of one life;
     `delivered` is the share of the gas that does not go back to suction (M163).
     """
     geometry, gas, oil = parts.geometry, parts.gas, parts.oil

@@ -11,7 +11,7 @@ from screwsim import performance
 from screwsim.build import Stock, build_parts, wanted_of
 from screwsim.effects.base import Made
 from screwsim.intake import suction_of
-from screwsim.model import close as closing
+from screwsim.model import residues
 from screwsim.model.compose import Composer
 from screwsim.model.continuation import Course
 from screwsim.model.parts import Parts
@@ -78,8 +78,8 @@ class Prepared:
         P, outcomes = self.machinery.composition.P, self.parts.geometry.outcomes
         self.parameters = np.concatenate([P, [*begins, self.lines.p_d, *outcomes]])
         c_oil = self.parts.oil.heat_capacity if self.parts.oil else 0.0
-        self.balances = closing.Balances(self.machinery, c_oil, self._oil_in)
-        line_entries = closing.discharge_line(self.machinery.composition.carried, self.parts.dissolves)
+        self.balances = residues.Balances(self.machinery, c_oil, self._oil_in)
+        line_entries = residues.discharge_line(self.machinery.composition.carried, self.parts.dissolves)
         self.entries = _entries((*line_entries, *(part.entry for _, part in self.parts.all(Made))))
 
     def _suction_place(self) -> tuple[float, ...]:

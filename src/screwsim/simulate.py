@@ -13,6 +13,7 @@ from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, 
 from screwsim.ledger.total import Ledger
 from screwsim.model import close as closing
 from screwsim.model.pulsation import LOWEST
+from screwsim.model.residues import LEAST_OIL
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
 from screwsim.model.stops import MOST_IMPACTS
 from screwsim.outputs import Figures, Result
@@ -163,7 +164,7 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
         and supply.kind == "pump"
         and solution.parts.oil_port is None
         and found.oil_ratio
-        and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9) + closing.LEAST_OIL
+        and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL
     ):
         warnings.append(
             f"leaks bring more oil ({float(R[R_OIL_BEFORE]):.3g} kg) into the chamber than oil_supply.ratio asks for; "

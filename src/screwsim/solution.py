@@ -15,7 +15,7 @@ from screwsim.ledger.book import Cycle
 from screwsim.ledger.total import Ledger, ledger
 from screwsim.making import Making
 from screwsim.model import close as closing
-from screwsim.model import speed
+from screwsim.model import residues, speed
 from screwsim.model.continuation import Guess
 from screwsim.model.guess import first_guess
 from screwsim.model.pitch import Pitch, pitch_of
@@ -54,15 +54,15 @@ class Solution(Making):
         place = self.suction.place(self._h_isentropic()) if self.suction.changed else self.suction.line
         T_s = self.suction.temperature(place, lines.T_s)
         y = first_guess(self.parts, machinery.composition, machinery, place[PRESSURE], T_s, lines.p_d)
-        T_d = self.scene.operation.discharge.temperature or float(y[0])
-        self._set_lines(T_d, float(y[3]) if machinery.composition.carried else 0.0)
+        self._set_lines(float(y[0]), float(y[3]) if machinery.composition.carried else 0.0)
         machinery.composition.P[list(machinery.composition.made)] = list(self.parts.made.values())
         return y
 
     def _set_lines(self, T_d: float, d: float) -> None:
+        """Set the lines to begin with; T_d [K] and the oil ratio d of the discharge line are guesses."""
         T_oil = self.parts.oil.temperature if self.parts.oil else self.lines.T_s
-        R = self.machinery.R
-        discharge = self.parts.gas.place(self.lines.p_d, T_d)
+        R, p_d, gas = self.machinery.R, self.lines.p_d, self.parts.gas
+        discharge = gas.place(p_d, self.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))
         R[R_SUCTION : R_SUCTION + 8] = *self.suction.place(discharge[ENTHALPY]), 0.0, T_oil
         R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil + self._pressed(self.lines.p_d)
         R[R_DISCHARGE + DENSITY] *= self._share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
@@ -79,7 +79,7 @@ class Solution(Making):
         machinery.reset()
         guess = self.course.guess(machinery, self.parameters)
         if guess is not None:
-            self._set_lines(self.scene.operation.discharge.temperature or float(guess.y[0]), 0.0)
+            self._set_lines(float(guess.y[0]), 0.0)
             self.set_made(guess.made[: len(self.entries)])
             speed.put_back(machinery.composition, guess.made[len(self.entries) :])
         return guess
@@ -132,13 +132,13 @@ class Solution(Making):
         return max(mass, energy, oil_share)
 
     def _residues(self, q: closing.Array) -> tuple[float, float, float, float]:
-        """Return the relative residues of mass, energy and oil mass, the last twice (model.close.Balances)."""
+        """Return the relative residues of mass, energy and oil mass, the last twice (model.residues.Balances)."""
         trapped = float(self.machinery.R[R_TRAPPED])
         return self.once("residues", q, lambda: self.balances.residues(q, trapped, self.inlet.enthalpy, self.pv))
 
     def least(self, q: closing.Array) -> tuple[float, float]:
         """Return the power [W] and the work of a cycle [J] below which they are rounding."""
-        work = closing.LEAST_WORK * max(float(self.machinery.R[R_TRAPPED]), 0.0) * self.pv
+        work = residues.LEAST_WORK * max(float(self.machinery.R[R_TRAPPED]), 0.0) * self.pv
         return work * self.lives_per_second, work
 
     # ---- taking the figures ----------------------------------------------------------------------------------
@@ -208,7 +208,7 @@ class Solution(Making):
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
         )
         if self.parts.dissolves:
-            found["discharge_dissolved_gas_ratio"] = closing.discharge_held(self.balances.streams(q))
+            found["discharge_dissolved_gas_ratio"] = residues.discharge_held(self.balances.streams(q))
         own = self._own_figures(q)
         if own:
             found |= own
@@ -318,7 +318,7 @@ class Solution(Making):
         c = self.machinery.composition
         if not c.carried:
             return self._paper_oil_temperature() if "T_oil" in c.states else None
-        mean = closing.discharge_enthalpy(self.balances.streams(q))
+        mean = residues.discharge_enthalpy(self.balances.streams(q))
         if mean is None or not mean[2] > 0.0 or mean[1] < SOME_OIL:
             return None
         return mean[2] - self._pressed(self.lines.p_d)

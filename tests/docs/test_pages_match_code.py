@@ -10,8 +10,8 @@ import pytest
 from screwsim.build import regularisation, wanted_of
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.kinds import geometry_of
-from screwsim.model.close import LEAST_WORK
 from screwsim.model.parts import OilPart, Parts
+from screwsim.model.residues import LEAST_WORK
 from screwsim.model.writing import HEAT_SYMBOLS, OPENING_SYMBOLS, PUSH_SYMBOLS, STATE_SYMBOLS, symbols_of
 from screwsim.performance import CycleFigures
 from screwsim.scene import loads

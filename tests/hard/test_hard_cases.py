@@ -177,7 +177,7 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
 
 @pytest.mark.parametrize("index", range(4))
 def test_every_further_try_closes_a_cycle_that_is_there(index):
-    from screwsim.model.close import further_tries
+    from screwsim.model.tries import further_tries
     from screwsim.solution import Solution
 
     wanted = simulate(make({}), trace=False).performance

@@ -57,7 +57,7 @@ class Monolith:
         self.machinery.inject(chambers)
         y[: self.n] = chambers
         angles, states = [], []
-        knots = self.machinery._pitch_knots()
+        knots = self.machinery.pitch_knots()
         for first, last in pairwise(knots):
             middle = 0.5 * (first + last)
             found = solve_ivp(

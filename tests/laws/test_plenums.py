@@ -163,7 +163,7 @@ def monolith(scene, pitches):
     p_d, rho_d, inverse = (machinery.R[PLACE + cell] for cell in (PRESSURE, DENSITY, EXPONENT))
     sound = np.sqrt(p_d / (inverse * rho_d))
     E, f, g = np.empty(c.n_E_all), np.empty(c.chambers * machinery.n), np.empty(machinery.nq + 1)
-    held = machinery._coupled_space()["spaces"][0][-c.chambers :]
+    held = machinery.coupled_space()["spaces"][0][-c.chambers :]
     at = c.first_stream + DISCHARGE_IN * width
 
     def rates(phi, z):
@@ -182,7 +182,7 @@ def monolith(scene, pitches):
     for _ in range(pitches):
         machinery.inject(y)
         z, seen = np.append(y, p), []
-        for a, b in zip(machinery._pitch_knots(), machinery._pitch_knots()[1:], strict=False):
+        for a, b in zip(machinery.pitch_knots(), machinery.pitch_knots()[1:], strict=False):
             angles = grid[(grid >= a) & (grid < b)]
             found = solve_ivp(rates, (a, b), z, "Radau", rtol=1e-6, atol=1e-12, t_eval=[*angles, b])
             z = found.y[:, -1]

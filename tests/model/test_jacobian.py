@@ -58,7 +58,7 @@ def machinery(request):
 def driver(machinery, request):
     c, m = machinery.composition, machinery.module
     if request.param == "chamber":
-        kernels = m.chamber__surroundings, m.chamber__rates, m.chamber__jacobian
+        kernels = m.chamber__surroundings, m.chamber__rates, m.chamber_jacobian__jacobian
         return Driver(
             machinery.n,
             c.n_E,
@@ -68,7 +68,7 @@ def driver(machinery, request):
             ALONE,
             machinery.nq,
         )
-    kernels = m.coupled__all_surroundings, m.coupled__all_rates, m.coupled__all_jacobian
+    kernels = m.coupled__all_surroundings, m.coupled__all_rates, m.coupled_jacobian__all_jacobian
     offsets = c.P[1] * np.arange(c.chambers)
     states = lambda s: machinery.states_at(s + offsets).ravel()  # noqa: E731
     return Driver(

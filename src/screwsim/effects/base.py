@@ -213,8 +213,8 @@ class ChamberState:
 
     `rate` returns its change [1/s]; its arguments are names of states (`T`, `rho`, `T_oil`, `x_oil`, any effect's own),
     the gas mass `m`, `p`, `V`, `phi` of the chamber, the lines' pressures `p_suction` and `p_discharge`, and `values`.
-    A state is measured in a scale of its own, so that 1 is large of it: its errors count against 1. It begins the first
-    turn at `start`. A `positive` one cannot pass zero, and its errors count against itself.
+    A state is measured in a scale of its own, so that 1 is large of it: its errors count against itself, or 0.01 where
+    it is less. It begins the first turn at `start`. A `positive` one cannot pass zero.
     """
 
     name: str

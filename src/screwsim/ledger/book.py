@@ -8,7 +8,7 @@ from typing import Any
 
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.intake import Suction
-from screwsim.model.close import Array
+from screwsim.model.residues import Array
 from screwsim.model.run import Machinery
 from screwsim.model.slots import FIRST_OWN, PLACE, PRESSURE
 from screwsim.performance import CycleFigures, Lines
@@ -74,8 +74,8 @@ class Book:
 class Cycle:
     """What the ledger asks of a closed cycle.
 
-    `streams` are the sums over one chamber's life (model.close.Balances.streams); `line_given` tells that the state of
-    the discharge line is not that of the outflow.
+    `streams` are the sums over one chamber's life (model.residues.Balances.streams); `line_given` tells that
+    the state of the discharge line is not that of the outflow.
     """
 
     parts: Any

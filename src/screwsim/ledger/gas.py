@@ -5,7 +5,7 @@ from __future__ import annotations
 from screwsim.effects.base import Intake, Pulsation
 from screwsim.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
-from screwsim.model.close import Array
+from screwsim.model.residues import Array
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE
 
 

@@ -10,8 +10,8 @@ from screwsim.dissolved import Held
 from screwsim.effects.base import OilGas, PowerLoss
 from screwsim.ledger.book import NOT_CONSERVED, OIL_INJECTION, OIL_SUPPLY, SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
-from screwsim.model.close import Array
 from screwsim.model.parts import OilPart
+from screwsim.model.residues import Array
 from screwsim.model.slots import (
     OIL_TEMPERATURE,
     P_INJECTION,

@@ -16,7 +16,7 @@ from screwsim.effects.base import PowerLoss, Reading
 from screwsim.ledger.book import Book, Cycle, Entry
 from screwsim.ledger.gas import enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
 from screwsim.ledger.oil import cool_at_lines, oil_rise
-from screwsim.model.close import discharge_enthalpy
+from screwsim.model.residues import discharge_enthalpy
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
 from screwsim.outputs import Figures
 

@@ -8,40 +8,30 @@ all chambers over one pitch, accelerated by Anderson's method; conserves exactly
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from functools import cache, lru_cache
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from screwsim.model.compose import Composition
 from screwsim.model.pace import FULL, Mixing, Pace, Refining, finer
+from screwsim.model.residues import LEAST_OIL, LEAST_WORK, Array
 from screwsim.model.run import Machinery
-from screwsim.model.slots import BETWEEN, HELD, P_LIFE, P_OMEGA, P_PITCH, Q_HEAT, Q_WALLS, R_TRAPPED
-from screwsim.numerics.made import Entries, Entry
+from screwsim.model.slots import HELD, P_LIFE, P_PITCH, R_TRAPPED
+from screwsim.numerics.made import Entries
 from screwsim.numerics.periodic import Anderson
 from screwsim.numerics.rodas import dense_value
 
-Array = np.ndarray
 DEAR = 120_000  # evaluations that coupled chambers take in the median, with steps of
 DEAR_RTOL = 1e-4  # this tolerance; the histories may take as many
 ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
 STALL = 3  # pitches without progress of the states
 NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
-LEAST_OIL = 1e-4  # oil per gas below which its change does not count
-LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
 FIRST_RTOL = 1e-3  # of the first turn; later ones follow the gap
 AHEAD = 0.05  # tolerance of a turn over the gap of the one before: what it is hoped to contract by
 GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 HISTORY_DEPTH = 5  # of Anderson's method for histories
-MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
-PITCHES_OF_A_TRY = 2000  # and pitches: what contracts slowly but surely is waited for
-DAMPED_DEPTH = 5  # of Anderson's method where closing is damped
-DAMPING = 0.3  # share of the way to the mixed image that damped closing goes
-NEAR_DAMPED = 0.05  # change of a pitch below which damped closing goes all the way
-NEAR_PLAIN = 1e-3  # change of a pitch below which closing without acceleration is accelerated
-FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
 MAX_TURNS = 40
 MAX_PITCHES = 400
 MAX_EVALUATIONS = 10_000_000  # of one chamber's rates, after which a cycle that does not close is given up
@@ -90,75 +80,6 @@ class Hope(NamedTuple):
 
 
 NO_HOPE = Hope((0.0, 0.0), 1.0)
-
-
-@cache
-def discharge_line(carried: bool, dissolves: bool = False) -> tuple[Entry, ...]:
-    """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature.
-
-    Where oil dissolves gas, also what it holds there (M230).
-    """
-    ratio = Entry("discharge_oil_ratio", floor=LEAST_OIL)
-    oil = (ratio, Entry("discharge_oil_temperature", of=ratio.name)) if carried else ()
-    if dissolves:
-        oil = (*oil, Entry("discharge_held_gas", of=ratio.name, scale=1.0))
-    return Entry("discharge_enthalpy"), *oil
-
-
-class Balances:
-    """Relative residues of mass and energy, and the discharge plenum that the outflow makes, from quadratures."""
-
-    def __init__(
-        self, machinery: Machinery, oil_heat_capacity: float, oil_in: Callable[[], tuple[float, float]]
-    ) -> None:
-        self.machinery = machinery
-        self.c_oil = oil_heat_capacity
-        self.oil_in = oil_in
-        self.width = machinery.composition.width
-
-    def streams(self, q: Array) -> Array:
-        """Return the sums as rows, by the categories of slots: suction in, suction out, discharge in …"""
-        return q[Q_WALLS + 2 * len(self.machinery.composition.walls) :].reshape(-1, self.width)
-
-    def walls(self, q: Array) -> Array:
-        """Return of each wall the heat into the gas [J] and the conductance times time [J/K] over one life (M170)."""
-        return q[Q_WALLS : Q_WALLS + 2 * len(self.machinery.composition.walls)].reshape(-1, 2)
-
-    def mass_in(self, q: Array) -> float:
-        """Return the gas [kg] that a life takes in beyond what it gives back: nothing, where the cycle is closed."""
-        return float(self._outer(q)[:, 0].copy().sum())
-
-    def _outer(self, q: Array) -> Array:
-        """Return the sums of all categories but that between chambers."""
-        streams = self.streams(q)
-        return np.concatenate([streams[:BETWEEN], streams[BETWEEN + 1 :]])
-
-    def residues(self, q: Array, trapped: float, h_suction: float, pv: float) -> tuple[float, float, float, float]:
-        """Return relative residues of gas mass, energy and oil mass over one life (M37–M39); pv is p/ρ at suction.
-
-        The last is that of the oil where there is little of it: as a share of the trapped gas.
-        """
-        flows = self._outer(q)
-        mass = flows[:, 0]
-        enthalpy = flows[:, 1] - h_suction * mass
-        energy = enthalpy.sum() + q[0]
-        scale = np.abs(enthalpy).sum() + abs(q[0])
-        oil = oil_share = 0.0
-        if self.width >= 4:
-            injected, T_oil = self.oil_in()
-            energy += self.c_oil * (flows[:, 3].sum() - T_oil * flows[:, 2].sum())
-            lost, through = abs(flows[:, 2].sum() + injected), max(injected, np.abs(flows[:, 2]).sum() / 2)
-            oil, oil_share = lost / max(through, LEAST_OIL * trapped), lost / max(through, trapped)
-            if self.width == 5:  # what it holds dissolved, over the gas
-                held = abs(flows[:, 4].sum()) / max(trapped, np.abs(flows[:, 4]).sum() / 2)
-                oil, oil_share = max(oil, held), max(oil_share, held)
-        else:
-            energy += q[Q_HEAT]
-        if self.machinery.composition.walls:
-            heats = self.walls(q)[:, 0]
-            energy, scale = energy + heats.sum(), scale + np.abs(heats).sum()
-        mass_scale = max(trapped, 0.5 * np.abs(mass).sum())
-        return abs(mass.sum()) / mass_scale, abs(energy) / max(scale, LEAST_WORK * trapped * pv), oil, oil_share
 
 
 class Task(Protocol):
@@ -405,62 +326,3 @@ def _close(task: Task, y: Array, hope: Hope = NO_HOPE) -> Closed:
         if first is not None:
             return first
     return by_coupling(task, chambers_at_pitches(task.machinery))
-
-
-def further_tries(task: Task, start: Callable[[], Array]) -> Iterator[tuple[str, Callable[[], Closed]]]:
-    """Yield what else may close a cycle that did not close, the cheapest first: (what it is, how to do it).
-
-    `start` puts the first guess back. All go by coupled chambers, which conserve exactly.
-    """
-    machinery, wanted = task.machinery, task.wanted
-    P = machinery.composition.P
-
-    def coupled(pace: Pace = FULL, most: int = MOST_OF_A_TRY) -> Closed:
-        return by_coupling(task, chambers_at_pitches(machinery), pace, most, PITCHES_OF_A_TRY)
-
-    def tighter() -> Closed:
-        start()
-        task.wanted = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
-        try:
-            return coupled()
-        finally:
-            task.wanted = wanted
-
-    def damped() -> Closed:
-        start()
-        return coupled(Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED))
-
-    def plain() -> Closed:
-        start()
-        return coupled(Pace(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY)
-
-    def faster() -> Closed:
-        start()
-        omega = P[P_OMEGA]
-        P[P_OMEGA] = FASTER * omega
-        try:
-            easier = coupled()
-        finally:
-            P[P_OMEGA] = omega
-        return easier if easier.status == "failed" else by_coupling(task, easier.y, most=MOST_OF_A_TRY)
-
-    yield "a tighter tolerance of the steps", tighter
-    yield "damped closing", damped
-    yield "closing without acceleration", plain
-    yield f"continuation from {FASTER:g} times the speed", faster
-
-
-def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
-    """Return (h, oil per gas, T_oil) of the outflow's flow-weighted mean; None when nothing flows out."""
-    out = streams[3]
-    if not out[0] < 0.0:
-        return None
-    ratio = out[2] / out[0] if len(out) >= 4 else 0.0
-    T_oil = out[3] / out[2] if len(out) >= 4 and out[2] < 0.0 else 0.0
-    return float(out[1] / out[0]), float(ratio), float(T_oil)
-
-
-def discharge_held(streams: Array) -> float:
-    """Return the gas [kg/kg] that the outflow's oil holds in the mean, 0 where it is no state or none flows out."""
-    out = streams[3]
-    return float(out[4] / out[2]) if len(out) == 5 and out[2] < 0.0 else 0.0

@@ -73,7 +73,7 @@ def add_film_slope(sums, at, q, dq, source, s, d, r):
 
 @kernel
 def film_beside(i, area, darea, own, source, b, P, work, d, other, n_sums):
-    """Add gap i's film and its derivatives to the sums of one chamber among histories (`chamber.jacobian`).
+    """Add gap i's film and its derivatives to the sums of one chamber among histories (`chamber_jacobian.jacobian`).
 
     The derivatives of the own place begin at work[d], those of the neighbour's place by the angle at work[other].
     """

@@ -10,10 +10,10 @@ import math
 
 import numpy as np
 
-from screwsim.model.chamber import SIDE, path_flows, surroundings
+from screwsim.model.chamber import SIDE
 from screwsim.model.film import film_flow
 from screwsim.model.port_oil import released
-from screwsim.model.room import gas_mass, gas_mass_slope
+from screwsim.model.room import gas_mass
 from screwsim.model.slots import (
     CARRIED,
     DENSITY,
@@ -23,7 +23,6 @@ from screwsim.model.slots import (
     E_AREAS,
     E_LINES,
     E_OILED,
-    E_SLOPE,
     E_VOLUME,
     ENTHALPY,
     FILMED,
@@ -33,7 +32,6 @@ from screwsim.model.slots import (
     GAP_OFFSET,
     HEATED,
     HELD,
-    HOLDS,
     N_GAPS,
     N_HEATS,
     N_OFFSETS,
@@ -41,14 +39,11 @@ from screwsim.model.slots import (
     OFFSETS,
     OIL_RATIO,
     OIL_TEMPERATURE,
-    OPENED,
-    OPENING,
     OWN_PLENUMS,
     P_C_OIL,
     P_H_PORT,
     P_OMEGA,
     P_PITCH,
-    P_PORT_WIDTH,
     P_T_OIL,
     PLACE,
     PLENUM,
@@ -69,9 +64,9 @@ from screwsim.model.slots import (
     solution_entropy,
     wall_state,
 )
-from screwsim.numerics.history import read
+from screwsim.model.within import NODES, POINTS, WEIGHTS, flows_within
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.rodas import dense_slope, dense_value
+from screwsim.numerics.rodas import dense_value
 
 # of one path: |flow| [kg], the enthalpy it carries [J] and the entropy generated where it arrives [J/K] in a chamber;
 # of what leaves to the path's line: mass, enthalpy, entropy, oil [kg], oil × T_oil, oil × ln T_oil
@@ -91,12 +86,6 @@ FLASH_MASS, FLASH_GENERATED = range(8, 10)
 RELEASED = 10  # of gas that oil gives off over time: energy that the oil loses [J]
 OIL_SUMS = 11
 
-NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
-POINTS = 2
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(POINTS)
-NODES = 0.5 + 0.5 * _NODES
-WEIGHTS = 0.5 * _WEIGHTS
-
 
 @kernel
 def arriving(m, h_i, s_i, h, s, T):
@@ -113,37 +102,6 @@ def oil_arriving(m, T_i, T):
     if not (T_i > 0.0 and T > 0.0):
         return 0.0
     return m * ((T_i - T) / T - math.log(T_i / T))
-
-
-@kernel
-def balanced(flows, mass_rate, E, own, R, P):
-    """Let the mass balance tell the flow through the widest open port where its pressures are nearly equal.
-
-    Such a port is held there by a tiny Δp, which between the ends of a step carries the whole error of the pressure.
-    """
-    widest = 0.0
-    port = 0
-    total = 0.0
-    for i in range(N_PLENUM):
-        total += flows[i]
-        if OWN_PLENUMS > 0 and PLENUM[i] >= FIRST_OWN:
-            continue
-        if OPENED == 1:
-            if HOLDS[i] * E[E_AREAS + i] * own[OPENING + i] > widest:
-                widest = E[E_AREAS + i] * own[OPENING + i]
-                port = i
-            continue
-        if E[E_AREAS + i] > widest:
-            widest = E[E_AREAS + i]
-            port = i
-    for i in range(2 * N_GAPS):
-        total += flows[N_PLENUM + i]
-    if widest > 0.0:
-        drop = R[R_DISCHARGE * PLENUM[port] + PRESSURE] - own[PRESSURE]
-        if PULSATING == 1:
-            drop = E[E_LINES + R_DISCHARGE * PLENUM[port] + PRESSURE] - own[PRESSURE]
-        if abs(drop) < NEAR * P[P_PORT_WIDTH + PLENUM[port]]:
-            flows[port] += mass_rate - total
 
 
 @kernel
@@ -389,24 +347,9 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
         h = times[step + 1] - times[step]
         if not (h > 0.0):  # a step of scipy's may vanish in the rounding of angles when pitches become a life
             continue
-        middle = times[step] + 0.5 * h
         for k in range(POINTS):
-            theta = NODES[k]
-            phi = times[step] + theta * h
-            read(phi, times, dense, step, y)
-            surroundings(phi, middle, context, E)
-            path_flows(y, E, context, flows)
-            rise = dense[step, 1, 1] - dense[step, 0, 1]
-            bend = (1.0 - 2.0 * theta) * dense[step, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[step, 3, 1]
-            mass_rate = P[P_OMEGA] * (E[E_VOLUME] * (rise + bend) / h + E[E_SLOPE] * y[1])
-            if VOLUMED == 1:
-                dx = dense_slope(theta, dense[step, 0, 3], dense[step, 1, 3], dense[step, 2, 3], dense[step, 3, 3]) / h
-                mass_rate = P[P_OMEGA] * gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[1], (rise + bend) / h, y[3], dx, P)
-            if DISSOLVES == 0:
-                balanced(flows, mass_rate, E, own, R, P)
-            if DISSOLVES == 1:
-                gas, _h, _heat = released(y, phi, E, own, P, context[1])
-                balanced(flows, mass_rate - gas, E, own, R, P)
+            phi = times[step] + NODES[k] * h
+            mass_rate = flows_within(NODES[k], step, times, dense, context, E, y, flows)
             neighbours_entropy(phi, context, flows, E, s_discharge, entropies)
             dt = WEIGHTS[k] * h / P[P_OMEGA]
             add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharge, dt, paths, heats, oil)

@@ -28,10 +28,6 @@ from screwsim.model.slots import (
 )
 from screwsim.numerics.kernel import kernel
 
-OPENING_STEP = 1e-5  # of the width of the regularisation, for differences of an opening by the pressure difference
-SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
-SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
-
 
 @kernel
 def oil_slopes(E, E_next, e, delta, place, row, P, TAB, work, at, d, ds, stride, over_phi):

@@ -13,11 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.model import compiled, ledger
+from screwsim.model import compiled, ledger, under_scipy
 from screwsim.model.compose import Composition
-from screwsim.model.meetings import Meetings
-from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE, Q_WALLS
-from screwsim.numerics.scipy_integrators import METHODS, integrate
+from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
+from screwsim.numerics.scipy_integrators import METHODS
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
 KEPT_IMAGES = 7  # histories kept for acceleration, one more than Anderson's depth + 1
@@ -36,7 +35,7 @@ class Machinery:
         self.R = np.zeros(composition.n_R)
         self.max_steps = max_steps
         self.columns = n + composition.n_place
-        self.histories = [self._history(max_steps, self.columns, self.nq) for _ in range(2)]
+        self.histories = [self.new_history(max_steps, self.columns, self.nq) for _ in range(2)]
         self._aside: tuple[Array, Array, Array] | None = None  # the history that nothing may be written into
         self._spare: tuple[Array, Array, Array] | None = None  # arrays that are in no use
         self.images: list[tuple[Array, Array, int]] = []
@@ -46,7 +45,7 @@ class Machinery:
         paths = len(composition.plenum_paths)
         stops = np.zeros(2 * len(composition.stops) + 3)
         own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(paths), np.full(paths, FREE), stops])
-        self._spaces = (np.zeros(self.columns), own, work)
+        self.spaces = (np.zeros(self.columns), own, work)
         self.counts = np.zeros(4, np.int64)
         self._together: dict[str, Any] = {}
         self._warm: set[str] = set()
@@ -56,14 +55,15 @@ class Machinery:
         self.watch: Callable[[], None] = lambda: None  # called now and then; what it raises ends the work
 
     @staticmethod
-    def _history(steps: int, n: int, nq: int) -> tuple[Array, Array, Array]:
+    def new_history(steps: int, n: int, nq: int) -> tuple[Array, Array, Array]:
+        """Return arrays for a history: times, dense output of n columns, quadratures."""
         return np.zeros(steps + 1), np.zeros((steps, 4, n)), np.zeros((steps, nq))
 
     @property
     def context(self) -> tuple[Any, ...]:
         """The context of one chamber: histories[0] is the last turn's, histories[1] the one being written."""
         c, (old, new) = self.composition, self.histories
-        return (c.P, c.TAB, self.R, old[0], old[1], new[0], new[1], self.kept, self.hints, *self._spaces)
+        return (c.P, c.TAB, self.R, old[0], old[1], new[0], new[1], self.kept, self.hints, *self.spaces)
 
     def reset(self) -> None:
         """Forget the last scene: run-time cells, search hints, histories."""
@@ -113,7 +113,7 @@ class Machinery:
     @property
     def impacts(self) -> int:
         """Impacts of the last turn, where something moves between seat and stop."""
-        own, stops = self._spaces[1], len(self.composition.stops)
+        own, stops = self.spaces[1], len(self.composition.stops)
         return int(own[OPENING + 2 * len(self.composition.plenum_paths) + 2 * stops]) if stops else 0
 
     def swap(self) -> None:
@@ -128,7 +128,7 @@ class Machinery:
         if self.histories[place] is self._aside:
             spare = self._spare
             if spare is None or len(spare[1]) < self.max_steps:
-                spare = self._history(self.max_steps, self.columns, self.nq)
+                spare = self.new_history(self.max_steps, self.columns, self.nq)
             self.histories[place], self._spare = spare, None
         return self.histories[place]
 
@@ -143,12 +143,12 @@ class Machinery:
             self._aside = None
             others = [arrays for arrays in self.histories if arrays is not history]
             if len(history[1]) < self.max_steps:  # turns since then took more steps than it has room for
-                room = self._history(self.max_steps, self.columns, self.nq)
+                room = self.new_history(self.max_steps, self.columns, self.nq)
                 for larger, whole in zip(room, history, strict=True):
                     larger[: len(whole)] = whole
                 history = room
                 others = [arrays for arrays in others if len(arrays[1]) >= self.max_steps]
-            self.histories = [history, others[0] if others else self._history(self.max_steps, self.columns, self.nq)]
+            self.histories = [history, others[0] if others else self.new_history(self.max_steps, self.columns, self.nq)]
             self._spare = others[1] if len(others) > 1 else self._spare
             self.composition.P[:], self.R[:], self.kept[:] = P, R, kept
             self.stamp = stamp
@@ -191,7 +191,7 @@ class Machinery:
         steps = len(dense)
         if steps > self.max_steps:
             self.max_steps = steps
-            self.histories = [self._history(steps, self.columns, self.nq) for _ in range(2)]
+            self.histories = [self.new_history(steps, self.columns, self.nq) for _ in range(2)]
         old = self._writable(0)
         old[0][: steps + 1], old[1][:steps, :, : self.n], old[2][:steps] = times, dense, quads
         self.kept[:] = 0, steps
@@ -253,19 +253,20 @@ class Machinery:
 
     # ---- all chambers together -------------------------------------------------------------------------------
 
-    def _coupled_space(self) -> dict[str, Any]:
+    def coupled_space(self) -> dict[str, Any]:
+        """Return the arrays of the coupled chambers, made when they are first wanted."""
         if not self._together:
             c, n = self.composition, self.n
             n_all = c.chambers * n
             work = np.zeros(c.chambers * (c.n_sums * (n_all + 2) + PLACE) + n_all * PLACE + 2 * (n + c.first_stream))
             self._together = {
                 "spaces": (np.append(np.zeros((c.chambers + 1) * PLACE), np.full(c.chambers, FREE)), np.zeros(n), work),
-                "history": self._history(self.max_steps, n_all, self.nq + 1),
+                "history": self.new_history(self.max_steps, n_all, self.nq + 1),
                 "kept": np.zeros(1, np.int64),
             }
         return self._together
 
-    def _pitch_knots(self) -> Array:
+    def pitch_knots(self) -> Array:
         """Return the knots of all chambers within one pitch [rad]."""
         pitch = self.composition.P[P_PITCH]
         knots = np.sort(np.mod(self.composition.knots, pitch))
@@ -276,7 +277,7 @@ class Machinery:
     def coupled_context(self) -> tuple[Any, ...]:
         """The context of all chambers."""
         c = self.composition
-        return (c.P, c.TAB, self.R, *self._coupled_space()["spaces"])
+        return (c.P, c.TAB, self.R, *self.coupled_space()["spaces"])
 
     def pitch(self, y: Array, rtol: float, h: float, inset: float = 0.0) -> tuple[int, float, float, Array]:
         """Integrate all chambers over one pitch from y (in place), after injecting; return as `turn`.
@@ -284,108 +285,26 @@ class Machinery:
         `inset` [rad] is left out at both ends: where the speed's course does not repeat, it jumps there.
         """
         if self.alone:
-            return self._scipy_turn(y, rtol, h) if self.integrator in METHODS else self.turn(y, rtol, h)
+            return under_scipy.life(self, y, rtol, h) if self.integrator in METHODS else self.turn(y, rtol, h)
         if "all" not in self._warm:
             with self._compiling("all"):
-                self._pitch(y.copy(), 1e-2, h)
+                self.own_pitch(y.copy(), 1e-2, h)
         self.watch()
         if self.integrator in METHODS:
-            return self._scipy_pitch(y, rtol, h)
-        return self._pitch(y, rtol, h, inset)
+            return under_scipy.pitch(self, y, rtol, h)
+        return self.own_pitch(y, rtol, h, inset)
 
     @property
     def alone(self) -> bool:
         """Is there one chamber at a time? Its life is the pitch, and its own driver integrates it."""
         return self.composition.chambers == 1
 
-    def _scipy_turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-        """Do what `turn` does with one of scipy's integrators; a loose own turn gives the quadratures' scale."""
-        _, _, _, q_scale = self.turn(y.copy(), 1e-3, h)
-        c, module, context, own = self.composition, self.module, self.context, self._spaces[1]
-        held = slice(OPENING + len(c.plenum_paths), OPENING + 2 * len(c.plenum_paths))
-        meetings = None
-        if c.stops:
-            meetings = Meetings(module, self.n, c.stops, own, held.stop, (self.R, c.P, c.TAB))
-            meetings.begin(y, rtol)
-        E, E_next, f, g = np.empty(c.n_E), np.empty(c.n_E), np.empty(self.n), np.empty(self.nq)
-        J, Jq, f_phi, g_phi = (
-            np.empty((self.n, self.n)),
-            np.empty((self.nq, self.n)),
-            np.empty(self.n),
-            np.empty(self.nq),
-        )
-
-        def rates(phi: float, middle: float, state: Array) -> Array:
-            self.watch()
-            module.chamber__surroundings(phi, middle, context, E)
-            own[PLACE] = FREE
-            own[held] = FREE
-            module.chamber__rates(np.ascontiguousarray(state), E, context, f, g)
-            return np.concatenate([f, g])
-
-        def jacobian(phi: float, middle: float, state: Array) -> Array:
-            module.chamber__surroundings(phi, middle, context, E)
-            module.chamber__surroundings(phi + 1e-6, middle, context, E_next)
-            z = np.ascontiguousarray(state)
-            module.chamber__jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
-            return np.vstack([J, Jq])
-
-        scales = self._scales(q_scale)
-        end, q, path = integrate(rates, jacobian, c.knots, y, scales, rtol, self.integrator, meetings)
-        y[:] = end
-        steps = len(path.dense)
-        self.counts += np.array([steps, 0, path.calls, path.jacobians])
-        self.histories[1] = self._history(max(steps, self.max_steps), self.columns, self.nq)
-        times, dense, quads = self.histories[1]
-        times[: steps + 1], dense[:steps, :, : self.n] = path.times, path.dense
-        self.kept[0] = steps
-        at = int(np.searchsorted(times[: steps + 1], c.P[P_INJECTION] - 1e-9))
-        if at < steps:  # nothing jumps there: what is noted is the trapped mass
-            module.chamber__inject(dense[at, 0, : self.n].copy(), 0, c.P, c.TAB, self.R)
-        module.places__places_along(dense, steps, context)
-        module.trace__work_along(times, dense, quads, steps, context)
-        return int(path.message != ""), path.times[-1], h, q
-
-    def _scipy_pitch(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-        """Do what `_pitch` does with one of scipy's integrators; a loose own pitch gives the quadratures' scale."""
-        _, _, _, q_scale = self._pitch(y.copy(), 1e-3, h)
-        space, c = self._coupled_space(), self.composition
-        self.inject(y)
-        E, f, g = np.empty(c.n_E_all), np.empty(len(y)), np.empty(self.nq + 1)
-        J, Jq, E_next = np.empty((len(y), len(y))), np.empty((self.nq + 1, len(y))), np.empty(c.n_E_all)
-        f_phi, g_phi = np.empty(len(y)), np.empty(self.nq + 1)
-        module, context = self.module, self.coupled_context
-        held = space["spaces"][0][-c.chambers :]
-
-        def rates(s: float, middle: float, state: Array) -> Array:
-            self.watch()
-            module.coupled__all_surroundings(s, middle, context, E)
-            held[:] = FREE
-            module.coupled__all_rates(np.ascontiguousarray(state), E, context, f, g)
-            return np.concatenate([f, g[:-1]])
-
-        def jacobian(s: float, middle: float, state: Array) -> Array:
-            module.coupled__all_surroundings(s, middle, context, E)
-            module.coupled__all_surroundings(s + 1e-6, middle, context, E_next)
-            z = np.ascontiguousarray(state)
-            module.coupled__all_jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
-            return np.vstack([J, Jq[:-1]])
-
-        end, q, path = integrate(rates, jacobian, self._pitch_knots(), y, self._scales(q_scale), rtol, self.integrator)
-        y[:] = end
-        steps = len(path.dense)
-        self.counts += np.array([steps, 0, path.calls * c.chambers, path.jacobians * c.chambers])
-        if steps > len(space["history"][1]):
-            space["history"] = self._history(steps, len(y), self.nq + 1)
-        space["history"][0][: steps + 1], space["history"][1][:steps] = path.times, path.dense
-        space["kept"][0] = steps
-        return int(path.message != ""), path.times[-1], h, q
-
-    def _pitch(self, y: Array, rtol: float, h: float, inset: float = 0.0) -> tuple[int, float, float, Array]:
-        space, c = self._coupled_space(), self.composition
+    def own_pitch(self, y: Array, rtol: float, h: float, inset: float = 0.0) -> tuple[int, float, float, Array]:
+        """Do what `pitch` does with our own method."""
+        space, c = self.coupled_space(), self.composition
         self.inject(y)
         q = np.zeros(self.nq + 1)
-        counts, knots = np.zeros(4, np.int64), self._pitch_knots()
+        counts, knots = np.zeros(4, np.int64), self.pitch_knots()
         knots[[0, -1]] += inset, -inset
         status, s, h = self.module.rodas__integrate_all(
             knots,
@@ -403,20 +322,12 @@ class Machinery:
         self.counts += counts * (1, 1, c.chambers, c.chambers)  # evaluations are those of one chamber
         return int(status), float(s), float(h), q[:-1]
 
-    def _scales(self, q: Array) -> Array:
-        """Return the scale of each quadrature: the largest of its kind, so that an idle path demands no accuracy."""
-        first = self.composition.first_stream
-        streams = np.abs(q[first:]).reshape(-1, self.composition.width)
-        heads = np.full(first, np.max(np.abs(q[:Q_WALLS])))
-        heads[Q_WALLS + 1 :: 2] = np.abs(q[Q_WALLS + 1 : first : 2])
-        return np.concatenate([heads, np.tile(streams.max(axis=0), len(streams))])
-
     def inject(self, y: Array) -> None:
         """Let the oil into the chamber that stands at the injection angle."""
         c = self.composition
         index = round(c.P[P_INJECTION] / c.P[P_PITCH])
         if index < c.chambers:
-            self.module.chamber__inject(y, index * self.n, c.P, c.TAB, self.R)
+            self.module.chamber_steps__inject(y, index * self.n, c.P, c.TAB, self.R)
 
     def shift(self, y: Array) -> Array:
         """Return the states one pitch on: each chamber takes the next place, the last begins anew with what it kept."""
@@ -428,7 +339,7 @@ class Machinery:
             if self.kept[0] > 0:
                 self.swap()
             return
-        space, c = self._coupled_space(), self.composition
+        space, c = self.coupled_space(), self.composition
         times, dense, _ = space["history"]
         steps = int(space["kept"][0])
         t = np.concatenate([times[:steps] + j * c.P[P_PITCH] for j in range(c.chambers)] + [[c.P[P_LIFE]]])

@@ -1,6 +1,6 @@
 """Flows of the coupled chambers with their derivatives: through gaps, and to lines whose pressure stands or pulsates.
 
-Source: docs/model.md M10–M13, M184–M186. Used by `coupled.all_jacobian`.
+Source: docs/model.md M10–M13, M184–M186. Used by `coupled_jacobian.all_jacobian`.
 """
 
 from __future__ import annotations

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import SIDE, film_flows, path_flows, surroundings
-from screwsim.model.ledger import NODES, POINTS, WEIGHTS
 from screwsim.model.port_oil import released
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
@@ -26,6 +25,7 @@ from screwsim.model.slots import (
     oil_inflow,
     volume_slope_at,
 )
+from screwsim.model.within import NODES, POINTS, WEIGHTS, flows_within
 from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_slope, dense_value
@@ -126,7 +126,10 @@ def work_along(times, dense, quads, steps, context):
 
 @kernel
 def oil_with_outflow(times, dense, steps, context, n_e):
-    """Return (Σ ṁ T_oil, Σ ṁ) of what flows out to the discharge plenum, gaps beyond 720° included; trapezium."""
+    """Return (Σ ṁ T_oil, Σ ṁ) of what flows out to the discharge plenum, gaps beyond 720° included.
+
+    By Gauss's points within each step: where the flow comes and goes, the ends of the steps tell too little.
+    """
     P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
     E = np.empty(n_e)
     y = np.empty(N)
@@ -135,13 +138,9 @@ def oil_with_outflow(times, dense, steps, context, n_e):
     mass = 0.0
     for i in range(steps):
         h = times[i + 1] - times[i]
-        middle = times[i] + 0.5 * h
-        if middle > P[P_INJECTION]:
-            for end in range(2):
-                for j in range(N):
-                    y[j] = dense[i, end, j]
-                surroundings(times[i + end], middle, context, E)
-                path_flows(y, E, context, flows)
+        if times[i] + 0.5 * h > P[P_INJECTION] and h > 0.0:
+            for point in range(POINTS):
+                flows_within(NODES[point], i, times, dense, context, E, y, flows)
                 for k in range(N_PLENUM + 2 * N_GAPS):
                     gap = k - N_PLENUM
                     if gap < 0:
@@ -150,8 +149,8 @@ def oil_with_outflow(times, dense, steps, context, n_e):
                         side = E_AREAS + N_PLENUM + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE
                         outward = E[side + PLACE] > 0.0
                     if outward and flows[k] < 0.0:
-                        heat += 0.5 * h * flows[k] * y[2]
-                        mass += 0.5 * h * flows[k]
+                        heat += WEIGHTS[point] * h * flows[k] * y[2]
+                        mass += WEIGHTS[point] * h * flows[k]
     return heat, mass
 
 

@@ -16,7 +16,9 @@ class NumericsSettings:
     accuracy: float = number("wanted relative accuracy of the performance figures", 3e-4, gt=1e-12, lt=0.1)
     integrator: str = choice("rodas4, or one of scipy's as an independent check", INTEGRATORS, "rodas4")
     closing: str = choice(
-        "auto: histories while they contract well, else coupled chambers", ("auto", "histories", "coupled"), "auto"
+        "auto: histories as long as they cost no more than coupled chambers would",
+        ("auto", "histories", "coupled"),
+        "auto",
     )
     rtol: float | None = number("relative tolerance of a step (expert; default: from accuracy)", None, gt=1e-14, lt=0.1)
     error: str = choice(

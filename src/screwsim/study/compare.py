@@ -19,7 +19,6 @@ from screwsim.study.performance_map import varied_paths
 Array = np.ndarray
 
 SAME = 1e-9  # relative: values of an axis nearer than this are one
-# an estimate is what a finer turn with a quarter of the regularisation changes: 3/4 of an error that is linear in it
 CERTAIN = 2.0  # of both estimates together: what counts as numerical error
 ROUNDING = 1e-12  # relative: of the last digits of figures
 MOST_CHANGES = 20  # of statuses, listed
