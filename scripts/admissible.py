@@ -2,7 +2,7 @@
 
 The paper (Chernov et al. 2015) gives no sizes, clearances, pressures or temperatures. Every row of OPEN is one of them
 with bounds and the reason for the bounds. A Sobol sequence (seed 1) over them is evaluated on a coarse grid (11 oil
-ratios at the five speeds of Fig. 1, accuracy 1e-3); A1-A4 are judged as in screwsim.study.claims, A5 by its value.
+ratios at the five speeds of Fig. 1, accuracy 1e-4); A1-A4 are judged as in screwsim.study.claims, A5 by its value.
 
     python scripts/admissible.py sample 512       -> results/admissible.csv and a summary
     python scripts/admissible.py refine 200       -> from the best row, a local search that also asks for A5; prints it
@@ -154,7 +154,7 @@ class Verdict(NamedTuple):
 
 def judge(x: np.ndarray) -> Verdict:
     """Return the verdict on one machine."""
-    base = load(str(ROOT / "configs" / "paper" / "point.yaml"), overrides=["numerics.accuracy=1e-3"])
+    base = load(str(ROOT / "configs" / "paper" / "point.yaml"), overrides=["numerics.accuracy=1e-4"])
     eta = curves(machine(base, x))
     best = [optimum(RATIOS, row) for row in eta]
     at_three = value_at(RATIOS, eta[2], 3.0)

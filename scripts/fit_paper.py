@@ -39,7 +39,7 @@ SPEEDS = (250.0, 5000.0)  # [rpm] of A6, those of Fig. 1
 A5, A5_WIDTH, A6, A6_WIDTH = 0.68, 0.005, 0.44, 0.02
 MARGINS = (0.004, 0.05, 0.05, 0.05)  # of A2 (efficiency), A3 (curvature, drop), A4 (ratio; logarithms but the first)
 WIDTHS = (0.004, 0.05, 0.05, 0.05)  # what counts as one
-STEP, LOST, CHEAP = 0.01, 5.0, ("numerics.accuracy=1e-3", "numerics.error=none")
+STEP, LOST, CHEAP = 0.01, 5.0, ("numerics.accuracy=1e-4", "numerics.error=none")
 
 
 def displaced(scene: Scene, x: np.ndarray, rpm: float) -> tuple[float, float]:

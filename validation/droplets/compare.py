@@ -7,6 +7,7 @@ from pathlib import Path
 import CoolProp.CoolProp as coolprop
 import numpy as np
 
+from screwsim.effects.droplets import merrington_richardson, varde
 from screwsim.study.validation import Comparison, Panel, Row, Series, equal, read_table, solved
 
 TITLE = "Droplets: heat transfer and size"
@@ -15,10 +16,11 @@ CITATION = (
     "Richardson 1947, Varde 1984"
 )
 ABOUT = (
-    "α and r enter the model as α/r only, and r is a fitted parameter: jets alone give droplets too large to cool the "
-    "gas within a turn, so what the scenes state stands for whatever breaks the oil up. The measured trend is that of "
-    "an air machine, whose gas gets far hotter than its oil. R134a at 2/45 °C is another case: its oil must stay above "
-    "saturation at the discharge pressure and is warmer than the gas for most of the compression."
+    "α and r enter the model as α/r only, and r is a fitted parameter: correlations for jets differ by more than "
+    "tenfold, and the finer droplets are still coarser than those that cool the paper's gas within a revolution, so "
+    "what the scenes state stands for whatever breaks the oil up. The measured trend is that of an air machine, whose "
+    "gas gets far hotter than its oil. R134a at 2/45 °C is another case: its oil must stay above saturation at the "
+    "discharge pressure and is warmer than the gas for most of the compression."
 )
 RHO_OIL, T, P = 1000.0, 310.0, 6e5
 RADII = (10e-6, 30e-6, 50e-6, 100e-6)
@@ -87,12 +89,11 @@ def temperature_row(name: str, radius: float, values: list[float]) -> Row:
 
 def jet_rows() -> list[Row]:
     """Return droplet radii [µm] that correlations for jets give for a bore of 3 mm at 3 bar pressure drop."""
-    bore, drop, mu, sigma, rho_gas = 3e-3, 3e5, 20e-3, 0.03, 30.0
+    bore, drop, mu, sigma = 3e-3, 3e5, 20e-3, 0.03
     u = (2.0 * drop / RHO_OIL) ** 0.5
-    reynolds, weber = RHO_OIL * u * bore / mu, rho_gas * u**2 * bore / sigma
     sizes = {
-        "Merrington & Richardson": 500.0 * bore**1.2 * (mu / RHO_OIL) ** 0.2 / u,
-        "Varde": 8.7 * bore * (reynolds * weber) ** -0.28,
+        "Merrington & Richardson": merrington_richardson(bore, mu / RHO_OIL, u),
+        "Varde": varde(bore, RHO_OIL, mu, sigma, u),
     }
     return [
         Row(
@@ -102,7 +103,7 @@ def jet_rows() -> list[Row]:
             "estimate",
             "no verdict",
             "µm",
-            note="bore 3 mm, 3 bar, 20 mPa s, 0.03 N/m, gas of 30 kg/m³; configs/r134a has 50 µm, configs/paper 9.5 µm",
+            note="M155, M156: bore 3 mm, 3 bar, 20 mPa s, 0.03 N/m; configs/r134a has 50 µm, configs/paper 9.5 µm",
         )
         for name, size in sizes.items()
     ]
