@@ -41,3 +41,14 @@ def test_python_ends_a_process_with_other_threads_or_under_a_profiler(before, en
     found = ended(before, **environment)
     assert found.returncode == 0
     assert "waited" in found.stdout and "taken apart" in found.stdout
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
+@pytest.mark.parametrize("argument", ["--version", "schema"])
+def test_output_that_finds_no_room_is_told_in_one_line(argument):
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-c", MAIN.format(argument)]
+        found = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert found.returncode == 2
+    assert found.stderr.startswith("standard output: cannot be written: No space left on device (make room")
+    assert len(found.stderr.splitlines()) == 1

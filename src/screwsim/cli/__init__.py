@@ -5,6 +5,8 @@ Heavy modules are imported inside the commands, so that `--help` answers at once
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
 import sys
 import traceback
@@ -32,6 +34,8 @@ from screwsim.cli.options import (
 from screwsim.cli.options import base_point as _base_point
 from screwsim.cli.options import loaded as _loaded
 from screwsim.faults import SceneError, UsageError
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # what a disk says that takes no more
 
 app = typer.Typer(
     name="screwsim",
@@ -343,6 +347,11 @@ def exit_code(arguments: Sequence[str]) -> int:
     except typer.TyperException as error:  # the arguments make no sense
         getattr(error, "show", lambda: None)()
         return USAGE
+    except OSError as error:
+        if error.filename is None and error.errno in FULL:
+            reason = os.strerror(error.errno)
+            return _complain(f"standard output: cannot be written: {reason} (make room, or send it elsewhere)", USAGE)
+        return _internal(error)
     except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
         return _internal(error)
     if outcome == INTERRUPTED:
@@ -360,7 +369,8 @@ def _internal(error: Exception) -> int:
 
 
 def _complain(text: str, code: int) -> int:
-    sys.stdout.flush()
+    with contextlib.suppress(OSError):
+        sys.stdout.flush()
     print(text, file=sys.stderr)
     return code
 
