@@ -23,7 +23,6 @@ from screwsim.study.progress import Progress
 
 FIGURES = ("gas_mass_flow", "cooling_capacity", "volumetric_efficiency", "shaft_power", "isentropic_efficiency")
 LENGTHS = ("crank_radius", "rod_length", "offset", "bore")
-DEFAULT_GRADE = 10
 LEAST_SIZE = 1e-3  # [m], from which on ISO 286 has tolerances: a smaller offset has that of this size
 HIT = "the piston reaches the head"
 TURN = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)

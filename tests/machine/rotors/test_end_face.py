@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial import KDTree
 
 from screwsim.machine.rotors.curves import make_curves
-from screwsim.machine.rotors.end_face import contacts, offsets
+from screwsim.machine.rotors.end_face import contacts, mean_widths, offsets
 from screwsim.machine.rotors.pair import outlines
 
 DEG, MM = math.pi / 180.0, 1e-3
@@ -71,3 +71,15 @@ def test_lobes_on_the_suction_face_are_those_on_the_discharge_face_a_wrap_earlie
         there = np.interp(own + rotors.wrap, late.angle, late.value)
         assert np.interp(own, early.angle, early.value) == pytest.approx(there, abs=0.3 * MM), offset
         assert early.value[early.angle > own[-1] + 5.0 * DEG].max() < 1e-12  # the section at the inlet has ended
+
+
+@pytest.mark.parametrize("name", ["a", "b", "c"])
+def test_lobes_and_grooves_fill_the_ring_between_root_and_tip(pairs, name):
+    rotors = pairs[name]
+    pair, chain, own = rotors.pair, rotors.chain, rotors.coefficients()
+    roots = chain.male_radii().min(), chain.female_radii(pair).min()
+    tips, lobes = (pair.male_radius, pair.female_radius), (pair.male_lobes, pair.female_lobes)
+    widths = mean_widths(pair, chain)
+    for rotor, root, tip, count, width in zip(("male", "female"), roots, tips, lobes, widths, strict=True):
+        ring = math.pi * (tip**2 - root**2) / count
+        assert width * (tip - root) == pytest.approx(ring - own[f"{rotor}_groove_area"][0], rel=2e-3)
