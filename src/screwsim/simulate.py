@@ -92,7 +92,8 @@ def _unclosed(solution: Solution, closed: closing.Closed) -> str:
             "takes in and delivers nothing (leave the valve out, or smaller leaks or a higher speed)"
         )
     if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
-        return "try numerics.closing: coupled, or a tighter numerics.accuracy"
+        coupled = "numerics.closing: coupled, or " if closed.how != "coupled" else ""
+        return f"try {coupled}a tighter numerics.accuracy"
     if closed.change < UNSETTLED:
         return "no further try closed it either: the accuracy may be too fine (a larger numerics.accuracy)"
     _, dense, _, steps = solution.machinery.last()
