@@ -282,7 +282,8 @@ class Solution(Making):
         found: dict[str, float | None] = {}
         if self.parts.plenums:
             streams, rate = self.balances.streams(q)[:, 0], self.lives_per_second
-            site, suction = self._site, float(streams[0] + streams[1]) * rate
+            site = self._site
+            suction = float(streams[0] + streams[1]) * rate * (1.0 - self.suction.returned)  # from the line alone
             for _, plenum in self.parts.all(Plenum):
                 i = 2 * self.parts.number(plenum.name)
                 drawn = Drawn(float(streams[i] + streams[i + 1]) * rate, suction, self.parts.plenums[plenum.name], site)

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim import shaft
+from screwsim.effects.base import OilSolution
 from screwsim.effects.gas_torque import raw_torque
 from screwsim.faults import UsageError
 from screwsim.machine.drive.response import NoMotion, Response
@@ -124,10 +125,15 @@ class Run:
     def _at_rest(self) -> Array:
         """Return the states of all chambers full of gas of the suction line, without oil of their own."""
         machinery, lines, parts = self.solution.machinery, self.solution.lines, self.solution.parts
-        T_oil = parts.oil.temperature if parts.oil is not None else lines.T_s
-        density = float(machinery.R[R_SUCTION + 1])
-        one = np.array([self.solution.suction.temperature(self.solution.suction.line, lines.T_s), density, T_oil, 0.0])
-        return np.tile(one[: machinery.n], machinery.composition.chambers)
+        composition, suction = machinery.composition, self.solution.suction
+        one = [suction.temperature(suction.line, lines.T_s), float(machinery.R[R_SUCTION + 1])]
+        if parts.oil is not None and "T_oil" in composition.states:
+            one.append(parts.oil.temperature)
+        if composition.carried:
+            one.append(0.0)
+        if isinstance(parts.oil_content, OilSolution):
+            one.append(parts.oil_content.supply)
+        return np.tile([*one, *composition.starts], composition.chambers)
 
     # ---- one pitch -------------------------------------------------------------------------------------------
 

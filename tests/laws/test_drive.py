@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from monolith import Monolith, start_of
-from scenes import make, run
+from scenes import SOLUBLE_RATE, make, run
 
 from screwsim import shaft
 from screwsim.build import build_parts
@@ -246,6 +246,14 @@ def test_a_start_ends_at_the_steady_motion():
     torque = found.traces["coupling_torque"][last]
     assert torque.mean() == pytest.approx(steady.coupling_torque_mean, rel=0.02)
     assert 0.5 * np.ptp(torque) == pytest.approx(steady.coupling_torque_amplitude, rel=0.05)
+
+
+def test_a_start_takes_along_what_an_effect_adds_to_the_states():
+    changes = {**SOLUBLE_RATE, "effects.drive.motor.slope": "100 N m s/rad", "operation.speed": "900 rpm"}
+    found = start_up(make({**DRIVEN, **changes}), CREEP)
+    assert found.status == "ok"
+    assert found.figures.residue < 1e-5
+    assert found.figures.coupling_torque_steady > started().figures.coupling_torque_steady  # flashed gas is compressed
 
 
 def test_a_pitch_of_a_start_is_that_of_chambers_and_drive_in_one_system():

@@ -1,5 +1,6 @@
 """Oil from a pump through a port, and the refrigerant that flashes out of it: balances, both closings, and limits."""
 
+import numpy as np
 import pytest
 from scenes import DROP, PUMPED_PORT, SOLUBLE, make, run
 
@@ -48,6 +49,16 @@ def test_the_flash_is_what_the_supplied_oil_cannot_hold():
     per_oil = found.flash_mass_flow / found.oil_mass_flow
     assert 0.5 * found.dissolved_gas_ratio < per_oil < found.dissolved_gas_ratio
     assert found.flash_flow_ratio == pytest.approx(found.flash_mass_flow / found.gas_mass_flow, rel=1e-9)
+
+
+def test_gas_that_flashes_while_the_port_is_open_is_none_of_the_port():
+    result = run({**SOLUBLE, "effects.oil_injection": {"opens": "250 deg", "closes": "340 deg"}})
+    cycle, found = result.cycle, result.performance
+    time = np.radians(cycle["angle"]) / (2.0 * np.pi * 50.0)
+    drawn = LIVES * float(np.trapezoid(cycle["mass_flow_suction_port"], time))
+    assert found.flash_mass_flow > 0.1 * found.gas_mass_flow
+    assert drawn == pytest.approx(found.gas_mass_flow, rel=ACCURACY)
+    assert result.balance.entropy < 1e-5
 
 
 def test_flashing_gas_costs_power_and_volumetric_efficiency():

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from screwsim.build import build_gas
 from screwsim.cli import exit_code
 from screwsim.faults import SceneError, UsageError
 from screwsim.fluid import constants
@@ -16,13 +17,18 @@ from screwsim.simulate import simulate
 from screwsim.study.stages import is_stages, read_stages, run_stages
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict
+from scenes import DROP, ECONOMIZER, scene_dict
 
 ACCURACY = 3e-4
 HIGH = {"operation.speed": "1300 rpm"}
 COOLER = {"kind": "cooler", "outlet_temperature": "290 K"}
 CONDENSED = {"operation": {"speed": "1300 rpm", "evaporating_temperature": "10 degC", "superheat": "5 K",
                            "condensing_temperature": "45 degC"}}  # fmt: skip
+
+
+EQUILIBRIUM = {"gas.model": "real", "gas.two_phase": "equilibrium"}
+WET = {**EQUILIBRIUM, "operation.suction": {"pressure": "2 bar"}}
+WET_HIGH = {**EQUILIBRIUM, **HIGH}
 
 
 @pytest.fixture
@@ -105,6 +111,26 @@ def test_a_flash_tank_gives_the_vapour_of_the_liquid_that_goes_through_it(chain)
     assert p.cop == pytest.approx(p.cooling_capacity / p.shaft_power)
 
 
+def test_wet_suction_of_the_first_stage_stays_wet(chain):
+    for quality in (1.0, 0.9):
+        found = run_stages(read_stages(chain(low={**WET, "operation.suction.quality": quality}, high=WET_HIGH)))
+        assert found.status == "ok"
+        alone = simulate(found.scenes[0])
+        assert found.scenes[0].operation.suction.quality == quality
+        assert found.performance.gas_mass_flow == pytest.approx(alone.performance.gas_mass_flow, rel=1e-6)
+        h = constants.wet_enthalpy("R134a", 2e5, quality)
+        p_d, w = 12e5, found.performance.isentropic_efficiency * found.performance.shaft_power
+        ideal = build_gas(found.scenes[0]).isentropic_work_of_enthalpy(2e5, p_d, h)
+        assert w == pytest.approx(found.performance.gas_mass_flow * ideal, rel=1e-6)
+
+
+def test_a_first_stage_that_delivers_wet_vapour_is_failed(chain):
+    cold = {**WET, "operation.suction.quality": 0.9, "oil_supply.temperature": "275 K"}
+    found = run_stages(read_stages(chain(low=cold, high=WET_HIGH)))
+    assert found.status == "failed"
+    assert "the first stage delivers wet vapour" in found.message
+
+
 @pytest.mark.parametrize(
     ("speed", "words"),
     [("10000 rpm", "the second stage takes more"), ("150 rpm", "the second stage")],
@@ -132,6 +158,7 @@ def test_overrides_go_to_their_stage(chain):
         ({"intercooler": {"kind": "cooler"}}, "outlet_temperature: is missing"),
         ({"intercooler": {"outlet_temperature": "300 K"}}, "outlet_temperature: belongs to kind: cooler"),
         ({"intercooler": {"kind": "economizer"}}, "needs operation.condensing_temperature"),
+        ({"high": {**ECONOMIZER, **HIGH}}, "the second scene names economizer, which draws gas that no balance between the stages knows"),
     ],
 )
 def test_faults_are_said(chain, more, words):

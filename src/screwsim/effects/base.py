@@ -393,7 +393,8 @@ class Shaft:
 class Intake:
     """What lies between suction line and machine (M160, M161).
 
-    A throttle leaves `pressure_ratio` of the pressure; the share `returned` of the delivered gas is mixed in before it.
+    A throttle leaves `pressure_ratio` of the pressure; the share `returned` of what is sucked is delivered gas, mixed in
+    before it.
     """
 
     pressure_ratio: float = 1.0

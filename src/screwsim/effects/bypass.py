@@ -1,7 +1,8 @@
 """Bypass: gas goes back to suction, from the discharge line or from a chamber that has begun to compress.
 
-What: `discharge`: a share y of what the machine delivers expands to p_s and mixes with the suction gas, which warms
-it (M161); `chamber`: nozzle flow to the suction line through a valve's bore while the chamber passes it (M12, M13).
+What: `discharge`: gas of the discharge line expands to p_s and mixes with the suction gas, which warms it; it is a
+share y of what the machine sucks (M161); `chamber`: nozzle flow to the suction line through a valve's bore while the
+chamber passes it (M12, M13).
 Source: isenthalpic mixing (textbook); one of the four ways of capacity control that Chernov et al. 2015 name.
 Assumptions: discharge: the returned gas is hot, as delivered, and free of oil; a steady mixture. Chamber: the suction
 line keeps its state, as with any gas that flows back into it.
@@ -32,7 +33,7 @@ class Parameters:
         "discharge: from the line; chamber: from a bore in the housing", ("discharge", "chamber"), "discharge"
     )
     share: float | None = number(
-        "y: share of the delivered gas that goes back (source: discharge)", None, ge=0.0, lt=1.0
+        "y: share of what is sucked that comes back from the discharge line (source: discharge)", None, ge=0.0, lt=1.0
     )
     area: float | None = quantity("area", "area of the bore (source: chamber)", None, ge=0.0)
     opens: float | None = quantity("angle", "angle at which a chamber reaches the bore (source: chamber)", None, ge=0.0)

@@ -8,11 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import path_flows, surroundings
-from screwsim.model.port_oil import released
+from screwsim.model.port_oil import given_off
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
     CHAMBERS,
-    DISSOLVES,
     E_SLOPE,
     E_VOLUME,
     FIRST_OWN,
@@ -84,7 +83,7 @@ def into_lines(times, dense, steps, context, n_e, into, volume):
 
     Lines are 0 suction, 1 discharge; both arrays are zero before.
     """
-    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, _own, _work = context
+    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, own, _work = context
     E = np.empty(n_e)
     y = np.empty(N)
     flows = np.empty(N_PLENUM + 2 * N_GAPS)
@@ -100,11 +99,8 @@ def into_lines(times, dense, steps, context, n_e, into, volume):
         surroundings(phi, inward, context, E)
         path_flows(y, E, context, flows)
         theta = (phi - times[i]) / (times[i + 1] - times[i])
-        if DISSOLVES == 0:
-            from_balance(flows, P[P_OMEGA] * mass_slope(theta, i, times, dense, E, y, P))
-        if DISSOLVES == 1:
-            gas, _h, _heat = released(y, phi, E, _own, P, TAB)
-            from_balance(flows, P[P_OMEGA] * mass_slope(theta, i, times, dense, E, y, P) - gas)
+        slope = P[P_OMEGA] * mass_slope(theta, i, times, dense, E, y, P)
+        from_balance(flows, slope - given_off(y, phi, E, own, P, TAB))
         add_lines(flows, phi, E[E_VOLUME], a % points, points, P, into, volume)
 
 

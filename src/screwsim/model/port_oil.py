@@ -8,6 +8,7 @@ from __future__ import annotations
 from screwsim.model.places import STEP, perturbation
 from screwsim.model.room import gas_mass
 from screwsim.model.slots import (
+    DISSOLVES,
     E_ANGLE,
     E_VOLUME,
     ENTHALPY,
@@ -92,6 +93,17 @@ def release(T, rho, T_oil, x, w, h, V, phi, P, TAB):
 def released(y, phi, E, place, P, TAB):
     """Return what `release` does for one chamber at phi, whose place is filled."""
     return release(y[0], y[1], y[2], y[3], y[HELD], place[ENTHALPY], E[E_VOLUME], phi, P, TAB)
+
+
+@kernel
+def given_off(y, phi, E, place, P, TAB):
+    """Return the gas [kg/s] that comes from oil, and through no path: in the chamber (M231) or as it enters (M196)."""
+    gas = 0.0
+    if DISSOLVES == 1:
+        gas, _h, _heat = released(y, phi, E, place, P, TAB)
+    if FLASHED == 1:
+        gas, _h, _heat = flash_terms(oil_inflow(phi, place[PRESSURE], P, TAB), place[PRESSURE], P, TAB)
+    return gas
 
 
 @kernel

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import SIDE, film_flows, path_flows, surroundings
-from screwsim.model.port_oil import released
+from screwsim.model.port_oil import given_off
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
-    DISSOLVES,
     E_AREAS,
     E_SLOPE,
     E_VOLUME,
@@ -60,9 +59,9 @@ def peak_pressure(times, dense, steps, limit, context):
 def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
     """Fill out[i] = (V, p, work, dm/dφ, state…) and flows[i] = flow of each path [kg/s] at the given angles [rad].
 
-    dm/dφ is that by the paths: without gas that the oil gives off.
+    dm/dφ is that by the paths: without gas that oil gives off.
     """
-    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, _own, _work = context
+    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, own, _work = context
     E = np.empty(n_e)
     y = np.empty(N)
     i = 0
@@ -88,9 +87,7 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         for j in range(N):
             out[a, 4 + j] = y[j]
         path_flows(y, E, context, flows[a])
-        if DISSOLVES == 1:
-            gas, _h, _heat = released(y, phi, E, _own, P, TAB)
-            out[a, 3] -= gas / P[P_OMEGA]
+        out[a, 3] -= given_off(y, phi, E, own, P, TAB) / P[P_OMEGA]
 
 
 @kernel

@@ -8,10 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import path_flows, surroundings
-from screwsim.model.port_oil import released
+from screwsim.model.port_oil import given_off
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
-    DISSOLVES,
     E_AREAS,
     E_LINES,
     E_SLOPE,
@@ -88,9 +87,5 @@ def flows_within(theta, step, times, dense, context, E, y, flows):
     if VOLUMED == 1:
         dx = dense_slope(theta, dense[step, 0, 3], dense[step, 1, 3], dense[step, 2, 3], dense[step, 3, 3]) / h
         mass_rate = P[P_OMEGA] * gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[1], (rise + bend) / h, y[3], dx, P)
-    if DISSOLVES == 0:
-        balanced(flows, mass_rate, E, own, R, P)
-    if DISSOLVES == 1:
-        gas, _h, _heat = released(y, phi, E, own, P, TAB)
-        balanced(flows, mass_rate - gas, E, own, R, P)
+    balanced(flows, mass_rate - given_off(y, phi, E, own, P, TAB), E, own, R, P)
     return mass_rate

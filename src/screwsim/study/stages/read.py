@@ -7,7 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from screwsim.build import build_parts
 from screwsim.declare import choice, quantity
+from screwsim.effects.base import Plenum
 from screwsim.faults import SceneError, UsageError
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import section_of
@@ -124,8 +126,13 @@ def _files(root: Node, node: Node, problems: list[Problem]) -> list[str] | None:
 
 
 def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str, Any], problems: list[Problem]) -> None:
-    """Add what does not go together: gases, expanders, and an economizer without a condenser."""
+    """Add what does not go together: gases, expanders, gas from elsewhere, and an economizer without a condenser."""
     place = content[KEY].place
+    for name, scene in zip(NAMES, (first, second), strict=True):
+        for effect, part in build_parts(scene).all(Plenum):
+            if part.product:
+                what = f"the {name} scene names {effect}, which draws gas that no balance between the stages knows"
+                problems.append(Problem(place, KEY, f"{what} (leave it out there)"))
     if first.gas != second.gas:
         problems.append(Problem(place, KEY, "have different gases (write the same section gas in both)"))
     if "expander" in (first.machine.mode, second.machine.mode):

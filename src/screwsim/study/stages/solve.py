@@ -19,6 +19,7 @@ from screwsim.study.stages.read import Chain, Intercooler
 GROWTH = 1.25  # factor between the pressures of the search for two that enclose the solution
 EDGE = 1.02  # least pressure ratio of a stage that is tried
 MOST = 40  # pairs of simulations
+SATURATED = 1e-6  # relative distance from the saturation temperature within which vapour counts as wet
 _STATED = ("suction.superheat", "suction.quality", "evaporating_temperature", "condensing_temperature", "superheat")
 _STATED += ("subcooling",)
 
@@ -73,9 +74,11 @@ class _Pair(NamedTuple):
         return float(np.log(max(comes, 1e-12) / max(taken, 1e-12)))
 
 
-def _set_lines(scene: Scene, p_s: float, T_s: float, p_d: float) -> Scene:
-    values: dict[str, Any] = {f"operation.{name}": None for name in _STATED}
-    values |= {"operation.suction.pressure": p_s, "operation.suction.temperature": T_s}
+def _set_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) -> Scene:
+    name, value = state  # of the suction gas beside its pressure
+    values: dict[str, Any] = {f"operation.{each}": None for each in _STATED}
+    values |= {"operation.suction.temperature": None, "operation.suction.pressure": p_s}
+    values |= {f"operation.suction.{name}": value}
     changed = with_values(replace(scene, sweep={}, joints=()), {**values, "operation.discharge.pressure": p_d})
     faults = cross_check(changed)
     if faults:
@@ -95,11 +98,14 @@ class _Chain:
         """Return both stages at an intermediate pressure [Pa]; raise `_Stop` where one has no result."""
         self.tried += 1
         between = self.chain.intercooler
-        scene = _set_lines(self.chain.first, self.low.p_s, self.low.T_s, p)
+        wet = self.low.quality is not None
+        state = ("quality", self.low.quality) if wet else ("temperature", self.low.T_s)
+        scene = _set_lines(self.chain.first, self.low.p_s, state, p)
         first = self._solved(scene, "first", trace)
         T_d = first.performance.discharge_temperature
+        self._check_dry(p, T_d, first)
         vapour, T = self._between(p, T_d, between)
-        other = _set_lines(self.chain.second, p - between.pressure_drop, T, self.high.p_d)
+        other = _set_lines(self.chain.second, p - between.pressure_drop, ("temperature", T), self.high.p_d)
         second = self._solved(other, "second", trace, (first,))
         return _Pair(p, (scene, other), (first, second), vapour, T)
 
@@ -111,6 +117,19 @@ class _Chain:
         if result.performance.gas_mass_flow <= 0.0 or result.performance.discharge_temperature is None:
             raise _Stop("failed", f"the {name} stage delivers nothing, {at}", (*before, result))
         return result
+
+    def _check_dry(self, p: float, T_d: float, first: Result) -> None:
+        """Raise `_Stop` where the first stage delivers wet vapour: its temperature does not tell its enthalpy."""
+        gas = self.chain.first.gas
+        if gas.two_phase != "equilibrium":
+            return
+        try:
+            saturation = constants.saturation_temperature(gas.fluid, p)
+        except UsageError:  # above the critical pressure
+            return
+        if T_d <= saturation * (1.0 + SATURATED):
+            what = f"the first stage delivers wet vapour at {p / 1e5:.4g} bar"
+            raise _Stop("failed", f"{what} (warmer or less oil there, or drier suction gas)", (first,))
 
     def _between(self, p: float, T_d: float, between: Intercooler) -> tuple[float, float]:
         """Return vapour per gas of the first stage, and the suction temperature [K] of the second (M201, M202)."""
@@ -191,6 +210,8 @@ class _Chain:
         T_e = None if pair.vapour == 0.0 else constants.saturation_temperature(self.chain.first.gas.fluid, p)
         drawn = [] if T_e is None else [(pair.vapour * flow, self.gas.vapour(p, T_e))]
         place = self.gas.place(self.low.p_s, self.low.T_s)
+        if self.low.quality is not None:
+            place = self.gas.place_of_enthalpy(self.low.p_s, suction_enthalpy(self.chain.first))
         ends = replace(self.low, p_d=self.high.p_d)
         etas, _ = efficiencies(self.gas, ends, Inlet(place[1], place[2]), flow, power, drawn)
         comes, taken = pair.flows
