@@ -20,7 +20,7 @@ from screwsim.scene.lines import Lines
 
 @dataclass(frozen=True)
 class CycleFigures:
-    """What a power loss or a reading can ask of a closed cycle (SI units); the last five are for readings only."""
+    """What a power loss or a reading can ask of a closed cycle (SI units); the last six are for readings only."""
 
     omega: float
     tip_speed: float
@@ -40,9 +40,11 @@ class CycleFigures:
     isothermal_efficiency: float | None = None
     isentropic_efficiency: float | None = None
     cop: float | None = None
+    motor_power: float | None = None  # where a drive lies between motor and shaft
     turn: Turn | None = None
 
 
+MOTOR_POWER = "motor_power"
 PER_VOLUME = ("specific_power",)
 COOLING = ("cooling_capacity", "cop", "volumetric_cooling_capacity")
 
@@ -237,7 +239,10 @@ def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> dic
         return {}
     names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop")
     complete = replace(known, **{name: found[name] for name in names})
-    return {name: value for part in reading for name, value in part.read(complete).items()}
+    values: dict[str, float | None] = {}
+    for part in sorted(reading, key=lambda part: MOTOR_POWER not in part.figures):  # which others may ask for
+        values |= part.read(replace(complete, motor_power=values.get(MOTOR_POWER)))
+    return values
 
 
 def pitch_traces(parts: Parts, known: CycleFigures) -> dict[str, Array]:

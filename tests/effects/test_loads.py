@@ -120,7 +120,7 @@ def test_the_load_dependent_moment_is_that_of_the_load():
 def electrical(shaft, **parameters):
     (reading,) = motor.build(motor.Parameters(rated_power=1e5, **parameters), MACHINE)
     none = {"isothermal_efficiency": None, "isentropic_efficiency": 0.8, "cop": None}
-    return reading.read(SimpleNamespace(shaft_power=shaft, **none))
+    return reading.read(SimpleNamespace(shaft_power=shaft, motor_power=None, **none))
 
 
 def test_the_motor_has_its_efficiency_at_rated_power():

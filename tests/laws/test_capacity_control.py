@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
-from scenes import make, run
+from scenes import ECONOMIZER, make, run
 
 from screwsim.faults import SceneError
 from screwsim.outputs import ledger_entries
@@ -81,6 +81,11 @@ def test_the_bypass_mixes_enthalpies():
     p = run(RETURNED).performance
     assert p.intake_temperature == pytest.approx(0.6 * 283.0 + 0.4 * p.discharge_temperature, rel=1e-4)  # c_p constant
     assert p.intake_pressure == pytest.approx(1.5e5)
+
+
+def test_what_an_economizer_adds_is_counted_by_the_gas_that_comes_from_the_line():
+    p = run({**ECONOMIZER, "effects.bypass": {"share": 0.5}}).performance
+    assert p.economizer_flow_ratio == pytest.approx(p.economizer_mass_flow / p.gas_mass_flow, rel=1e-12)
 
 
 def test_a_bypassed_machine_compresses_warmer_gas_and_delivers_its_share():

@@ -83,11 +83,11 @@ def loss_of_table(rows: list[tuple[float, float]]) -> Loss:
     return at
 
 
-def motor_loss(parameters: Parameters, shaft_power: float, loss: Loss) -> float:
-    """Return the loss of motor and inverter [W] at a shaft power [W], negative for a generator's (M148, M204)."""
-    inner = shaft_power + parameters.rated_power * loss(shaft_power / parameters.rated_power)
+def motor_loss(parameters: Parameters, load: float, loss: Loss) -> float:
+    """Return the loss of motor and inverter [W] at a load [W], negative for a generator's (M148, M204)."""
+    inner = load + parameters.rated_power * loss(load / parameters.rated_power)
     driven = inner / parameters.drive_efficiency if inner >= 0.0 else inner * parameters.drive_efficiency
-    return driven - shaft_power
+    return driven - load
 
 
 def build(parameters: Parameters, machine) -> list[Reading]:
@@ -97,8 +97,9 @@ def build(parameters: Parameters, machine) -> list[Reading]:
     def read(figures) -> dict[str, float | None]:
         """Return loss, electrical power and what is referred to it (M148, M149)."""
         shaft = figures.shaft_power
-        loss = motor_loss(parameters, shaft, losses)
-        electrical = shaft + loss
+        load = shaft if figures.motor_power is None else figures.motor_power
+        loss = motor_loss(parameters, load, losses)
+        electrical = load + loss
         driving = shaft > 0.0 and electrical > 0.0
         giving = shaft < 0.0 and electrical < 0.0
         efficiency = shaft / electrical if driving else electrical / shaft if giving else None
