@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -20,6 +21,7 @@ from screwsim.effects.base import (
     Site,
     Wall,
 )
+from screwsim.faults import UsageError
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -32,6 +34,25 @@ from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import ActiveEffect, Scene
+
+
+@contextmanager
+def faults_of_own(scene: Scene) -> Iterator[None]:
+    """Raise UsageError, in one line, for what fails while effects of the user's own are built and compiled."""
+    try:
+        yield
+    except UsageError:
+        raise
+    except Exception as error:
+        own = [f"effects.{name}" for name in scene.effects if "." in name]
+        if not own:
+            raise
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        # numba's own lines lead with where it was, and end with what it found
+        text = next((line for line in lines if "Error" in line or "rror:" in line), lines[0] if lines else "")
+        what = f"cannot be built or compiled ({type(error).__name__}: {text}); mend that module"
+        raise UsageError(f"{', '.join(own)}: {what}") from error
+
 
 Numbered = FlowPath | HeatRate | Wall | ChamberState
 WIDTH = 0.5  # of the regularisation over the wanted accuracy

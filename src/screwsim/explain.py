@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.build import build_parts, regularisation, wanted_of
+from screwsim.build import build_parts, faults_of_own, regularisation, wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
 from screwsim.effects.base import (
@@ -79,8 +79,9 @@ class Explanation:
 
 def explain(scene: Scene) -> Explanation:
     """Return what a scene simulates, and what it leaves out. Raises UsageError for a fluid that is not there."""
-    parts = build_parts(scene)
-    model = compose(parts)
+    with faults_of_own(scene):
+        parts = build_parts(scene)
+        model = compose(parts)
     kind = scene.machine.kind
     left_out = tuple(
         name for name, effect in catalogue().items() if name not in scene.effects and kind in effect.machines

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from screwsim import settling, shaft
-from screwsim.build import prepare
+from screwsim.build import faults_of_own, prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
 from screwsim.ledger.total import Ledger
 from screwsim.model import close as closing
@@ -260,9 +260,9 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
 
 
 def _simulate(scene: Scene, trace: bool, series: Series) -> Result:
-    solution = Solution(scene, series)
-    machinery = solution.machinery
-    machinery.warm_up(solution.rehearse)
+    with faults_of_own(scene):
+        solution = Solution(scene, series)
+        solution.machinery.warm_up(solution.rehearse)
     result = _solved(shaft.at_its_speed(solution), trace)
     if result.status != "ok":
         series.course.forget()

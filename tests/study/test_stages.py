@@ -158,7 +158,10 @@ def test_overrides_go_to_their_stage(chain):
         ({"intercooler": {"kind": "cooler"}}, "outlet_temperature: is missing"),
         ({"intercooler": {"outlet_temperature": "300 K"}}, "outlet_temperature: belongs to kind: cooler"),
         ({"intercooler": {"kind": "economizer"}}, "needs operation.condensing_temperature"),
-        ({"high": {**ECONOMIZER, **HIGH}}, "the second scene names economizer, which draws gas that no balance between the stages knows"),
+        (
+            {"high": {**ECONOMIZER, **HIGH}},
+            "the second scene names economizer, which draws gas that no balance between the stages knows",
+        ),
     ],
 )
 def test_faults_are_said(chain, more, words):

@@ -30,6 +30,7 @@ from screwsim.cli.options import (
     Overrides,
     SceneFile,
     Without,
+    check_place,
 )
 from screwsim.cli.options import base_point as _base_point
 from screwsim.cli.options import loaded as _loaded
@@ -80,6 +81,8 @@ def run(
     if is_stages(scene_file):
         return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
     scene = _base_point(_loaded(scene_file, overrides, without))
+    if output is not None:
+        check_place(output)
     from screwsim.printing import print_json, print_result
     from screwsim.simulate import simulate
 
@@ -110,12 +113,15 @@ def _run_stages(
     from screwsim.study.stages import read_stages, run_stages
 
     chain = read_stages(file, overrides or ())
+    places = [] if output is None else [output.with_stem(f"{output.stem}_{name}") for name in ("first", "second")]
+    for place in places:
+        check_place(place)
     found = run_stages(chain)
-    if output is not None and found.scenes:
+    if places and found.scenes:
         from screwsim.results import save
 
-        for name, scene, result in zip(("first", "second"), found.scenes, found.stages, strict=True):
-            save(output.with_stem(f"{output.stem}_{name}"), scene, result)
+        for place, scene, result in zip(places, found.scenes, found.stages, strict=True):
+            save(place, scene, result)
     if as_json:
         print_json(found.as_json())
     else:

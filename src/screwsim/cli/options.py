@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from screwsim.faults import UsageError
 
 if TYPE_CHECKING:
     from screwsim.scene import Scene
@@ -28,6 +31,16 @@ def loaded(scene_file: str, overrides: Sequence[str] | None, without: Sequence[s
     from screwsim.scene import load
 
     return load(scene_file, overrides or (), without or ())
+
+
+def check_place(output: Path) -> None:
+    """Raise UsageError where a run's results would replace anything but those of a run."""
+    from screwsim.results import open_results
+    from screwsim.results.atomic import HDF5, keep_others
+
+    keep_others(output, HDF5)
+    if output.exists() and open_results(output).shape:
+        raise UsageError(f"{output}: holds results of a sweep (choose another -o, or remove it)")
 
 
 def base_point(scene: Scene) -> Scene:

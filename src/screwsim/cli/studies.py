@@ -161,7 +161,12 @@ def calibrate(
 ) -> int:
     """Fit parameters of a scene to measured points, and say how far the data fix them."""
     from screwsim.printing import print_json
-    from screwsim.printing.calibration import calibration_document, print_calibration, write_calibration
+    from screwsim.printing.calibration import (
+        calibration_document,
+        check_folder,
+        print_calibration,
+        write_calibration,
+    )
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import read_fit
@@ -170,6 +175,7 @@ def calibrate(
     fit = read_fit(fit_file)
     if folder is not None:
         make_folder(folder)
+        check_folder(folder)
     found = calibrated(fit, jobs=jobs, progress=for_terminal("calibrate"))
     if as_json:
         print_json(calibration_document(found))

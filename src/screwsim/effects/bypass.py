@@ -17,7 +17,7 @@ from math import pi
 from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Effect, FlowPath, Intake
 from screwsim.effects.gap import ramp
-from screwsim.faults import Fault
+from screwsim.faults import Fault, UsageError
 from screwsim.numerics.kernel import kernel
 
 RAMP = 10.0 * pi / 180.0  # over which the bore opens and closes
@@ -64,6 +64,11 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Intake]:
         return [Intake(returned=parameters.share or 0.0)]
     opens = parameters.opens or 0.0
     closes = opens + (parameters.passage or 0.0)
+    if closes > machine.life + 1e-9:
+        what = (
+            f"ends at {closes * 180.0 / pi:.6g} deg, beyond the chamber's life of {machine.life * 180.0 / pi:.6g} deg"
+        )
+        raise UsageError(f"effects.bypass.passage: {what} (choose an earlier bore or a shorter passage)")
     return [window(parameters.area or 0.0, opens, closes, parameters.flow_coefficient)]
 
 

@@ -17,10 +17,11 @@ from math import pi
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
-from screwsim.faults import Fault
+from screwsim.faults import Fault, UsageError
 from screwsim.machine.kinds import TWIN_SCREW
 
 BEFORE = 60.0 * pi / 180.0  # the slot is reached this much before compression begins
+DEG = 180.0 / pi
 _RADIAL = ("radial_area", "radial_opens", "radial_opens_moved")
 
 
@@ -39,6 +40,10 @@ class Parameters:
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
     x, begins = parameters.position, machine.injection_angle
+    if not begins < parameters.closes < machine.life - 2.0 * RAMP:
+        ends = f"({begins * DEG:.0f} deg, {(machine.life - 2.0 * RAMP) * DEG:.0f} deg) of this machine"
+        what = f"{parameters.closes * DEG:.6g} deg lies outside {ends} (choose an angle inside)"
+        raise UsageError(f"effects.slide_valve.closes: {what}")
     closes = begins + x * (parameters.closes - begins)
     found = [window(x * parameters.slot_area, begins - BEFORE, closes, parameters.flow_coefficient)]
     if parameters.radial_area is not None:
@@ -75,10 +80,8 @@ def _angles(parameters: Parameters, path: str) -> list[Fault]:
     for name, (low, high) in ends.items():
         angle = getattr(parameters, name)
         if angle is not None and not low < angle < high:
-            where = f"outside ({low * 180.0 / pi:.0f} deg, {high * 180.0 / pi:.0f} deg)"
-            faults.append(
-                Fault(f"{path}.{name}", f"{angle * 180.0 / pi:.6g} deg lies {where} (choose an angle inside)")
-            )
+            where = f"outside ({low * DEG:.0f} deg, {high * DEG:.0f} deg)"
+            faults.append(Fault(f"{path}.{name}", f"{angle * DEG:.6g} deg lies {where} (choose an angle inside)"))
     return faults
 
 

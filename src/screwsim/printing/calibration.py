@@ -13,8 +13,8 @@ from screwsim.outputs import PERFORMANCE
 from screwsim.printing import write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.calibration import draw
-from screwsim.results.atomic import make_folder, replacing
-from screwsim.study.calibration import Calibration, Compared, Parameter, fitted_text
+from screwsim.results.atomic import keep_others, make_folder, replacing
+from screwsim.study.calibration import BEGINS, Calibration, Compared, Parameter, fitted_text
 from screwsim.study.calibration.judge import CORRELATED, WEAK
 from screwsim.study.inputs import in_customary, shown_value
 
@@ -221,6 +221,11 @@ def _correlations(found: Calibration) -> Iterator[str]:
     if pairs:
         strongest = [text for _, text in sorted(pairs, reverse=True)[:4]]
         yield f"strongest correlations: {'; '.join(strongest)}"
+
+
+def check_folder(folder: Path) -> None:
+    """Raise UsageError where a folder holds a scene that no calibration wrote, under the name of the fitted one."""
+    keep_others(folder / SCENE, BEGINS.encode())
 
 
 def write_calibration(found: Calibration, folder: Path) -> list[str]:

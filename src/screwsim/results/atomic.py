@@ -9,6 +9,8 @@ from pathlib import Path
 
 from screwsim.faults import UsageError
 
+HDF5 = b"\x89HDF\r\n\x1a\n"  # how such a file begins
+
 
 def _sync(path: Path) -> None:
     """Force a file, or the entries of a folder, to disk."""
@@ -78,3 +80,16 @@ def remove(path: Path) -> None:
     """Remove a file, if it is there and the system allows."""
     with suppress(OSError):  # the folder itself is gone or refuses: that error is already on its way
         path.unlink(missing_ok=True)
+
+
+def keep_others(path: Path, begins: bytes) -> None:
+    """Raise UsageError where a file lies at `path` that does not begin so: none of ours, which stays."""
+    try:
+        with path.open("rb") as stream:
+            found = stream.read(len(begins))
+    except OSError:  # none there, or one that cannot be replaced either, which is told then
+        return
+    if found.lower() != begins.lower():
+        raise UsageError(
+            f"{path}: is there, and not of the kind that would be written (choose another -o, or remove it)"
+        )

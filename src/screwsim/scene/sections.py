@@ -95,7 +95,9 @@ def find(name: str) -> tuple[Effect, Section]:
         return effect, section_of(effect.parameters)
     except KeyError:
         raise Refused(unknown(name, catalogue())) from None
-    except ImportError as error:
+    except ModuleNotFoundError as error:
         raise Refused(f"cannot be imported ({error}); tried PYTHONPATH and the working folder (is it there?)") from None
+    except ImportError as error:
+        raise Refused(f"cannot be imported ({error}); mend that module") from None
     except Exception as error:  # noqa: BLE001 - a module of the user's may raise anything
         raise Refused(f"fails on import ({type(error).__name__}: {error}); mend that module") from None

@@ -7,11 +7,12 @@ number to which the machine was fitted, `calibrated`: that is no evidence.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from screwsim.faults import UsageError
 from screwsim.results import open_results
 from screwsim.study.curves import Array, Optimum, optimum, value_at
 
@@ -19,6 +20,7 @@ PAPER = "Chernov et al. 2015"  # how the titles of configs/paper begin
 RPM = 2.0 * np.pi / 60.0
 A5_RATIO, A5_SPEED, A5_EFFICIENCY, A5_TOLERANCE = 3.0, 1000.0, 0.68, 0.005
 A6_EFFICIENCY, A6_TOLERANCE = 0.44, 0.02
+_AXES = ("oil_supply.ratio", "oil_supply.orifice_diameter")  # of Fig. 1 and of Fig. 2, beside the speed
 
 
 @dataclass(frozen=True)
@@ -204,13 +206,12 @@ def claims_of(path: str, other: str | None = None) -> list[Claim]:
 
     The sweep of Fig. 1 gives A1–A5, that of Fig. 2 A6, both together, in either order, all seven.
     """
-    kinds = ("oil_supply.ratio", "oil_supply.orifice_diameter")
-    if not any(_is_figure(path, axis) for axis in kinds):
-        return []
     files = [path] if other is None else [path, other]
-    pumps, bores = ([each for each in files if _is_figure(each, axis)] for axis in kinds)
+    pumps, bores = ([each for each in files if _is_figure(each, axis)] for axis in _AXES)
     if pumps and bores:
         return claims(pumps[0], bores[0])
+    if other is not None:
+        raise UsageError(f"{other}: --with joins the paper's two sweeps, and these are not both (leave it out)")
     if pumps:
         pump = read_pump(pumps[0])
         return [*shape_claims(pump), pump_point(pump)]
@@ -233,5 +234,20 @@ def table(found: list[Claim]) -> str:
     return "\n".join(lines)
 
 
+def main(arguments: Sequence[str]) -> int:
+    """Print the claims of two files; return the exit code."""
+    try:
+        if len(arguments) != len(_AXES):
+            raise UsageError("claims needs two files: the sweep of Fig. 1, then that of Fig. 2")
+        for name, axis in zip(arguments, _AXES, strict=True):
+            if not _is_figure(name, axis):
+                raise UsageError(f"{name}: is not the paper's sweep over {axis} (give that of Fig. 1, then of Fig. 2)")
+        print(table(claims(*arguments)))
+    except UsageError as error:
+        print(error, file=sys.stderr)
+        return 2
+    return 0
+
+
 if __name__ == "__main__":
-    print(table(claims(sys.argv[1], sys.argv[2])))
+    sys.exit(main(sys.argv[1:]))

@@ -16,6 +16,9 @@ from screwsim.study.inputs import shown_value
 DIGITS = 7  # of a fitted value: far below its error
 
 
+BEGINS = "# Fitted by: screwsim calibrate"  # a scene that a calibration wrote
+
+
 def fitted_text(found: Calibration, folder: Path) -> str:
     """Return the YAML text of the fitted machine, to be written into a folder."""
     fit = found.fit
@@ -28,7 +31,7 @@ def fitted_text(found: Calibration, folder: Path) -> str:
         node[last] = shown_value(fit.scene, path, value, DIGITS)
     title = fit.title or fit.scene.title
     lines = [
-        f"# Fitted by: screwsim calibrate {os.path.basename(fit.name)}; {told(found)}.",
+        f"{BEGINS} {os.path.basename(fit.name)}; {told(found)}.",
         f"title: {quoted(f'{title}, fitted' if title else 'fitted')}",
         f"base: {quoted(_relative(fit.scene_file, folder))}",
         *_lines(tree, ""),

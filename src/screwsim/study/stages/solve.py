@@ -136,7 +136,8 @@ class _Chain:
         out = p - between.pressure_drop
         if between.kind == "cooler":
             assert between.outlet_temperature is not None  # checked when read
-            return 0.0, min(T_d, between.outlet_temperature)
+            throttled = self.gas.temperature(out, self.gas.enthalpy(p, T_d))
+            return 0.0, min(throttled, between.outlet_temperature)
         if between.kind == "economizer":
             fluid = self.chain.first.gas.fluid
             h_c, T_e = self.liquid(), constants.saturation_temperature(fluid, p)
