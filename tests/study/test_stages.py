@@ -17,7 +17,7 @@ from screwsim.simulate import simulate
 from screwsim.study.stages import is_stages, read_stages, run_stages
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import DROP, ECONOMIZER, scene_dict
+from scenes import ECONOMIZER, scene_dict
 
 ACCURACY = 3e-4
 HIGH = {"operation.speed": "1300 rpm"}

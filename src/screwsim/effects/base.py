@@ -393,8 +393,8 @@ class Shaft:
 class Intake:
     """What lies between suction line and machine (M160, M161).
 
-    A throttle leaves `pressure_ratio` of the pressure; the share `returned` of what is sucked is delivered gas, mixed in
-    before it.
+    A throttle leaves `pressure_ratio` of the pressure; of what is sucked the share `returned` is delivered gas, mixed
+    in before it.
     """
 
     pressure_ratio: float = 1.0

@@ -98,8 +98,8 @@ class _Chain:
         """Return both stages at an intermediate pressure [Pa]; raise `_Stop` where one has no result."""
         self.tried += 1
         between = self.chain.intercooler
-        wet = self.low.quality is not None
-        state = ("quality", self.low.quality) if wet else ("temperature", self.low.T_s)
+        quality = self.low.quality
+        state = ("temperature", self.low.T_s) if quality is None else ("quality", quality)
         scene = _set_lines(self.chain.first, self.low.p_s, state, p)
         first = self._solved(scene, "first", trace)
         T_d = first.performance.discharge_temperature
