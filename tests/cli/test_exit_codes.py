@@ -4,6 +4,30 @@ import pytest
 
 from screwsim import cli
 
+OWN = """\
+from dataclasses import dataclass
+
+from screwsim.effects.base import Effect, FlowPath
+from screwsim.numerics.kernel import kernel
+
+
+@dataclass(frozen=True)
+class Parameters:
+    pass
+
+
+@kernel
+def area(phi):
+    return 1e-6
+
+
+def build(parameters, machine):
+    return [FlowPath(to="nowhere", area=area, values={}, knots=())]
+
+
+EFFECT = Effect(name="hole", title="", equations=(), source="", parameters=Parameters, build=build)
+"""
+
 
 def test_unknown_effect_is_a_bad_scene_at_its_line(folder, command):
     text = (folder / "small.yaml").read_text().replace("tip_leakage", "tip_leackage")
@@ -147,3 +171,25 @@ def test_no_saturation_at_the_pressure_is_a_bad_scene(folder, command):
     answer = command("explain", "small.yaml", *(word for change in changes for word in ("--set", change)))
     assert (answer.code, answer.out) == (3, "")
     assert "operation.suction.superheat: R134a has no saturation at the suction pressure 50 bar" in answer.err
+
+
+def test_an_effect_of_ones_own_that_cannot_be_built_is_told_by_its_name(folder, command):
+    (folder / "own_holes").mkdir()
+    (folder / "own_holes" / "hole.py").write_text(OWN)
+    (folder / "holed.yaml").write_text("base: small.yaml\neffects: {own_holes.hole: {}}\n")
+    for name in ("run", "explain"):
+        answer = command(name, "holed.yaml")
+        assert answer.code == 2
+        assert answer.err.startswith("effects.own_holes.hole: cannot be built or compiled (TypeError: ")
+        assert "'nowhere'" in answer.err and answer.err.endswith("mend that module\n")
+
+
+def test_openings_beyond_the_life_are_told(folder, command):
+    for name, text in (
+        ("slide_valve", "{position: 1, slot_area: 1 cm^2, closes: 900 deg}"),
+        ("bypass", "{source: chamber, area: 1 cm^2, opens: 700 deg, passage: 90 deg}"),
+    ):
+        (folder / "late.yaml").write_text(f"base: small.yaml\neffects:\n  {name}: {text}\n")
+        answer = command("run", "late.yaml")
+        assert answer.code in (2, 3)
+        assert f"effects.{name}" in answer.err and len(answer.err.splitlines()) == 1

@@ -144,3 +144,16 @@ def test_schema_is_one_document(command):
     answer = command("schema")
     assert (answer.code, answer.err) == (0, "")
     assert "machine" in _document(answer.out)["properties"]
+
+
+def test_a_run_replaces_no_file_but_a_run_s(folder, command):
+    scene = (folder / "small.yaml").read_text()
+    told = "is there, and not of the kind that would be written (choose another -o, or remove it)"
+    assert command("run", "small.yaml", "-o", "small.yaml") == (2, "", f"small.yaml: {told}\n")
+    assert (folder / "small.yaml").read_text() == scene
+    assert command("run", "small.yaml", "-o", "one.h5").code == 0
+    assert command("run", "small.yaml", "-o", "one.h5").code == 0
+    assert command("report", "one.h5", "-o", "one.h5") == (2, "", f"one.h5: {told}\n")
+    assert command("sweep", "swept.yaml", "-o", "all.h5", "--jobs", "1").code == 0
+    answer = command("run", "small.yaml", "-o", "all.h5")
+    assert (answer.code, answer.err) == (2, "all.h5: holds results of a sweep (choose another -o, or remove it)\n")

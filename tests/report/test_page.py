@@ -150,7 +150,8 @@ def test_a_large_sweep_is_thinned_and_the_page_says_so(pump, monkeypatch):
 def test_claims_are_those_of_the_paper_s_own_sweeps(tmp_path):
     own = file(tmp_path / "a.h5", PUMP.replace("title: fake", f"title: '{PAPER}'"))
     assert [claim.name for claim in claims_of(str(own))] == ["A1", "A2", "A3", "A4", "A5"]
-    assert claims_of(str(file(tmp_path / "b.h5", PUMP)), str(own)) == []
+    with pytest.raises(UsageError, match=r"--with joins the paper's two sweeps, and these are not both"):
+        claims_of(str(file(tmp_path / "b.h5", PUMP)), str(own))
     made = text_of(own, tmp_path, claims_of(str(own)))
     assert "every curve has a maximum over d" in made
 

@@ -9,7 +9,7 @@ import pytest
 
 from screwsim.results import open_results
 from screwsim.scene import load
-from screwsim.study.claims import claims, table
+from screwsim.study.claims import claims, main, table
 from screwsim.study.curves import optimum, value_at
 from screwsim.study.sweep import run_sweep
 
@@ -62,3 +62,11 @@ def test_optimum_at_an_end_is_not_interior():
 
 def test_value_outside_the_curve_is_none():
     assert value_at(np.array([1.0, 2.0]), np.array([0.5, 0.6]), 3.0) is None
+
+
+def test_files_that_are_not_both_sweeps_are_told(figures, capsys):
+    one, other = figures
+    for files in ([], [one], [other, one], [one, "nothing.h5"]):
+        assert main(files) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1
+    assert main([one, other]) == 0
