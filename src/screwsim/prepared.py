@@ -11,11 +11,9 @@ from screwsim import performance
 from screwsim.build import Stock, build_parts, wanted_of
 from screwsim.effects.base import Made
 from screwsim.intake import suction_of
-from screwsim.model import residues
+from screwsim.model import leases, residues
 from screwsim.model.compose import Composer
 from screwsim.model.continuation import Course
-from screwsim.model.parts import Parts
-from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
     ENTHALPY,
@@ -25,11 +23,6 @@ from screwsim.model.slots import (
 from screwsim.numerics.made import Entries, Entry
 from screwsim.scene.lines import lines, suction_enthalpy
 from screwsim.scene.types import Scene
-
-
-@lru_cache(maxsize=8)
-def _shelf(text: str) -> dict[str, Machinery]:
-    return {}
 
 
 @lru_cache(maxsize=8)
@@ -44,19 +37,11 @@ class Series:
         self.stock, self.composer, self.course = Stock(), Composer(), Course()
 
 
-def machinery_for(parts: Parts, composer: Composer | None = None) -> Machinery:
-    """Return working arrays for the parts; those of the last scene of the same structure are used again."""
-    composition = (composer or Composer()).compose(parts)
-    shelf = _shelf(composition.text)
-    if "it" in shelf:
-        shelf["it"].composition = composition
-    else:
-        shelf["it"] = Machinery(composition)
-    return shelf["it"]
-
-
 class Prepared:
-    """A scene, what it names built, its machinery, its lines, and what is asked of the closing."""
+    """A scene, what it names built, its own machinery, its lines, and what is asked of the closing.
+
+    Any number of them live side by side, in any number of threads; only those of one series go one after the other.
+    """
 
     def __init__(self, scene: Scene, series: Series | None = None, set_speed: float | None = None) -> None:
         """Prepare a scene; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
@@ -68,7 +53,7 @@ class Prepared:
         self.parts = build_parts(scene, self.series.stock, set_speed)
         self.wanted = wanted_of(scene)
         self.lines = lines(scene)
-        self.machinery = machinery_for(self.parts, self.series.composer)
+        self.machinery = leases.lease(self.series.composer.compose(self.parts))
         line = self._suction_place()
         self.inlet = performance.Inlet(line[DENSITY], line[ENTHALPY])
         self.suction = suction_of(self.parts.gas, line, self.parts.effects.values())
@@ -81,6 +66,12 @@ class Prepared:
         self.balances = residues.Balances(self.machinery, c_oil, self._oil_in)
         line_entries = residues.discharge_line(self.machinery.composition.carried, self.parts.dissolves)
         self.entries = _entries((*line_entries, *(part.entry for _, part in self.parts.all(Made))))
+
+    def release(self) -> None:
+        """Give the working arrays to whoever needs the like next; what is read of a cycle is read before."""
+        machinery = self.machinery
+        del self.machinery, self.balances  # nobody reads what another one writes
+        leases.give_back(machinery)
 
     def _suction_place(self) -> tuple[float, ...]:
         """Return the place of the suction line; wet where the scene gives a quality."""

@@ -15,6 +15,7 @@ from screwsim.machine.drive.collocation import differentiation, resampled
 from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.model import close as closing
 from screwsim.model import speed
+from screwsim.scene.types import Scene
 from screwsim.solution import Solution
 
 MOST_TURNS = 20  # of chambers and drive by turns
@@ -67,13 +68,14 @@ def set_course(solution: Any, motion: Response) -> float:
 def at_its_speed(solution: Solution) -> Solution:
     """Return the solution of the scene at the mean speed that its motor's line gives.
 
-    The same one where the speed is held, or where the drive has no steady motion at the speed tried last.
+    The same one where the speed is held, or where the drive has no steady motion at the speed tried last; another one
+    takes its place else, and releases it.
     """
     part = solution.parts.shaft
     if part is None or part.train(solution.scene.operation.speed).holds_mean:
         return solution
     stated = solution.scene.operation.speed
-    solution = Solution(solution.scene, solution.series, stated)
+    solution = _instead(solution, solution.scene, stated)
     for _ in range(MOST_SPEEDS):
         closed = settled(solution, solution.close())
         if closed.status != "ok":
@@ -83,13 +85,19 @@ def at_its_speed(solution: Solution) -> Solution:
         except NoMotion:
             return solution
         change = abs(found / solution.scene.operation.speed - 1.0)
-        solution = Solution(_at(solution.scene, found), solution.series, stated)
+        solution = _instead(solution, _at(solution.scene, found), stated)
         if change <= 0.1 * solution.wanted.tolerance:
             break
     return solution
 
 
-def _at(scene: Any, omega: float) -> Any:
+def _instead(solution: Solution, scene: Scene, stated: float) -> Solution:
+    """Return the solution of a scene in place of one that nobody reads any more."""
+    solution.release()
+    return Solution(scene, solution.series, stated)
+
+
+def _at(scene: Scene, omega: float) -> Scene:
     return replace(scene, operation=replace(scene.operation, speed=omega))
 
 

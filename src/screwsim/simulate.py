@@ -263,7 +263,9 @@ def _simulate(scene: Scene, trace: bool, series: Series) -> Result:
     with faults_of_own(scene):
         solution = Solution(scene, series)
         solution.machinery.warm_up(solution.rehearse)
-    result = _solved(shaft.at_its_speed(solution), trace)
+    solution = shaft.at_its_speed(solution)
+    result = _solved(solution, trace)
+    solution.release()
     if result.status != "ok":
         series.course.forget()
     return result

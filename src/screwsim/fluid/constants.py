@@ -14,6 +14,7 @@ import importlib.metadata
 import json
 import os
 import re
+import threading
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -24,6 +25,7 @@ from screwsim.numerics.store import cache_folder
 
 _FULL = 250_000  # [byte] of the file; it is read at every start
 _MOST = 5000  # answers in memory
+_alone = threading.RLock()  # a state of CoolProp is set and then read
 _NEAR = 0.6  # likeness from which on a name is offered in place of an unknown one
 
 
@@ -61,6 +63,11 @@ def _known() -> dict[str, Any]:
 
 
 def _ask(key: str, question: Callable[[], Any]) -> Any:
+    with _alone:
+        return _asked(key, question)
+
+
+def _asked(key: str, question: Callable[[], Any]) -> Any:
     known = _known()
     if key not in known:
         answer = question()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,6 +19,8 @@ COMPILED = {  # what each driver is, and about how many seconds its compilation 
     "ledger": ("the ledger of this combination", "three"),
 }
 
+alone = threading.RLock()  # held while compiling: another thread that needs the same finds it ready
+
 
 def module_name(text: str) -> str:
     """Return the name of a composition's module."""
@@ -27,6 +30,11 @@ def module_name(text: str) -> str:
 def load(text: str) -> ModuleType:
     """Return the module of a composition's text."""
     return modules.load(text, "model")
+
+
+def warm(module: ModuleType) -> set[str]:
+    """Return the drivers of a module that this process has compiled or loaded, to be added to."""
+    return module.__dict__.setdefault("drivers_ready", set())
 
 
 @contextmanager

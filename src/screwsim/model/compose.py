@@ -7,7 +7,7 @@ module's text; numbers go into the vector P and the tables TAB, so that one comp
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -263,7 +263,7 @@ def compose(parts: Parts) -> Composition:
 class Composer:
     """Composes the scenes of a series: one that differs from the last by its operation alone is not written anew.
 
-    It fills its numbers into the same composition: there is one scene at a time.
+    It gets a vector P of its own: what one solution does to its numbers, another never sees.
     """
 
     def __init__(self) -> None:
@@ -273,9 +273,8 @@ class Composer:
         """Return what `compose` does."""
         if self._last is None or not _alike(parts, self._last[0]):
             self._last = parts, compose(parts)
-        else:
-            _fill(self._last[1], parts)
-        return self._last[1]
+            return self._last[1]
+        return _filled(self._last[1], parts)
 
 
 def _alike(parts: Parts, other: Parts) -> bool:
@@ -297,16 +296,17 @@ def _supplied(parts: Parts) -> tuple[str, ...]:
     return () if parts.oil is None else (parts.oil.transport, *parts.oil.supply)
 
 
-def _fill(composition: Composition, parts: Parts) -> None:
-    """Fill the numbers of parts that are alike into a composition."""
-    recipe, P, head = composition.recipe, composition.P, _fixed_numbers(parts)
-    P[:] = recipe.P
+def _filled(composition: Composition, parts: Parts) -> Composition:
+    """Return a composition with the numbers of parts that are alike."""
+    recipe, head = composition.recipe, _fixed_numbers(parts)
+    P = recipe.P.copy()
     P[: len(head)] = head
     if composition.made:
         P[list(composition.made)] = list(parts.made.values())
     if recipe.places:
         named = operating(parts)
         P[recipe.places] = [named[name] for name in recipe.names]
+    return replace(composition, P=P)
 
 
 def _refuse(parts: Parts, states: Sequence[str], opened: bool) -> None:

@@ -45,14 +45,22 @@ class Machinery:
         paths = len(composition.plenum_paths)
         stops = np.zeros(2 * len(composition.stops) + 3)
         own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(paths), np.full(paths, FREE), stops])
+        self._at_first = own.copy()
         self.spaces = (np.zeros(self.columns), own, work)
         self.counts = np.zeros(4, np.int64)
         self._together: dict[str, Any] = {}
-        self._warm: set[str] = set()
         self.compile_time = 0.0
         self.integrator = "rodas4"
         self.stamp = object()  # another one with every other last history
         self.watch: Callable[[], None] = lambda: None  # called now and then; what it raises ends the work
+
+    def begin(self, composition: Composition) -> None:
+        """Take on another composition of the same structure; of the one before nothing stays."""
+        self.composition = composition
+        self.reset()
+        self.counts[:] = 0
+        self.compile_time, self.integrator = 0.0, "rodas4"
+        self.watch = lambda: None
 
     @staticmethod
     def new_history(steps: int, n: int, nq: int) -> tuple[Array, Array, Array]:
@@ -68,6 +76,7 @@ class Machinery:
     def reset(self) -> None:
         """Forget the last scene: run-time cells, search hints, histories."""
         self.R[:] = 0.0
+        self.spaces[1][:] = self._at_first
         self.hints[:] = 0
         self.kept[:] = 0
         self.stamp = object()
@@ -75,7 +84,7 @@ class Machinery:
 
     def warm_up(self, start: Callable[[], Array]) -> None:
         """Compile (or load) the driver of one chamber, announced when it takes long; not counted as solution time."""
-        if "one" not in self._warm:
+        if "one" not in compiled.warm(self.module):
             with self._compiling("one"):
                 self.turn(start(), 1e-2, 1e-3)
                 self.swap()
@@ -89,10 +98,10 @@ class Machinery:
     @contextmanager
     def _compiling(self, driver: str) -> Iterator[None]:
         started, counts, R = time.perf_counter(), self.counts.copy(), self.R.copy()
-        with compiled.announced(self.composition.text, driver):
+        with compiled.alone, compiled.announced(self.composition.text, driver):
             yield
         self.counts[:], self.R[:] = counts, R
-        self._warm.add(driver)
+        compiled.warm(self.module).add(driver)
         self.compile_time += time.perf_counter() - started
 
     def turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
@@ -233,7 +242,7 @@ class Machinery:
         warming = len(c.heats) + len(c.walls)
         heats, oil = np.zeros((max(warming, 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
         times, dense, _, steps = self.last()
-        with self._compiling("ledger") if "ledger" not in self._warm else nullcontext():
+        with self._compiling("ledger") if "ledger" not in compiled.warm(self.module) else nullcontext():
             self.module.ledger__account(
                 times, dense, steps, self.context, c.n_E, s_suction, s_discharge, paths, heats, oil
             )
@@ -286,7 +295,7 @@ class Machinery:
         """
         if self.alone:
             return under_scipy.life(self, y, rtol, h) if self.integrator in METHODS else self.turn(y, rtol, h)
-        if "all" not in self._warm:
+        if "all" not in compiled.warm(self.module):
             with self._compiling("all"):
                 self.own_pitch(y.copy(), 1e-2, h)
         self.watch()

@@ -138,7 +138,7 @@ def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kern
     if key not in _written:
         space: dict[str, Any] = {"math": math, "np": np, "__name__": module, **uses}
         exec(compile(source, f"<{key}>", "exec"), space)
-        _written[key] = Kernel(space[name], source)
+        _written.setdefault(key, Kernel(space[name], source))  # of two threads that write it, one is first
     return _written[key]
 
 

@@ -11,11 +11,13 @@ import importlib.metadata
 import importlib.util
 import platform
 import sys
+import threading
 from types import ModuleType
 
 from screwsim.numerics.store import cache_folder, write_atomically
 
 _loaded: dict[str, ModuleType] = {}
+_alone = threading.Lock()  # two modules of one text would be compiled twice
 
 
 def module_name(text: str, of: str) -> str:
@@ -28,8 +30,13 @@ def module_name(text: str, of: str) -> str:
 def load(text: str, of: str) -> ModuleType:
     """Return the module of a text, written to the cache folder if it is not there; `of` begins its name."""
     name = module_name(text, of)
-    if name in _loaded:
+    with _alone:
+        if name not in _loaded:
+            _loaded[name] = _load(name, text)
         return _loaded[name]
+
+
+def _load(name: str, text: str) -> ModuleType:
     path = cache_folder() / f"{name}.py"
     if not path.exists() or path.read_text() != text:
         write_atomically(path, text.encode())
@@ -38,5 +45,4 @@ def load(text: str, of: str) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)
-    _loaded[name] = module
     return module

@@ -65,12 +65,13 @@ def packed(job: Job) -> bytes:
 
 def run_packed(raw: bytes, blocks: Sequence[Block]) -> Outcome:
     """Run blocks in a worker, which unpacks a job once and warms up before the first case."""
-    if raw not in _jobs:
-        job: Job = pickle.loads(raw)
+    job = _jobs.get(raw)
+    if job is None:
+        job = pickle.loads(raw)
         job.warm_up(job.scene)
-        _jobs.clear()
+        _jobs.clear()  # another thread may hold the one before; it goes on with it
         _jobs[raw] = job
-    return run_blocks(_jobs[raw], blocks)
+    return run_blocks(job, blocks)
 
 
 def run_blocks(job: Job, blocks: Sequence[Block]) -> Outcome:

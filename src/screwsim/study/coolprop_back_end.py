@@ -13,7 +13,6 @@ from types import ModuleType, SimpleNamespace
 from typing import Any, cast
 
 from screwsim.fluid.nozzle import choking
-from screwsim.model.run import Machinery
 from screwsim.scene.types import Scene
 from screwsim.solution import Solution
 
@@ -57,13 +56,11 @@ def solution_with_coolprop(scene: Scene) -> Solution:
     if scene.gas.model != "real":
         raise ValueError("gas.model: only a real gas can be asked of CoolProp")
     solution = Solution(scene)
-    machinery = Machinery(solution.machinery.composition)  # its own: the other one serves simulations
-    text = machinery.composition.text
+    text = solution.machinery.composition.text
     found = re.search(r"@njit\([^\n]*\)\ndef phased_state\(.*?\n\n", text, flags=re.DOTALL)
     assert found is not None
     text = text.replace(found.group(0), STATE + "\n\n").replace("cache=True, ", "").replace(", _nrt=False", "")
     names: dict[str, Any] = {"coolprop_state": state_function(scene.gas.fluid)}
     exec(compile(text, "<coolprop back end>", "exec"), names)
-    machinery.module = cast(ModuleType, SimpleNamespace(**names))
-    solution.machinery = solution.balances.machinery = machinery
+    solution.machinery.module = cast(ModuleType, SimpleNamespace(**names))
     return solution
