@@ -160,9 +160,9 @@ def test_file_of_another_scene_is_refused(folder, command):
 
 
 def test_unknown_fluid_is_a_bad_scene(folder, command):
-    answer = command("run", "small.yaml", "--set", "gas.fluid=R134z")
-    message = "gas.fluid: 'R134z' is no pure or pseudo-pure fluid of CoolProp; did you mean 'R134a'?"
-    assert answer == (3, "", f"--set gas.fluid=R134z: {message}\n")
+    answer = command("run", "small.yaml", "--set", "gas.fluid=r134A")
+    message = "gas.fluid: 'r134A' is no pure or pseudo-pure fluid of CoolProp; did you mean 'R134a'?"
+    assert answer == (3, "", f"--set gas.fluid=r134A: {message}\n")
 
 
 def test_no_saturation_at_the_pressure_is_a_bad_scene(folder, command):

@@ -122,7 +122,8 @@ def test_an_override_is_checked_like_the_file(example):
         loads(example, overrides=["operation.speed=abc", "machine.lobes=3", "oil_supply.ratio=[1"])
     assert error.value.lines == [
         "--set operation.speed=abc: operation.speed: 'abc' is not a speed (write e.g. '3000 rpm')",
-        "--set machine.lobes=3: machine.lobes: is not known; did you mean 'male_lobes'?",
+        "--set machine.lobes=3: machine.lobes: is not known; "
+        "there are male_lobes, female_lobes (write the whole name)",
         "--set oil_supply.ratio=[1: oil_supply.ratio: is not YAML: expected ',' or ']', but got '<stream end>' "
         "(mend the indentation, brackets or quotes here)",
     ]

@@ -1,6 +1,7 @@
 """Rules of quantities: what is read, what is refused, and that text gives the same float back."""
 
 import math
+import re
 import subprocess
 import sys
 
@@ -61,7 +62,7 @@ def test_other_units_are_read_with_pint(kind, text, value):
         ("length", "0", "'0' has no unit (write e.g. '128 mm')"),
         ("length", "5 kg", "'5 kg' is not a length (write e.g. '128 mm')"),
         ("length", "5 mmm", "'5 mmm' is not a length (write e.g. '128 mm')"),
-        ("length", "1 000 mm", "'1 000 mm' is not a length (write e.g. '128 mm')"),
+        ("length", "1 000 mm", "'1 000 mm' has marks between its digits (write '1000 mm')"),
         ("length", "nan mm", "'nan mm' is not a length (write e.g. '128 mm')"),
         ("length", "1e999 mm", "'1e999 mm' is not finite (write e.g. '128 mm')"),
         ("length", "9**9**9 m", "'9**9**9 m' is not a length (write e.g. '128 mm')"),
@@ -78,13 +79,103 @@ def test_other_units_are_read_with_pint(kind, text, value):
             "5 degC",
             "'5 degC' is a temperature, not a difference (write kelvin, e.g. '10 K')",
         ),
-        ("temperature", "10 C", "'10 C' is not a temperature (write e.g. '285 K')"),
+        ("temperature_difference", "5 C", "'5 C' is a temperature, not a difference (write kelvin, e.g. '10 K')"),
+        ("temperature", "50 F", "'50 F' is not a temperature (write '50 degF')"),
+        (
+            "speed",
+            "3000 1/min",
+            "'3000 1/min' is ambiguous, turns or radians (write rpm, rev/s or rad/s, e.g. '3000 rpm')",
+        ),
+        ("speed", "3000 U/min", "'3000 U/min' is not a speed (write '3000 rpm')"),
+        ("pressure", "2 Bar", "'2 Bar' is not a pressure (write '2 bar')"),
+        ("pressure", "2 bar(a)", "'2 bar(a)' is not a pressure (write '2 bar')"),
+        ("pressure", "2 mpa", "'2 mpa' is not a pressure (write e.g. '2 bar')"),  # mPa or MPa
+        ("power", "2 mw", "'2 mw' is not a power (write e.g. '75 kW')"),
+        ("viscosity", "20 MPas", "'20 MPas' is not a viscosity (write e.g. '20 mPa s')"),  # not milli
+        ("viscosity", "20 mPas", "'20 mPas' is not a viscosity (write '20 mPa s')"),
+        (
+            "viscosity",
+            "20 cSt",
+            "'20 cSt' is a kinematic viscosity (multiply it by the density; write e.g. '20 mPa s')",
+        ),
+        ("pressure", "50 %", "'50 %' is a share, not a pressure (write e.g. '2 bar')"),
     ],
 )
 def test_traps_are_refused_with_a_remedy(kind, text, what):
     with pytest.raises(Refused) as refusal:
         parse_quantity(KINDS[kind], text)
     assert str(refusal.value) == what
+
+
+TWO = "that divides thousands or decimals (write"
+DECIMALS = "if decimals are meant)"
+ONE = "has marks between its digits (write"
+ALIEN = "has a sign or digits that are not the keyboard's (write"
+NUMBERS = [
+    # (number, what is said of it with the unit rpm)
+    ("3,000", f"has a comma {TWO} '3000 rpm', or '3 rpm' {DECIMALS}"),
+    ("1,250", f"has a comma {TWO} '1250 rpm', or '1.25 rpm' {DECIMALS}"),
+    ("-3,000", f"has a comma {TWO} '-3000 rpm', or '-3 rpm' {DECIMALS}"),
+    ("3·000", f"has a dot {TWO} '3000 rpm', or '3 rpm' {DECIMALS}"),
+    ("3,5", "has a decimal comma (write a point, e.g. '3.5 rpm')"),
+    ("0,500", "has a decimal comma (write a point, e.g. '0.500 rpm')"),
+    ("3,0000", "has a decimal comma (write a point, e.g. '3.0000 rpm')"),
+    ("1,000,000", f"{ONE} '1000000 rpm')"),
+    ("1.000.000", f"{ONE} '1000000 rpm')"),
+    ("1.000,5", f"{ONE} '1000.5 rpm')"),
+    ("1,000.5", f"{ONE} '1000.5 rpm')"),
+    ("1 000", f"{ONE} '1000 rpm')"),
+    ("1 000,5", f"{ONE} '1000.5 rpm')"),
+    ("1\u202f000", f"{ONE} '1000 rpm')"),
+    ("1\u00a0000", f"{ONE} '1000 rpm')"),
+    ("1'000", f"{ONE} '1000 rpm')"),
+    ("1’000", f"{ONE} '1000 rpm')"),
+    ("1_000", f"{ONE} '1000 rpm')"),
+    ("12,34,567", "is not one number (write one number: digits, and a point before decimals)"),
+    ("3000.0.0", "is not one number (write one number: digits, and a point before decimals)"),
+    ("１０００", f"{ALIEN} '1000 rpm')"),
+    ("٣٠٠٠", f"{ALIEN} '3000 rpm')"),
+    ("−10", f"{ALIEN} '-10 rpm')"),
+    ("½", "is a fraction (write '0.5 rpm')"),
+    ("1½", "is a fraction (write '1.5 rpm')"),
+    ("1/2", "is a fraction (write '0.5 rpm')"),
+    ("3×10³", "is a product (write '3e3 rpm')"),
+    ("3*10^-3", "is a product (write '3e-3 rpm')"),
+    ("~3000", "says more than a number (write '3000 rpm')"),
+    ("3000 … 4000", "is a range (write one number: digits, and a point before decimals)"),
+    ("3000±5", "says more than one number (write one number: digits, and a point before decimals)"),
+    ("“3000", "has typographic quotes (write '3000 rpm')"),
+]
+
+
+@pytest.mark.parametrize(("number", "told"), NUMBERS)
+def test_a_number_of_two_readings_or_of_another_script_is_told_and_not_read(number, told):
+    with pytest.raises(Refused) as refusal:
+        parse_quantity(KINDS["speed"], f"{number} rpm")
+    assert str(refusal.value) == f"{f'{number} rpm'!r} {told}"
+
+
+@pytest.mark.parametrize(("number", "told"), NUMBERS)
+def test_what_is_offered_for_a_number_is_read(number, told):
+    for offered in re.findall(r"'([^']* rpm)'", told):
+        assert parse_quantity(KINDS["speed"], offered) != 0.0
+
+
+@pytest.mark.parametrize("text", ["1e3rpm", "1.0e3 rpm", "+1000 rpm", "1000rpm", "1000.\u00a0rpm"])
+def test_a_number_of_one_reading_is_read(text):
+    assert parse_quantity(KINDS["speed"], text) == pytest.approx(1000.0 * math.pi / 30.0)
+
+
+@pytest.mark.parametrize("text", ["-10 C", "-10 °C", "-10 degC", "-10C", "-10 ℃", "-10 Celsius"])
+def test_a_temperature_may_be_below_zero_celsius(text):
+    assert parse_quantity(KINDS["temperature"], text) == pytest.approx(263.15)
+
+
+def test_a_unit_that_lacks_is_offered_as_an_example_only():
+    with pytest.raises(Refused, match=r"^'3,5' has a decimal comma \(write a point, e\.g\. '3\.5 bar'\)$"):
+        parse_quantity(KINDS["pressure"], "3,5")
+    with pytest.raises(Refused, match=r"\(write e\.g\. '3000 bar', or '3 bar' if decimals are meant\)$"):
+        parse_quantity(KINDS["pressure"], "3,000")
 
 
 @pytest.mark.parametrize("kind", KINDS.values(), ids=lambda kind: kind.name)

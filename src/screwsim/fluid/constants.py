@@ -9,7 +9,6 @@ next process, and the oldest answers in memory make room.
 from __future__ import annotations
 
 import contextlib
-import difflib
 import importlib.metadata
 import json
 import os
@@ -26,7 +25,6 @@ from screwsim.numerics.store import cache_folder
 _FULL = 250_000  # [byte] of the file; it is read at every start
 _MOST = 5000  # answers in memory
 _alone = threading.RLock()  # a state of CoolProp is set and then read
-_NEAR = 0.6  # likeness from which on a name is offered in place of an unknown one
 
 
 class Limits(NamedTuple):
@@ -116,26 +114,44 @@ def limits(fluid: str) -> Limits | None:
     return None if found is None else Limits(*found)
 
 
-def similar(fluid: str) -> str | None:
-    """Return the name of a fluid of CoolProp that is written nearly so: 'r-134A' gives 'R134a'."""
+def same_fluid(name: str) -> str | None:
+    """Return the name or alias of the fluid that differs in case, blanks or hyphens only: 'r-134A' gives 'R134a'.
+
+    A name that is merely near belongs to another fluid: R134z is not R134a, and R454B not R404A.
+    """
+
+    def question() -> list[list[str]]:
+        import CoolProp.CoolProp as coolprop
+
+        names = coolprop.get_global_param_string("FluidsList").split(",")
+        return [[each, *coolprop.get_fluid_param_string(each, "aliases").split(",")] for each in names]
+
+    wanted = _bare(name)
+    found = [[each for each in known if _bare(each) == wanted] for known in _ask("fluids", question) if wanted]
+    found = [names for names in found if names]
+    return found[0][0] if len(found) == 1 else None
+
+
+def _bare(name: str) -> str:
+    return re.sub(r"[^a-z0-9]", "", name.lower())
+
+
+def blend(name: str) -> str | None:
+    """Return what says that a name is that of a blend: CoolProp's mixture of that name, or its number; else None."""
 
     def question() -> list[str]:
         import CoolProp.CoolProp as coolprop
 
-        names = coolprop.get_global_param_string("FluidsList").split(",")
-        aliases = [coolprop.get_fluid_param_string(name, "aliases").split(",") for name in names]
-        return names + [alias for some in aliases for alias in some if alias]
+        names = coolprop.get_global_param_string("predefined_mixtures").split(",")
+        return [each for each in names if each.endswith(".mix")]
 
-    def bare(name: str) -> str:
-        return re.sub(r"[^a-z0-9]", "", name.lower())
-
-    options: dict[str, str] = {}
-    for name in _ask("names", question):
-        options.setdefault(bare(name), name)
-    wanted = bare(fluid)
-    near = difflib.get_close_matches(wanted, options, n=8, cutoff=_NEAR)
-    # a slip of one key leaves the length: R134z is meant as R134a and not as R1234ze
-    return options[min(near, key=lambda name: abs(len(name) - len(wanted)))] if near else None
+    wanted = _bare(name.removesuffix(".mix"))
+    for each in _ask("mixtures", question):
+        if wanted and wanted == _bare(each.removesuffix(".mix")):
+            return f"CoolProp's predefined mixture {each}"
+    if "&" in name:
+        return "its components are joined by &"
+    return "R4xx and R5xx are numbers of blends" if re.fullmatch(r"r[45][0-9]{2}[a-z]?", wanted) else None
 
 
 def gas_constant(fluid: str) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import types
 import typing
 from collections.abc import Iterable, Mapping
@@ -13,12 +12,14 @@ from typing import Any
 
 from screwsim.declare import KINDS, Kind
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
+from screwsim.near import containing, ending, nearest
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 
 APART = ("effects", "sweep", "joints", "text", "folder")  # parts of a scene that are not plain sections
 SWEEPABLE = {*KINDS, "number", "count", "choice"}
 FIXED = {"machine.kind"}  # another kind is another scene
+_MANY = 4  # paths that a message lists
 
 
 @dataclass(frozen=True)
@@ -138,10 +139,23 @@ def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] =
     raise Refused(unknown(path, options, "a dotted path as in the scene"))
 
 
-def unknown(name: str, options: Iterable[str], otherwise: str = "") -> str:
-    """Return 'is not known' with the nearest option, or with all of them when none is near."""
+def unknown(name: str, options: Iterable[str], otherwise: str = "", paths: Iterable[str] = ()) -> str:
+    """Return 'is not known' with what is meant, where that is certain, else with what is known instead.
+
+    `paths` are those of the whole scene: one that ends in the name is told of. A dotted name is one of them itself.
+    """
     options = list(options)
-    near = difflib.get_close_matches(name, options, n=1, cutoff=0.6)
-    if near:
-        return f"is not known; did you mean '{near[0]}'?"
+    elsewhere = ending(name, paths or options)
+    near = elsewhere[0] if len(elsewhere) == 1 else None if elsewhere else nearest(name, options)
+    if near is not None:
+        return f"is not known; did you mean '{near}'?"
+    if elsewhere:
+        more = ", …" if len(elsewhere) > _MANY else ""
+        return f"is not known; there are {', '.join(elsewhere[:_MANY])}{more} (write the whole path)"
+    parts = containing(name, options)
+    if 0 < len(parts) <= _MANY:
+        return f"is not known; there {'is' if len(parts) == 1 else 'are'} {', '.join(parts)} (write the whole name)"
+    beside = [option for option in options if option.rpartition(".")[0] == name.rpartition(".")[0] != ""]
+    if beside:
+        return f"is not known; known there: {', '.join(option.rpartition('.')[2] for option in beside)}"
     return f"is not known (use {otherwise})" if otherwise else f"is not known; known here: {', '.join(options) or '-'}"

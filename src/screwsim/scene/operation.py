@@ -18,6 +18,7 @@ SUPERHEAT, SUBCOOLING = "operation.superheat", "operation.subcooling"
 P_S, P_D = "operation.suction.pressure", "operation.discharge.pressure"
 T_S, SUPERHEAT_S = "operation.suction.temperature", "operation.suction.superheat"
 QUALITY = "operation.suction.quality"
+_FLUIDS = "such as R134a, R1234yf, R32, R744 or Ammonia"
 TEMPERATURES = (EVAPORATING, CONDENSING, SUPERHEAT, SUBCOOLING)  # one way to state the lines
 PRESSURES = (P_S, P_D, T_S, SUPERHEAT_S)  # the other way
 COUNTERPART = {
@@ -46,15 +47,24 @@ def _given(scene: Scene, paths: tuple[str, ...]) -> list[str]:
 def _gas(scene: Scene) -> Iterator[Fault]:
     gas = scene.gas
     if constants.limits(gas.fluid) is None:
-        near = constants.similar(gas.fluid)
-        remedy = f"; did you mean '{near}'?" if near else " (name one of them, such as R134a, R744 or Ammonia)"
-        yield Fault("gas.fluid", f"{gas.fluid[:40]!r} is no pure or pseudo-pure fluid of CoolProp{remedy}")
+        yield Fault("gas.fluid", _unknown_fluid(gas.fluid))
     if gas.model == "real" and gas.isentropic_exponent is not None:
         yield Fault("gas.isentropic_exponent", "belongs to model: ideal (remove it, or write model: ideal)")
     if gas.model == "ideal" and gas.two_phase == "equilibrium":
         yield Fault("gas.two_phase", "equilibrium needs model: real (write that, or remove two_phase)")
     if scene.operation.suction.quality is not None and (gas.model, gas.two_phase) != ("real", "equilibrium"):
         yield Fault(QUALITY, "needs gas.model: real and gas.two_phase: equilibrium (write both, or give a superheat)")
+
+
+def _unknown_fluid(fluid: str) -> str:
+    """Return what is wrong with the name of a fluid; another fluid is never offered for it."""
+    shown = repr(fluid[:40])
+    same, blend = constants.same_fluid(fluid), constants.blend(fluid)
+    if same is not None:
+        return f"{shown} is no pure or pseudo-pure fluid of CoolProp; did you mean '{same}'?"
+    if blend is not None:
+        return f"{shown} is a blend ({blend}); mixtures are not supported (name a pure fluid, {_FLUIDS})"
+    return f"{shown} is no pure or pseudo-pure fluid of CoolProp (name one of them, {_FLUIDS})"
 
 
 def _one_way(scene: Scene) -> Iterator[Fault]:

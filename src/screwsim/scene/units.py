@@ -12,6 +12,7 @@ from functools import cache
 from typing import Any
 
 from screwsim.declare import KINDS, Kind
+from screwsim.scene.numerals import odd_number, told
 
 
 class Refused(Exception):
@@ -55,9 +56,38 @@ _TABLE: dict[str, dict[str, tuple[float, float]]] = {
     "W/(m^2 K)": {"W/(m^2 K)": (1, 1), "kW/(m^2 K)": (1e3, 1)},
     "1/K": {"1/K": (1, 1), "um/(m K)": (1, 1e6)},
 }
-_SPELLINGS = (("µ", "u"), ("μ", "u"), ("°", "deg"), ("²", "^2"), ("³", "^3"), ("**", "^"), ("·", " "), ("*", " "))
+_SPELLINGS = (
+    ("µ", "u"),
+    ("μ", "u"),
+    ("℃", "degC"),
+    ("ºC", "degC"),
+    ("°", "deg"),
+    ("²", "^2"),
+    ("³", "^3"),
+    ("**", "^"),
+    ("·", " "),
+    ("*", " "),
+)
+# Other spellings of one unit, without blanks, dots and brackets, in any case where they stand in small letters: told,
+# and not read
+_MEANT: dict[str, dict[str, str]] = {
+    "Pa": {
+        **dict.fromkeys(("bara", "barabs", "baraabs"), "bar"),
+        **dict.fromkeys(("psia", "psiabs"), "psi"),
+        **dict.fromkeys(("kpaa", "kpaabs"), "kPa"),
+    },
+    "rad/s": {
+        **dict.fromkeys(("u/min", "upm", "r/min", "rev/min", "revs/min"), "rpm"),
+        **dict.fromkeys(("rps", "u/s", "r/s"), "rev/s"),
+    },
+    "K": {"f": "degF", "c": "degC"},
+    "m^3": {"ccm": "cm^3"},
+    "Pa s": {"Pas": "Pa s", "mPas": "mPa s"},
+    "rad": {"º": "deg"},
+}
+_KINEMATIC = {"cst", "mm^2/s", "mm2/s", "mm²/s", "m^2/s", "st"}
 _TABLE_ONLY = {"rad", "rad/s", "N m/rad", "N m s/rad"}  # pint takes turns, radians and counts for the same thing
-_CELSIUS = {"degC", "celsius"}
+_CELSIUS = {"degC", "celsius", "Celsius", "C"}  # a temperature in coulombs there is none
 ZERO_CELSIUS = 273.15
 
 
@@ -84,9 +114,7 @@ def parse_quantity(kind: Kind, text: str) -> float:
     wrong = Refused(f"{shown} is not {describe(kind)} (write e.g. '{kind.example}')")
     match = _QUANTITY.fullmatch(text)
     if match is None:
-        raise wrong
-    if re.match(r",[0-9]", match[2]):
-        raise Refused(f"{shown} has a decimal comma (write a point, e.g. '{match[1]}.{match[2][1:]}')")
+        raise _odd(kind, text, shown) or wrong
     if not match[2]:
         raise Refused(f"{shown} has no unit (write e.g. '{kind.example}')")
     refuse_traps(kind, match[2], shown)
@@ -95,17 +123,39 @@ def parse_quantity(kind: Kind, text: str) -> float:
     if value is None:
         value = _from_pint(kind, number, unit)
     if value is None:
-        raise wrong
+        raise _odd(kind, text, shown) or _meant(kind, match[1], match[2], shown) or wrong
     if not math.isfinite(value):
         raise Refused(f"{shown} is not finite (write e.g. '{kind.example}')")
     return value
+
+
+def _odd(kind: Kind, text: str, shown: str) -> Refused | None:
+    """Return the fault of a number that is written in another way than ours; None of any other text."""
+    odd = odd_number(text, customary_unit(kind))
+    if odd is not None:
+        return Refused(f"{shown} {told(odd)}")
+    percent = re.search("[%‰]", text)
+    return Refused(f"{shown} is a share, not {describe(kind)} (write e.g. '{kind.example}')") if percent else None
+
+
+def _meant(kind: Kind, number: str, unit: str, shown: str) -> Refused | None:
+    """Return the fault of a unit that has one meaning for this kind, in another spelling; None of any other."""
+    tight = re.sub(r"[\s._()]", "", unit)
+    if kind.name == "viscosity" and tight.lower() in _KINEMATIC:
+        return Refused(f"{shown} is a kinematic viscosity (multiply it by the density; write e.g. '{kind.example}')")
+    meant = _MEANT.get(kind.si, {})
+    known = meant.get(tight) or meant.get(tight.lower())
+    if known is None:  # in another case; but m and M are milli and mega
+        same = [each for each in _TABLE[kind.si] if each.lower() == unit.lower()]
+        known = same[0] if len(same) == 1 and (same[0][0] == unit[0] or unit[0] not in "mM") else None
+    return None if known is None else Refused(f"{shown} is not {describe(kind)} (write '{number} {known}')")
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
     """Refuse units that mean two things: gauge pressures, Hz, degrees Celsius of a difference."""
     if kind.si == "Pa" and _GAUGE.fullmatch(unit):
         raise Refused(f"{shown} is a gauge pressure (write the absolute pressure, e.g. '{kind.example}')")
-    if kind.name == "speed" and unit.lower() in ("hz", "khz", "1/s", "s^-1"):
+    if kind.name == "speed" and unit.lower() in ("hz", "khz", "1/s", "s^-1", "1/min", "min^-1"):
         raise Refused(f"{shown} is ambiguous, turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")
     if kind.name == "temperature" and unit.startswith("delta_"):
         raise Refused(f"{shown} is a difference, not a temperature (write e.g. '{kind.example}' or '12 degC')")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import re
 from typing import Any
 
+from screwsim.near import nearest
 from screwsim.scene.fields import Leaf
+from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
 
 
@@ -53,7 +54,7 @@ def _number(leaf: Leaf, raw: Any, folder: str) -> float:
         text = raw.strip()
         if re.fullmatch(NUMBER, text):
             raise Refused(f"{shown(raw)} is text, not a number (write {text} without quotes)")
-        raise Refused(f"{shown(raw)} is not a plain number (write e.g. 0.5, without a unit)")
+        raise Refused(f"{shown(raw)} {_not_plain(text)}")
     if isinstance(raw, bool) or not isinstance(raw, int | float):
         raise Refused(f"{shown(raw)} is not a number (write e.g. 0.5)")
     if not -1e300 < raw < 1e300:
@@ -61,7 +62,22 @@ def _number(leaf: Leaf, raw: Any, folder: str) -> float:
     return _limited(leaf, float(raw), raw)
 
 
+def _not_plain(text: str) -> str:
+    """Return what a text is that should be a plain number, with the remedy."""
+    odd, share = odd_number(text), re.fullmatch(rf"({NUMBER})\s*(%|‰|percent)", text)
+    if share is not None:
+        return f"is a share (write {float(share[1]) / (1000.0 if share[2] == '‰' else 100.0):.10g})"
+    if odd is None:
+        return "is not a plain number (write e.g. 0.5, without a unit)"
+    numbers = [re.match(NUMBER, reading) for reading in odd.readings]
+    return told(odd._replace(readings=tuple(match[0] for match in numbers if match)), "")
+
+
 def _count(leaf: Leaf, raw: Any, folder: str) -> int:
+    if isinstance(raw, str) and re.fullmatch("[0-9]{1,9}", raw.strip()):
+        raise Refused(f"{shown(raw)} is text, not a number (write {int(raw)} without quotes)")
+    if isinstance(raw, float) and raw.is_integer() and abs(raw) <= 10**9:
+        raise Refused(f"{shown(raw)} is not written as a whole number (write {int(raw)})")
     if isinstance(raw, bool) or not isinstance(raw, int) or abs(raw) > 10**9:
         raise Refused(f"{shown(raw)} is not a whole number (write e.g. 4)")
     return _limited(leaf, raw, raw)
@@ -71,8 +87,8 @@ def _choice(leaf: Leaf, raw: Any, folder: str) -> str:
     options = leaf.limits["options"]
     if isinstance(raw, str) and raw in options:
         return raw
-    near = difflib.get_close_matches(raw, options, n=1, cutoff=0.7) if isinstance(raw, str) else []
-    hint = f"; did you mean '{near[0]}'?" if near else ""
+    near = nearest(raw, options) if isinstance(raw, str) else None
+    hint = f"; did you mean '{near}'?" if near else ""
     raise Refused(f"{shown(raw)} is not an option{hint} (choose from: {', '.join(options)})")
 
 

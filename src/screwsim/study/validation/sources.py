@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from screwsim import __version__
 from screwsim.faults import UsageError
+from screwsim.near import nearest
 from screwsim.study.each import each
 from screwsim.study.progress import Progress
 from screwsim.study.validation.asking import sibling
@@ -71,8 +71,8 @@ def run_sources(
     known = names_of(folder)
     for name in names:
         if name not in known:
-            near = get_close_matches(name, known, 1)
-            hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(known)}"
+            near = nearest(name, known)
+            hint = f"did you mean {near}?" if near else f"known: {', '.join(known)}"
             raise UsageError(f"{name}: no source of that name in {folder} ({hint})")
     wanted = list(dict.fromkeys(names)) or known
     begun = sorted(wanted, key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))

@@ -1,0 +1,81 @@
+"""Names that are offered in place of an unknown one: only where following the offer cannot mean another thing.
+
+A slip of the keyboard is offered; another number, a letter more or less in a short word (phi_A, min and max), or one
+word for another (suction and discharge) is not: those are other things, and whoever follows would not be told.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+_SHORT, _LONG = 4, 7  # letters of a word from which on one slip, and from which on two, leave it what it is
+
+
+def nearest(name: str, options: Iterable[str]) -> str | None:
+    """Return the one option that a name is a slip of; None where there is none, or more than one."""
+    options = list(dict.fromkeys(options))
+    same = [option for option in options if _bare(option) == _bare(name)]
+    if same:
+        return same[0] if len(same) == 1 else None
+    words = _words(name)
+    found = {option: _slips(words, _words(option)) for option in options}
+    near = sorted((slips, option) for option, slips in found.items() if slips is not None)
+    alone = near and (len(near) == 1 or near[0][0] < near[1][0])
+    return near[0][1] if alone else None
+
+
+def ending(path: str, options: Iterable[str]) -> list[str]:
+    """Return the dotted paths that end in the keys of a path: 'speed' gives 'operation.speed'."""
+    return [option for option in options if option.endswith(f".{path}")]
+
+
+def containing(name: str, options: Iterable[str]) -> list[str]:
+    """Return the names that hold every word of a name: 'lobes' gives 'male_lobes' and 'female_lobes'."""
+    wanted = set(_words(name))
+    return [option for option in options if wanted <= set(_words(option))]
+
+
+def _bare(name: str) -> str:
+    return re.sub(r"[\s_-]", "", name).lower()
+
+
+def _words(name: str) -> list[str]:
+    return re.split(r"[\s._-]+", name.lower())
+
+
+def _slips(words: list[str], others: list[str]) -> int | None:
+    """Return the number of slips between two names, word by word; None where they are two names."""
+    if len(words) != len(others):
+        joined, other = "".join(words), "".join(others)
+        return _word_slips(joined, other)
+    each = [_word_slips(word, other) for word, other in zip(words, others, strict=True)]
+    known = [slips for slips in each if slips is not None]
+    return sum(known) if len(known) == len(each) else None
+
+
+def _word_slips(word: str, other: str) -> int | None:
+    if word == other:
+        return 0
+    if re.findall(r"[0-9]+", word) != re.findall(r"[0-9]+", other):
+        return None
+    length = max(len(word), len(other))
+    allowed = 2 if min(len(word), len(other)) >= _LONG else 1 if length >= _SHORT else 0
+    slips = _distance(word, other)
+    return slips if slips <= allowed else None
+
+
+def _distance(a: str, b: str) -> int:
+    """Return how many letters are left out, added, changed or exchanged with their neighbour (optimal alignment)."""
+    if abs(len(a) - len(b)) > 2:
+        return 3  # more than any offer allows
+    rows = [list(range(len(b) + 1))]
+    for i, letter in enumerate(a, 1):
+        row = [i]
+        for j, other in enumerate(b, 1):
+            best = min(rows[-1][j] + 1, row[-1] + 1, rows[-1][j - 1] + (letter != other))
+            if i > 1 and j > 1 and letter == b[j - 2] and a[i - 2] == other:
+                best = min(best, rows[-2][j - 2] + 1)
+            row.append(best)
+        rows.append(row)
+    return rows[-1][-1]

@@ -1,0 +1,141 @@
+"""Numbers written in ways that no program reads alike: what each says, and how to write it.
+
+`1,5` is a decimal comma and `1,000,000` a number with its thousands divided, but `3,000` is both, and who reads it as
+one of the two is a thousand times wrong in the other: every reading is told, and none is taken.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from typing import NamedTuple
+
+_SPACES = " \u00a0\u202f\u2009\u2007"  # plain, no-break, narrow no-break, thin, figure
+_DIVIDERS = f"{_SPACES}'’_"  # of thousands, and of nothing else
+_BOTH = ",·"  # of thousands or decimals
+_MINUS, _PLUS = "−–—－﹣", "＋"
+_ALIKE = {"．": ".", "，": ",", "٫": ",", "٬": "'"}
+_QUOTES = "“”„‟«»″"
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
+_GROUPED = re.compile(rf"([+-]?)([0-9][0-9.{_BOTH}{_DIVIDERS}]*[0-9])((?:[eE][+-]?[0-9]+)?)(.*)", re.DOTALL)
+_POWER = re.compile(rf"({_NUMBER})\s*[x×*·]\s*10\s*(?:\^|\*\*)\s*\(?([+-]?[0-9]{{1,3}})\)?(?![0-9])\s*(.*)", re.DOTALL)
+_SUPERSCRIPT = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
+_RAISED = re.compile(r"(10\s*)([⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)")
+_RANGE = re.compile(rf"{_NUMBER}[^0-9/+]*?(\.\.+|…|–|—| - |±|\+/-| to )\s*{_NUMBER}.*", re.DOTALL)
+_FRACTION = re.compile(r"([+-]?)([0-9]*)\s*([¼½¾⅐-⅞])\s*(.*)", re.DOTALL)
+_QUOTIENT = re.compile(rf"({_NUMBER})\s*/\s*([0-9]*[1-9][0-9]*)\s*(.*)", re.DOTALL)
+_ABOUT = re.compile(r"(?:~|≈|=|ca\.?|approx\.?|about)\s*([+-]?[0-9.].*)", re.DOTALL | re.IGNORECASE)
+
+
+class Odd(NamedTuple):
+    """What is odd about a number, and the texts that say what it may mean; none where it means no one number."""
+
+    what: str
+    readings: tuple[str, ...] = ()
+    lead: str = "write"
+
+
+def odd_number(text: str, unit: str = "") -> Odd | None:
+    """Return what is odd about a text that begins like a number; `unit` stands in the readings where it has none."""
+    text = text.strip()
+    quoted = text.strip(_QUOTES).strip()
+    if quoted != text and quoted[:1].isdecimal():
+        return Odd("has typographic quotes", _with_unit(quoted, "", unit))
+    plain = _plain(text)
+    for look in (_fraction, _power, _range, _about, _grouped):
+        found = look(plain, unit)
+        if found is not None:
+            return found
+    if plain == text:
+        return None
+    return Odd("has a sign or digits that are not the keyboard's", _with_unit(plain, "", unit))
+
+
+def told(odd: Odd, quote: str = "'") -> str:
+    """Return what is odd with the remedy, as a message says it."""
+    readings = [f"{quote}{reading}{quote}" for reading in odd.readings]
+    if not readings:
+        return f"{odd.what} (write one number: digits, and a point before decimals)"
+    other = f", or {readings[1]} if decimals are meant" if len(readings) > 1 else ""
+    return f"{odd.what} ({odd.lead} {readings[0]}{other})"
+
+
+def _plain(text: str) -> str:
+    """Return a text with ASCII digits, point and sign."""
+    digits = "".join(
+        str(unicodedata.decimal(letter)) if letter.isdecimal() else _ALIKE.get(letter, letter) for letter in text
+    )
+    first = "-" if digits[:1] in tuple(_MINUS) else "+" if digits[:1] in tuple(_PLUS) else digits[:1]
+    digits = first + digits[1:]
+    return re.sub(rf"(?<=[0-9][eE])[{_MINUS}](?=[0-9])", "-", digits)
+
+
+def _with_unit(number: str, rest: str, unit: str) -> tuple[str, ...]:
+    rest = rest.strip() or ("" if re.search("[^0-9.eE+-]", number) else unit)
+    return (f"{number} {rest}".strip(),)
+
+
+def _fraction(text: str, unit: str) -> Odd | None:
+    match = _FRACTION.fullmatch(text)
+    if match is not None:
+        value = float(match[2] or 0) + unicodedata.numeric(match[3])
+        return Odd("is a fraction", _with_unit(f"{match[1].removeprefix('+')}{value:.6g}", match[4], unit))
+    match = _QUOTIENT.fullmatch(text)
+    if match is not None:
+        return Odd("is a fraction", _with_unit(f"{float(match[1]) / float(match[2]):.6g}", match[3], unit))
+    return None
+
+
+def _power(text: str, unit: str) -> Odd | None:
+    text = _RAISED.sub(lambda match: f"{match[1]}^{match[2].translate(_SUPERSCRIPT)}", text)
+    match = _POWER.fullmatch(text)
+    return None if match is None else Odd("is a product", _with_unit(f"{match[1]}e{int(match[2])}", match[3], unit))
+
+
+def _range(text: str, unit: str) -> Odd | None:
+    match = _RANGE.fullmatch(text)
+    if match is None:
+        return None
+    return Odd("says more than one number" if match[1] in ("±", "+/-") else "is a range", ())
+
+
+def _about(text: str, unit: str) -> Odd | None:
+    match = _ABOUT.fullmatch(text)
+    return None if match is None else Odd("says more than a number", _with_unit(match[1], "", unit))
+
+
+def _grouped(text: str, unit: str) -> Odd | None:
+    """Return the readings of a number with marks between its digits."""
+    match = _GROUPED.fullmatch(text)
+    if match is None or re.fullmatch(r"[0-9]+(\.[0-9]+)?", match[2]):
+        return None
+    sign, body, power, rest = match.groups()
+    found = [_with_unit(f"{sign}{number}{power}", rest, unit)[0] for number in _readings(body)]
+    last = re.findall(r"[^0-9]", body)[-1]
+    lead = "write" if rest.strip() or not unit else "write e.g."  # the unit is a guess
+    if len(found) == 2:
+        return Odd(f"has a {'comma' if last == ',' else 'dot'} that divides thousands or decimals", tuple(found), lead)
+    if not found:
+        return Odd("is not one number")
+    if re.fullmatch(r"[0-9]+,[0-9]+", body) and "." in found[0]:
+        return Odd("has a decimal comma", tuple(found), "write a point, e.g.")
+    return Odd("has marks between its digits", tuple(found), lead)
+
+
+def _readings(body: str) -> list[str]:
+    """Return the numbers that digits with marks between them may mean: thousands divided, and with decimals."""
+    parts, marks = re.split(r"[^0-9]", body), re.findall(r"[^0-9]", body)
+    found = []
+    if _groups(parts, marks):
+        found.append("".join(parts))
+    whole = len(marks) == 1 or (marks[-1] not in marks[:-1] and _groups(parts[:-1], marks[:-1]))
+    if marks[-1] in f".{_BOTH}" and whole:
+        found.append("".join(parts[:-1]) + "." + (parts[-1].rstrip("0") or "0" if found else parts[-1]))
+    return [number.removesuffix(".0") for number in found]
+
+
+def _groups(parts: list[str], marks: list[str]) -> bool:
+    """Tell whether digits are divided into thousands, all by the same mark."""
+    first, *others = parts
+    inner = all(len(part) == 3 for part in others)
+    return inner and 1 <= len(first) <= 3 and first[0] != "0" and len(set(marks)) == 1
