@@ -49,6 +49,15 @@ def accepts(part, value) -> bool:
     return bool({"number", "integer"} & set([part["type"]] if isinstance(part["type"], str) else part["type"]))
 
 
+@pytest.mark.parametrize("word", ["off", "no", "No", "FALSE"])
+def test_an_effect_may_be_off(word, example):
+    effect = schema()["properties"]["effects"]["properties"]["blow_hole"]
+    assert re.search(effect["pattern"], word)
+    assert not re.search(effect["pattern"], "on")
+    assert effect["not"] == {"const": True}
+    assert "blow_hole" not in loads(example.replace("blow_hole: {area: 6 mm^2}", f"blow_hole: {word}")).effects
+
+
 def test_it_is_plain_json():
     assert json.loads(json.dumps(schema())) == schema()
     assert schema()["$schema"] == "https://json-schema.org/draft/2020-12/schema"

@@ -17,7 +17,7 @@ from typing import Annotated
 import typer
 
 from screwsim import __version__
-from screwsim.cli import process, startup, studies
+from screwsim.cli import mistakes, process, startup, studies
 from screwsim.cli.options import (
     BAD_SCENE,
     INTERNAL,
@@ -30,7 +30,10 @@ from screwsim.cli.options import (
     Overrides,
     SceneFile,
     Without,
+    check_drawer,
+    check_page,
     check_place,
+    check_results,
 )
 from screwsim.cli.options import base_point as _base_point
 from screwsim.cli.options import loaded as _loaded
@@ -44,6 +47,7 @@ app = typer.Typer(
     epilog="Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad scene, 4 some cases failed or did not close, "
     "130 interrupted.",
     add_completion=False,
+    suggest_commands=False,  # mistakes.explain does, where following it does nothing else
     no_args_is_help=True,
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -80,7 +84,7 @@ def run(
 
     if is_stages(scene_file):
         return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
-    scene = _base_point(_loaded(scene_file, overrides, without))
+    scene = _base_point(_loaded(scene_file, overrides, without), scene_file)
     if output is not None:
         check_place(output)
     from screwsim.printing import print_json, print_result
@@ -163,6 +167,8 @@ def sweep(
     from screwsim.study.progress import for_terminal
     from screwsim.study.sweep import run_sweep
 
+    if output is not None:
+        check_results(output)
     file = output or Path("results") / f"{Path(scene_file).stem}.h5"
     where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit}
     summary = run_sweep(scene, file, **where, restart=restart, progress=for_terminal())
@@ -202,7 +208,8 @@ def accuracy(
 
     if is_stages(scene_file):
         raise UsageError(f"{scene_file}: describes two stages, and accuracy is of one scene (name that of a stage)")
-    scene = _base_point(_loaded(scene_file, overrides, without))
+    scene = _base_point(_loaded(scene_file, overrides, without), scene_file)
+    check_drawer(folder)
     from screwsim.printing import accuracy_drawing
     from screwsim.report.accuracy import draw
     from screwsim.results.atomic import make_folder
@@ -232,7 +239,8 @@ def rotors(
     as_json: AsJson = False,
 ) -> None:
     """Say what the rotor profile of a scene gives, and draw it."""
-    scene = _base_point(_loaded(scene_file, overrides, None))
+    check_drawer(folder)
+    scene = _base_point(_loaded(scene_file, overrides, None), scene_file)
     from screwsim.printing import print_json
     from screwsim.report.rotors_scene import document, table_text, write
 
@@ -250,6 +258,7 @@ def plot(
     folder: Annotated[str | None, typer.Option("-o", metavar="DIR", help="Where the figures go.")] = None,
 ) -> None:
     """Draw the figures of a results file."""
+    check_drawer(Path(folder) if folder is not None else None)
     from screwsim.report import plot as drawn
 
     for path in drawn(results_file, folder):
@@ -271,6 +280,8 @@ def report(
     ] = None,
 ) -> None:
     """Make one page of a results file: figures, cycles, checks, scene; it opens in any browser, offline."""
+    if output is not None:
+        check_page(Path(output))
     from screwsim.report.page import report as made
     from screwsim.study.claims import claims_of
 
@@ -294,6 +305,7 @@ def validate(
     as_json: AsJson = False,
 ) -> int:
     """Hold what is computed against each published reference. A verdict that fails is a finding: exit code 0."""
+    check_drawer(output)
     from screwsim.printing import print_json, write_json
     from screwsim.report.validation import draw
     from screwsim.results.atomic import make_folder
@@ -351,6 +363,7 @@ def exit_code(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         outcome = INTERRUPTED
     except typer.TyperException as error:  # the arguments make no sense
+        mistakes.explain(error, arguments, typer.main.get_group(app).commands)
         getattr(error, "show", lambda: None)()
         return USAGE
     except OSError as error:

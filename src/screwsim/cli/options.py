@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 OK, INTERNAL, USAGE, BAD_SCENE, NOT_ALL_OK, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
+RESULTS = (".h5", ".hdf5", ".hdf", ".nc", ".nc4")  # HDF5, and netCDF-4, which is HDF5
+PAGES = (".html", ".htm")
+FILES = {*RESULTS, *PAGES, ".csv", ".json", ".yaml", ".yml", ".png", ".pdf", ".svg", ".txt", ".md", ".xlsx", ".dxf"}
+
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="The scene, a YAML file.", show_default=False)]
 Overrides = Annotated[
     list[str] | None,
@@ -33,21 +37,54 @@ def loaded(scene_file: str, overrides: Sequence[str] | None, without: Sequence[s
     return load(scene_file, overrides or (), without or ())
 
 
+def check_results(output: Path) -> None:
+    """Raise UsageError where a name of results tells of another kind of file than HDF5, or is that of a folder."""
+    if output.suffix and output.suffix.lower() not in RESULTS:
+        good = output.with_suffix(RESULTS[0])
+        also = "; screwsim report makes a page of it" if output.suffix.lower() in PAGES else ""
+        raise UsageError(
+            f"-o {output}: results are written as HDF5, which ends in {', '.join(RESULTS)} (write -o {good}{also})"
+        )
+    if output.is_dir():
+        raise UsageError(f"-o {output}: is a folder (name a file in it, e.g. -o {output / 'out.h5'})")
+
+
+def check_page(output: Path) -> None:
+    """Raise UsageError where the name of a page does not end as one, or a file lies there that is none."""
+    from screwsim.results.atomic import keep_others
+
+    keep_others(output, b"<!doctype html>")
+    if output.suffix.lower() not in PAGES:
+        good = output.with_suffix(PAGES[0])
+        raise UsageError(f"-o {output}: a page is written, which ends in {' or '.join(PAGES)} (write -o {good})")
+
+
+def check_drawer(folder: Path | None) -> None:
+    """Raise UsageError where the name of a folder is that of a file, by its ending or because one is there."""
+    if folder is not None and (folder.suffix.lower() in FILES or folder.is_file()):
+        good = folder.with_suffix("") if folder.suffix else folder.with_name(f"{folder.name}_files")
+        raise UsageError(f"-o {folder}: several files are written, into a folder (write e.g. -o {good})")
+
+
 def check_place(output: Path) -> None:
     """Raise UsageError where a run's results would replace anything but those of a run."""
     from screwsim.results import open_results
     from screwsim.results.atomic import HDF5, keep_others
 
     keep_others(output, HDF5)
+    check_results(output)
     if output.exists() and open_results(output).shape:
         raise UsageError(f"{output}: holds results of a sweep (choose another -o, or remove it)")
 
 
-def base_point(scene: Scene) -> Scene:
-    """Return the scene without its sweep, as it is stored beside the result."""
+def base_point(scene: Scene, file: str) -> Scene:
+    """Return the scene without its sweep, as it is stored beside the result; say so on stderr where it has one."""
     if not scene.sweep:
         return scene
-    from screwsim.scene import scene_text
+    from screwsim.scene import case_count, scene_text
 
+    count = case_count(scene)
+    told = f"its sweep of {count} case{'s' if count != 1 else ''} is left aside, and the point without it is taken"
+    typer.echo(f"{file}: {told} (screwsim sweep {file} simulates the sweep)", err=True)
     base = replace(scene, sweep={})
     return replace(base, text=scene_text(base))

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Overrides, SceneFile, Without, base_point, loaded
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Overrides, SceneFile, Without, base_point, check_drawer, loaded
 
 RPM = math.pi / 30.0
 
@@ -23,7 +23,8 @@ def startup(
     as_json: AsJson = False,
 ) -> int:
     """Start a machine that has a drive, against the discharge pressure."""
-    scene = base_point(loaded(scene_file, overrides, without))
+    check_drawer(folder)
+    scene = base_point(loaded(scene_file, overrides, without), scene_file)
     from screwsim.printing import print_json
     from screwsim.printing.startup import text, write_traces
     from screwsim.report.drive import draw_start

@@ -17,6 +17,7 @@ from screwsim.cli.options import (
     SceneFile,
     Without,
     base_point,
+    check_drawer,
     loaded,
 )
 
@@ -104,7 +105,7 @@ def sensitivity(
     as_json: AsJson = False,
 ) -> int:
     """Tell which inputs a figure depends on: Sobol indices, first order and total."""
-    scene = base_point(loaded(scene_file, overrides, without))
+    scene = base_point(loaded(scene_file, overrides, without), scene_file)
     from screwsim.printing import print_json
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.study.columns import check_target
@@ -160,6 +161,7 @@ def calibrate(
     as_json: AsJson = False,
 ) -> int:
     """Fit parameters of a scene to measured points, and say how far the data fix them."""
+    check_drawer(folder)
     from screwsim.printing import print_json
     from screwsim.printing.calibration import (
         calibration_document,
@@ -206,7 +208,8 @@ def tolerance(
     as_json: AsJson = False,
 ) -> int:
     """Say what errors of a slider-crank's lengths do to its motion and, by Monte Carlo, to the compressor."""
-    scene = base_point(loaded(scene_file, overrides, without))
+    check_drawer(folder)
+    scene = base_point(loaded(scene_file, overrides, without), scene_file)
     from screwsim.printing import print_json
     from screwsim.printing.tolerance import print_tolerance, tolerance_document
     from screwsim.study.progress import for_terminal

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 
@@ -10,7 +11,8 @@ from screwsim.effects import catalogue
 from screwsim.faults import Fault, SceneError, UsageError
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
-from screwsim.scene.fields import scene_section
+from screwsim.scene.fields import leaf_paths, scene_section
+from screwsim.scene.files import NotText, other_file, read_text
 from screwsim.scene.sections import read_effects, read_section
 from screwsim.scene.sweep import read_sweep
 from screwsim.scene.types import Scene
@@ -21,16 +23,19 @@ from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_l
 OVERRIDE = 1_000_000  # rank of the first override: after all files
 
 
-def load(path: str | os.PathLike[str], overrides: Iterable[str] = (), without: Iterable[str] = ()) -> Scene:
+def load(
+    path: str | os.PathLike[str], overrides: Iterable[str] = (), without: Iterable[str] = (), stage: str = ""
+) -> Scene:
     """Return the scene of a YAML file, changed by `PATH=VALUE` overrides and without the named effects.
 
+    `stage` stands before the paths of overrides where they are told of, as it did where they were given ('first.').
     Raises `SceneError` with one line a fault, `UsageError` for an override or effect name that makes no sense.
     """
     name = os.fspath(path)
     problems: list[Problem] = []
     start = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
     root = _read_file(name, start, (os.path.realpath(name),), problems)
-    return _finish(root, start, overrides, without, problems)
+    return _finish(root, start, overrides, without, problems, stage)
 
 
 def loads(
@@ -43,18 +48,31 @@ def loads(
 
 
 def _finish(
-    root: Node | None, start: Place, overrides: Iterable[str], without: Iterable[str], problems: list[Problem]
+    root: Node | None,
+    start: Place,
+    overrides: Iterable[str],
+    without: Iterable[str],
+    problems: list[Problem],
+    stage: str = "",
 ) -> Scene:
     overrides, without = list(overrides), list(without)  # they may be iterators
     if root is None:
         raise SceneError([str(problem) for problem in sorted(set(problems), key=_order)])
     for number, override in enumerate(overrides):
-        root = _override(root, override, replace(start, rank=OVERRIDE + number, line=0, column=0), problems)
+        root = _override(root, override, replace(start, rank=OVERRIDE + number, line=0, column=0), problems, stage)
     scene = _typed(_remove(root, without), start.folder, problems)
     if problems or scene is None:
-        unique = list(dict.fromkeys(problems))
+        unique = [_of_stage(problem, stage) for problem in dict.fromkeys(problems)]
         raise SceneError([str(problem) for problem in sorted(unique, key=_order)])
     return replace(scene, text=scene_text(scene))
+
+
+def _of_stage(problem: Problem, stage: str) -> Problem:
+    """Return a fault of an override with its paths as they are given for a stage; any other as it is."""
+    if not stage or problem.place.rank < OVERRIDE:
+        return problem
+    what = re.sub(r"(?<=did you mean ')(?=[a-z_]+\.)", stage, problem.what)
+    return replace(problem, path=f"{stage}{problem.path}", what=what)
 
 
 def _order(problem: Problem) -> Place:
@@ -66,12 +84,15 @@ def _read_file(
 ) -> Node | None:
     """Return the tree of a file and its bases; `at` says where and how it was named, `trail` the files on the way."""
     try:
-        with open(name, encoding="utf-8-sig") as stream:
-            text = stream.read()
-    except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a name with a null character
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-        what = f"cannot be read: {reason} (name an existing scene file, saved as UTF-8)"
-        problems.append(Problem(start, "", what) if at is None else replace(at, what=f"{at.what} {what}"))
+        text = read_text(name)
+    except NotText as error:
+        what = f"cannot be read: {error.reason} (name an existing scene file, saved as UTF-8)"
+        if error.results:
+            what = f"is a file of results, not a scene (screwsim report {name} makes a page of it)"
+        elif at is None and os.path.isfile(f"{name}.yaml"):
+            what = f"cannot be read: {error.reason} (there is {name}.yaml)"
+        there = start.at(error.line, error.column)
+        problems.append(Problem(there, "", what) if at is None else replace(at, what=f"{at.what} {what}"))
         return None
     return _read_text(text, start, trail, problems)
 
@@ -88,13 +109,17 @@ def _read_text(text: str, start: Place, trail: tuple[str, ...], problems: list[P
         what = f"is {shown(root.value)}, not a mapping (write lines such as machine: …)"
         problems.append(Problem(root.place, "", what))
         return None
+    other = other_file(root.value, start.source)
+    if other is not None:
+        problems.append(Problem(root.place, "", other))
+        return None
     content = dict(root.value)
     base = content.pop("base", None)
     above = replace(root, value=content)
     if base is None or base.value is None:
         return above
     below = _read_base(base, trail, problems)
-    return above if below is None else merge(below, above)
+    return None if below is None else merge(below, above)  # without it, nearly all would be told to be missing
 
 
 def _required() -> list[str]:
@@ -117,15 +142,16 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: list[Problem]) -> N
     return _read_file(path, start, (*trail, real), problems, at)
 
 
-def _override(root: Node, override: str, place: Place, problems: list[Problem]) -> Node:
+def _override(root: Node, override: str, place: Place, problems: list[Problem], stage: str) -> Node:
     """Return the tree changed by one `PATH=VALUE`."""
     path, equals, text = override.partition("=")
     path = path.strip()
     if not equals or not all(part.strip() for part in path.split(".")):
-        raise UsageError(f"--set {one_line(override)}: is not PATH=VALUE (write e.g. --set operation.speed='1000 rpm')")
+        example = f"--set {stage}operation.speed='1000 rpm'"
+        raise UsageError(f"--set {stage}{one_line(override)}: is not PATH=VALUE (write e.g. {example})")
     if path == "base":
-        raise UsageError("--set base=…: a base belongs into the file (write it there, or name the other scene)")
-    place = replace(place, source=f"--set {override}")
+        raise UsageError(f"--set {stage}base=…: a base belongs into the file (write it there, or name the other scene)")
+    place = replace(place, source=f"--set {stage}{override}")
     node = _override_value(text, place, path, problems)
     if node is None:
         return root
@@ -190,10 +216,28 @@ def _machine_kind(root: Node) -> str:
     return named.value if named is not None and named.value in tuple(MACHINES) else TWIN_SCREW
 
 
+def _paths(root: Node, kind: str) -> list[str]:
+    """Return where a name may belong: the paths of sections and values, and the effects with those of active ones."""
+    effects = root.value.get("effects")
+    named = effects.value if effects is not None and isinstance(effects.value, dict) else {}
+    known = catalogue()
+    leaves = leaf_paths({name: known[name].parameters for name in named if name in known}, kind)
+    above = [path[:place] for path in leaves for place, letter in enumerate(path) if letter == "."]
+    return list(dict.fromkeys([*leaves, *above, *(f"effects.{name}" for name in known)]))
+
+
+def _keep_kind(problems: list[Problem]) -> None:
+    """Remove what is said of a machine whose kind is none: it may be right for the kind that is meant."""
+    if any(problem.path == "machine.kind" for problem in problems):
+        problems[:] = [each for each in problems if not each.path.startswith("machine.") or each.path == "machine.kind"]
+
+
 def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
     kind = _machine_kind(root)
-    scene = read_section(scene_section(kind), root, "", problems, also=("base", "effects", "sweep"))
+    paths = _paths(root, kind)
+    scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep"), paths)
+    _keep_kind(problems)
     effects = read_effects(root.value.get("effects"), problems)
     sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:

@@ -22,6 +22,11 @@ _COLUMN = {
     "required": ["file", "column"],
     "additionalProperties": False,
 }
+OFF = {  # an effect may be left out: off, no, false, in any case
+    "type": ["object", "null", "string", "boolean"],
+    "pattern": "^([Oo][Ff][Ff]|[Nn][Oo]|[Ff][Aa][Ll][Ss][Ee])$",
+    "not": {"const": True},
+}
 _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
 
 
@@ -37,7 +42,7 @@ def schema() -> dict[str, Any]:
         "type": ["object", "null"],
         "description": "an effect that is named is simulated, one that is not named is not",
         "properties": {
-            name: {**_section(part), "description": catalogue()[name].title} for name, part in effects.items()
+            name: {**_section(part), **OFF, "description": catalogue()[name].title} for name, part in effects.items()
         },
         "patternProperties": {OWN_EFFECT: {"type": ["object", "null"]}},
         "additionalProperties": False,
@@ -128,7 +133,8 @@ def _demands(section: Section, effects: dict[str, Section] | None = None) -> dic
     inner = {name: _demands(item) for name, item in section.fields.items() if isinstance(item, Section)}
     if effects:
         parts = {name: _demands(part) for name, part in effects.items()}
-        parts = {name: {"type": "object", **part} if part.get("required") else part for name, part in parts.items()}
+        there = {"type": ["object", "string", "boolean"]}  # parameters, or off
+        parts = {name: {**there, **part} if part.get("required") else part for name, part in parts.items()}
         inner["effects"] = {"properties": {name: part for name, part in parts.items() if part}}
     inner = {name: part for name, part in inner.items() if part}
     return {key: value for key, value in (("required", required), ("properties", inner)) if value}

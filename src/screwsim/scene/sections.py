@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Iterable
 from typing import Any
@@ -15,9 +16,21 @@ from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import Node, Problem, join
 
+OFF = ("off", "no", "false")
 
-def read_section(section: Section, node: Node, path: str, problems: list[Problem], also: Iterable[str] = ()) -> Any:
-    """Return the dataclass of a section, or None after its faults were added; `also` are names read elsewhere."""
+
+def read_section(
+    section: Section,
+    node: Node,
+    path: str,
+    problems: list[Problem],
+    also: Iterable[str] = (),
+    paths: Iterable[str] = (),
+) -> Any:
+    """Return the dataclass of a section, or None after its faults were added.
+
+    `also` are names read elsewhere, `paths` those of the whole scene, where a name that is not known here may belong.
+    """
     content = {} if node.value is None else node.value
     if not isinstance(content, dict):
         options = ", ".join(section.fields) or "nothing; write {}"
@@ -28,7 +41,7 @@ def read_section(section: Section, node: Node, path: str, problems: list[Problem
     options = [*section.fields, *also]
     for name, child in content.items():
         if name not in options:
-            problems.append(Problem(child.heading, join(path, name), unknown(name, options)))
+            problems.append(Problem(child.heading, join(path, name), _stray(name, options, paths)))
     values = {}
     for name, item in section.fields.items():
         child = content.get(name)
@@ -36,10 +49,17 @@ def read_section(section: Section, node: Node, path: str, problems: list[Problem
         if child is None or child.value is None:
             _absent(item, child or node, below, problems)
         elif isinstance(item, Section):
-            values[name] = read_section(item, child, below, problems)
+            values[name] = read_section(item, child, below, problems, paths=paths)
         else:
             values[name] = read_leaf(item, child, below, problems)
     return section.type(**values) if len(problems) == before else None
+
+
+def _stray(name: str, options: list[str], paths: Iterable[str]) -> str:
+    """Return what is wrong with a name that a section does not know."""
+    if re.match(r"[0-9]", name):
+        return "is no name (in { } and [ ] a comma begins another entry: write decimals with a point)"
+    return unknown(name, options, paths=paths)
 
 
 def _absent(item: Leaf | Section, node: Node, path: str, problems: list[Problem]) -> None:
@@ -79,11 +99,21 @@ def read_effects(node: Node | None, problems: list[Problem]) -> dict[str, Active
         except Refused as refusal:
             problems.append(Problem(child.heading, path, str(refusal)))
             continue
-        if child.value == "off":  # takes out what a base names
+        if is_off(child.value):  # takes out what a base names
+            continue
+        if not isinstance(child.value, dict | None):
+            known = ", ".join(section.fields) or "none"
+            what = f"{shown(child.value)} is neither parameters nor off (write {name}: alone, or with parameters under "
+            problems.append(Problem(child.place, path, f"{what}it: {known}; or {name}: off to leave it out)"))
             continue
         parameters = read_section(section, child, path, problems)
         active[name] = ActiveEffect(effect, parameters)
     return active
+
+
+def is_off(value: Any) -> bool:
+    """Tell whether a value takes an effect out: off, no or false, which YAML 1.2 reads as words or as a boolean."""
+    return value is False or (isinstance(value, str) and value.lower() in OFF)
 
 
 def find(name: str) -> tuple[Effect, Section]:

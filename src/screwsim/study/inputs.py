@@ -6,9 +6,7 @@ import re
 from typing import Any
 
 from screwsim.faults import UsageError
-from screwsim.outputs import PERFORMANCE
 from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values
-from screwsim.scene.fields import unknown
 from screwsim.scene.units import NUMBER, customary_unit, to_customary
 
 
@@ -18,12 +16,6 @@ def check_continuous(scene: Scene, path: str) -> None:
     if kind in ("choice", "count"):
         what = "a choice" if kind == "choice" else "a whole number"
         raise UsageError(f"{path}: is {what}, not a continuous quantity (vary it by the scene's sweep: block)")
-
-
-def check_figure(figure: str) -> None:
-    """Raise UsageError with the nearest name unless a figure exists."""
-    if figure not in PERFORMANCE:
-        raise UsageError(f"--figure {figure}: {unknown(figure, PERFORMANCE, 'a name of performance in `run --json`')}")
 
 
 def read_text(scene: Scene, path: str, text: str) -> float:

@@ -14,7 +14,8 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
 from screwsim.scene.grid import only
 from screwsim.study.each import DIED, each
-from screwsim.study.inputs import check_continuous, check_figure, check_fit, read_text, shown_value
+from screwsim.study.figures import figure_of
+from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
 from screwsim.study.progress import Progress
 from screwsim.study.search import COARSE, Point, Top, highest
 
@@ -84,7 +85,7 @@ def question(
     last: str | None = None,
 ) -> Question:
     """Return what is asked, with the range: as given, else of the scene's axis, else for the oil ratio a usual one."""
-    check_figure(figure)
+    figure = figure_of(scene, figure)
     check_continuous(scene, path)
     axis = scene.sweep.get(path, OIL_RANGE if path == OIL_RATIO else ())
     if len(axis) < 2 and (first is None or last is None):

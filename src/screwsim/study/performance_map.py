@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
+from screwsim.outputs import PERFORMANCE
 from screwsim.results import Results
 from screwsim.scene.operation import CONDENSING, EVAPORATING, SUBCOOLING, SUPERHEAT
 from screwsim.scene.units import ZERO_CELSIUS
-from screwsim.study.inputs import check_figure
+from screwsim.study.figures import figure_named
 
 Array = np.ndarray
 
@@ -82,8 +83,7 @@ def polynomial(coefficients: Sequence[float], S: Array, D: Array) -> Array:
 
 def performance_maps(results: Results, figures: Sequence[str] = FIGURES) -> list[PerformanceMap]:
     """Return a map for each point of the axes other than both temperatures; raise UsageError when none can be had."""
-    for figure in figures:
-        check_figure(figure)
+    figures = tuple(dict.fromkeys(_figure(results, text) for text in figures))
     varied = varied_paths(results)
     missing = [path for path in (EVAPORATING, CONDENSING) if path not in varied]
     if missing:
@@ -95,6 +95,19 @@ def performance_maps(results: Results, figures: Sequence[str] = FIGURES) -> list
     if all(each.message for each in maps):
         raise UsageError(f"{results.path}: {maps[0].message}")
     return maps
+
+
+def _figure(results: Results, text: str) -> str:
+    """Return the figure of a file that a text names; raise UsageError where the file has none of that name."""
+    here = [name for name in PERFORMANCE if name in results.performance and _has_values(results, name)]
+    name = figure_named(text, here)
+    if name not in results.performance:
+        raise UsageError(f"--figure {text}: is not in {results.path} (it has {', '.join(here)})")
+    return name
+
+
+def _has_values(results: Results, name: str) -> bool:
+    return bool(np.any(np.isfinite(results.performance[name])))
 
 
 def varied_paths(results: Results) -> dict[str, tuple[int, Array]]:

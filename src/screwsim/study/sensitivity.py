@@ -17,7 +17,8 @@ from screwsim.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.study.each import DIED, each
-from screwsim.study.inputs import check_continuous, check_figure, check_fit, read_text, shown_value
+from screwsim.study.figures import figure_of
+from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
 from screwsim.study.optimum import absolute_error, closed
 from screwsim.study.progress import Progress
 
@@ -113,8 +114,7 @@ def sensitivity(
     progress: Progress | None = None,
 ) -> Sensitivity:
     """Return the indices of figures to inputs, from samples · (inputs + 2) solutions."""
-    for figure in figures:
-        check_figure(figure)
+    figures = tuple(dict.fromkeys(figure_of(scene, figure) for figure in figures))
     if samples < 2 or samples & (samples - 1):
         raise UsageError(f"--samples {samples}: is not a power of two (write e.g. 256; Sobol's sequence needs it)")
     problem = _problem(ranges)
@@ -128,7 +128,7 @@ def sensitivity(
         simulate = partial(default_simulate, trace=False)
         warm_up(with_values(scene, middle))  # before the fork: workers inherit what is compiled here
     answers = each(
-        partial(_answer, scene, tuple(problem["names"]), points, tuple(figures), simulate),
+        partial(_answer, scene, tuple(problem["names"]), points, figures, simulate),
         len(points),
         died=lambda number: _Answer(DIED),
         jobs=jobs,

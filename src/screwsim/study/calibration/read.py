@@ -11,6 +11,7 @@ from screwsim.faults import SceneError, UsageError
 from screwsim.scene import Scene, cross_check, leaf_of, load
 from screwsim.scene.axis import SPACING, read_fields
 from screwsim.scene.fields import Leaf
+from screwsim.scene.files import NotText, other_file, read_text
 from screwsim.scene.values import shown, text_of
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join
 from screwsim.study.calibration.data import read_points
@@ -43,17 +44,20 @@ def read_fit(path: str | os.PathLike[str]) -> Fit:
 
 def _read(name: str, place: Place, problems: list[Problem]) -> Node | None:
     try:
-        with open(name, encoding="utf-8-sig") as stream:
-            text = stream.read()
-    except (OSError, ValueError) as error:  # ValueError: not UTF-8, or a name with a null character
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
-        problems.append(Problem(place, "", f"cannot be read: {reason} (name an existing fit, saved as UTF-8)"))
+        text = read_text(name)
+    except NotText as error:
+        what = f"cannot be read: {error.reason} (name an existing fit, saved as UTF-8)"
+        problems.append(Problem(place.at(error.line, error.column), "", what))
         return None
     root = compose(text, place, problems)
     if root is None and not problems:
         problems.append(Problem(place, "", f"is empty ({_REMEDY})"))
     if root is not None and not isinstance(root.value, dict):
         problems.append(Problem(root.place, "", f"is {shown(root.value)}, not a mapping ({_REMEDY})"))
+        return None
+    other = None if root is None else other_file(root.value, name, "fit")
+    if root is not None and other is not None:
+        problems.append(Problem(root.place, "", other))
         return None
     return root
 

@@ -83,7 +83,8 @@ def _sorted(overrides: Iterable[str]) -> dict[str, list[str]]:
     for override in overrides:
         head, _, rest = override.partition(".")
         if head not in found or not rest:
-            raise UsageError(f"--set {override}: begins with neither first. nor second., the stage whose path it is")
+            what = "begins with neither first. nor second., the stage whose path it is"
+            raise UsageError(f"--set {override}: {what} (write e.g. --set first.{override})")
         found[head].append(rest)
     return found
 
@@ -104,10 +105,23 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: list[Problem])
         what = "is missing (kind: cooler needs it, e.g. 35 degC)" if missing else "belongs to kind: cooler (remove it)"
         problems.append(Problem(content["intercooler"].place, "intercooler.outlet_temperature", what))
         return None
-    first, second = (load(file, overrides[name]) for name, file in zip(NAMES, files, strict=True))
+    first, second = _scenes(files, overrides)
     _check(first, second, between, content, problems)
     title = content["title"].value if "title" in content else ""
     return Chain(str(title or ""), first, second, between)
+
+
+def _scenes(files: list[str], overrides: dict[str, list[str]]) -> list[Scene]:
+    """Return both scenes; raise `SceneError` with the faults of both."""
+    found, lines = [], []
+    for name, file in zip(NAMES, files, strict=True):
+        try:
+            found.append(load(file, overrides[name], stage=f"{name}."))
+        except SceneError as error:
+            lines += [line for line in error.lines if line not in lines]
+    if lines:
+        raise SceneError(lines)
+    return found
 
 
 def _files(root: Node, node: Node, problems: list[Problem]) -> list[str] | None:

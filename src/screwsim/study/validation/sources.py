@@ -70,6 +70,11 @@ def run_sources(
     """
     known = names_of(folder)
     for name in names:
+        if name not in known and Path(name).suffix in (".yaml", ".yml"):
+            told = f"screwsim run {name} simulates a scene, screwsim calibrate {name} fits one"
+            raise UsageError(
+                f"{name}: is a file, and sources are named without one ({told}; known: {', '.join(known)})"
+            )
         if name not in known:
             near = nearest(name, known)
             hint = f"did you mean {near}?" if near else f"known: {', '.join(known)}"

@@ -1,0 +1,51 @@
+"""Arguments that make no sense: what a person may have meant, where following it does nothing else."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterable, Sequence
+
+import typer
+
+from screwsim.near import nearest
+
+_VALUED = ("--set", "--path", "--from", "--to")  # options whose values may have blanks
+
+
+def explain(error: typer.TyperException, arguments: Sequence[str], commands: Iterable[str]) -> None:
+    """Change what an error says of the arguments: quotes that lack, the nearest command, the nearest option."""
+    text = str(getattr(error, "message", ""))
+    offered = getattr(error, "possibilities", None)
+    if offered:
+        near = nearest(str(getattr(error, "option_name", "")), offered)
+        error.possibilities = [near] if near else []  # type: ignore[attr-defined]
+    elif text.startswith("No such command"):
+        error.message = _command(arguments[0] if arguments else "", list(commands))  # type: ignore[attr-defined]
+    elif "unexpected extra argument" in text and (quoted := _quoted(arguments)):
+        error.message = f"{text}: a value with blanks needs quotes ({quoted})"  # type: ignore[attr-defined]
+
+
+def _command(name: str, commands: list[str]) -> str:
+    near = nearest(name, commands)
+    if near is not None:
+        return f"No such command '{name}': did you mean '{near}'?"
+    if re.search(r"\.(ya?ml|h5)$", name):
+        verb = "report" if name.endswith("h5") else "run"
+        return f"No such command '{name}': the command comes first (write screwsim {verb} {shlex.quote(name)})"
+    return f"No such command '{name}' (there are: {', '.join(commands)})"
+
+
+def _quoted(arguments: Sequence[str]) -> str | None:
+    """Return the first option whose value seems to go on in the next arguments, quoted as a shell wants it."""
+    for place, option in enumerate(arguments[:-1]):
+        name, equals, value = option.partition("=")
+        if name in _VALUED:
+            first = place + 1 if equals else place + 2
+            words = [value if equals else arguments[place + 1]]
+            while first < len(arguments) and not re.search(r"^--|^-o$|\.(ya?ml|h5)$", arguments[first]):
+                words.append(arguments[first])
+                first += 1
+            if len(words) > 1:
+                return f"write {name} {shlex.quote(' '.join(words))}"
+    return None
