@@ -219,7 +219,7 @@ def test_a_curve_file_of_a_base_is_found_beside_the_base(example, scene_file, tm
     [
         (None, "'v.csv' is not a file in "),
         ("angle_deg,area_m2\n0,0\n", "'v.csv': needs the columns angle_deg and volume_m3 (found: angle_deg, area_m2)"),
-        ("angle_deg,volume_m3\n0,x\n", "'v.csv': row 2: '0', 'x' are not two numbers"),
+        ("angle_deg,volume_m3\n0,x\n", "'v.csv': line 2: '0', 'x' are not two numbers"),
     ],
     ids=["missing", "columns", "numbers"],
 )

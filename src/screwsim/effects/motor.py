@@ -12,17 +12,17 @@ Parameters: rated_power, efficiency, constant_share or efficiency_file, drive_ef
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 
 from screwsim.declare import file, number, quantity
 from screwsim.effects.base import Effect, Reading
 from screwsim.faults import Fault, UsageError
+from screwsim.sheets import BadSheet, read_sheet
+from screwsim.textfiles import Unreadable
 
 FIGURES = ("motor_loss", "electrical_power", "motor_efficiency")
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop")
@@ -55,13 +55,17 @@ def loss_of_shares(parameters: Parameters) -> Loss:
 def read_table(path: str) -> list[tuple[float, float]]:
     """Return (load, efficiency) of a CSV file, two rows or more; raise UsageError in one line where it is none."""
     try:
-        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
-        kept = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
-        rows = [(float(row["load"]), float(row["efficiency"])) for row in csv.DictReader(kept)]
-    except (OSError, UnicodeDecodeError, KeyError, TypeError, ValueError):
+        cells = read_sheet(path).columns("load", "efficiency")
+    except Unreadable as reason:
+        raise UsageError(f"cannot be read: {reason} (name a CSV file with the columns load, efficiency)") from None
+    except BadSheet as fault:
+        raise UsageError(str(fault)) from None
+    try:
+        rows = [(float(load), float(efficiency)) for _, (load, efficiency) in cells]
+    except ValueError:
         raise UsageError("is no CSV file with numbers in the columns load, efficiency (write one)") from None
     loads = [load for load, _ in rows]
-    if len(rows) < 2 or loads[0] <= 0.0 or any(b <= a for a, b in pairwise(loads)):
+    if len(rows) < 2 or not 0.0 < loads[0] or not all(a < b < np.inf for a, b in pairwise(loads)):
         raise UsageError("needs two rows or more, loads above 0 and increasing (sort them)")
     if not all(0.0 < efficiency <= 1.0 for _, efficiency in rows):
         raise UsageError("has an efficiency that is not above 0 and at most 1 (give shares, not percent)")

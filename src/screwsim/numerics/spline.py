@@ -8,15 +8,15 @@ c[4i] + c[4i+1] s + c[4i+2] s² + c[4i+3] s³ in s = x − x_i. Outside the tabl
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.numerics.kernel import kernel
+from screwsim.sheets import BadSheet, read_sheet
+from screwsim.textfiles import Unreadable
 
 Array = np.ndarray
 
@@ -24,32 +24,25 @@ Array = np.ndarray
 def read_curve(path: str, column: str) -> tuple[Array, Array]:
     """Return angle [rad] and the values of `column` from a CSV file with a header; angles must increase.
 
-    Raises `UsageError` in one line that names the file, the row and the remedy.
+    Raises `UsageError` in one line that names the file, its line and the remedy.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path}: cannot be read ({error}); name an existing CSV file") from None
-    rows = list(
-        csv.DictReader(line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#"))
-    )
-    header = tuple(rows[0]) if rows else ()
-    if "angle_deg" not in header or column not in header:
-        raise UsageError(
-            f"{path}: needs the columns angle_deg and {column} (found: {', '.join(map(str, header)) or 'none'})"
-        )
+        rows = read_sheet(path).columns("angle_deg", column)
+    except Unreadable as reason:
+        raise UsageError(f"{path}: cannot be read: {reason} (name an existing CSV file)") from None
+    except BadSheet as fault:
+        raise UsageError(f"{path}: {fault}") from None
     angles, values = [], []
-    for number, row in enumerate(rows, start=2):
+    for line, cells in rows:
         try:
-            angle, value = float(row["angle_deg"]), float(row[column])
-        except (TypeError, ValueError):
-            raise UsageError(
-                f"{path}: row {number}: {row['angle_deg']!r}, {row[column]!r} are not two numbers"
-            ) from None
+            angle, value = map(float, cells)
+        except ValueError:
+            shown = ", ".join(f"{cell[:20]!r}" for cell in cells)
+            raise UsageError(f"{path}: line {line}: {shown} are not two numbers (write e.g. 90, 0.004)") from None
         if not (math.isfinite(angle) and math.isfinite(value) and value >= 0.0):
-            raise UsageError(f"{path}: row {number}: values must be finite and not negative")
+            raise UsageError(f"{path}: line {line}: values must be finite and not negative")
         if angles and math.radians(angle) <= angles[-1]:
-            raise UsageError(f"{path}: row {number}: angles must increase (sort the rows, remove repetitions)")
+            raise UsageError(f"{path}: line {line}: angles must increase (sort the rows, remove repetitions)")
         angles.append(math.radians(angle))
         values.append(value)
     if len(angles) < 3:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import dataclasses
 import math
 import os
@@ -15,6 +14,8 @@ from screwsim.scene.sections import read_leaf
 from screwsim.scene.units import Refused, customary_unit, to_customary
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.yaml_tree import Node, Problem, join
+from screwsim.sheets import BadSheet, read_sheet
+from screwsim.textfiles import Unreadable
 
 LONGEST_AXIS = 100_000  # values; more is a slip of the pen
 SPACING = Leaf("choice", "spacing of the values", "linear", {"options": ("linear", "log")})
@@ -130,18 +131,16 @@ def _column(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> list[
 def _cells(name: str, label: str, column: str) -> list[tuple[int, str]]:
     """Return (line, text) of every row of a column; raise `Refused`. Lines that begin with # are comments."""
     try:
-        with open(name, encoding="utf-8-sig", newline="") as stream:
-            rows = [(line, row) for line, row in enumerate(csv.reader(stream), 1) if row and row[0][:1] != "#"]
-    except (OSError, ValueError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or "it is not CSV in UTF-8"
+        sheet = read_sheet(name)
+    except Unreadable as reason:
         raise Refused(f"{shown(label)} cannot be read: {reason} (name a CSV file, relative to the scene)") from None
-    heads = [text.strip() for text in rows[0][1]] if rows else []
-    if column not in heads:
-        raise Refused(f"{shown(label)}: column {shown(column)} {unknown(column, heads)}")
-    if not 1 < len(rows) <= LONGEST_AXIS + 1:
-        raise Refused(f"{shown(label)} has {len(rows) - 1} rows of values (1 to {LONGEST_AXIS} are allowed)")
-    place = heads.index(column)
-    return [(line, row[place].strip() if place < len(row) else "") for line, row in rows[1:]]
+    except BadSheet as fault:
+        raise Refused(f"{label} {fault}" if fault.line else f"{shown(label)} {fault}") from None
+    if column not in sheet.names:
+        raise Refused(f"{shown(label)}: column {shown(column)} {unknown(column, sheet.names)}")
+    if not 1 <= len(sheet.rows) <= LONGEST_AXIS:
+        raise Refused(f"{shown(label)} has {len(sheet.rows)} rows of values (1 to {LONGEST_AXIS} are allowed)")
+    return [(line, cell) for line, (cell,) in sheet.columns(column)]
 
 
 def _cell(leaf: Leaf, text: str, unit: str | None, where: str) -> Any:

@@ -8,15 +8,15 @@ points spoils is the tangent; a smoothing spline would overshoot where the curva
 
 from __future__ import annotations
 
-import csv
 import math
-from pathlib import Path
 
 import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.machine.rotors.closed_form import Segment
 from screwsim.machine.rotors.pair import Array, Chain, Pair
+from screwsim.sheets import BadSheet, read_sheet
+from screwsim.textfiles import Unreadable
 
 POINTS = 4001  # points of the curve, at least
 CORNER = math.radians(40.0)  # points that turn more than this are a corner, not a curve
@@ -28,12 +28,13 @@ NOISE = 1e-3  # rad: contact that runs back by less, outside the tip, is noise o
 def read_profile(path: str) -> tuple[Array, Array]:
     """Return x and y [m] from a CSV file with the columns x_mm, y_mm; lines that begin with # are remarks."""
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-        rows = list(csv.DictReader(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
-        points = np.array([(float(row["x_mm"]), float(row["y_mm"])) for row in rows])
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path}: cannot be read ({error}); name an existing CSV file") from None
-    except (KeyError, TypeError, ValueError):
+        rows = read_sheet(path).columns("x_mm", "y_mm")
+        points = np.array([(float(x), float(y)) for _, (x, y) in rows])
+    except Unreadable as reason:
+        raise UsageError(f"{path}: cannot be read: {reason} (name an existing CSV file)") from None
+    except BadSheet as fault:
+        raise UsageError(f"{path}: {fault}") from None
+    except ValueError:
         raise UsageError(f"{path}: needs the columns x_mm and y_mm with a number in every row") from None
     if len(points) < 20 or not np.isfinite(points).all():
         raise UsageError(f"{path}: has {len(points)} rows; a profile needs at least 20 finite points of one lobe")

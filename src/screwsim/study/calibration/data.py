@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -15,8 +14,11 @@ from screwsim.scene.fields import Leaf, leaf_paths, unknown
 from screwsim.scene.units import NUMBER, Refused
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import Place, Problem
+from screwsim.sheets import BadSheet, Row, read_sheet
 from screwsim.study.calibration.fit import Measured, Point
+from screwsim.textfiles import Unreadable
 
+MOST_POINTS = 10_000  # of one fit
 UNCERTAINTY = "_uncertainty"
 FITTED = {"": True, "fit": True, "check": False}
 # SI unit of a figure -> {unit: factor}; degrees Celsius apart
@@ -51,37 +53,40 @@ def read_points(
     """Return the points of a file with their places; `taken` are paths that a parameter sets."""
     start = Place(1, label)
     try:
-        with open(path, encoding="utf-8-sig", newline="") as stream:
-            numbered = [(number, line.rstrip("\r\n")) for number, line in enumerate(stream, 1)]
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "it is not UTF-8 text"
+        sheet = read_sheet(path)
+    except Unreadable as reason:
         problems.append(Problem(start, "data", f"cannot be read: {reason} (name a CSV file in UTF-8)"))
         return []
-    lines = [(number, line) for number, line in numbered if line.strip() and not line.lstrip().startswith("#")]
-    if len(lines) < 2:
+    except BadSheet as fault:
+        problems.append(Problem(start.at(fault.line or 1, 1), "data", fault.what))
+        return []
+    if not sheet.rows:
         problems.append(
             Problem(start, "data", f"has no points (a line of column names, then a line a point; {_EXAMPLE})")
         )
         return []
+    if len(sheet.rows) > MOST_POINTS:
+        problems.append(Problem(start, "data", f"has {len(sheet.rows)} points (at most {MOST_POINTS} are fitted)"))
+        return []
     before = len(problems)
-    number, head = lines[0]
-    columns = _columns(_cells(head, start.at(number, 1)), scene, taken, problems)
+    columns = _columns(_cells(sheet.head, start), scene, taken, problems)
     if len(problems) > before:
         return []
-    rows = [_point(line, start.at(number, 1), columns, problems) for number, line in lines[1:]]
-    points = [row for row in rows if row is not None]
-    for number, (point, place) in enumerate(points):
-        if point.name in [other.name for other, _ in points[:number]]:
+    read = [_point(row, start, columns, problems) for row in sheet.rows]
+    points = [row for row in read if row is not None]
+    names: set[str] = set()
+    for point, place in points:
+        if point.name in names:
             problems.append(Problem(place, "name", f"{shown(point.name)} is there twice (name each point once)"))
+        names.add(point.name)
     if not problems and not any(point.fitted for point, _ in points):
         problems.append(Problem(start, "use", "leaves no point to fit (write fit in that column)"))
     return points
 
 
-def _cells(line: str, start: Place) -> list[tuple[str, Place]]:
-    """Return the cells of a line with their places."""
-    cells = next(csv.reader([line]))
-    return [(cell.strip(), start.at(start.line, at)) for cell, at in zip(cells, _starts(line), strict=False)]
+def _cells(row: Row, start: Place) -> list[tuple[str, Place]]:
+    """Return the cells of a row with their places."""
+    return [(cell, start.at(row.line, at)) for cell, at in zip(row.cells, _starts(row.text), strict=False)]
 
 
 def _starts(line: str) -> Iterator[int]:
@@ -142,16 +147,11 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
 
 
 def _point(
-    line: str, place: Place, columns: list[tuple[_Column, Place]], problems: list[Problem]
+    row: Row, start: Place, columns: list[tuple[_Column, Place]], problems: list[Problem]
 ) -> tuple[Point, Place] | None:
-    cells, before = _cells(line, place), len(problems)
-    if len(cells) != len(columns):
-        problems.append(
-            Problem(place, "data", f"has {len(cells)} cells, the first line {len(columns)} (make them equal)")
-        )
-        return None
+    place, before = start.at(row.line, 1), len(problems)
     found: dict[str, dict[str, Any]] = {kind: {} for kind in ("name", "use", "path", "figure", "uncertainty")}
-    for (text, at), (column, _) in zip(cells, columns, strict=True):
+    for (text, at), (column, _) in zip(_cells(row, start), columns, strict=True):
         try:
             value = _value(column, text)
         except Refused as refusal:

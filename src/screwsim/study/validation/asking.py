@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import importlib.util
 import sys
 from collections.abc import Mapping, Sequence
@@ -12,8 +11,10 @@ from typing import Any
 
 from screwsim.outputs import Result
 from screwsim.scene import load, with_values
+from screwsim.sheets import BadSheet, read_sheet
 from screwsim.simulate import simulate
 from screwsim.study.validation.record import NotRun
+from screwsim.textfiles import Unreadable
 
 
 def solved(
@@ -28,9 +29,11 @@ def solved(
 
 
 def read_table(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a CSV file whose lines `#` say where its numbers come from."""
-    with path.open(encoding="utf-8", newline="") as lines:
-        return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    """Return the rows of a CSV file whose lines `#` say where its numbers come from. Raises NotRun."""
+    try:
+        return read_sheet(path).records()
+    except (BadSheet, Unreadable) as fault:
+        raise NotRun(f"{path}: {fault}") from None
 
 
 def sibling(path: Path) -> ModuleType:

@@ -1,0 +1,111 @@
+"""Tables in CSV, the one way in which all of them are read: a line of names, then rows with a cell for each name.
+
+Cells are separated by commas and may stand in double quotes; a number has a decimal point. Empty lines and lines that
+begin with # say nothing. A row with more or fewer cells than there are names is a fault: most often its decimal commas
+have made two cells of one number.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+from dataclasses import dataclass
+
+from screwsim.textfiles import MOST_TABLE, read_text
+
+MOST_CELLS, MOST_ROWS = 4096, 200_000
+
+
+class BadSheet(Exception):
+    """Say in one line, without the file's name, why a table cannot be read, and the remedy; `line` where it lies."""
+
+    def __init__(self, what: str, line: int | None = None) -> None:
+        super().__init__(what if line is None else f"line {line}: {what}")
+        self.what = what
+        self.line = line
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row: the number of its line in the file, the line as it stands, its cells without blanks around them."""
+
+    line: int
+    text: str
+    cells: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A table: the row of names, and the rows below it, each with as many cells."""
+
+    head: Row
+    rows: tuple[Row, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the columns."""
+        return self.head.cells
+
+    def columns(self, *names: str) -> list[tuple[int, tuple[str, ...]]]:
+        """Return (line, cells of the named columns) of every row; raise BadSheet where a column is missing."""
+        if not set(names) <= set(self.names):
+            found = ", ".join(name for name in self.names if name) or "none"
+            raise BadSheet(
+                f"needs the {'columns' if len(names) > 1 else 'column'} {' and '.join(names)} (found: {found})"
+            )
+        places = [self.names.index(name) for name in names]
+        return [(row.line, tuple(row.cells[place] for place in places)) for row in self.rows]
+
+    def records(self) -> list[dict[str, str]]:
+        """Return each row as {name: cell}."""
+        return [dict(zip(self.names, row.cells, strict=True)) for row in self.rows]
+
+
+def read_sheet(path: str | os.PathLike[str], most: int = MOST_TABLE) -> Sheet:
+    """Return the table of a CSV file in UTF-8; raise Unreadable, or BadSheet with the line at fault."""
+    return sheet_of(read_text(path, most))
+
+
+def sheet_of(text: str) -> Sheet:
+    """Return the table of a text; one without any row has a head without names. Raise BadSheet."""
+    lines = [(number, line) for number, line in enumerate(text.split("\n"), 1) if _says(line)]
+    if not lines:
+        return Sheet(Row(1, "", ()), ())
+    if len(lines) - 1 > MOST_ROWS:
+        raise BadSheet(f"has {len(lines) - 1} rows (at most {MOST_ROWS} are read; leave some out)")
+    head, *body = (_row(number, line) for number, line in lines)
+    for name in head.cells:
+        if name and head.cells.count(name) > 1:
+            raise BadSheet(f"has the column {_short(name)} twice (remove one)", head.line)
+    for row in body:
+        _check_count(row, len(head.cells))
+    return Sheet(head, tuple(body))
+
+
+def _says(line: str) -> bool:
+    return bool(line.strip()) and not line.lstrip().startswith("#")
+
+
+def _row(number: int, line: str) -> Row:
+    try:
+        (cells,) = csv.reader([line], strict=True)
+    except csv.Error as error:
+        why = "holds a cell that is too long" if "field limit" in str(error) else f"is not CSV: {error}"
+        raise BadSheet(f"{why} (separate cells by commas; a quote that opens a cell closes it, too)", number) from None
+    if len(cells) > MOST_CELLS:
+        raise BadSheet(f"has {len(cells)} cells (at most {MOST_CELLS} are allowed)", number)
+    return Row(number, line, tuple(cell.strip() for cell in cells))
+
+
+def _check_count(row: Row, wanted: int) -> None:
+    count = len(row.cells)
+    if count == wanted:
+        return
+    remedy = "write decimal points, no decimal commas" if count > wanted else "fill the row"
+    raise BadSheet(
+        f"has {count} cell{'s' * (count != 1)}, the first line {wanted} ({remedy}: one cell a column)", row.line
+    )
+
+
+def _short(name: str) -> str:
+    return repr(name if len(name) <= 40 else name[:39] + "…")

@@ -1,0 +1,62 @@
+"""Files that somebody names, read whole: regular ones only, and none larger than it may be.
+
+A pipe or a device may never end, and opening one can wait for ever; so it is asked what lies there before.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+
+MOST_YAML = 4_000_000  # [byte] of a scene, a fit or a file of stages: some tens of thousands of lines
+MOST_TABLE = 16_000_000  # [byte] of a table
+_MEGA = 1_000_000
+
+
+class Unreadable(Exception):
+    """Say why a file cannot be read, in words that go on after its name."""
+
+
+def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
+    """Return what is in a regular file of `most` bytes or less; raise Unreadable."""
+    try:
+        _check_regular(os.stat(path))
+        # not waiting: what lies there may have become a pipe since
+        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+        with os.fdopen(handle, "rb") as stream:
+            _check_regular(os.fstat(stream.fileno()))
+            found = stream.read(most + 1)  # the size that a file states may change, or be none
+    except OSError as error:
+        raise Unreadable(error.strerror or str(error)) from None
+    except ValueError:
+        raise Unreadable("its name has a null character") from None
+    if len(found) > most:
+        raise Unreadable(f"it is larger than {most // _MEGA} MB")
+    return found
+
+
+def read_text(path: str | os.PathLike[str], most: int = MOST_TABLE) -> str:
+    """Return the text of a regular file in UTF-8, with or without its mark, line ends as \\n; raise Unreadable."""
+    try:
+        text = read_bytes(path, most).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise Unreadable("it is not UTF-8 text") from None
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def irregular(path: str | os.PathLike[str]) -> str:
+    """Return what lies at a path that is no regular file, in words; empty where it is one, or where nothing is."""
+    try:
+        _check_regular(os.stat(path))
+    except Unreadable as reason:
+        return str(reason).removeprefix("it is ")
+    except (OSError, ValueError):
+        return ""
+    return ""
+
+
+def _check_regular(found: os.stat_result) -> None:
+    if stat.S_ISDIR(found.st_mode):
+        raise Unreadable("it is a folder")
+    if not stat.S_ISREG(found.st_mode):
+        raise Unreadable("it is a pipe or a device, not a file")

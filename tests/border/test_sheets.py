@@ -1,0 +1,97 @@
+"""Tables in CSV: a cell a column, or one line with its number; the same rule wherever a table is read."""
+
+import pytest
+
+from screwsim.effects.motor import read_table as read_motor
+from screwsim.faults import SceneError, UsageError
+from screwsim.machine.rotors.imported import read_profile
+from screwsim.numerics.spline import read_curve
+from screwsim.scene import load
+from screwsim.sheets import MOST_ROWS, BadSheet, read_sheet, sheet_of
+from screwsim.study.validation import NotRun, read_table
+
+DECIMAL_COMMAS = "has 3 cells, the first line 2 (write decimal points, no decimal commas: one cell a column)"
+SCENE = """\
+machine:
+  rotor_diameter: 160 mm
+  rotor_length: 176 mm
+  volume: {max: 600 cm^3, phi_A: 60 deg}
+  suction_port: {area: 40 cm^2, phi_B: 60 deg}
+  discharge_port: {area: 12 cm^2, opens: 600 deg, phi_C: 640 deg}
+gas: {fluid: R134a}
+operation: {speed: 3000 rpm, suction: {pressure: 1.5 bar, temperature: 283 K}, discharge: {pressure: 12 bar}}
+effects: {suction_port: , discharge_port: }
+sweep:
+  operation.speed: {file: speeds.csv, column: speed, unit: rpm}
+"""
+
+
+def test_comments_and_empty_lines_say_nothing_and_lines_keep_their_numbers():
+    sheet = sheet_of('# source\n\na, b\n  # more\n"1,5", 2\n')
+    assert sheet.names == ("a", "b")
+    assert sheet.records() == [{"a": "1,5", "b": "2"}]
+    assert sheet.columns("b") == [(5, ("2",))]
+
+
+@pytest.mark.parametrize("ends", ["\n", "\r\n", "\r"])
+def test_all_ends_of_lines_are_read_alike(ends, tmp_path):
+    (tmp_path / "x.csv").write_bytes(f"\ufeffa,b{ends}1,2{ends}".encode())
+    assert read_sheet(tmp_path / "x.csv").records() == [{"a": "1", "b": "2"}]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("a,b\n1,2\n650,0,004\n", "line 3: " + DECIMAL_COMMAS),
+        ("a,b\n1\n", "line 2: has 1 cell, the first line 2 (fill the row: one cell a column)"),
+        ("a,b\n1,2,\n", "line 2: has 3 cells"),
+        ("a,a\n1,2\n", "line 1: has the column 'a' twice (remove one)"),
+        ('a,b\n"1,2\n', "line 2: is not CSV: unexpected end of data"),
+        ("a,b\n" + "1" * 200_000 + ",2\n", "line 2: holds a cell that is too long"),
+        ("a,b\n" + "," * 5000 + "\n", "line 2: has 5001 cells (at most 4096 are allowed)"),
+        ("a,b\n" + "1,2\n" * (MOST_ROWS + 1), "has 200001 rows (at most 200000 are read; leave some out)"),
+    ],
+    ids=["decimal commas", "too few", "a comma at the end", "twice", "quote", "long", "wide", "many"],
+)
+def test_what_is_no_table_is_told_with_its_line(text, said):
+    with pytest.raises(BadSheet) as caught:
+        sheet_of(text)
+    assert str(caught.value).startswith(said)
+
+
+def test_a_missing_column_is_told_with_those_that_are_there():
+    with pytest.raises(BadSheet, match=r"needs the columns a and c \(found: a, b\)"):
+        sheet_of("a,b\n1,2\n").columns("a", "c")
+
+
+def split(tmp_path, names: str) -> str:
+    """Return the path of a table of two columns whose third line has a decimal comma."""
+    path = tmp_path / "x.csv"
+    path.write_text(f"{names}\n1,0.5\n2,0,6\n3,0.7\n", encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("read", "names", "kind"),
+    [
+        (lambda path: read_curve(path, "area_m2"), "angle_deg,area_m2", UsageError),
+        (read_motor, "load,efficiency", UsageError),
+        (read_profile, "x_mm,y_mm", UsageError),
+        (read_table, "a,b", NotRun),
+    ],
+    ids=["curve", "motor", "profile", "validation"],
+)
+def test_a_decimal_comma_is_a_fault_in_every_kind_of_table(read, names, kind, tmp_path):
+    with pytest.raises(kind) as caught:
+        read(split(tmp_path, names))
+    assert f"line 3: {DECIMAL_COMMAS}" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_decimal_comma_in_a_swept_column_is_a_fault_at_the_axis(tmp_path):
+    (tmp_path / "x.yaml").write_text(SCENE, encoding="utf-8")
+    (tmp_path / "speeds.csv").write_text("speed,note\n1000,a\n2000,5,b\n", encoding="utf-8")
+    with pytest.raises(SceneError) as caught:
+        load(tmp_path / "x.yaml")
+    (line,) = caught.value.lines
+    assert line.endswith(f"x.yaml:11:20: sweep.operation.speed: speeds.csv line 3: {DECIMAL_COMMAS}")
