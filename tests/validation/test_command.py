@@ -1,12 +1,14 @@
 """`screwsim validate`: a small source of its own in a folder, what it shows, and how it ends."""
 
 import json
+from pathlib import Path
 
 import pytest
 
+import screwsim
 from screwsim import cli
 from screwsim.faults import UsageError
-from screwsim.study.validation import document, equal, folder_of, names_of, run_sources, trend
+from screwsim.study.validation import document, equal, folder_of, names_of, run_sources, sources, trend
 from screwsim.study.validation.record import Row
 from screwsim.study.validation.words import report, row_text, summary
 
@@ -31,12 +33,25 @@ REFUSING = (
 
 @pytest.fixture
 def checkout(tmp_path, monkeypatch):
-    """Work below a folder that has validation/small."""
+    """Work below a checkout, that of the running package, which has validation/small."""
     (tmp_path / "validation" / "small").mkdir(parents=True)
     (tmp_path / "validation" / "small" / "compare.py").write_text(SOURCE, encoding="utf-8")
+    (tmp_path / "pyproject.toml").write_text('[project]\nname = "screwsim"\n', encoding="utf-8")
     (tmp_path / "below").mkdir()
     monkeypatch.chdir(tmp_path / "below")
+    monkeypatch.setattr(sources, "PACKAGE", tmp_path / "src" / "screwsim")
     return tmp_path
+
+
+@pytest.fixture
+def trap(tmp_path, monkeypatch):
+    """Work below a folder of somebody's whose validation/ holds a program; return what it would leave."""
+    (tmp_path / "validation" / "trap").mkdir(parents=True)
+    program = f"open({str(tmp_path / 'ran')!r}, 'w').close()\n" + SOURCE
+    (tmp_path / "validation" / "trap" / "compare.py").write_text(program, encoding="utf-8")
+    (tmp_path / "below").mkdir()
+    monkeypatch.chdir(tmp_path / "below")
+    return tmp_path / "ran"
 
 
 def run(capsys, *arguments):
@@ -44,7 +59,8 @@ def run(capsys, *arguments):
     return code, *capsys.readouterr()
 
 
-def test_the_folder_is_found_upwards(checkout):
+def test_the_folder_is_that_of_the_running_checkout(checkout, monkeypatch):
+    monkeypatch.chdir("/")
     assert folder_of() == checkout / "validation"
     assert names_of(folder_of()) == ["small"]
 
@@ -94,13 +110,32 @@ def test_an_unknown_name_is_one_line_with_the_nearest(checkout, capsys):
     assert "did you mean small?" in err
 
 
-def test_without_a_checkout_one_line_says_where_it_is(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.parametrize("project", [None, '[project]\nname = "other"\n', "no TOML ["])
+def test_without_a_checkout_nothing_is_run_and_one_line_says_where_it_is(trap, project, monkeypatch, capsys):
+    monkeypatch.setattr(sources, "PACKAGE", trap.parent / "src" / "screwsim")
+    if project is not None:
+        (trap.parent / "pyproject.toml").write_text(project, encoding="utf-8")
     code, out, err = run(capsys)
     assert (code, out) == (2, "")
     assert err.count("\n") == 1
     assert "checkout" in err
     assert "--folder" in err
+    assert not trap.exists()
+
+
+def test_programs_beside_the_working_folder_are_not_run(trap, capsys):
+    assert folder_of() == Path(screwsim.__file__).resolve().parents[2] / "validation"
+    code, out, err = run(capsys, "trap")
+    assert (code, out) == (2, "")
+    assert "trap: no source of that name" in err
+    assert not trap.exists()
+
+
+def test_programs_of_a_folder_that_is_named_are_run(trap, capsys):
+    code, out, _ = run(capsys, "--folder", str(trap.parent / "validation"))
+    assert code == 0
+    assert "A small source" in out
+    assert trap.exists()
 
 
 def test_a_folder_without_sources_is_refused(tmp_path):

@@ -296,7 +296,11 @@ def validate(
     ] = None,
     folder: Annotated[
         Path | None,
-        typer.Option("--folder", metavar="DIR", help="Where the sources lie (default: validation/ here or above)."),
+        typer.Option(
+            "--folder",
+            metavar="DIR",
+            help="Where the sources lie, programs that are run (default: validation/ of the checkout that is running).",
+        ),
     ] = None,
     output: Annotated[
         Path | None, typer.Option("-o", metavar="DIR", help="Write validation.json and a figure a source.")

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+import tomllib
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import screwsim
 from screwsim import __version__
 from screwsim.faults import UsageError
 from screwsim.near import nearest
@@ -16,8 +18,10 @@ from screwsim.study.each import each
 from screwsim.study.progress import Progress
 from screwsim.study.validation.asking import sibling
 from screwsim.study.validation.record import VERDICTS, Comparison, NotRun
+from screwsim.textfiles import Unreadable, read_text
 
 FOLDER, MODULE = "validation", "compare.py"
+PACKAGE = Path(screwsim.__file__).resolve().parent
 FIRST = ("plain", "exact", "bitzer", "paper", "cross_code")  # the longest; side by side they compile different models
 DIED = "its worker died (run this source alone)"
 
@@ -33,23 +37,33 @@ class Outcome:
 
 
 def folder_of(wanted: str | Path | None = None) -> Path:
-    """Return the folder of the sources: the wanted one, or `validation/` here or in a folder above.
+    """Return the folder of the sources: the wanted one, or `validation/` of the checkout that is running.
 
-    Raises UsageError where there is none.
+    The sources are programs: none is looked for where the user happens to work. Raises UsageError where there is none.
     """
     if wanted is not None:
         folder = Path(wanted)
         if _has_sources(folder):
             return folder.resolve()
         raise UsageError(f"{folder}: holds no source (--folder names the folder validation/ of a checkout)")
-    here = Path.cwd()
-    for place in (here, *here.parents):
-        if _has_sources(place / FOLDER):
-            return place / FOLDER
+    root = _checkout()
+    if root is not None and _has_sources(root / FOLDER):
+        return root / FOLDER
     raise UsageError(
-        "no folder validation/ here or above: it is part of the source checkout, not of the installed package "
-        "(work in a checkout or an unpacked source distribution, or name the folder with --folder)"
+        f"this screwsim ({PACKAGE}) has no folder {FOLDER}/: it is part of the source checkout, not of the installed "
+        f"package (name one whose programs {MODULE} you trust with --folder, or run the screwsim of a checkout)"
     )
+
+
+def _checkout() -> Path | None:
+    """Return the checkout of which the running package is the source; None of an installed one."""
+    root = PACKAGE.parents[1]
+    try:
+        project = tomllib.loads(read_text(root / "pyproject.toml"))
+    except (Unreadable, tomllib.TOMLDecodeError):
+        return None
+    ours = PACKAGE.parent.name == "src" and project.get("project", {}).get("name") == PACKAGE.name
+    return root if ours else None
 
 
 def _has_sources(folder: Path) -> bool:
