@@ -11,10 +11,15 @@ import stat
 MOST_YAML = 4_000_000  # [byte] of a scene, a fit or a file of stages: some tens of thousands of lines
 MOST_TABLE = 16_000_000  # [byte] of a table
 _MEGA = 1_000_000
+_HDF5 = b"\x89HDF"
 
 
 class Unreadable(Exception):
-    """Say why a file cannot be read, in words that go on after its name."""
+    """Say why a file cannot be read, in words that go on after its name, and where in it; `hdf5`: it is one of those."""
+
+    def __init__(self, reason: str, line: int = 1, column: int = 1, hdf5: bool = False) -> None:
+        super().__init__(reason)
+        self.line, self.column, self.hdf5 = line, column, hdf5
 
 
 def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
@@ -37,10 +42,13 @@ def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
 
 def read_text(path: str | os.PathLike[str], most: int = MOST_TABLE) -> str:
     """Return the text of a regular file in UTF-8, with or without its mark, line ends as \\n; raise Unreadable."""
+    content = read_bytes(path, most)
     try:
-        text = read_bytes(path, most).decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise Unreadable("it is not UTF-8 text") from None
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = content[: error.start].decode("utf-8", "replace")
+        line, column = before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1
+        raise Unreadable("it is not UTF-8 text", line, column, content.startswith(_HDF5)) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

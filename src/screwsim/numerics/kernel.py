@@ -53,7 +53,7 @@ class Kernel:
 def flat_module(function: Callable[..., Any]) -> str:
     """Return a module's name as part of a flat name; a user's module never shares one with ours."""
     name = function.__module__
-    return name.rpartition(".")[2] if name.startswith("screwsim.") else "user_" + name.replace(".", "_")
+    return name.rpartition(".")[2] if name.startswith("screwsim.") else "user_" + re.sub(r"\W", "_", name)
 
 
 def source_of(function: Callable[..., Any]) -> str:

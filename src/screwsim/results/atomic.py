@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from screwsim.faults import UsageError
+from screwsim.textfiles import irregular
 
 HDF5 = b"\x89HDF\r\n\x1a\n"  # how such a file begins
 
@@ -32,6 +33,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
     When anything fails it is removed and the old file stays. Raise UsageError, in one line, when the system refuses.
     """
+    check_target_kind(path)
     temporary = beside(path)
     try:
         with refused(path):
@@ -82,8 +84,16 @@ def remove(path: Path) -> None:
         path.unlink(missing_ok=True)
 
 
+def check_target_kind(path: Path) -> None:
+    """Raise UsageError where a folder, a pipe or a device lies at `path`: it would be replaced, or waited for."""
+    what = irregular(path)
+    if what:
+        raise UsageError(f"{path}: is {what} (choose another -o)")
+
+
 def keep_others(path: Path, begins: bytes) -> None:
     """Raise UsageError where a file lies at `path` that does not begin so: none of ours, which stays."""
+    check_target_kind(path)
     try:
         with path.open("rb") as stream:
             found = stream.read(len(begins))

@@ -1,4 +1,4 @@
-"""Results from HDF5: figures by name, read when asked for."""
+"""Results from HDF5: figures by name, read when asked for; nothing but what results hold is taken from a file."""
 
 from __future__ import annotations
 
@@ -11,13 +11,24 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.outputs import STATUSES, Variable
+from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES, Variable
+from screwsim.results import stored
 from screwsim.results.netcdf import SEPARATOR
 from screwsim.results.schema import SCHEMA, Axis
+from screwsim.results.stored import REMEDY, Odd, opened
 
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
 _OPTIONAL = ("cycle", "ledger", "knock_out")  # the first two come with traces, the last where it was asked for
-_REMEDY = "give a file that `screwsim run` or `screwsim sweep` wrote"
+_OWN = {"cycle": "angle", "knock_out": "effect"}  # the coordinate of its own that a group has
+_LARGEST = 1e100  # of a coordinate, in SI units
+_TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
+
+
+class NoVariable(UsageError, KeyError):
+    """Report a variable that a file does not have."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class Group(Mapping[str, np.ndarray]):
@@ -34,20 +45,21 @@ class Group(Mapping[str, np.ndarray]):
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self.about:
-            raise KeyError(f"{self.name} has no {name!r}; it has {', '.join(self.about) or 'nothing'}")
+            has = ", ".join(self.about) or "nothing"
+            raise NoVariable(f"{self._path}: {self.name} has no {name!r}; it has {has} ({REMEDY})")
         if name not in self._read:
-            with _opened(self._path) as file:
-                self._read[name] = _values(file[self.name], name)
+            with opened(self._path) as file:
+                self._read[name] = _values(stored.member(file, self.name, dataset=False), name)
         return self._read[name]
 
     def texts_at(self, name: str, cases: np.ndarray) -> list[str]:
         """Return a text of some cases, by their numbers (last axis fastest), without making those of all."""
-        with _opened(self._path) as file:
-            group = file[self.name]
-            if f"{name}_text" not in group:
+        with opened(self._path) as file:
+            group = stored.member(file, self.name, dataset=False)
+            if f"{name}_text" not in stored.names_of_links(group):
                 return [str(_values(group, name))] * len(cases)
             words = _words(group, name)
-            return [words[number] for number in group[name][()].ravel()[cases]]
+            return [words[number] for number in _numbers(group, name, len(words)).ravel()[cases]]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.about)
@@ -57,8 +69,8 @@ class Group(Mapping[str, np.ndarray]):
 
     def part(self, name: str, index: tuple[slice, ...]) -> np.ndarray:
         """Return a part of a variable of numbers, read from the file now and not kept."""
-        with _opened(self._path) as file:
-            return np.asarray(file[self.name][name][index])
+        with opened(self._path) as file:
+            return stored.values(stored.member(stored.member(file, self.name, dataset=False), name), index)
 
 
 @dataclass(frozen=True)
@@ -120,125 +132,166 @@ class Results:
 def open_results(path: str | Path) -> Results:
     """Return the results in a file; raise UsageError, in one line, when it is not a results file of ours."""
     path = Path(path)
-    with _opened(path) as file:
-        attributes = _root(path, file)
-        try:
-            return _results(path, file, attributes)
-        except KeyError as error:
-            raise UsageError(f"{path}: is not a complete results file: {error.args[0]} ({_REMEDY})") from error
+    with opened(path) as file:
+        return _results(path, file, _root(path, file))
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
     """Return the attributes of a results file alone; raise UsageError as `open_results`."""
-    with _opened(path) as file:
+    with opened(path) as file:
         return _root(path, file)
 
 
 def count_statuses(path: Path) -> tuple[int, ...]:
     """Return how many cases of a results file ended in each of `outputs.STATUSES`."""
-    with _opened(path) as file:
-        status = file["performance/status"][()]
+    with opened(path) as file:
+        status = _values(stored.member(file, "performance", dataset=False), "status")
     return tuple(int(np.count_nonzero(status == index)) for index in range(len(STATUSES)))
 
 
 def _results(path: Path, file: Any, attributes: Mapping[str, Any]) -> Results:
-    axes = _axes(file["performance"])
-    names = tuple(inner.name for axis in axes for inner in (axis, *axis.joined))
+    axes = _axes(stored.member(file, "performance", dataset=False))
     groups = ("inputs", "performance", "balance", "error", "numerics", *_OPTIONAL)
-    return Results(path, attributes, axes, *(_group(path, file, name, names) for name in groups))
+    return Results(path, attributes, axes, *(_group(path, file, name, axes) for name in groups))
 
 
-def _group(path: Path, file: Any, name: str, axes: tuple[str, ...]) -> Group:
-    if name in _OPTIONAL and name not in file:
+def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
+    if name in _OPTIONAL and name not in stored.names_of_links(file):
         return Group(path, name, {})
-    left_out = axes if name != "inputs" else tuple(each for each in axes if file[name][each].is_scale)
-    return Group(path, name, _about_all(file[name], left_out))
+    group = stored.member(file, name, dataset=False)
+    known = tuple(inner.name for axis in axes for inner in (axis, *axis.joined))
+    if name == "inputs":
+        known = tuple(each for each in known if stored.is_scale(stored.member(group, each)))
+    shape = () if name == "knock_out" else tuple(len(axis.values) for axis in axes)
+    own = _own_length(group, _OWN.get(name))
+    return Group(path, name, _about_all(group, known, _Shapes(name, shape, own)))
+
+
+def _own_length(group: Any, coordinate: str | None) -> tuple[int, ...]:
+    """Return the length of the coordinate of its own that a group has."""
+    if coordinate is None:
+        return ()
+    found = stored.shape(stored.member(group, coordinate))
+    if len(found) != 1 or not found[0]:
+        raise Odd(f"is not a results file: {group.name}/{coordinate} is no coordinate")
+    return found
+
+
+@dataclass(frozen=True)
+class _Shapes:
+    """What shapes the variables of a group may have: over the axes, then over what the group has of its own."""
+
+    group: str
+    axes: tuple[int, ...]
+    own: tuple[int, ...]
+
+    def check(self, name: str, data: Any) -> None:
+        """Raise Odd of a variable of another shape, or of texts where they cannot be."""
+        found, numbers = stored.shape(data), stored.is_numbers(data)
+        if self.group == "inputs":
+            fits = numbers and len(found) <= 1
+        elif not numbers:  # one text
+            fits = len(found) == 1 and not self.axes and not self.own
+        elif name == _OWN.get(self.group):
+            fits = found == self.own
+        else:
+            fits = found == (*self.axes, *self.own)
+        if not fits:
+            raise Odd(f"is not a results file: {data.name} has the shape {found}, which does not go with the axes")
 
 
 def _axes(group: Any) -> tuple[Axis, ...]:
     """Return the axes of a group with what varies along each."""
-    coordinates = [data for data in group.values() if "path" in data.attrs]
-    joined = [data for data in coordinates if not data.is_scale]
-    return tuple(
-        _axis(scale)._replace(joined=tuple(_axis(data) for data in joined if data.dims[0][0] == scale))
-        for scale in coordinates
-        if scale.is_scale
+    every = (stored.member(group, name) for name in stored.names(group))
+    coordinates = [data for data in every if stored.has_attribute(data, "path")]
+    scales = [data for data in coordinates if stored.is_scale(data)]
+    joined = [(stored.scale_of(data), data) for data in coordinates if not stored.is_scale(data)]
+    found = tuple(
+        _axis(scale)._replace(joined=tuple(_axis(data) for own, data in joined if own == scale)) for scale in scales
     )
+    for axis in found:
+        if any(len(inner.values) != len(axis.values) for inner in axis.joined):
+            raise Odd(f"is not a results file: what varies along {axis.path} has other lengths")
+    names = [inner.name for axis in found for inner in (axis, *axis.joined)]
+    if len(set(names)) != len(coordinates):
+        raise Odd(f"is not a results file: the coordinates of {group.name} do not make axes")
+    return found
 
 
-def _about_all(group: Any, axes: tuple[str, ...]) -> dict[str, Variable]:
+def _about_all(group: Any, axes: tuple[str, ...], shapes: _Shapes) -> dict[str, Variable]:
     """Return unit and meaning of the variables that are no axis, no texts of numbers, no bare dimension."""
-    texts = {f"{name}_text" for name in group}
-    return {
-        name: _about(data)
-        for name, data in group.items()
-        if name not in axes and name not in texts and "units" in data.attrs
-    }
+    every = stored.names(group)
+    texts = {f"{name}_text" for name in every}
+    found = {}
+    for name in every:
+        data = None if name in axes or name in texts else stored.member(group, name)
+        if data is not None and stored.has_attribute(data, "units"):
+            shapes.check(name, data)
+            found[name] = _about(data)
+    return found
 
 
 def _about(data: Any) -> Variable:
-    return Variable(_text(data.attrs["units"]), _text(data.attrs["long_name"]))
+    return Variable(stored.text_attribute(data, "units"), stored.text_attribute(data, "long_name"))
 
 
 def _axis(data: Any) -> Axis:
-    values = _labelled(data) if "labels" in data.attrs else data[()]
-    return Axis(_text(data.attrs["path"]), values, *_about(data))
+    if len(stored.shape(data)) != 1 or not stored.is_numbers(data):
+        raise Odd(f"is not a results file: {data.name} is no coordinate")
+    values = _labelled(data) if stored.has_attribute(data, "labels") else stored.values(data)
+    if not len(values) or (values.dtype.kind == "f" and not np.all(np.abs(values) < _LARGEST)):
+        raise Odd(f"is not a results file: {data.name} has values that are none of a coordinate")
+    axis = Axis(stored.text_attribute(data, "path"), values, *_about(data))
+    if axis.name != data.name.rpartition("/")[2]:
+        raise Odd(f"is not a results file: {data.name} is the coordinate of another path")
+    return axis
 
 
 def _values(group: Any, name: str) -> np.ndarray:
     """Return a variable; texts as str, also those that are stored as numbers of a text in `<name>_text`."""
-    values = np.asarray(group[name][()])
-    if group[name].is_scale and "labels" in group[name].attrs:
-        return _labelled(group[name])
-    if f"{name}_text" in group:
+    data = stored.member(group, name)
+    if stored.is_scale(data) and stored.has_attribute(data, "labels"):
+        return _labelled(data)
+    if f"{name}_text" in stored.names_of_links(group):
         words = _words(group, name)
+        values = _numbers(group, name, len(words))
         large = values.size * max(map(len, words)) > _LONG_TEXTS
         return np.array(words, object if large else np.str_)[values]
-    return np.array(_string(values)) if values.dtype.kind == "S" else values
+    if name == "status":
+        first, words = (0, KNOCK_OUT_STATUSES) if group.name.endswith("/knock_out") else (-1, STATUSES)
+        return _numbers(group, name, len(words), first)
+    return stored.values(data) if stored.is_numbers(data) else np.array(stored.characters(data))
+
+
+def _numbers(group: Any, name: str, count: int, first: int = 0) -> np.ndarray:
+    """Return a variable of numbers of words, from `first` to below `count`."""
+    values = stored.values(stored.member(group, name))
+    if values.dtype.kind not in "iu" or (values.size and not first <= values.min() <= values.max() < count):
+        raise Odd(f"is damaged: {group.name}/{name} has numbers of texts that are not there")
+    return values
 
 
 def _labelled(data: Any) -> np.ndarray:
-    return np.array(_text(data.attrs["labels"]).split("\n"))[data[()]]
+    labels = np.array(stored.text_attribute(data, "labels").split("\n"))
+    return labels[_numbers(data.parent, data.name.rpartition("/")[2], len(labels))]
 
 
 def _words(group: Any, name: str) -> list[str]:
-    return _string(group[f"{name}_text"][()]).split(SEPARATOR)
-
-
-def _string(characters: np.ndarray) -> str:
-    return characters.tobytes().decode().rstrip("\0")
-
-
-def _text(value: Any) -> Any:
-    return value.decode() if isinstance(value, bytes) else value
+    return stored.characters(stored.member(group, f"{name}_text")).split(SEPARATOR)
 
 
 def _root(path: Path, file: Any) -> dict[str, Any]:
     """Return the attributes of a file that this version can read."""
-    if "screwsim_schema" not in file.attrs:
-        raise UsageError(f"{path}: is an HDF5 file of another program ({_REMEDY})")
-    attributes = {name: _text(value) for name, value in file.attrs.items()}
-    schema = int(attributes["screwsim_schema"])
+    if not stored.has_attribute(file, "screwsim_schema"):
+        raise UsageError(f"{path}: is an HDF5 file of another program ({REMEDY})")
+    attributes = stored.attributes(file)
+    schema = attributes.get("screwsim_schema")
+    if not isinstance(schema, int | np.integer):
+        raise Odd("is not a results file: its schema is no whole number")
     if schema > SCHEMA:
         source = attributes.get("source", "a newer screwsim")
         raise UsageError(f"{path}: was written by {source} in schema {schema}, newer than {SCHEMA} (update screwsim)")
+    for name in _TEXTS:
+        if not isinstance(attributes.get(name), str):
+            raise Odd(f"is not a complete results file: its attribute {name} is missing")
     return attributes
-
-
-def _opened(path: Path) -> Any:
-    """Open an HDF5 file to read; raise UsageError with what is wrong with it."""
-    import h5py
-
-    if not path.exists():
-        raise UsageError(f"{path}: there is no such file ({_REMEDY})")
-    if path.is_dir():
-        raise UsageError(f"{path}: is a folder ({_REMEDY})")
-    try:
-        with path.open("rb"):
-            pass
-        if not h5py.is_hdf5(path):
-            raise UsageError(f"{path}: is not an HDF5 file ({_REMEDY})")
-        return h5py.File(path, "r")
-    except OSError as error:
-        why = "may not be read" if isinstance(error, PermissionError) else "is damaged or cut short"
-        raise UsageError(f"{path}: {why} (write it again, or {_REMEDY})") from error

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.outputs import Figures, Result
-from screwsim.results.atomic import beside, make_folder, put, refused, remove
+from screwsim.results.atomic import beside, check_target_kind, make_folder, put, refused, remove
 from screwsim.results.guarded import GuardedFile
 from screwsim.results.knock_out import write_knock_out
 from screwsim.results.netcdf import Selection, chunks_of
@@ -92,6 +92,7 @@ class Draft:
         if cases != source.cases:
             raise ValueError(f"{source.cases} results for {cases} cases")
         make_folder(self._path.parent)
+        check_target_kind(self._path)
         with refused(self._path):
             names, words = names_of(source.heads())
             plan = self._plan

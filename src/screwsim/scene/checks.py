@@ -148,6 +148,8 @@ def _curve_fault(name: str, column: str, folder: str) -> str | None:
         _, values = read_curve(name, column)
     except UsageError as error:
         return f"{shown}: {str(error).removeprefix(f'{name}: ')}"
+    if column == VOLUME_COLUMN and not max(values) > 0.0:
+        return f"{shown}: the volume is zero everywhere (write the volume of a chamber [m3] over its angle)"
     if column == VOLUME_COLUMN and abs(values[0] - values[-1]) > 1e-6 * max(values):
         return f"{shown}: the volume must end as it begins (what is left at 720 deg is what the chamber starts with)"
     return None

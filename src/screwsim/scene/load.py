@@ -12,15 +12,17 @@ from screwsim.faults import Fault, SceneError, UsageError
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import leaf_paths, scene_section
-from screwsim.scene.files import NotText, other_file, read_text
+from screwsim.scene.files import other_file
 from screwsim.scene.sections import read_effects, read_section
 from screwsim.scene.sweep import read_sweep
 from screwsim.scene.types import Scene
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer
+from screwsim.textfiles import MOST_YAML, Unreadable, read_text
 
 OVERRIDE = 1_000_000  # rank of the first override: after all files
+MOST_BASES = 32  # one above the other
 
 
 def load(
@@ -84,13 +86,13 @@ def _read_file(
 ) -> Node | None:
     """Return the tree of a file and its bases; `at` says where and how it was named, `trail` the files on the way."""
     try:
-        text = read_text(name)
-    except NotText as error:
-        what = f"cannot be read: {error.reason} (name an existing scene file, saved as UTF-8)"
-        if error.results:
+        text = read_text(name, MOST_YAML)
+    except Unreadable as error:
+        what = f"cannot be read: {error} (name an existing scene file, saved as UTF-8)"
+        if error.hdf5:
             what = f"is a file of results, not a scene (screwsim report {name} makes a page of it)"
         elif at is None and os.path.isfile(f"{name}.yaml"):
-            what = f"cannot be read: {error.reason} (there is {name}.yaml)"
+            what = f"cannot be read: {error} (there is {name}.yaml)"
         there = start.at(error.line, error.column)
         problems.append(Problem(there, "", what) if at is None else replace(at, what=f"{at.what} {what}"))
         return None
@@ -134,8 +136,9 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: list[Problem]) -> N
     path = os.path.join(node.place.folder, node.value)
     real = os.path.realpath(path)
     at = replace(at, what=shown(node.value))
-    if real in trail:
-        problems.append(replace(at, what=f"{at.what} is based on this file again (a chain of bases must end)"))
+    if real in trail or len(trail) > MOST_BASES:
+        again = "is based on this file again" if real in trail else f"is the base of more than {MOST_BASES} files"
+        problems.append(replace(at, what=f"{at.what} {again} (a chain of bases must end)"))
         return None
     source = os.path.normpath(os.path.join(os.path.dirname(node.place.source), node.value))
     start = Place(node.place.rank + 1, source, folder=os.path.dirname(os.path.abspath(path)))

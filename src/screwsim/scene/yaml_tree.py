@@ -5,6 +5,7 @@ Scalars follow YAML 1.2: `1e-3` is a number and `no` a word. Faults are collecte
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,6 +15,10 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
 ROOT = "<root>"
+MOST_NODES = 1_000_000  # of one text, every alias written out
+MOST_LEVELS = 32
+_LONGEST_PATH = 200  # letters of a path that a fault shows
+_LONE = re.compile("[\ud800-\udfff]")
 
 
 @dataclass(frozen=True, order=True)
@@ -57,7 +62,8 @@ class Problem:
     what: str
 
     def __str__(self) -> str:
-        return one_line(f"{self.place}: {self.path or ROOT}: {self.what}")
+        path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[:_LONGEST_PATH]}…"
+        return one_line(f"{self.place}: {path or ROOT}: {self.what}")
 
 
 def one_line(text: str) -> str:
@@ -85,9 +91,49 @@ def compose(text: str, start: Place, problems: list[Problem], path: str = "") ->
         problems.append(Problem(start, path, f"is not YAML: {what} (save the file as plain text)"))
         return None
     except RecursionError:
-        problems.append(Problem(start, path, "is nested too deeply (a scene has at most five levels)"))
+        problems.append(Problem(start, path, _TOO_DEEP))
         return None
-    return None if root is None else _Converter(start, problems).convert(root, path)
+    if root is None:
+        return None
+    what = _size_fault(root)
+    if what:
+        problems.append(Problem(start, path, what))
+        return None
+    return _Converter(start, problems).convert(root, path)
+
+
+_TOO_DEEP = f"is nested deeper than {MOST_LEVELS} levels (a scene has about five)"
+
+
+def _size_fault(root: Any) -> str:
+    """Return what is wrong with the size of ruamel's tree, every alias written out; empty where nothing is.
+
+    Aliases of aliases are few letters and an immense tree; here each node is looked at once.
+    """
+    sizes: dict[int, tuple[int, int]] = {}  # number of nodes, and of levels
+
+    def size(node: Any) -> tuple[int, int]:
+        if id(node) not in sizes:
+            sizes[id(node)] = 0, 0  # inside itself: told where the tree is made
+            inner = [size(child) for child in _children(node)]
+            sizes[id(node)] = 1 + sum(n for n, _ in inner), 1 + max((levels for _, levels in inner), default=0)
+        return sizes[id(node)]
+
+    try:
+        nodes, levels = size(root)
+    except RecursionError:
+        return _TOO_DEEP
+    if levels > MOST_LEVELS:
+        return _TOO_DEEP
+    if nodes > MOST_NODES:
+        return f"has more than {MOST_NODES} values when its aliases are written out (write fewer)"
+    return ""
+
+
+def _children(node: Any) -> list[Any]:
+    if isinstance(node, MappingNode):
+        return [part for pair in node.value for part in pair]
+    return node.value if isinstance(node, SequenceNode) else []
 
 
 class _Converter:
@@ -114,18 +160,31 @@ class _Converter:
 
     def value(self, node: Any, path: str) -> Any:
         if isinstance(node, ScalarNode):
-            return scalar(node.tag, node.value)
+            return scalar(node.tag, self.text(node, path))
         if isinstance(node, SequenceNode):
             return [self.convert(item, path) for item in node.value]
         return dict(self.items(node, path))
 
+    def text(self, node: ScalarNode, path: str) -> str:
+        """Return the letters of a scalar; half a letter, or a null character, is a fault."""
+        text = whole_letters(node.value)
+        for fault, what in (
+            (_LONE.search(text), "half a letter (a lone surrogate)"),
+            ("\0" in text, "a null character"),
+        ):
+            if fault:
+                self.problems.append(Problem(self.place(node), path, f"holds {what} (remove it)"))
+                return ""
+        return text
+
     def items(self, node: MappingNode, path: str) -> Iterator[tuple[str, Node]]:
         seen: dict[str, Place] = {}
         for key, child in node.value:
-            name, place = str(key.value), self.place(key)
+            word = isinstance(key, ScalarNode)
+            name, place = self.text(key, path) if word else "?", self.place(key)
             what = None
-            if not isinstance(key, ScalarNode):
-                name, what = "?", "has a key that is not a word (write NAME: value)"
+            if not word:
+                what = "has a key that is not a word (write NAME: value)"
             elif key.tag.endswith(":merge"):
                 what = "merge keys are not supported (write the keys out, or use base:)"
             elif name in seen:
@@ -135,6 +194,11 @@ class _Converter:
                 continue
             seen[name] = place
             yield name, replace(self.convert(child, join(path, name)), key=place)
+
+
+def whole_letters(text: str) -> str:
+    """Return a text whose letters beyond 16 bits are whole: JSON writes each as an escape of two halves."""
+    return text.encode("utf-16", "surrogatepass").decode("utf-16", "surrogatepass") if _LONE.search(text) else text
 
 
 def scalar(tag: str, text: str) -> Any:

@@ -11,6 +11,7 @@ from typing import Any
 from screwsim.faults import UsageError
 from screwsim.results.schema import version
 from screwsim.study.workers import LOST
+from screwsim.textfiles import Unreadable, read_text
 
 _PATIENCE = 60.0  # [s] for the scheduler's answer, and again for the first worker
 _REMEDY = "give tcp://HOST:PORT, or the file that `dask scheduler --scheduler-file FILE` writes"
@@ -93,6 +94,6 @@ def _address(where: str) -> str:
             return f"tcp://{where}"
         raise UsageError(f"{where}: is neither an address nor a file ({_REMEDY})")
     try:
-        return str(json.loads(path.read_text())["address"])
-    except (OSError, ValueError, KeyError, TypeError):
+        return str(json.loads(read_text(path))["address"])
+    except (Unreadable, ValueError, RecursionError, KeyError, TypeError):
         raise UsageError(f"{where}: is no scheduler file ({_REMEDY})") from None

@@ -7,16 +7,20 @@ from __future__ import annotations
 
 import json
 import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from screwsim.outputs import STATUSES
 from screwsim.results.atomic import replacing
 from screwsim.results.table import FIGURES, TEXTS, Table, Texts
+from screwsim.textfiles import irregular
 
 _TRACE = "trace_"
-_UNREADABLE = (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile)
+_UNREADABLE = (OSError, EOFError, LookupError, ValueError, TypeError, AttributeError, NotImplementedError)
+_UNREADABLE += (MemoryError, RecursionError, RuntimeError, zipfile.BadZipFile, zlib.error)  # what numpy and zipfile say
 
 
 def write_part(path: Path, table: Table) -> None:
@@ -84,11 +88,34 @@ def _traces(stored: Any) -> list[str]:
 
 def is_whole(path: Path, cases: int) -> bool:
     """Tell whether a part can be read to its end (its checksums included) and holds that many cases."""
+    if irregular(path):
+        return False
     try:
         with zipfile.ZipFile(path) as archive:
-            if archive.testzip() is not None:
+            packed = any(entry.compress_type != zipfile.ZIP_STORED for entry in archive.infolist())
+            if packed or archive.testzip() is not None:  # packed: none of ours, and without a bound on its size
                 return False
-        table = read_part(path, traces=False)
+        return _is_sound(read_part(path), cases)
     except _UNREADABLE:
         return False
-    return len(table) == cases and table.figures.shape == (cases, len(FIGURES))
+
+
+def _is_sound(table: Table, cases: int) -> bool:
+    """Tell whether what a part holds goes together."""
+    texts = [(words.number, len(words.words)) for words in table.texts.values()]
+    numbers = (table.status, -1, len(STATUSES)), *((number, 0, count) for number, count in texts)
+    return (
+        table.figures.shape == (cases, len(FIGURES))
+        and all(_in_range(values, cases, first, stop) for values, first, stop in numbers)
+        and all(isinstance(word, str) for words in table.texts.values() for word in words.words)
+        and all(isinstance(name, str) for name in (*table.effects, *table.states, *table.ledger))
+        and table.angle.ndim == 1
+        and all(trace.shape == (cases, table.angle.size) for trace in table.traces.values())
+        and all(values.shape == (cases,) for values in table.ledger.values())
+        and all(each.dtype.kind == "f" for each in (table.figures, table.angle, *table.traces.values()))
+    )
+
+
+def _in_range(values: np.ndarray, cases: int, first: int, stop: int) -> bool:
+    whole = values.shape == (cases,) and values.dtype.kind in "iu"
+    return whole and bool(np.all((values >= first) & (values < stop)))

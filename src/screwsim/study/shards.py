@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.results.atomic import cannot_write, make_folder, replacing
+from screwsim.results.atomic import cannot_write, check_target_kind, make_folder, replacing
 from screwsim.results.table import Table, join, same_angles
 from screwsim.study.part_files import is_whole, read_head, read_part, write_part
+from screwsim.textfiles import Unreadable, read_text
 
 MOST_SMALL = 128  # parts written until small neighbours are joined
 LARGE = 16_000_000  # [byte] of a part that stays as it is
@@ -44,8 +45,9 @@ class Parts:
 
     def stored_identity(self) -> dict[str, Any] | None:
         """Return whose parts are there; None without any."""
-        with suppress(OSError, ValueError):
-            return json.loads(self._manifest.read_text())
+        with suppress(Unreadable, ValueError, RecursionError):
+            found = json.loads(read_text(self._manifest))
+            return found if isinstance(found, dict) else None
         return None
 
     def open(self, restart: bool) -> None:
@@ -63,6 +65,7 @@ class Parts:
                 temporary.write_text(json.dumps(self.identity, indent=1))
 
     def _hold(self) -> None:
+        check_target_kind(self.folder / "lock")
         try:
             self._lock = (self.folder / "lock").open("w")
         except OSError as error:

@@ -11,11 +11,12 @@ from screwsim.faults import SceneError, UsageError
 from screwsim.scene import Scene, cross_check, leaf_of, load
 from screwsim.scene.axis import SPACING, read_fields
 from screwsim.scene.fields import Leaf
-from screwsim.scene.files import NotText, other_file, read_text
+from screwsim.scene.files import other_file
 from screwsim.scene.values import shown, text_of
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import Fit, Parameter, Point, Prior, Tie
+from screwsim.textfiles import MOST_YAML, Unreadable, read_text
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither it nor its scene asks for a better one
 HEAD = {
@@ -44,9 +45,9 @@ def read_fit(path: str | os.PathLike[str]) -> Fit:
 
 def _read(name: str, place: Place, problems: list[Problem]) -> Node | None:
     try:
-        text = read_text(name)
-    except NotText as error:
-        what = f"cannot be read: {error.reason} (name an existing fit, saved as UTF-8)"
+        text = read_text(name, MOST_YAML)
+    except Unreadable as error:
+        what = f"cannot be read: {error} (name an existing fit, saved as UTF-8)"
         problems.append(Problem(place.at(error.line, error.column), "", what))
         return None
     root = compose(text, place, problems)

@@ -16,6 +16,7 @@ from screwsim.scene.fields import section_of
 from screwsim.scene.sections import read_section
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose
+from screwsim.textfiles import MOST_YAML, Unreadable, read_text
 
 KEY = "stages"
 NAMES = ("first", "second")
@@ -70,9 +71,8 @@ def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> 
 def _root(name: str, problems: list[Problem]) -> Node | None:
     place = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
     try:
-        with open(name, encoding="utf-8-sig") as stream:
-            text = stream.read()
-    except (OSError, ValueError):
+        text = read_text(name, MOST_YAML)
+    except Unreadable:
         return None  # a scene that is not there is told of by those who read scenes
     root = compose(text, place, problems)
     return root if root is not None and isinstance(root.value, dict) else None

@@ -1,0 +1,234 @@
+"""Access to an HDF5 file that anybody may have made: what lies in the file itself, of sizes that can be, and no more.
+
+HDF5 can send its reader elsewhere: links to other files, values kept in other files or mapped from them, filters that
+are loaded as programs. Results have none of these, and a file that has is refused before anything is followed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.textfiles import irregular
+
+REMEDY = "give a file that `screwsim run` or `screwsim sweep` wrote"
+MOST_ATTRIBUTE = 4_000_000  # [byte]: the scene is the longest
+MOST_TEXTS = 256_000_000  # [byte] of the different texts of one variable
+_FILTERS = {1, 2, 3}  # deflate, shuffle, checksum: HDF5's own
+_DENSEST = 1100  # deflate makes no less than 1/1032
+_SLACK = 4096  # [byte]
+_NUMBERS = "fiu"
+
+
+class Odd(Exception):
+    """Say what of a file is not as results are, in words that go on after its name."""
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Any]:
+    """Open an HDF5 file to read; raise UsageError, in one line, with what is wrong with it or with what is read."""
+    file = _open(path)
+    try:
+        with file:
+            yield file
+    except Odd as flaw:
+        raise UsageError(f"{path}: {flaw} ({REMEDY})") from None
+    except OSError as error:
+        raise UsageError(f"{path}: is damaged or cut short (write it again, or {REMEDY})") from error
+    except MemoryError as error:
+        raise UsageError(f"{path}: needs more memory than there is (read a part of it with xarray)") from error
+
+
+def _open(path: Path) -> Any:
+    import h5py
+
+    try:
+        if not path.exists():
+            raise UsageError(f"{path}: there is no such file ({REMEDY})")
+        what = irregular(path)
+        if what:
+            raise UsageError(f"{path}: is {what} ({REMEDY})")
+        with path.open("rb"):
+            pass
+        if not h5py.is_hdf5(path):
+            raise UsageError(f"{path}: is not an HDF5 file ({REMEDY})")
+        return h5py.File(path, "r")
+    except (OSError, RuntimeError, ValueError) as error:  # ValueError: a name with a null character
+        why = "may not be read" if isinstance(error, PermissionError) else "is damaged or cut short"
+        raise UsageError(f"{path}: {why} (write it again, or {REMEDY})") from error
+
+
+@contextmanager
+def _told(what: str) -> Iterator[None]:
+    """Raise Odd where HDF5 cannot make sense of something: it says so by many kinds of errors."""
+    try:
+        yield
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, OverflowError, AttributeError) as error:
+        raise Odd(f"is damaged: {what} cannot be read") from error
+
+
+def names(group: Any) -> list[str]:
+    """Return the names in a group, in its order."""
+    with _told(group.name):
+        return [name for name in group if isinstance(name, str)]
+
+
+def member(group: Any, name: str, dataset: bool = True) -> Any:
+    """Return a dataset, or a group, that lies in the group itself; raise Odd where it does not."""
+    import h5py
+
+    where = f"{group.name.rstrip('/')}/{name}"
+    with _told(where):
+        if name not in names_of_links(group):
+            raise Odd(f"is not a complete results file: {where} is missing")
+        if group.id.links.get_info(name.encode()).type != h5py.h5l.TYPE_HARD:
+            raise Odd(f"has a link at {where}, which may lead to other files")
+        found = group[name]
+    if not isinstance(found, h5py.Dataset if dataset else h5py.Group):
+        raise Odd(f"is not a results file: {where} is no {'variable' if dataset else 'group'}")
+    return found
+
+
+def names_of_links(group: Any) -> Any:
+    """Return what tells whether a group has a name, whatever the link leads to."""
+    return _Links(group.id.links)
+
+
+class _Links:
+    def __init__(self, links: Any) -> None:
+        self._links = links
+
+    def __contains__(self, name: str) -> bool:
+        return self._links.exists(name.encode())
+
+
+def has_attribute(item: Any, name: str) -> bool:
+    """Tell whether a group or dataset has an attribute."""
+    with _told(f"{item.name}@{name}"):
+        return name in item.attrs
+
+
+def attribute(item: Any, name: str) -> Any:
+    """Return an attribute that is one text or one number; raise Odd of any other, or where it is missing."""
+    import h5py
+
+    where = f"{item.name}@{name}"
+    if not has_attribute(item, name):
+        raise Odd(f"is not a complete results file: {where} is missing")
+    with _told(where):
+        found = h5py.h5a.open(item.id, name.encode())
+        text = found.get_type().get_class() == h5py.h5t.STRING
+        if found.get_space().get_simple_extent_npoints() != 1 or found.get_storage_size() > MOST_ATTRIBUTE:
+            raise Odd(f"is not a results file: {where} is not one text or number")
+        value = item.attrs[name]
+    value = value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
+    if text:
+        return _decoded(value, where)
+    if isinstance(value, int | float | np.integer | np.floating):
+        return value
+    raise Odd(f"is not a results file: {where} is neither text nor number")
+
+
+def _decoded(value: Any, where: str) -> str:
+    with _told(where):
+        text = value.decode() if isinstance(value, bytes) else str(value)
+        text.encode()
+    return text
+
+
+def text_attribute(item: Any, name: str) -> str:
+    """Return an attribute that is a text; raise Odd of any other."""
+    value = attribute(item, name)
+    if not isinstance(value, str):
+        raise Odd(f"is not a results file: {item.name}@{name} is no text")
+    return value
+
+
+def attributes(item: Any) -> dict[str, Any]:
+    """Return all attributes that are one text or one number; others are none of ours."""
+    with _told(f"{item.name}@"):
+        every = [name for name in item.attrs if isinstance(name, str)]
+    found = {}
+    for name in every:
+        try:
+            found[name] = attribute(item, name)
+        except Odd:
+            continue
+    return found
+
+
+def is_scale(data: Any) -> bool:
+    """Tell whether a variable is a dimension, or the coordinate of one."""
+    with _told(data.name):
+        return bool(data.is_scale)
+
+
+def scale_of(data: Any) -> Any:
+    """Return the coordinate along which a variable of one dimension lies; raise Odd where there is none."""
+    with _told(data.name):
+        if data.ndim != 1 or len(data.dims[0]) != 1:
+            raise Odd(f"is not a results file: {data.name} lies along no coordinate")
+        return data.dims[0][0]
+
+
+def shape(data: Any) -> tuple[int, ...]:
+    """Return the shape of a variable; raise Odd where it has none."""
+    with _told(data.name):
+        found = data.shape
+    if found is None:
+        raise Odd(f"is not a results file: {data.name} has no values")
+    return tuple(int(size) for size in found)
+
+
+def is_numbers(data: Any) -> bool:
+    """Tell whether a variable holds plain numbers; raise Odd where it holds neither these nor single characters."""
+    with _told(data.name):
+        kind = data.dtype
+    if kind.kind in _NUMBERS and kind.itemsize <= 8:
+        return True
+    if kind.kind == "S" and kind.itemsize == 1:
+        return False
+    raise Odd(f"is not a results file: {data.name} holds neither numbers nor characters")
+
+
+def values(data: Any, index: Any = ()) -> np.ndarray:
+    """Return the values of a variable, or a part; raise Odd where they do not lie in the file itself."""
+    is_numbers(data)
+    _check_storage(data)
+    with _told(data.name):
+        return np.asarray(data[index])
+
+
+def characters(data: Any) -> str:
+    """Return the text of a variable of single characters."""
+    if is_numbers(data) or len(shape(data)) != 1 or shape(data)[0] > MOST_TEXTS:
+        raise Odd(f"is not a results file: {data.name} is no text")
+    found = values(data)
+    with _told(data.name):
+        return found.tobytes().decode().rstrip("\0")
+
+
+def _check_storage(data: Any) -> None:
+    """Raise Odd unless the values lie in the file, under HDF5's own filters, in as many bytes as they can need."""
+    import h5py
+
+    with _told(data.name):
+        how = data.id.get_create_plist()
+        layout, elsewhere = how.get_layout(), how.get_external_count()
+        filters = {how.get_filter(number)[0] for number in range(how.get_nfilters())}
+        stored = data.id.get_storage_size()
+        size = math.prod(data.shape or ()) * data.dtype.itemsize
+        whole = Path(data.file.filename).stat().st_size
+    if elsewhere or layout == h5py.h5d.VIRTUAL:
+        raise Odd(f"keeps the values of {data.name} in other files, which are not read")
+    if filters - _FILTERS:
+        raise Odd(f"packs {data.name} in a way that results never are")
+    dense = _DENSEST if 1 in filters else 1
+    if stored > whole + _SLACK or size > dense * stored + (_SLACK if dense > 1 else 0):
+        raise Odd(f"is damaged: {data.name} states {size} bytes and has {stored}")
