@@ -7,9 +7,15 @@ rename the window, or turn the direction of writing.
 from __future__ import annotations
 
 import re
+import sys
 
 # C0 and C1 controls but tab and line feed, DEL, marks of direction, breaks of line that are none of ours, surrogates
 _STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]")
+
+
+def say(text: object = "", *, err: bool = False) -> None:
+    """Print a text on stdout, or on stderr, with nothing in it that steers a terminal."""
+    print(printable(str(text)), file=sys.stderr if err else sys.stdout)
 
 
 def printable(text: str) -> str:

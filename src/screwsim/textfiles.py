@@ -15,7 +15,7 @@ _HDF5 = b"\x89HDF"
 
 
 class Unreadable(Exception):
-    """Say why a file cannot be read, in words that go on after its name, and where in it; `hdf5`: it is one of those."""
+    """Say why a file cannot be read, in words that go on after its name, and where in it; `hdf5`: it is results."""
 
     def __init__(self, reason: str, line: int = 1, column: int = 1, hdf5: bool = False) -> None:
         super().__init__(reason)

@@ -241,7 +241,7 @@ def test_a_fault_stays_on_one_line(example):
     ("make", "what"),
     [
         (lambda path: None, "No such file or directory"),
-        (lambda path: path.mkdir(), "Is a directory"),
+        (lambda path: path.mkdir(), "it is a folder"),
         (lambda path: path.write_bytes(b"\xff\xfe"), "it is not UTF-8 text"),
     ],
     ids=["missing", "folder", "binary"],

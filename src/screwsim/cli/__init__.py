@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import io
 import os
 import sys
 import traceback
@@ -38,6 +39,7 @@ from screwsim.cli.options import (
 from screwsim.cli.options import base_point as _base_point
 from screwsim.cli.options import loaded as _loaded
 from screwsim.faults import SceneError, UsageError
+from screwsim.screen import say
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # what a disk says that takes no more
 
@@ -56,7 +58,7 @@ app = typer.Typer(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"screwsim {__version__}")
+        say(f"screwsim {__version__}")
         raise typer.Exit
 
 
@@ -185,12 +187,12 @@ def explain(scene_file: SceneFile, overrides: Overrides = None, without: Without
     if is_stages(scene_file):
         if without:
             raise UsageError(f"{scene_file}: stages have no --without (explain one of the two scenes instead)")
-        typer.echo(explain_stages(read_stages(scene_file, overrides or ())))
+        say(explain_stages(read_stages(scene_file, overrides or ())))
         return
     scene = _loaded(scene_file, overrides, without)
     from screwsim.explain import explain as explained
 
-    typer.echo(str(explained(scene)))
+    say(str(explained(scene)))
 
 
 @app.command()
@@ -222,10 +224,10 @@ def accuracy(
         found = study(scene, QUICK if quick else Extent(), for_terminal("accuracy"))
     except NoReference as error:
         return _complain(f"{scene_file}: {error}", NOT_ALL_OK)
-    typer.echo(words.report(found))
+    say(words.report(found))
     if folder is not None:
         for path in (*files.write(found, folder), *draw(accuracy_drawing(found), folder)):
-            typer.echo(path)
+            say(path)
     return OK
 
 
@@ -249,7 +251,7 @@ def rotors(
     if as_json:
         print_json(document(scene, files))
     else:
-        typer.echo("\n".join([text, *files]))
+        say("\n".join([text, *files]))
 
 
 @app.command()
@@ -262,7 +264,7 @@ def plot(
     from screwsim.report import plot as drawn
 
     for path in drawn(results_file, folder):
-        typer.echo(path)
+        say(path)
 
 
 studies.add_to(app)
@@ -286,7 +288,7 @@ def report(
     from screwsim.study.claims import claims_of
 
     target = output or str(Path(results_file).with_suffix(".html"))
-    typer.echo(made(results_file, target, claims_of(results_file, other)))
+    say(made(results_file, target, claims_of(results_file, other)))
 
 
 @app.command()
@@ -322,11 +324,11 @@ def validate(
     if as_json:
         print_json({**found, "seconds": {each.name: each.seconds for each in outcomes}})
     else:
-        typer.echo(report(found))
+        say(report(found))
     if output is not None:
         make_folder(output)
         for path in (write_json(found, output / "validation.json"), *draw(found, output)):
-            typer.echo(path, err=as_json)
+            say(path, err=as_json)
     return OK if all(each.comparison is not None for each in outcomes) else NOT_ALL_OK
 
 
@@ -363,13 +365,12 @@ def exit_code(arguments: Sequence[str]) -> int:
     except SceneError as error:
         return _complain("\n".join(error.lines), BAD_SCENE)
     except UsageError as error:
-        return _complain(str(error), USAGE)
+        return _complain(" ".join(str(error).splitlines()), USAGE)
     except (KeyboardInterrupt, typer.Abort):
         outcome = INTERRUPTED
     except typer.TyperException as error:  # the arguments make no sense
         mistakes.explain(error, arguments, typer.main.get_group(app).commands)
-        getattr(error, "show", lambda: None)()
-        return USAGE
+        return _complain(_shown(error), USAGE)
     except OSError as error:
         if error.filename is None and error.errno in FULL:
             reason = os.strerror(error.errno)
@@ -383,6 +384,13 @@ def exit_code(arguments: Sequence[str]) -> int:
     return outcome if isinstance(outcome, int) else OK
 
 
+def _shown(error: typer.TyperException) -> str:
+    """Return usage and error as typer shows them."""
+    told = io.StringIO()
+    getattr(error, "show", lambda file: None)(file=told)
+    return told.getvalue().rstrip()
+
+
 def _internal(error: Exception) -> int:
     if os.environ.get("SCREWSIM_DEBUG") == "1":
         traceback.print_exc()
@@ -394,7 +402,7 @@ def _internal(error: Exception) -> int:
 def _complain(text: str, code: int) -> int:
     with contextlib.suppress(OSError):
         sys.stdout.flush()
-    print(text, file=sys.stderr)
+    say(text, err=True)
     return code
 
 

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Overrides, SceneFile, Without, base_point, check_drawer, loaded
+from screwsim.screen import say
 
 RPM = math.pi / 30.0
 
@@ -37,10 +38,10 @@ def startup(
     if as_json:
         print_json(found.as_json())
     else:
-        typer.echo(text(scene.title, found))
+        say(text(scene.title, found))
     if folder is not None and found.traces:
         for path in (write_traces(folder / "startup.csv", found), *draw_start(found, scene.title, folder)):
-            typer.echo(path, err=as_json)
+            say(path, err=as_json)
     return OK if found.status == "ok" else NOT_ALL_OK
 
 

@@ -20,6 +20,7 @@ from screwsim.cli.options import (
     check_drawer,
     loaded,
 )
+from screwsim.screen import say
 
 
 def optimum(
@@ -185,9 +186,9 @@ def calibrate(
         print_calibration(found)
     if folder is not None:
         for path in write_calibration(found, folder):
-            typer.echo(path, err=as_json)
+            say(path, err=as_json)
     if found.status == "interrupted":
-        typer.echo(found.message, err=True)
+        say(found.message, err=True)
         return INTERRUPTED
     return OK if found.status == "ok" else NOT_ALL_OK
 
@@ -230,7 +231,7 @@ def tolerance(
         deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
         law = draw_law(found.links, folder)
         for path in (*law, *draw_spread(found.table, found.shifts, deviations, folder)):
-            typer.echo(path, err=as_json)
+            say(path, err=as_json)
     return OK if not found.failed else NOT_ALL_OK
 
 

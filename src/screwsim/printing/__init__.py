@@ -13,6 +13,7 @@ from screwsim.engineering import engineering, engineering_temperature, quantity,
 from screwsim.outputs import STATUSES, Result, sorted_entries
 from screwsim.results.atomic import replacing
 from screwsim.scene import Scene
+from screwsim.screen import json_safe, printable, say
 from screwsim.study.sweep import SweepSummary
 
 if TYPE_CHECKING:
@@ -38,14 +39,14 @@ def plain(value: Any) -> Any:
 
 def print_json(document: Any) -> None:
     """Print one JSON document on stdout."""
-    print(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=False))
+    print(json_safe(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=False)))
 
 
 def write_json(document: Any, path: Path) -> str:
     """Write one JSON document and return its path; raise UsageError in one line when the system refuses."""
     with replacing(path) as temporary:
         text = json.dumps(plain(document), indent=1, allow_nan=False, ensure_ascii=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
+        temporary.write_text(json_safe(text) + "\n", encoding="utf-8")
     return str(path)
 
 
@@ -55,7 +56,7 @@ def print_result(title: str, result: Result) -> None:
 
     console = Console(highlight=False, markup=False, emoji=False)
     if title:
-        console.print(title, style="bold")
+        console.print(printable(title), style="bold")
     console.print(_wrapped(f"status: {result.status}" + (f"; {result.message}" if result.message else "")))
     if result.performance:
         console.print()
@@ -190,7 +191,7 @@ def _numerics(numerics: Mapping[str, Any]) -> str:
 
 
 def _wrapped(text: str) -> str:
-    return textwrap.fill(text, WIDTH - 1, subsequent_indent="  ", break_on_hyphens=False)
+    return textwrap.fill(printable(text), WIDTH - 1, subsequent_indent="  ", break_on_hyphens=False)
 
 
 def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
@@ -223,13 +224,13 @@ def print_sweep(document: Mapping[str, Any]) -> None:
     for name in ("not_closed", "failed"):
         counts += f", {document[name]} {name.replace('_', ' ')}" if document[name] else ""
     counts += f" ({document['reused']} of an earlier run)" if document["reused"] else ""
-    print(f"{document['path']}\n{counts}, {document['seconds']:.1f} s")
+    say(f"{document['path']}\n{counts}, {document['seconds']:.1f} s")
     for failure in document["failures"]:
         where = ", ".join(f"{path} = {_value(value)}" for path, value in failure["values"].items())
-        print(_wrapped(f"{failure['status']} at {where}: {failure['message']}"))
+        say(_wrapped(f"{failure['status']} at {where}: {failure['message']}"))
     more = document["cases"] - document["ok"] - len(document["failures"])
     if more:
-        print(f"… and {more} more, in the file")
+        say(f"… and {more} more, in the file")
 
 
 def _value(value: Any) -> str:

@@ -14,6 +14,7 @@ from screwsim.printing import write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import keep_others, make_folder, replacing
+from screwsim.screen import say
 from screwsim.study.calibration import BEGINS, Calibration, Compared, Parameter, fitted_text
 from screwsim.study.calibration.judge import CORRELATED, WEAK
 from screwsim.study.inputs import in_customary, shown_value
@@ -87,22 +88,22 @@ def spread(found: Calibration, index: int) -> tuple[float | None, float | None]:
 def print_calibration(found: Calibration) -> None:
     """Print the parameters, how sure they are, what is left over, and what the data do not tell."""
     if found.fit.title or found.fit.scene.title:
-        print(wrapped(found.fit.title or found.fit.scene.title))
+        say(wrapped(found.fit.title or found.fit.scene.title))
     count = f"{found.solutions} solutions" + (f", {found.failed} without figures" if found.failed else "")
-    print(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}"))
+    say(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}"))
     if found.message:
-        print(wrapped(f"{found.status}: {found.message}"))
+        say(wrapped(f"{found.status}: {found.message}"))
     if not found.values:
         return
-    print()
+    say()
     heads = ["", "value", "± standard error", "as good"]
     rows = [_row(found, index, each) for index, each in enumerate(found.fit.parameters)]
-    print("\n".join(plain_table(heads, rows, 1)))
-    print()
-    print("\n".join(_points(found)))
-    print()
+    say("\n".join(plain_table(heads, rows, 1)))
+    say()
+    say("\n".join(_points(found)))
+    say()
     for line in (*_quality(found), *_warnings(found)):
-        print(wrapped(line))
+        say(wrapped(line))
 
 
 def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:

@@ -9,6 +9,7 @@ from typing import Any
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
+from screwsim.screen import say
 from screwsim.study.compare import Comparison, FigureChange
 
 MOST_NAMES = 3  # of figures that differ most at one point
@@ -31,40 +32,40 @@ def comparison_document(a: Results, b: Results, found: Comparison) -> dict[str, 
 
 def print_comparison(a: Results, b: Results, found: Comparison) -> None:
     """Print points, scenes, statuses and figures."""
-    print(wrapped(f"A: {a.path}"))
-    print(wrapped(f"B: {b.path}"))
+    say(wrapped(f"A: {a.path}"))
+    say(wrapped(f"B: {b.path}"))
     points = f"{found.common} point{'s' if found.common > 1 else ''} in common"
     for name, count in (("A", found.only_a), ("B", found.only_b)):
         points += f", {count} only in {name}" if count else ""
-    print(points)
+    say(points)
     if found.scene:
-        print()
+        say()
         rows = [[path, one or "-", other or "-"] for path, (one, other) in found.scene.items()]
-        print("\n".join(plain_table(["scene", "A", "B"], rows, 1)))
+        say("\n".join(plain_table(["scene", "A", "B"], rows, 1)))
     if found.status_changes:
-        print()
-        print(f"{found.status_changes} points have another status")
+        say()
+        say(f"{found.status_changes} points have another status")
         for each in found.first_status_changes:
-            print(wrapped(f"{each.a} → {each.b}{_where(a, each.at)}"))
-    print()
+            say(wrapped(f"{each.a} → {each.b}{_where(a, each.at)}"))
+    say()
     _print_figures(a, found)
-    print()
-    print("equal within" if found.equal else "different beyond", "the numerical error or the tolerance")
+    say()
+    say(f"{'equal within' if found.equal else 'different beyond'} the numerical error or the tolerance")
 
 
 def _print_figures(a: Results, found: Comparison) -> None:
     heads = ["", "A", "B", "", "change", "error", "differ"]
-    print("\n".join(plain_table(heads, [_cells(each) for each in found.figures], 1)))
+    say("\n".join(plain_table(heads, [_cells(each) for each in found.figures], 1)))
     many = any(each.at for each in found.figures) and found.common > 1
     text = "change and error (both estimates together; up to twice that is none) are relative to A"
-    print(wrapped(f"{text}; of the point with the largest change over what is allowed" if many else text))
+    say(wrapped(f"{text}; of the point with the largest change over what is allowed" if many else text))
     places: dict[str, list[str]] = {}
     for each in found.figures:
         if many and each.beyond and each.at:
             places.setdefault(_where(a, each.at), []).append(shown_name(each.figure))
     for place, names in places.items():
         few = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
-        print(wrapped(f"largest change{place}: {few}"))
+        say(wrapped(f"largest change{place}: {few}"))
 
 
 def _cells(each: FigureChange) -> list[str]:

@@ -11,6 +11,7 @@ from screwsim.outputs import PERFORMANCE
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
+from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import in_customary, shown_value
 from screwsim.study.optimum import Best, Question
@@ -36,20 +37,20 @@ def print_optimum(scene: Scene, asked: Question, rows: Sequence[Best]) -> None:
     word = "lowest" if asked.minimum else "highest"
     ends = f"{shown_value(scene, asked.path, asked.low)} … {shown_value(scene, asked.path, asked.high)}"
     if scene.title:
-        print(wrapped(scene.title))
-    print(wrapped(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}"))
-    print()
+        say(wrapped(scene.title))
+    say(wrapped(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}"))
+    say()
     paths = [path for path in scene.sweep if path != asked.path]
     heads = [*(path.rpartition(".")[2].replace("_", " ") for path in paths), asked.path.rpartition(".")[2], "as good"]
     heads += [shown_name(asked.figure), "error", "accuracy", "solutions"]
-    print("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
+    say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
     notes = [note for row in rows for note in _notes(scene, asked, paths, row)]
     if notes:
-        print()
+        say()
     for note in notes:
-        print(wrapped(note))
+        say(wrapped(note))
     if any(row.value is not None for row in rows):
-        print(wrapped("as good: the figure is within its estimated error of the best there"))
+        say(wrapped("as good: the figure is within its estimated error of the best there"))
 
 
 def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Best) -> list[str]:

@@ -13,6 +13,7 @@ from screwsim.printing import plain, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder, replacing
+from screwsim.screen import json_safe, say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.performance_map import NAMES, PerformanceMap, conditions
 
@@ -36,14 +37,14 @@ def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, 
 
 def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     """Print the coefficients of each map with errors and envelope."""
-    print(wrapped(results.attributes["title"]))
-    print(wrapped(FORMULA))
-    print(wrapped("S evaporating, D condensing temperature in °C; X in the unit of its column"))
-    print(wrapped("left-out error: the largest at a point of the fit to the others"))
+    say(wrapped(results.attributes["title"]))
+    say(wrapped(FORMULA))
+    say(wrapped("S evaporating, D condensing temperature in °C; X in the unit of its column"))
+    say(wrapped("left-out error: the largest at a point of the fit to the others"))
     for each in maps:
-        print()
+        say()
         if each.values:
-            print(wrapped(", ".join(_at(results, path, value) for path, value in each.values.items())))
+            say(wrapped(", ".join(_at(results, path, value) for path, value in each.values.items())))
         _print_map(each)
 
 
@@ -58,18 +59,18 @@ def _units(results: Results, path: str) -> str:
 
 def _print_map(one: PerformanceMap) -> None:
     if one.message:
-        print(wrapped(f"no map: {one.message}"))
+        say(wrapped(f"no map: {one.message}"))
         return
     rows = [[name, *(f"{fit.coefficients[i]:.9e}" for fit in one.fits.values())] for i, name in enumerate(NAMES)]
     for label, name in (("largest error", "largest"), ("rms error", "rms"), ("left-out error", "left_out")):
         found = (getattr(fit, name) for fit in one.fits.values())
         rows.append([label, *("" if value is None else f"{100.0 * value:.2g} %" for value in found)])
     heads = ["", *(f"{shown_name(figure)} [{PERFORMANCE[figure].units}]" for figure in one.fits)]
-    print("\n".join(plain_table(heads, rows, 1)))
+    say("\n".join(plain_table(heads, rows, 1)))
     corners = ", ".join(f"({S:g}, {D:g})" for S, D in one.envelope)
     left = f", {one.not_ok} more are not ok" if one.not_ok else ""
-    print(wrapped(f"{one.points} points{left}; condition of the fit {one.condition:.2g}"))
-    print(wrapped(f"envelope (S, D): {corners} °C; the map says nothing outside it"))
+    say(wrapped(f"{one.points} points{left}; condition of the fit {one.condition:.2g}"))
+    say(wrapped(f"envelope (S, D): {corners} °C; the map says nothing outside it"))
 
 
 def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:
@@ -80,7 +81,7 @@ def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> 
     make_folder(path.parent)
     with replacing(path) as temporary:
         text = json.dumps(plain(map_document(results, maps)), indent=1, allow_nan=False, ensure_ascii=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
+        temporary.write_text(json_safe(text) + "\n", encoding="utf-8")
 
 
 def _columns(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Column]:

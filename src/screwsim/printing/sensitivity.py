@@ -9,6 +9,7 @@ from screwsim.outputs import PERFORMANCE
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.scene import Scene
+from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_value
 from screwsim.study.sensitivity import CONFIDENCE, NOISY, Sensitivity, Shares
@@ -41,18 +42,18 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
 def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
     """Print a table a figure: the inputs with the largest total index first."""
     if scene.title:
-        print(wrapped(scene.title))
-    print(
+        say(wrapped(scene.title))
+    say(
         wrapped(
             f"{found.solutions} solutions: {found.samples} samples of {len(found.ranges)} inputs, seed {found.seed}"
         )
     )
     if found.message:
-        print(wrapped(found.message))
+        say(wrapped(found.message))
     spans = {each.path: each for each in found.ranges}
     for shares in found.shares:
-        print()
-        print(wrapped(_head(shares)))
+        say()
+        say(wrapped(_head(shares)))
         if not shares.indices:
             continue
         rows = []
@@ -63,11 +64,11 @@ def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
                 f"{index.total:.3f} ± {index.total_confidence:.3f}",
             )
             rows.append([index.path, f"{low} … {high}", first, total])
-        print("\n".join(plain_table(["", "range", "first order", "total"], rows, 1)))
+        say("\n".join(plain_table(["", "range", "first order", "total"], rows, 1)))
     if any(shares.indices for shares in found.shares):
-        print()
+        say()
         text = f"shares of the variance, ± half the {CONFIDENCE:.0%} confidence interval; total less first order: "
-        print(wrapped(text + "what an input does together with others"))
+        say(wrapped(text + "what an input does together with others"))
 
 
 def _head(shares: Shares) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from screwsim.engineering import engineering, engineering_temperature, quantity, shown_name
 from screwsim.outputs import STAGES
+from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.study.stages import ChainResult
@@ -18,16 +19,16 @@ OF_STAGES = ("gas_mass_flow", "shaft_power", "volumetric_efficiency", "isentropi
 def print_stages(title: str, found: ChainResult) -> None:
     """Print the figures of a chain, and some of both its stages."""
     if title:
-        print(title)
-    print(textwrap.fill(f"status: {found.status}" + (f"; {found.message}" if found.message else ""), WIDTH - 1))
+        say(title)
+    say(textwrap.fill(f"status: {found.status}" + (f"; {found.message}" if found.message else ""), WIDTH - 1))
     for name, value in found.performance.items():
         if value is not None:
-            print(f"{shown_name(name):<32}{_shown(name, value)}")
+            say(f"{shown_name(name):<32}{_shown(name, value)}")
     for which, result in zip(("first", "second"), found.stages, strict=False):
         if result.performance:
             figures = ((name, result.performance[name]) for name in OF_STAGES)
             words = [_figure(name, value) for name, value in figures if value is not None]
-            print(textwrap.fill(f"{which} stage: {', '.join(words)}", WIDTH - 1, subsequent_indent="  "))
+            say(textwrap.fill(f"{which} stage: {', '.join(words)}", WIDTH - 1, subsequent_indent="  "))
 
 
 def _shown(name: str, value: float) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.scene import Scene
+from screwsim.screen import say
 from screwsim.study.tolerance import Tolerances
 
 
@@ -29,18 +30,18 @@ def tolerance_document(scene: Scene, found: Tolerances) -> dict[str, Any]:
 def print_tolerance(scene: Scene, found: Tolerances) -> None:
     """Print the kinematic table by grades, and the spread of the figures over the machines drawn."""
     if scene.title:
-        print(wrapped(scene.title))
-    print("\nlaw of motion, worst corner of crank and rod")
-    print("\n".join(_law(found)))
+        say(wrapped(scene.title))
+    say("\nlaw of motion, worst corner of crank and rod")
+    say("\n".join(_law(found)))
     grades = ", ".join(f"{name.replace('_', ' ')} IT{number}" for name, number in found.grades.items())
     drawn = f"{found.count} machines, lengths uniform over their tolerances ({grades}), seed {found.seed}"
-    print("\n" + wrapped(drawn))
-    print("\n".join(_spreads(found)))
-    print(wrapped("sd: standard deviation over the nominal value; last columns: share of the variance (r^2)"))
+    say("\n" + wrapped(drawn))
+    say("\n".join(_spreads(found)))
+    say(wrapped("sd: standard deviation over the nominal value; last columns: share of the variance (r^2)"))
     if found.hits:
-        print(wrapped(f"{found.hits} of {found.count} machines: the piston reaches the head (not simulated)"))
+        say(wrapped(f"{found.hits} of {found.count} machines: the piston reaches the head (not simulated)"))
     if found.failed:
-        print(wrapped(f"{found.failed} of {found.count} machines: {found.message}"))
+        say(wrapped(f"{found.failed} of {found.count} machines: {found.message}"))
 
 
 def _law(found: Tolerances) -> list[str]:

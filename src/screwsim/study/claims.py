@@ -14,6 +14,7 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.results import open_results
+from screwsim.screen import say
 from screwsim.study.curves import Array, Optimum, optimum, value_at
 
 PAPER = "Chernov et al. 2015"  # how the titles of configs/paper begin
@@ -242,9 +243,9 @@ def main(arguments: Sequence[str]) -> int:
         for name, axis in zip(arguments, _AXES, strict=True):
             if not _is_figure(name, axis):
                 raise UsageError(f"{name}: is not the paper's sweep over {axis} (give that of Fig. 1, then of Fig. 2)")
-        print(table(claims(*arguments)))
+        say(table(claims(*arguments)))
     except UsageError as error:
-        print(error, file=sys.stderr)
+        say(error, err=True)
         return 2
     return 0
 

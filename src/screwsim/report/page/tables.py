@@ -15,6 +15,7 @@ from screwsim.report.families import efficiency_name
 from screwsim.report.page.data import Selection
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
+from screwsim.screen import printable
 
 _CHUNK = 1 << 20  # [byte]
 _BALANCES = ("mass", "energy", "entropy", "oil_mass")
@@ -142,7 +143,7 @@ def provenance(results: Results) -> list[tuple[str, str]]:
     about = results.attributes
     versions = ", ".join(f"{name.removesuffix('_version')} {about[name]}" for name in _VERSIONS if name in about)
     rows = [
-        ("file", results.path.name),
+        ("file", printable(results.path.name)),
         ("SHA-256 of the file", _digest(results.path)),
         ("SHA-256 of the scene", str(about.get("scene_sha256", ""))),
         ("fingerprint of the results", str(about.get("screwsim_fingerprint", ""))),
