@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 WIDTH = 80
 MOST_FAILURES = 20  # listed of one sweep; all are in its file
+MOST_WARNINGS = 8  # kinds of them, likewise
 
 
 def plain(value: Any) -> Any:
@@ -195,8 +196,9 @@ def _wrapped(text: str) -> str:
 
 
 def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
-    """Return what `sweep --json` prints: the numbers of cases, and the first that are not ok."""
+    """Return what `sweep --json` prints: numbers of cases, the first that are not ok, the kinds of warnings."""
     from screwsim.results import open_results
+    from screwsim.results.warned import warned
     from screwsim.scene import case_values
 
     document = {
@@ -215,22 +217,39 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
         }
         for index, message in zip(bad, messages, strict=True)
     ]
+    found = warned(results)
+    document["warned"] = found.cases
+    document["warnings"] = [
+        {"cases": kind.cases, "case": kind.first, "values": case_values(scene, kind.first), "warning": kind.text}
+        for kind in found.kinds
+    ]
     return document
 
 
 def print_sweep(document: Mapping[str, Any]) -> None:
-    """Print how a sweep ended: the file, the numbers of cases, the first failures."""
+    """Print how a sweep ended: the file, the numbers of cases, the first failures, the kinds of warnings."""
     counts = f"{document['cases']} cases: {document['ok']} ok"
     for name in ("not_closed", "failed"):
         counts += f", {document[name]} {name.replace('_', ' ')}" if document[name] else ""
+    counts += f", {document['warned']} with warnings" if document["warned"] else ""
     counts += f" ({document['reused']} of an earlier run)" if document["reused"] else ""
     say(f"{document['path']}\n{counts}, {document['seconds']:.1f} s")
     for failure in document["failures"]:
-        where = ", ".join(f"{path} = {_value(value)}" for path, value in failure["values"].items())
-        say(_wrapped(f"{failure['status']} at {where}: {failure['message']}"))
+        say(_wrapped(f"{failure['status']} at {_where(failure['values'])}: {failure['message']}"))
     more = document["cases"] - document["ok"] - len(document["failures"])
     if more:
         say(f"… and {more} more, in the file")
+    for kind in document["warnings"][:MOST_WARNINGS]:
+        first = f"first at {_where(kind['values'])}" if kind["cases"] > 1 else f"at {_where(kind['values'])}"
+        cases = "1 case" if kind["cases"] == 1 else f"{kind['cases']} cases"
+        say(_wrapped(f"warning in {cases}, {first}: {kind['warning']}"))
+    more = len(document["warnings"]) - MOST_WARNINGS
+    if more > 0:
+        say(f"… and {more} other kinds of warnings, in the file")
+
+
+def _where(values: Mapping[str, Any]) -> str:
+    return ", ".join(f"{path} = {_value(value)}" for path, value in values.items())
 
 
 def _value(value: Any) -> str:

@@ -61,6 +61,14 @@ class Group(Mapping[str, np.ndarray]):
             words = _words(group, name)
             return [words[number] for number in _numbers(group, name, len(words)).ravel()[cases]]
 
+    def texts(self, name: str) -> tuple[list[str], np.ndarray]:
+        """Return the different texts of a variable, and the number of each case's, last axis fastest (cases,)."""
+        with _opened(self._path) as file:
+            group = file[self.name]
+            if f"{name}_text" not in group:
+                return [str(_values(group, name))], np.zeros(1, np.int32)
+            return _words(group, name), group[name][()].ravel()
+
     def __iter__(self) -> Iterator[str]:
         return iter(self.about)
 
@@ -121,6 +129,11 @@ class Results:
     def messages(self) -> np.ndarray:
         """Why each case failed or did not close; empty where it did neither."""
         return self.performance["message"]
+
+    @property
+    def warnings(self) -> np.ndarray:
+        """What each case warns of, several joined by a line break; empty where it does not."""
+        return self.performance["warnings"]
 
     def to_xarray(self, group: str | None = "performance") -> Any:
         """Return one group as an xarray.Dataset; None: all in one, names of other groups with their prefix."""
