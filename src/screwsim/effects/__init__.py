@@ -11,6 +11,7 @@ import pkgutil
 from functools import cache
 
 from screwsim.effects.base import Effect
+from screwsim.numerics import sources
 
 _NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "line_valve", "port_window", "valves"}
 _ORDER = (
@@ -60,4 +61,5 @@ def find_effect(name: str) -> Effect:
     effect = getattr(module, "EFFECT", None)
     if not isinstance(effect, Effect):
         raise ImportError(f"module {name} defines no EFFECT")
+    sources.note(name, effect)
     return effect

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import os
 import platform
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +21,7 @@ import numpy as np
 
 from screwsim.declare import KINDS
 from screwsim.outputs import BALANCE, NUMERICS, PERFORMANCE, Variable
-from screwsim.results.table import FIGURES
+from screwsim.results import identity
 from screwsim.scene.types import Scene
 
 SCHEMA = 1  # raise when a reader of the older files would misread a newer one
@@ -120,20 +121,36 @@ def digest(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def fingerprint(scene: Scene) -> str:
-    """Return what tells results apart: scene, contents of its files, figures stored, schema and version.
+def own_modules(scene: Scene) -> list[str]:
+    """Return the names of the modules of the scene's own effects."""
+    return [name for name in scene.effects if "." in name]
 
-    Only results of one fingerprint may be mixed in one file. The folder of the scene does not matter.
-    """
-    parts = [str(SCHEMA), version(), repr(FIGURES), scene.text]
+
+def named_files(scene: Scene) -> dict[str, str]:
+    """Return {name relative to the scene: path} of the files that it names."""
     named = [entry.value for entry in inputs_of(scene) if entry.kind == "file" and entry.value]
-    swept = [value for values in scene.sweep.values() for value in values if isinstance(value, str)]
-    parts += [repr(scene.sweep[path]) for joint in scene.joints if joint.sample for path in joint.paths]
-    for name in (*named, *swept):
-        file = Path(scene.folder) / name
-        if file.is_file():
-            parts.append(hashlib.sha256(file.read_bytes()).hexdigest())
-    return digest("\0".join(parts))
+    paths = [Path(scene.folder) / name for name in named]
+    return {_relative(path, scene.folder): str(path) for path in paths}
+
+
+def _relative(path: Path, folder: str) -> str:
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # another drive
+        return str(path)
+
+
+def identity_of(scene: Scene) -> dict[str, str]:
+    """Return what tells results apart (`results.identity`); the folder of the scene does not matter."""
+    drawn = [repr(scene.sweep[path]) for joint in scene.joints if joint.sample for path in joint.paths]
+    found = {"schema": str(SCHEMA), "values of the scene": digest(scene.text)}
+    found |= {"values of the sample": digest("\0".join(drawn))} if drawn else {}
+    return {
+        **found,
+        **identity.figures_identity(),
+        **identity.code_identity(own_modules(scene)),
+        **identity.file_identity(named_files(scene)),
+    }
 
 
 def version() -> str:
@@ -156,6 +173,7 @@ def _library_version(name: str) -> str:
 
 def root_attributes(scene: Scene, command: str) -> dict[str, str | int]:
     """Return the attributes of the file; only `history` depends on the moment."""
+    told = identity.packed(identity_of(scene))
     moment = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     attributes: dict[str, str | int] = {
         "Conventions": "CF-1.11",
@@ -164,7 +182,8 @@ def root_attributes(scene: Scene, command: str) -> dict[str, str | int]:
         "history": f"{moment} screwsim {version()} {command}",
         "screwsim_schema": SCHEMA,
         "screwsim_version": version(),
-        "screwsim_fingerprint": fingerprint(scene),
+        "screwsim_fingerprint": digest(told),
+        "screwsim_identity": told,
         "scene_yaml": scene.text,
         "scene_sha256": digest(scene.text),
         "python_version": platform.python_version(),

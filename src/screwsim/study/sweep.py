@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -15,8 +15,9 @@ import numpy as np
 from screwsim.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.results.atomic import make_folder
+from screwsim.results.identity import differences, unpacked
 from screwsim.results.read import count_statuses, open_results, read_attributes
-from screwsim.results.schema import axes_of, digest, fingerprint, version
+from screwsim.results.schema import axes_of, digest, identity_of
 from screwsim.results.write import Draft
 from screwsim.scene import grid
 from screwsim.scene.types import Scene
@@ -73,7 +74,7 @@ def run_sweep(
     """
     began = time.perf_counter()
     output = Path(output)
-    parts = Parts(output, {"scene_sha256": digest(scene.text), "fingerprint": fingerprint(scene), "version": version()})
+    parts = Parts(output, {"scene_sha256": digest(scene.text), "identity": identity_of(scene)})
     complete = _claim(output, parts, restart)
     if complete and not restart and parts.stored_identity() is None:
         return _finished(output, began, parts)
@@ -239,22 +240,27 @@ def _claim(output: Path, parts: Parts, restart: bool) -> bool:
     found = output.exists()
     if found:
         attributes = read_attributes(output)
-        stored = {"scene_sha256": attributes["scene_sha256"], "fingerprint": attributes["screwsim_fingerprint"]}
-        _compare(output, parts, stored | {"version": attributes["screwsim_version"]}, restart)
-    identity = parts.stored_identity()
-    if identity is not None:
-        _compare(parts.folder, parts, identity, restart)
+        stored = {"scene_sha256": attributes["scene_sha256"], "version": attributes["screwsim_version"]}
+        _compare(output, parts, stored | {"identity": unpacked(attributes.get("screwsim_identity"))}, restart)
+    stored = parts.stored_identity()
+    if stored is not None:
+        _compare(parts.folder, parts, stored, restart)
     return found
 
 
-def _compare(where: Path, parts: Parts, stored: dict[str, Any], restart: bool) -> None:
-    wanted = parts.identity
-    if stored.get("scene_sha256") != wanted["scene_sha256"]:
+def _compare(where: Path, parts: Parts, stored: Mapping[str, Any], restart: bool) -> None:
+    if stored.get("scene_sha256") != parts.identity["scene_sha256"]:
         raise UsageError(f"{where}: holds another scene's results (choose another -o, or remove it)")
-    if stored.get("fingerprint") != wanted["fingerprint"] and not restart:
-        same = stored.get("version") == wanted["version"]
-        what = "made with other contents of the scene's files" if same else f"of screwsim {stored.get('version')}"
-        raise UsageError(f"{where}: holds results of this scene, but {what} (--restart computes them again)")
+    if restart:
+        return
+    identity = stored.get("identity")
+    if isinstance(identity, dict):
+        what = differences(identity, parts.identity["identity"])
+    else:  # of a time when nothing of this was noted
+        what = f"of a screwsim {stored.get('version', '')} that did not note what code and files they are of"
+    if what:
+        remedy = "choose another -o to keep them (--restart computes them again)"
+        raise UsageError(f"{where}: holds results of this scene, but {what}; {remedy}")
 
 
 def _finished(output: Path, began: float, parts: Parts, reused: int | None = None) -> SweepSummary:

@@ -6,10 +6,12 @@ the volume ends at φ = τ. A chamber's own angle counts from the beginning of i
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from pathlib import Path
 
 import numpy as np
 
@@ -159,16 +161,17 @@ def _rotors(pair: Pair, chain: Chain, length: float, wrap: float) -> Rotors:
 
 
 @lru_cache(maxsize=64)
-def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: int) -> Chain:
-    """Return the contact points of a profile; they do not depend on length and wrap. `stamp`: that of its file."""
+def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Chain:
+    """Return the contact points of a profile; they do not depend on length and wrap. `stamp`: of its file's content."""
     chain = make_chain(pair, profile)
     if check:
         _refuse(check_profile(pair, chain, interference=profile.kind == "points"))
     return chain
 
 
-def _stamp(file: str | None) -> int:
-    return os.stat(file).st_mtime_ns if file is not None and os.path.isfile(file) else 0
+def _stamp(file: str | None) -> str:
+    """Return the content of a file as a digest: its date may stay as it was."""
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest() if file is not None and os.path.isfile(file) else ""
 
 
 def _refuse(faults: list[Fault]) -> None:

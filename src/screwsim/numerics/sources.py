@@ -1,0 +1,126 @@
+"""What code is at work: digests of this package's sources, and of the modules of the user's own.
+
+The version of a checkout says nothing; the texts do. Those of the user's own are noted when they are imported: what
+lies on disk may be edited while a process goes on with what it has.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import importlib.util
+import site
+import sys
+import sysconfig
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from functools import cache
+from importlib.machinery import ModuleSpec
+from pathlib import Path
+from typing import Any
+
+_SHOWS = ("cli", "printing", "report")  # folders of the package that change no result
+_LETTERS = 16  # of a digest: enough to tell texts apart
+_noted: dict[str, tuple[Any, Mapping[str, str]]] = {}
+
+
+@cache
+def of_package() -> str:
+    """Return the digest of all sources of this package that can change a result."""
+    root = Path(__file__).parents[1]
+    found = hashlib.sha256()
+    for file in sorted(root.rglob("*.py")):
+        name = file.relative_to(root).as_posix()
+        if name.partition("/")[0] not in _SHOWS:
+            found.update(f"{name}\0{digest(file.read_bytes())}\0".encode())
+    return found.hexdigest()[:_LETTERS]
+
+
+def digest(content: bytes) -> str:
+    """Return the digest of the content of a file, however its lines end."""
+    return hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()[:_LETTERS]
+
+
+def note(name: str, made: Any) -> None:
+    """Take note of the texts of a user's module that was imported now; `made` is what another import makes anew."""
+    if name not in _noted or _noted[name][0] is not made:
+        _noted[name] = made, _own_texts(name)
+
+
+def of_module(name: str) -> Mapping[str, str]:
+    """Return {file: digest} of a user's module as it was noted, and of what of the user's own it imports."""
+    return _noted[name][1]
+
+
+def _own_texts(name: str) -> dict[str, str]:
+    top = name.partition(".")[0]
+    found: dict[str, str] = {}
+    _add(name, top, found)
+    return found
+
+
+def _add(name: str, top: str, found: dict[str, str]) -> None:
+    """Add a module, the packages around it and what it imports, where they are the user's own."""
+    spec = _spec(name)
+    if spec is None or not _is_own(spec, top):
+        return
+    path = Path(str(spec.origin))
+    inside = name.replace(".", "/")
+    label = f"{inside}/{path.name}" if spec.submodule_search_locations is not None else f"{inside}{path.suffix}"
+    if label in found:
+        return
+    content = path.read_bytes()
+    found[label] = digest(content)
+    package = name if spec.submodule_search_locations is not None else name.rpartition(".")[0]
+    for other in (*_around(name), *_imported(content, package)):
+        _add(other, top, found)
+
+
+def _around(name: str) -> Iterator[str]:
+    parts = name.split(".")
+    return (".".join(parts[:size]) for size in range(1, len(parts)))
+
+
+def _imported(content: bytes, package: str) -> Iterator[str]:
+    """Yield the names of all modules that a text may import; nothing of what is no text."""
+    try:
+        tree = ast.parse(importlib.util.decode_source(content))
+    except (SyntaxError, ValueError):
+        return
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            with suppress(ImportError):  # beyond its top-level package
+                base = importlib.util.resolve_name("." * node.level + (node.module or ""), package)
+                yield base
+                yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+def _spec(name: str) -> ModuleSpec | None:
+    """Return where a module comes from, without importing what is not the user's own."""
+    loaded = sys.modules.get(name)
+    if loaded is not None:
+        return loaded.__spec__
+    parent = name.rpartition(".")[0]
+    if parent and (parent not in sys.modules or not hasattr(sys.modules[parent], "__path__")):
+        return None
+    with suppress(ImportError, ValueError, AttributeError):
+        return importlib.util.find_spec(name)
+    return None
+
+
+def _is_own(spec: ModuleSpec, top: str) -> bool:
+    """Tell whether a module is the user's: of the effect's own package, or neither Python's nor an installed one."""
+    if spec.origin is None or not Path(spec.origin).is_file():
+        return False
+    name = spec.name.partition(".")[0]
+    return name == top or not (name == "screwsim" or any(map(Path(spec.origin).is_relative_to, _installed())))
+
+
+@cache
+def _installed() -> tuple[Path, ...]:
+    """Return the folders of Python and of what is installed for it."""
+    paths = sysconfig.get_paths()
+    found = [paths[name] for name in ("stdlib", "platstdlib", "purelib", "platlib")]
+    return tuple(Path(path) for path in (*found, *site.getsitepackages(), site.getusersitepackages()))

@@ -1,0 +1,110 @@
+"""What results depend on: the scene, the code, the user's own modules and files, by content and not by name or date.
+
+Only results of one identity may stand in one file. It is a flat {what: digest or version}, stored beside the results,
+so that a refusal can say what differs.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from screwsim.effects import find_effect
+from screwsim.numerics import sources
+from screwsim.results.table import FIGURES
+
+LIBRARIES = ("CoolProp", "numba", "numpy", "scipy")
+Identity = Mapping[str, str]
+Files = Mapping[str, str]  # {file as the scene names it: its path}
+_FILE, _MODULE, _SOURCES, _NONE = "file ", "module ", "screwsim sources", "none"
+_TOLD = 3  # differences that are told
+
+
+def code_identity(own: Iterable[str]) -> dict[str, str]:
+    """Return what this process computes with: this package, libraries, the modules of the user's own effects."""
+    found = {"screwsim": _own_version(), _SOURCES: sources.of_package()}
+    found |= {name: _library(name) for name in LIBRARIES}
+    for name in own:
+        find_effect(name)  # imports it, where a worker has not
+        found |= {_MODULE + file: text for file, text in sources.of_module(name).items()}
+    return found
+
+
+def file_identity(files: Files) -> dict[str, str]:
+    """Return the contents of files; `none` for one that cannot be read."""
+    return {_FILE + name: _content(path) for name, path in files.items()}
+
+
+def figures_identity() -> dict[str, str]:
+    """Return what a file of results holds."""
+    return {"figures": hashlib.sha256(repr(FIGURES).encode()).hexdigest()[:16]}
+
+
+def packed(identity: Identity) -> str:
+    """Return an identity as text."""
+    return json.dumps(identity, sort_keys=True)
+
+
+def unpacked(text: Any) -> Identity | None:
+    """Return an identity from its text; None where there is none."""
+    try:
+        found = json.loads(text)
+    except (TypeError, ValueError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
+def differences(stored: Identity, wanted: Identity) -> str:
+    """Return in words what differs, at most a few things; '' when nothing does."""
+    told = list(_differences(stored, wanted))
+    more = f", and {len(told) - _TOLD} more things differ" if len(told) > _TOLD else ""
+    return ", ".join(told[:_TOLD]) + more
+
+
+def _differences(stored: Identity, wanted: Identity) -> Iterator[str]:
+    for name in dict.fromkeys((*stored, *wanted)):
+        before, now = stored.get(name, _NONE), wanted.get(name, _NONE)
+        if before == now:
+            continue
+        if name.startswith((_FILE, _MODULE)):
+            label = name.removeprefix(_FILE).removeprefix(_MODULE)
+            yield f"{label} {_change(before, now)}"
+        elif name == _SOURCES:
+            if stored.get("screwsim") == wanted.get("screwsim"):
+                yield f"of other sources of screwsim {wanted.get('screwsim')}"
+        elif name == "screwsim":
+            yield f"of screwsim {before}, this is {now}"
+        elif name in LIBRARIES:
+            yield f"{name} {before} wrote it, this is {now}"
+        else:
+            yield f"with other {name}"
+
+
+def _change(before: str, now: str) -> str:
+    return "was not there" if before == _NONE else "is not there any more" if now == _NONE else "has changed since"
+
+
+def _content(path: str) -> str:
+    try:
+        return sources.digest(Path(path).read_bytes())
+    except OSError:
+        return _NONE
+
+
+def _own_version() -> str:
+    from screwsim import __version__
+
+    return __version__
+
+
+@cache
+def _library(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return _NONE

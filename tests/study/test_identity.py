@@ -1,0 +1,215 @@
+"""Finished cases are used again only for the scene, code, modules and files that made them, by content."""
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import pytest
+from result_fakes import GRID, SCENE, fake_simulate, scene
+from sweep_fakes import StopAfter, assert_same, forbidden, grid_scene
+
+from screwsim.faults import UsageError
+from screwsim.machine.rotors import rotors
+from screwsim.numerics import sources
+from screwsim.results import identity, open_results
+from screwsim.results.schema import identity_of
+from screwsim.scene import loads
+from screwsim.study.sweep import run_sweep
+
+EFFECT = """\
+from dataclasses import dataclass
+from screwsim.declare import quantity
+from screwsim.effects.base import Effect
+from {package} import shared
+
+@dataclass(frozen=True)
+class Parameters:
+    area: float = quantity("area", "of a hole", 1e-6, gt=0.0)
+
+def build(parameters, machine):
+    return []
+
+EFFECT = Effect(name="mine", title="a hole", equations=("M12",), source="none", parameters=Parameters, build=build)
+"""
+AREAS = "angle_deg,area_m2\n0,0\n300,{}\n600,0\n"
+RUN = """\
+import sys
+sys.path.insert(0, {tests!r})
+from result_fakes import GRID, SCENE, fake_simulate
+from sweep_fakes import StopAfter
+from screwsim.faults import UsageError
+from screwsim.scene import loads
+from screwsim.study.sweep import run_sweep
+scene = loads(SCENE + "  own_effects.mine:\\n" + GRID)
+try:
+    print(run_sweep(scene, "out.h5", jobs=1, simulate=fake_simulate, progress=StopAfter({chunks})).reused)
+except (KeyboardInterrupt, UsageError) as error:
+    print(str(error) or "stopped")
+"""
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch) -> Path:
+    """Make a package of own effects in the working folder."""
+    folder = tmp_path / "own_effects"
+    folder.mkdir()
+    (folder / "__init__.py").write_text("")
+    (folder / "shared.py").write_text("FACTOR = 1.0\n")
+    (folder / "mine.py").write_text(EFFECT.format(package="own_effects"))
+    monkeypatch.chdir(tmp_path)
+    return folder
+
+
+def swept(folder: Path, chunks: int) -> str:
+    """Sweep in a process of its own, stopped after some chunks; return what it says."""
+    here = Path(__file__).parent
+    program = RUN.format(tests=str(here), chunks=chunks).replace(
+        "from result_fakes", f"sys.path.insert(0, {str(here.parent / 'results')!r})\nfrom result_fakes"
+    )
+    package = str(Path(sources.__file__).parents[2])
+    environment = os.environ | {"PYTHONPATH": package, "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+@pytest.mark.parametrize("file", ["mine.py", "shared.py", "__init__.py"])
+def test_an_edited_effect_of_ones_own_is_refused_until_it_is_as_before(file, package, tmp_path):
+    assert swept(tmp_path, 1) == "stopped"
+    before = (package / file).read_text()
+    (package / file).write_text(before + "# other\n")
+    told = swept(tmp_path, 99)
+    assert f"out.h5.parts: holds results of this scene, but own_effects/{file} has changed since; choose" in told
+    assert told.endswith("another -o to keep them (--restart computes them again)") and "\n" not in told
+    (package / file).write_text(before)
+    assert int(swept(tmp_path, 99)) > 0
+    (package / file).write_text(before + "# other\n")
+    assert swept(tmp_path, 99).startswith("out.h5: holds results of this scene, but own_effects/")
+
+
+def test_an_effect_that_another_import_made_anew_is_noted_anew(package, monkeypatch):
+    monkeypatch.syspath_prepend(str(package.parent))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # a cache of the second's resolution would hide the edit
+    own = loads(SCENE + "  own_effects.mine:\n" + GRID)
+    first = identity_of(own)
+    (package / "mine.py").write_text(EFFECT.format(package="own_effects") + "OTHER = 1\n")
+    assert identity_of(own) == first  # it goes on with what it has imported
+    importlib.reload(sys.modules["own_effects.mine"])
+    assert identity.differences(first, identity_of(own)) == "own_effects/mine.py has changed since"
+    for name in ("own_effects.mine", "own_effects.shared", "own_effects"):
+        del sys.modules[name]
+
+
+def test_only_modules_of_the_users_own_are_noted(package, monkeypatch):
+    monkeypatch.syspath_prepend(str(package.parent))
+    (package.parent / "helpers.py").write_text("import json, numpy.linalg\n")
+    (package / "mine.py").write_text("import helpers\nfrom . import shared\nimport screwsim.faults, scipy.optimize\n")
+    importlib.invalidate_caches()
+    importlib.import_module("own_effects.mine")
+    sources.note("own_effects.mine", object())
+    found = set(sources.of_module("own_effects.mine"))
+    assert found == {"own_effects/__init__.py", "own_effects/mine.py", "own_effects/shared.py", "helpers.py"}
+    for name in ("own_effects.mine", "own_effects.shared", "own_effects", "helpers"):
+        del sys.modules[name]
+
+
+def test_a_file_counts_by_its_content_alone(tmp_path):
+    text = SCENE.replace("gap: 50 um", "gap: 50 um, area_file: area.csv") + GRID
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "area.csv").write_text(AREAS.format(1e-6))
+    one, two = (loads(text, folder=str(tmp_path / name)) for name in ("one", "two"))
+    assert identity_of(one) == identity_of(two)
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(one, tmp_path / "out.h5", jobs=1, simulate=fake_simulate, progress=StopAfter(1))
+    stamp = (tmp_path / "one/area.csv").stat()
+    (tmp_path / "one/area.csv").write_text(AREAS.format(2e-6))
+    os.utime(tmp_path / "one/area.csv", ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+    with pytest.raises(UsageError, match=r"out\.h5\.parts: .*, but area\.csv has changed since; choose another -o"):
+        run_sweep(one, tmp_path / "out.h5", jobs=1, simulate=forbidden)
+    assert run_sweep(two, tmp_path / "out.h5", jobs=1, simulate=fake_simulate).reused > 0
+
+
+@pytest.mark.parametrize(
+    ("where", "what", "told"),
+    [
+        ("screwsim.results.identity._library", lambda name: "7.2", r"CoolProp \S+ wrote it, this is 7\.2, numba"),
+        ("screwsim.numerics.sources.of_package", lambda: "other", r"of other sources of screwsim 0\.1\.0;"),
+    ],
+)
+def test_other_libraries_and_other_sources_are_refused_until_a_restart(where, what, told, tmp_path, monkeypatch):
+    output = tmp_path / "out.h5"
+    run_sweep(grid_scene(), output, jobs=1, simulate=fake_simulate)
+    before = output.read_bytes()
+    monkeypatch.setattr(where, what)
+    with pytest.raises(UsageError, match=told):
+        run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
+    assert output.read_bytes() == before
+    assert run_sweep(grid_scene(), output, jobs=1, restart=True, simulate=fake_simulate).reused == 0
+
+
+def test_the_digest_of_the_package_is_that_of_its_texts_that_compute(tmp_path, monkeypatch):
+    package = tmp_path / "package"
+    (package / "numerics").mkdir(parents=True)
+    (package / "cli").mkdir()
+    (package / "model.py").write_text("A = 1\n")
+    monkeypatch.setattr(sources, "__file__", str(package / "numerics" / "sources.py"))
+    first = sources.of_package.__wrapped__()
+    (package / "cli" / "words.py").write_text("B = 1\n")
+    assert sources.of_package.__wrapped__() == first
+    (package / "model.py").write_text("A = 2\n")
+    assert sources.of_package.__wrapped__() != first
+
+
+def old_file(output: Path) -> None:
+    """Make a file as it was written when nothing was noted of what results depend on."""
+    run_sweep(grid_scene(), output, jobs=1, simulate=fake_simulate)
+    with h5py.File(output, "r+") as file:
+        del file.attrs["screwsim_identity"]
+
+
+def test_a_file_without_an_identity_is_read_but_not_resumed(tmp_path):
+    old_file(tmp_path / "out.h5")
+    assert open_results(tmp_path / "out.h5").performance["shaft_power"].shape == (3, 40)
+    with pytest.raises(UsageError, match=r"of a screwsim 0\.1\.0 that did not note what code and files they are of"):
+        run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate=forbidden)
+    assert run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, restart=True, simulate=fake_simulate).reused == 0
+
+
+def test_parts_without_an_identity_are_not_resumed(tmp_path):
+    output = tmp_path / "out.h5"
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(grid_scene(), output, jobs=1, simulate=fake_simulate, progress=StopAfter(1))
+    manifest = output.with_name("out.h5.parts") / "sweep.json"
+    about = json.loads(manifest.read_text())
+    manifest.write_text(json.dumps({"scene_sha256": about["scene_sha256"], "fingerprint": "", "version": "0.1.0"}))
+    with pytest.raises(UsageError, match=r"out\.h5\.parts: .* that did not note what code and files they are of"):
+        run_sweep(grid_scene(), output, jobs=1, simulate=forbidden)
+
+
+def test_a_file_says_what_it_depends_on(tmp_path):
+    run_sweep(scene(SCENE + GRID), tmp_path / "out.h5", jobs=1, simulate=fake_simulate)
+    found = identity.unpacked(open_results(tmp_path / "out.h5").attributes["screwsim_identity"])
+    assert found == identity_of(scene(SCENE + GRID))
+    assert {"screwsim", "screwsim sources", "CoolProp", "numba", "numpy"} <= set(found)
+
+
+def test_a_profile_file_that_keeps_its_date_is_read_again(tmp_path):
+    file = tmp_path / "lobe.csv"
+    file.write_text("x_mm,y_mm\n0,0\n")
+    stamp = file.stat()
+    first = rotors._stamp(str(file))
+    file.write_text("x_mm,y_mm\n0,1\n")
+    os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+    assert rotors._stamp(str(file)) != first
+
+
+def test_a_sweep_that_is_whole_and_the_same_is_used_again(tmp_path):
+    run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate=fake_simulate)
+    run_sweep(grid_scene(), tmp_path / "other.h5", jobs=1, simulate=fake_simulate)
+    assert run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate=forbidden).reused == 120
+    assert_same(tmp_path / "out.h5", tmp_path / "other.h5")
