@@ -196,18 +196,21 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
 
 
 def _drowned(solution: Solution, found: Figures) -> list[str]:
-    """Return a warning where the oil of a chamber is more than its volume holds when the discharge port opens."""
+    """Return a warning where the oil of a chamber is more than its volume holds when the discharge port opens.
+
+    An expander's chamber has that volume when its inlet closes.
+    """
     oil, geometry = solution.parts.oil, solution.parts.geometry
-    port = getattr(solution.scene.machine, "discharge_port", None)
-    if oil is None or port is None or not found.oil_ratio or not found.trapped_mass or solution.parts.oil_room:
+    opens = geometry.discharge_opens
+    if oil is None or opens is None or not found.oil_ratio or not found.trapped_mass or solution.parts.oil_room:
         return []
     c = solution.machinery.composition
-    opens = geometry.discharge_law().knots[0]
     share = found.oil_ratio * found.trapped_mass / oil.density / solution.machinery.module.volume_at(opens, c.P, c.TAB)
     if share < 1.0:
         return []
+    when = "inlet closes" if geometry.expands else "discharge port opens"
     return [
-        f"the oil would fill {share:.0%} of the chamber when the discharge port opens; oil takes no room in this model "
+        f"the oil would fill {share:.0%} of the chamber when the {when}; oil takes no room in this model "
         "(lower oil_supply.ratio, or take the result as a limit)"
     ]
 

@@ -13,20 +13,38 @@ from screwsim.machine.profile_law import Interface, Laid, lay
 from screwsim.machine.profile_tables import Table
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
 from screwsim.numerics.kernel import Kernel
-from screwsim.numerics.spline import read_curve
+from screwsim.numerics.spline import edges, read_curve, shut
 
 KNOTTED_SPACING = np.radians(10.0)  # tables at least this coarse have a knot at every row; finer ones are smooth enough
 
 
 @dataclass(frozen=True)
 class AreaLaw:
-    """A port area: kernel, numbers behind its arguments [SI], knots [rad], tables (angle [rad], area [m²])."""
+    """A port area: kernel, numbers behind its arguments [SI], knots [rad], tables (angle [rad], area [m²]).
+
+    `rows` are angles [rad] between which the area only rises or only falls, and the areas there: what a port does at
+    which angle is read from them, never from the knots, which tell no more than where steps end.
+    """
 
     area: Kernel
     values: Mapping[str, float]
     knots: tuple[float, ...]
+    rows: tuple[Any, Any]
     tables: Mapping[str, Any] = field(default_factory=dict)
     own_knots: tuple[float, ...] = ()  # that the chambers beside this one do not feel
+
+    @property
+    def widest(self) -> float:
+        """Angle at which the port is widest [rad]."""
+        angles, areas = self.rows
+        return float(angles[int(np.argmax(areas))])
+
+    @property
+    def opens(self) -> float | None:
+        """Angle up to which the port is shut before it is widest [rad]; None where it is open from the start on."""
+        angles, areas = self.rows
+        before = np.flatnonzero(shut(areas)[: int(np.argmax(areas))])
+        return float(angles[before[-1]]) if len(before) else None
 
 
 @dataclass(frozen=True)
@@ -48,8 +66,15 @@ def table_knots(angles: np.ndarray) -> tuple[float, ...]:
     return tuple(angles) if coarse else (float(angles[0]), float(angles[-1]))
 
 
+def area_knots(angles: np.ndarray, areas: np.ndarray) -> tuple[float, ...]:
+    """Return the knots of a table of areas: those of its angles, and where it opens or has shut."""
+    return tuple(sorted({*table_knots(angles), *edges(angles, areas)}))
+
+
 def _area(table: Table) -> AreaLaw:
-    return AreaLaw(table_law.area, {}, table.ends, {"curve": table.curve}, table.knots)
+    return AreaLaw(
+        table_law.area, {}, table.ends, (table.angle, table.value), {"curve": table.curve}, own_knots=table.knots
+    )
 
 
 @dataclass(frozen=True)
@@ -90,9 +115,18 @@ class Geometry:
         return self.settings.mode == "expander"
 
     @property
+    def discharge_opens(self) -> float | None:
+        """Angle of the chamber at which the discharge port opens, or an expander's inlet closes [rad].
+
+        None without that port, or where it is never shut before it is widest.
+        """
+        opens = self.discharge_law().opens if self.settings.discharge_port is not None else None
+        return self.life - opens if self.expands and opens is not None else opens
+
+    @property
     def inlet_closes(self) -> float | None:
-        """Angle at which the inlet of an expander closes [rad]; None without that port."""
-        return None if self.settings.discharge_port is None else self.life - self.discharge_law().knots[0]
+        """Angle at which the inlet of an expander closes [rad]; None without that port, or where it never closes."""
+        return self.discharge_opens if self.expands else None
 
     @property
     def chambers(self) -> int:
@@ -145,10 +179,9 @@ class Geometry:
             return _area(self.profile.suction)
         if law.law == "table":
             return self._table(str(law.file))
-        phi_B = float(law.phi_B or 0.0)
-        return AreaLaw(
-            paper_law.suction_area, {"S_suc": float(law.area or 0.0), "phi_B": phi_B}, (phi_B, TURN - phi_B, TURN)
-        )
+        phi_B, area = float(law.phi_B or 0.0), float(law.area or 0.0)
+        knots, rows = (phi_B, TURN - phi_B, TURN), ((0.0, 0.5 * TURN, TURN), (0.0, area, 0.0))
+        return AreaLaw(paper_law.suction_area, {"S_suc": area, "phi_B": phi_B}, knots, rows)
 
     def discharge_law(self) -> AreaLaw:
         """Return the area law of the discharge port (M18 or M14), over the angle of a compressor."""
@@ -160,22 +193,14 @@ class Geometry:
             return self._table(str(law.file))
         opens, phi_C = float(law.opens or 0.0), float(law.phi_C or 0.0)
         values = {"S_dis": float(law.area or 0.0), "phi_dis": opens, "phi_C": phi_C}
-        return AreaLaw(paper_law.discharge_area, values, (opens, phi_C, LIFE - (phi_C - opens)))
+        rows = (opens, 0.5 * (opens + LIFE), LIFE), (0.0, values["S_dis"], 0.0)
+        return AreaLaw(paper_law.discharge_area, values, (opens, phi_C, LIFE - (phi_C - opens)), rows)
 
     def widest_discharge(self) -> float:
         """Return the angle at which the discharge port is widest [rad]; the end of the life without a port."""
-        law = self.settings.discharge_port
-        if law is None:
-            return self.life
-        if law.law == "profile" and self.profile is not None:
-            table = self.profile.discharge
-            return float(table.angle[np.argmax(table.value)])
-        if law.law == "table":
-            angles, areas = read_curve(str(law.file), "area_m2")
-            return float(angles[np.argmax(areas)])
-        return 0.5 * (float(law.opens or 0.0) + LIFE)
+        return self.life if self.settings.discharge_port is None else self.discharge_law().widest
 
     @staticmethod
     def _table(path: str) -> AreaLaw:
         angles, areas = read_curve(path, "area_m2")
-        return AreaLaw(table_law.area, {}, table_knots(angles), {"curve": (angles, areas)})
+        return AreaLaw(table_law.area, {}, area_knots(angles, areas), (angles, areas), {"curve": (angles, areas)})

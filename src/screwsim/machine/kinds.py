@@ -1,8 +1,8 @@
 """The kinds of machines: what a scene says of each, its checks, and the geometry that model and effects ask.
 
 A geometry has `settings`, `pitch` and `life` [rad], `injection_angle` [rad] (where suction ends and the trapped mass is
-taken), `chambers` (alive at once), `swept_volume` [m³], `volume_law()`, `widest_discharge()` [rad], and tells whether
-the machine `expands`; a chamber lives `omega / pitch` times a second.
+taken), `chambers` (alive at once), `swept_volume` [m³], `volume_law()`, `widest_discharge()` and `discharge_opens`
+[rad], and tells whether the machine `expands`; a chamber lives `omega / pitch` times a second.
 """
 
 from __future__ import annotations

@@ -16,10 +16,11 @@ from functools import lru_cache
 import numpy as np
 
 from screwsim.faults import Fault, UsageError
-from screwsim.machine.profile_tables import LEAST, Table, area_table, volume_table
+from screwsim.machine.profile_tables import Table, area_table, volume_table
 from screwsim.machine.rotors.curves import OVERLAP, Curve, Curves, Path, make_curves
 from screwsim.machine.rotors.rotors import Rotors, make_rotors
 from screwsim.machine.settings import TwinScrew
+from screwsim.numerics.spline import LEAST
 
 BIRTH = math.radians(20.0)  # over which a path opens that is longer than nothing at the birth of a chamber
 BEFORE_CLOSING = np.radians((2.0, 0.5, 0.1))  # steps end there: a port that shuts leaves a layer that no error shows

@@ -16,12 +16,11 @@ import numpy as np
 from screwsim.machine.rotors.curves import Curve, Curves
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import Rotors
-from screwsim.numerics.spline import differences, side_slopes
+from screwsim.numerics.spline import LEAST, differences, side_slopes
 
 DEG = math.radians(1.0)
 EVERY = 2  # row of the curves' 0.5° that the tables keep
 BEYOND = 1.0 * DEG  # a last interval of zeros: at the end of a cubic its rounding would be left open
-LEAST = 1e-9  # of its largest value: a curve that stays below it is nothing
 BEND = 0.02  # jump of d²V/dφ² over V_max [1/rad²] below which steps go on across it
 KINK = 0.2  # the same of an area's slope over its largest value [1/rad]
 STEEP = 8.0  # change of an area's slope from row to row over its largest value [1/rad]: where a jump begins and ends

@@ -19,6 +19,7 @@ from screwsim.sheets import BadSheet, read_sheet
 from screwsim.textfiles import Unreadable
 
 Array = np.ndarray
+LEAST = 1e-9  # of its largest value: where a curve of areas is below it, it is nothing
 
 
 def read_curve(path: str, column: str) -> tuple[Array, Array]:
@@ -48,6 +49,18 @@ def read_curve(path: str, column: str) -> tuple[Array, Array]:
     if len(angles) < 3:
         raise UsageError(f"{path}: has {len(angles)} rows; a curve needs at least 3")
     return np.array(angles), np.array(values)
+
+
+def shut(areas: Array) -> np.ndarray:
+    """Tell which areas are none beside the largest."""
+    return np.asarray(areas) <= LEAST * np.max(areas)
+
+
+def edges(angles: Array, areas: Array) -> tuple[float, ...]:
+    """Return the rows [rad] at which a table of areas opens or has shut; zeros beside them tell nothing."""
+    none = shut(areas)
+    beside = np.append(~none[1:], False) | np.append(False, ~none[:-1])
+    return tuple(np.asarray(angles)[none & beside].tolist())
 
 
 def pack_curve(x: Array, y: Array, slope: Array | None = None) -> Array:

@@ -22,7 +22,7 @@ class Cylinder:
     life = TURN
     chambers = 1
     expands = False
-    inlet_closes = None
+    discharge_opens = inlet_closes = None
     profile = None
     outcomes: tuple[float, ...] = ()
 
