@@ -10,6 +10,7 @@ import numpy as np
 from screwsim import settling, shaft
 from screwsim.build import faults_of_own, prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
+from screwsim.fluid.orifice import outside_fit
 from screwsim.ledger.total import Ledger
 from screwsim.model import close as closing
 from screwsim.model.pulsation import LOWEST
@@ -172,6 +173,7 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
             f"nothing is injected and the ratio is {found.oil_ratio:.4g}"
         )
     warnings += _drowned(solution, found)
+    warnings += _unfitted_bore(solution, found)
     if (found.economizer_draw_ratio or 0.0) > 1.0 + DRAWN_TOO_MUCH:
         warnings.append(
             f"the economizer's port draws {found.economizer_draw_ratio:.3g} times the vapour that the liquid makes: "
@@ -213,6 +215,19 @@ def _drowned(solution: Solution, found: Figures) -> list[str]:
         f"the oil would fill {share:.0%} of the chamber when the {when}; oil takes no room in this model "
         "(lower oil_supply.ratio, or take the result as a limit)"
     ]
+
+
+def _unfitted_bore(solution: Solution, found: Figures) -> list[str]:
+    """Return a warning where the bore that lets the oil in lies outside what the formula of its flow was fitted to."""
+    oil, port = solution.parts.oil, solution.parts.oil_port
+    if oil is None or "diameter" not in oil.supply:
+        return []
+    bore, source = oil.supply, oil.supply["separator_pressure"]
+    before = source - (0.0 if port is None else port.loss(source))
+    drop = max(before - (found.injection_pressure or 0.0), 0.0)
+    reynolds = bore["diameter"] * math.sqrt(2.0 * drop * bore["density"]) / bore["viscosity"]
+    why = outside_fit(bore["length"] / bore["diameter"], reynolds)
+    return [f"the formula of the oil's flow is stretched beyond its range: {why}"] if why else []
 
 
 def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:

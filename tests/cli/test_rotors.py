@@ -1,6 +1,7 @@
 """screwsim rotors: what it prints and writes, and how it refuses; faults of rotors at their place in the scene."""
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,70 @@ def test_coefficients_are_printed(capsys):
     code, out, _ = answer(capsys, B)
     assert code == 0
     assert "Cn = (A01 + A02) z1/D²" in out and "the port opens for Vi = 3.2" in out
+
+
+@pytest.mark.parametrize("scene", ["a", "b", "c"])
+def test_the_blow_holes_of_the_docs_are_those_that_are_printed(capsys, scene):
+    _, out, _ = answer(capsys, CONFIGS / "rotors" / f"{scene}.yaml")
+    printed = {line[:26].strip(): line[26:37].strip() for line in out.splitlines()}
+    page = (CONFIGS.parent / "docs" / "rotors.md").read_text(encoding="utf-8")
+    told = page[page.index("1.6 times as large") :].partition("\n\n")[0]
+    assert printed["blow hole area"] in told and printed["suction blow hole area"] in told
+
+
+def pair_of(kind, z1, z2, A, D2, r4, *flank):
+    """Return the overrides of a pair of other lobes, lengths in mm."""
+    lengths = {"centre_distance": A, "female_diameter": D2, "female_tip_radius": r4}
+    lengths |= {"flank_radius": flank[0]} if flank else {}
+    given = [f"machine.male_lobes={z1}", f"machine.female_lobes={z2}"]
+    given += [f"machine.profile.{name}={value} mm" for name, value in lengths.items()]
+    given += [f"machine.profile.pressure_angle={flank[1]} deg"] if flank else []
+    return kind, given
+
+
+PAIRS = {
+    "3/4": pair_of("b", 3, 4, 125, 150, 4.5, 44, 30),
+    "4/5": pair_of("b", 4, 5, 120, 140, 4.2, 30, 32),
+    "4/5 symmetric": pair_of("a", 4, 5, 120, 140, 4.2),
+    "4/6": ("b", []),
+    "5/6 symmetric": pair_of("a", 5, 6, 128, 150, 6.5),
+    "5/7": pair_of("b", 5, 7, 124, 150, 6.4, 28, 32),
+    "5/7 symmetric": pair_of("a", 5, 7, 128, 150, 1),
+    "6/7 symmetric": pair_of("a", 6, 7, 130, 140, 1),
+}
+ROTORS = sorted(
+    path for path in CONFIGS.rglob("*.yaml") if "law: profile" in path.read_text() or path.parent.name == "rotors"
+)
+
+
+def lengths_of(found):
+    """Return the numbers of a document, by name."""
+    return {name: entry["value"] for name, entry in found["coefficients"].items()}
+
+
+@pytest.mark.parametrize("scene", ROTORS, ids=lambda path: path.stem)
+def test_every_shipped_machine_with_rotors_gives_its_figures_and_files(capsys, tmp_path, scene):
+    code, out, err = answer(capsys, scene, "-o", tmp_path, "--json")
+    assert (code, err) == (0, "")
+    document = json.loads(out)
+    assert all(math.isfinite(value) for value in lengths_of(document).values())
+    assert all(Path(path).stat().st_size > 100 for path in document["files"])
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_every_pair_of_lobes_gives_its_figures(capsys, name):
+    kind, given = PAIRS[name]
+    scene = CONFIGS / "rotors" / f"{kind}.yaml"
+    code, out, err = answer(capsys, scene, "--json", *(part for each in given for part in ("--set", each)))
+    assert (code, err) == (0, "")
+    assert all(math.isfinite(value) and value > 0.0 for value in lengths_of(json.loads(out)).values())
+
+
+@pytest.mark.parametrize(("scene", "at_100_mm"), [("a", 102.9e-3), ("b", 114.7e-3), ("c", 109.0e-3)])
+def test_the_longest_contact_line_is_that_of_the_whole_chamber(capsys, scene, at_100_mm):
+    """Both branches are whole at once on rotors of this length: the sealing line of docs/rotors.md, at 160 mm."""
+    _, out, _ = answer(capsys, CONFIGS / "rotors" / f"{scene}.yaml", "--json")
+    assert lengths_of(json.loads(out))["sealing_line_length"] == pytest.approx(1.6 * at_100_mm, rel=6e-4)
 
 
 def test_figures_page_profiles_and_tables_are_written(capsys, tmp_path):

@@ -65,6 +65,30 @@ def test_displacement_flow_is_the_orifices(speed):
     assert p.oil_mass_flow == pytest.approx(oil, rel=1e-10)  # one chamber faces the port at any time
 
 
+def stretched(**bore):
+    """Return the warnings about the bore of a machine with displaced oil."""
+    supply = DISPLACEMENT["oil_supply"] | bore
+    found = run({**DISPLACEMENT, "oil_supply": supply})
+    assert found.status == "ok"
+    return [warning for warning in found.warnings if "formula of the oil's flow" in warning]
+
+
+@pytest.mark.parametrize(("length", "words"), [("11 mm", "1.83 diameters long"), ("66 mm", "11 diameters long")])
+def test_a_bore_outside_the_fitted_lengths_is_warned_of(length, words):
+    (warning,) = stretched(orifice_length=length)
+    assert words in warning and "2 to 10" in warning and "oil_supply.orifice_length" in warning
+
+
+@pytest.mark.parametrize("length", ["12 mm", "60 mm"])
+def test_a_bore_at_the_ends_of_the_fitted_lengths_is_not_warned_of(length):
+    assert stretched(orifice_length=length) == []
+
+
+def test_a_bore_in_which_oil_creeps_is_warned_of():
+    (warning,) = stretched(orifice_diameter="3 um")
+    assert "Reynolds number" in warning and "above 10" in warning
+
+
 def test_displacement_gives_less_oil_per_gas_the_faster_it_turns():
     ratios = [displaced(speed).performance.oil_ratio for speed in (1000, 3000, 5000)]
     assert ratios == sorted(ratios, reverse=True)

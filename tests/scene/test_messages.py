@@ -192,6 +192,17 @@ def test_displacement_demands_orifice_and_viscosity_and_refuses_ratio_and_pump(e
     ]
 
 
+def test_a_bore_so_long_that_no_formula_holds_is_refused(example):
+    lengths = "kind: displacement\n  orifice_diameter: 2 mm\n  orifice_length: LONG"
+    text = example.replace("kind: pump", lengths).replace("  ratio: 3\n", "")
+    told = [line for line in faults_of(text.replace("LONG", "20 cm")) if "orifice_length" in line]
+    assert told == [
+        "x.yaml:29:19: oil_supply.orifice_length: is 100 diameters: no formula holds for so long a bore "
+        "(choose 2 to 10 diameters)"
+    ]
+    assert not [line for line in faults_of(text.replace("LONG", "2 cm")) if "orifice_length" in line]
+
+
 def test_an_effect_of_a_port_demands_its_section(example):
     text = "\n".join(line for line in example.splitlines() if not line.startswith("  suction_port: {"))
     assert faults_of(text) == [

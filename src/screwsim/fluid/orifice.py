@@ -3,7 +3,8 @@
 Source: Lichtarowicz, Duggins, Markland, J. Mech. Eng. Sci. 7 (1965) 210: C_du = 0.827 − 0.0085 L/D,
 1/C_d = 1/C_du + 20/R (1 + 2.25 L/D) − 0.005 L/D / (1 + 7.5 lg²(0.00015 R)), with the hydraulic Reynolds number
 R = ρ D √(2 Δp/ρ)/μ of the loss-free velocity, fitted for 10 < R < 20 000 and 2 ≤ L/D ≤ 10. The last term is missing
-where the formula is quoted short; it changes C_d by up to 0.8, 1.9 and 3.7 % at L/D = 2, 5 and 10.
+where the formula is quoted short; it changes C_d by up to 0.8, 1.9 and 3.7 % at L/D = 2, 5 and 10. Above R = 20 000
+C_d hardly changes any more (by 0.4 % at L/D = 2), so that only the lower end of that range is watched.
 """
 
 from __future__ import annotations
@@ -11,6 +12,23 @@ from __future__ import annotations
 import math
 
 from screwsim.numerics.kernel import kernel
+
+FITTED_SLENDERNESS = (2.0, 10.0)  # L/D
+LEAST_REYNOLDS = 10.0
+NO_FLOW = 0.827 / 0.0085  # L/D at which C_du is zero
+_EDGE = 1e-9  # relative: a bore of just two or ten diameters lies inside
+
+
+def outside_fit(slenderness: float, reynolds: float) -> str:
+    """Return in which respect a bore lies outside the range of M30, with the remedy; empty inside."""
+    low, high = FITTED_SLENDERNESS
+    if not low * (1.0 - _EDGE) <= slenderness <= high * (1.0 + _EDGE):
+        what = f"the bore is {slenderness:.3g} diameters long, fitted are {low:g} to {high:g}"
+        return f"{what} (another oil_supply.orifice_length)"
+    if 0.0 < reynolds < LEAST_REYNOLDS:
+        what = f"the bore's Reynolds number is {reynolds:.2g}, fitted is above {LEAST_REYNOLDS:g}"
+        return f"{what} (a wider oil_supply.orifice_diameter, or a thinner oil)"
+    return ""
 
 
 @kernel

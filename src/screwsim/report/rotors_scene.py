@@ -72,8 +72,10 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
 
 
 def _longest_line(laid: Laid) -> float:
+    """Return the largest sum of both branches [m]; each has rows of its own, so at all angles of either."""
     parts = [path.curve for path in laid.curves.paths if path.name.startswith("sealing_line")]
-    return float(np.max(np.sum([part.value for part in parts], axis=0)))
+    angle = np.unique(np.concatenate([part.angle for part in parts]))
+    return float(np.max(np.sum([np.interp(angle, part.angle, part.value) for part in parts], axis=0)))
 
 
 def table_text(scene: Scene) -> str:

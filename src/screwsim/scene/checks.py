@@ -8,6 +8,7 @@ from typing import Any
 
 from screwsim.faults import Fault, UsageError
 from screwsim.fluid.oils import OILS
+from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
 from screwsim.machine.kinds import SLIDER_CRANK, check_machine
 from screwsim.scene.fields import effect_keys, leaf_paths
 from screwsim.scene.operation import check_operation
@@ -105,6 +106,11 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
         yield Fault("oil_supply.source", "belongs to kind: pump; displacement draws from the separator (remove it)")
     if supply.orifice_diameter is None:
         yield Fault("oil_supply.orifice_diameter", "is missing (kind: displacement needs it, e.g. 3 mm)")
+    elif supply.orifice_length is not None and supply.orifice_length >= NO_FLOW * supply.orifice_diameter:
+        length = supply.orifice_length / supply.orifice_diameter
+        what = f"is {length:.3g} diameters: no formula holds for so long a bore"
+        low, high = FITTED_SLENDERNESS
+        yield Fault("oil_supply.orifice_length", f"{what} (choose {low:g} to {high:g} diameters)")
     if scene.oil is not None and not scene.oil.knows_viscosity:
         yield Fault("oil.viscosity", "is missing (oil_supply.kind: displacement needs it, e.g. viscosity: 20 mPa s)")
 
