@@ -5,6 +5,8 @@ One table for the screen, the figures and the page.
 
 from __future__ import annotations
 
+import math
+
 from screwsim.outputs import PERFORMANCE
 from screwsim.scene.units import ZERO_CELSIUS
 
@@ -15,6 +17,10 @@ SCALES = {
     "m": ((1e-3, 1e3, "mm"), (0.0, 1e6, "µm")),
     "N": ((1e3, 1e-3, "kN"), (0.0, 1.0, "N")),
     "N m": ((0.0, 1.0, "N m"),),
+    "m3": ((0.1, 1.0, "m³"), (0.0, 1e6, "cm³")),
+    "m3 s-1": ((0.0, 3600.0, "m³/h"),),
+    "rad": ((0.0, 180.0 / math.pi, "°"),),
+    "rad s-1": ((0.0, 30.0 / math.pi, "rpm"),),
     "Pa": ((0.0, 1e-5, "bar"),),
     "kg": ((0.1, 1.0, "kg"), (0.0, 1e3, "g")),
     "kg s-1": ((0.0, 1.0, "kg/s"),),
@@ -25,7 +31,8 @@ SCALES = {
 
 def shown_name(name: str) -> str:
     """Return the name of a figure as a person writes it."""
-    return "COP" if name == "cop" else name.replace("_", " ")
+    words = " ".join("COP" if word == "cop" else word for word in name.split("_"))
+    return words.replace("built in", "built-in")
 
 
 def scale(units: str, size: float) -> tuple[float, str]:

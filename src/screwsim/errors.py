@@ -44,6 +44,9 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
         else:
             scale = max(error_scale(name, known), least_work if name == "work_per_cycle" else 1e-300, 1e-300)
         errors[name] = abs(value - reference) / scale
+    of_power = errors.get("shaft_power")
+    if of_power is not None and errors.get("shaft_torque") is not None:
+        errors["shaft_torque"] = of_power + (errors.get("mean_speed") or 0.0)
     return Figures(errors)
 
 
@@ -64,15 +67,19 @@ def flow_errors(found: Figures, lost: float) -> Figures:
 def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any], Any] = max) -> Any:
     """Return what the relative error of a figure is relative to; figures that are None count as zero in `known`.
 
-    Powers and heat of walls are over the larger of shaft and ideal power, efficiencies over max(|η|, 0.1), oil over at
-    least LEAST_OIL of the gas, the net gas flow and what is divided by it over as much as the volumetric efficiency
-    allows, gas that the chambers' oil gives off over at least BROUGHT of what it brings, the others over themselves.
+    Powers and heat of walls are over the larger of shaft and ideal power, the torque likewise, efficiencies over
+    max(|η|, 0.1), oil over at least LEAST_OIL of the gas, the net gas flow and what is divided by it over as much as
+    the volumetric efficiency allows, gas that the chambers' oil gives off over at least BROUGHT of what it brings, the
+    others over themselves.
     For arrays `larger` is numpy's maximum.
     """
     size = abs(known[name])
     if _is_power(name):
         shaft = known.get("shaft_power", 0.0)
         return larger(abs(shaft), abs(known.get("ideal_isothermal_efficiency", 0.0) * shaft))
+    if name == "shaft_torque":
+        shaft = abs(known.get("shaft_power", 0.0))
+        return size * error_scale("shaft_power", known, larger) / (shaft + (shaft == 0.0))
     if name.endswith("_efficiency"):
         return larger(size, 0.1)
     swing = _swing(name)
@@ -94,7 +101,8 @@ def error_scale(name: str, known: Mapping[str, Any], larger: Callable[[Any, Any]
 @cache
 def _over_itself(name: str) -> bool:
     """Tell whether the error of a figure is relative to the figure itself, whatever the others are."""
-    special = name.endswith("_efficiency") or name in (*NET, *OIL, *FLASH, "work_per_cycle") or _is_power(name)
+    apart = (*NET, *OIL, *FLASH, "work_per_cycle", "shaft_torque")
+    special = name.endswith("_efficiency") or name in apart or _is_power(name)
     return not special and _swing(name) is None
 
 

@@ -88,7 +88,7 @@ def explain(scene: Scene) -> Explanation:
     )
     sections = [
         ("Machine", _machine(scene, parts)),
-        (f"Active effects ({len(scene.effects)} of {len(scene.effects) + len(left_out)})", _effects(scene, parts)),
+        (f"Active effects ({_counted(scene, left_out)})", _effects(scene, parts)),
         ("Left out: no term, no state, no computing time", _left_out(left_out)),
         ("Chamber", _chamber(parts, model)),
         ("Flow paths", _paths(parts)),
@@ -101,6 +101,15 @@ def explain(scene: Scene) -> Explanation:
         sections.append((f"Sweep ({case_count(scene)} cases)", _sweep(scene)))
     filled = tuple((heading, tuple(lines)) for heading, lines in sections)
     return Explanation(scene.title, tuple(scene.effects), left_out, model.states, filled)
+
+
+def _counted(scene: Scene, left_out: tuple[str, ...]) -> str:
+    """Return how many effects are active, of how many that this kind of machine can have, and of how many in all."""
+    every = catalogue()
+    active = sum(name in every for name in scene.effects)
+    own = len(scene.effects) - active
+    text = f"{active} of the {active + len(left_out)} of a {scene.machine.kind}; {len(every)} in all"
+    return f"{text}; {own} of your own" if own else text
 
 
 def _row(name: str, text: str) -> str:

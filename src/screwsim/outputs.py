@@ -42,6 +42,7 @@ PERFORMANCE = {
     "oil_drag_power": Variable("W", "drag of oil in tip and end gaps"),
     "bearing_power": Variable("W", "friction of the bearings"),
     "shaft_power": Variable("W", "shaft power"),
+    "shaft_torque": Variable("N m", "mean torque at the shaft: shaft power over speed"),
     "discharge_temperature": Variable("K", "flow-weighted mean gas temperature at discharge"),
     "oil_discharge_temperature": Variable("K", "flow-weighted mean oil temperature at discharge"),
     "peak_pressure": Variable("Pa", "highest chamber pressure up to the widest opening of the discharge port"),
@@ -54,6 +55,12 @@ PERFORMANCE = {
     "suction_pressure": Variable("Pa", "pressure of the suction line"),
     "suction_temperature": Variable("K", "temperature of the suction line"),
     "discharge_pressure": Variable("Pa", "pressure of the discharge line"),
+    "pressure_ratio": Variable("1", "pressure of the discharge line over that of the suction line (expander: inverse)"),
+    "displacement": Variable("m3", "swept volume of all chambers in a revolution of the male rotor or the crank"),
+    "displacement_flow": Variable("m3 s-1", "displacement times speed"),
+    "built_in_volume_ratio": Variable(
+        "1", "chamber volume where suction closes over that where the discharge port opens (profiles: as stated)"
+    ),
     "specific_power": Variable("W s m-3", "shaft power over the volume flow of suction gas"),
     "cooling_capacity": Variable("W", "cooling capacity: net gas flow times the real fluid's refrigerating effect"),
     "cop": Variable("1", "coefficient of performance: cooling capacity over shaft power"),

@@ -11,6 +11,7 @@ import numpy as np
 
 from screwsim.effects.base import Plenum, PowerLoss, Reading, Turn
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.machine.settings import TURN
 from screwsim.model.parts import Parts
 from screwsim.model.pitch import Pitch
 from screwsim.model.residues import Array, discharge_enthalpy
@@ -173,6 +174,7 @@ def figures(
         "gas_mass_flow": flow,
         "indicated_power": known.indicated_power,
         "shaft_power": shaft,
+        "shaft_torque": shaft / parts.omega,
         "discharge_temperature": None if mean is None else gas.temperature(lines.p_d, mean[0]),
         "peak_pressure": peak,
         "work_per_cycle": work,
@@ -181,6 +183,9 @@ def figures(
         "suction_pressure": lines.p_s,
         "suction_temperature": lines.T_s,
         "discharge_pressure": lines.p_d,
+        "pressure_ratio": lines.p_s / lines.p_d if geometry.expands else lines.p_d / lines.p_s,
+        "displacement": geometry.swept_volume * TURN / geometry.pitch,
+        "displacement_flow": geometry.swept_volume * rate,
     }
     if mean is None:
         notes["discharge_temperature"] = "nothing flows out to the discharge line"

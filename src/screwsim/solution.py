@@ -13,6 +13,7 @@ from screwsim.build import build_site
 from screwsim.effects.base import Drawn, OilSolution, Plenum, Reading, Site, Turn
 from screwsim.ledger.book import Cycle
 from screwsim.ledger.total import Ledger, ledger
+from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.making import Making
 from screwsim.model import close as closing
 from screwsim.model import residues, speed
@@ -207,6 +208,7 @@ class Solution(Making):
             d=self._oil_ratio(),
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
         )
+        found["built_in_volume_ratio"] = self._built_in_volume_ratio
         if self.parts.dissolves:
             found["discharge_dissolved_gas_ratio"] = residues.discharge_held(self.balances.streams(q))
         own = self._own_figures(q)
@@ -269,6 +271,11 @@ class Solution(Making):
             return None
         volume = float(self.machinery.module.volume_at(closes, c.P, c.TAB))
         return self.inlet.density * volume * self.parts.omega / geometry.pitch
+
+    @cached_property
+    def _built_in_volume_ratio(self) -> float | None:
+        volume_at, c = self.machinery.module.volume_at, self.machinery.composition
+        return built_in_volume_ratio(self.parts.geometry, lambda angle: float(volume_at(angle, c.P, c.TAB)))
 
     def _oil_ratio(self) -> float:
         """Return oil per gas at the injection angle, or where the injection through a port ends."""

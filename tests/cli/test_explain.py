@@ -1,8 +1,12 @@
 """`explain` tells what is simulated and what is not."""
 
+from pathlib import Path
+
 import screwsim
 from screwsim.effects import catalogue
 from screwsim.explain import explain
+
+CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def test_active_and_left_out_are_the_effects_that_the_machine_can_have(folder):
@@ -11,6 +15,25 @@ def test_active_and_left_out_are_the_effects_that_the_machine_can_have(folder):
     assert set(found.active) | set(found.left_out) == of_screws
     assert not set(found.active) & set(found.left_out)
     assert "oil_heat" in found.left_out
+
+
+def test_effects_are_counted_of_the_kind_and_in_all(folder):
+    every = catalogue().values()
+    screws, cylinders = (sum(kind in effect.machines for effect in every) for kind in ("twin_screw", "slider_crank"))
+    text = str(explain(screwsim.load("small.yaml")))
+    assert f"Active effects (3 of the {screws} of a twin_screw; {len(every)} in all)" in text
+    cylinder = screwsim.load(CONFIGS / "slider_crank" / "air.yaml")
+    active = len(cylinder.effects)
+    assert f"Active effects ({active} of the {cylinders} of a slider_crank; {len(every)} in all)" in str(
+        explain(cylinder)
+    )
+
+
+def test_the_readme_counts_the_effects_as_explain_does():
+    every = catalogue().values()
+    screws = sum("twin_screw" in effect.machines for effect in every)
+    readme = " ".join((CONFIGS.parent / "README.md").read_text(encoding="utf-8").split())
+    assert f"({len(every)} in all, {screws} of them of twin screws)" in readme
 
 
 def test_every_active_effect_shows_title_equations_and_source(folder):

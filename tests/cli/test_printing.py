@@ -1,11 +1,15 @@
 """Numbers for programs and for people."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from screwsim.printing import engineering, plain
+from screwsim.engineering import SCALES, scale, shown_name
+from screwsim.outputs import PERFORMANCE, Figures, Result
+from screwsim.printing import engineering, plain, print_result
+from screwsim.printing.stages import print_stages
 
 
 def test_plain_values_are_those_of_json():
@@ -26,7 +30,59 @@ def test_plain_values_are_those_of_json():
         ("oil_ratio", 3.0, "3 "),
         ("trapped_mass", 3.9e-3, "3.9 g"),
         ("discharge_temperature", 300.0, "300.00 K (26.85 °C)"),
+        ("mean_speed", 100.0 * math.pi, "3000 rpm"),
+        ("twist_mean", math.pi / 180.0, "1 °"),
+        ("displacement", 2112e-6, "2112 cm³"),
+        ("displacement_flow", 0.1, "360 m³/h"),
+        ("shaft_torque", 123.0, "123 N m"),
     ],
 )
 def test_figures_have_engineering_units(name, value, text):
     assert " ".join(engineering(name, value)) == text
+
+
+def printed(result: Result, capsys) -> list[str]:
+    """Return the lines that `run` prints of a result."""
+    print_result("a title", result)
+    return capsys.readouterr().out.splitlines()
+
+
+FEW = Figures(shaft_power=1e3, displacement=2112e-6, cop=None)
+
+
+def test_warnings_stand_before_the_figures_and_are_counted_beside_the_status(capsys):
+    lines = printed(Result("ok", warnings=("the first", "the second " * 9), performance=FEW), capsys)
+    assert lines[:4] == ["a title", "status: ok, with 2 warnings", "warning: the first", lines[3]]
+    assert lines[3].startswith("warning: the second") and lines[4].startswith("  ")
+    assert lines.index("warning: the first") < next(i for i, line in enumerate(lines) if line.startswith("figure"))
+    assert sum(line.startswith("warning") for line in lines) == 2
+
+
+def test_a_message_follows_the_number_of_warnings(capsys):
+    result = Result("not_closed", "mass 1e-3", ("one",), performance=FEW)
+    assert printed(result, capsys)[1] == "status: not_closed, with 1 warning; mass 1e-3"
+    assert printed(Result("ok", performance=FEW), capsys)[1] == "status: ok"
+
+
+@pytest.mark.parametrize("absent", [1, 2, 60])
+def test_what_is_not_simulated_takes_one_line(capsys, absent):
+    names = [name for name in PERFORMANCE if name not in FEW][:absent]
+    lines = printed(Result("ok", performance=Figures(FEW, cop=1.0, **dict.fromkeys(names))), capsys)
+    (at,) = [i for i, line in enumerate(lines) if line.startswith("not simulated: ")]
+    assert len(lines[at]) < 80 and not lines[at + 1].startswith(" ")
+    words = "60 figures" if absent == 60 else ", ".join(map(shown_name, names))
+    assert lines[at].startswith(f"not simulated: {words}")
+
+
+@pytest.mark.parametrize("units", sorted({about.units for about in PERFORMANCE.values()} - {"1", "K", "Hz"}))
+def test_every_unit_of_a_figure_has_a_customary_one(units):
+    assert scale(units, 1.0)[1] not in ("rad", "rad s-1", "m3", "m3 s-1", "W s m-3", "J m-3", "kg s-1")
+    assert units in SCALES
+
+
+def test_warnings_of_two_stages_name_their_stage(capsys):
+    """Told like those of one scene, before the figures."""
+    stages = (Result("ok", warnings=("too much oil",)), Result("ok"))
+    print_stages("", SimpleNamespace(status="ok", message="", performance={"shaft_power": 1.0}, stages=stages))
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:2] == ["status: ok", "warning: first stage: too much oil"]

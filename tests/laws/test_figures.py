@@ -36,6 +36,36 @@ def test_volumetric_efficiency_is_flow_over_swept_flow(result):
     assert p.volumetric_efficiency == pytest.approx(p.gas_mass_flow / swept, rel=ALGEBRA)
 
 
+def test_torque_is_shaft_power_over_speed(result):
+    p = result.performance
+    assert p.shaft_torque == pytest.approx(p.shaft_power / (3000 * math.pi / 30), rel=ALGEBRA)
+    assert result.error.shaft_torque == result.error.shaft_power  # of powers, over their common scale
+
+
+def test_displacement_is_what_a_revolution_sweeps(result):
+    p = result.performance
+    assert p.displacement == pytest.approx(4 * SWEPT, rel=ALGEBRA)
+    assert p.displacement_flow == pytest.approx(p.displacement * 3000 / 60, rel=ALGEBRA)
+    flow = p.volumetric_efficiency * p.displacement_flow * P_S / (GAS.R * T_S)
+    assert p.gas_mass_flow == pytest.approx(flow, rel=ALGEBRA)
+
+
+def test_pressure_ratio_is_that_of_the_lines(result):
+    assert result.performance.pressure_ratio == pytest.approx(P_D / P_S, rel=ALGEBRA)
+
+
+def test_built_in_volume_ratio_is_that_of_the_volume_law(result):
+    """V falls from 600 cm³ at 360° to (2 − x)²/c of it at 600°, x = 600/360, c = 60/360 being shorter than 2 − x."""
+    x, c, dead = 600 / 360, 60 / 360, make().machine.volume.dead
+    opened = SWEPT * (1.0 + (x - 1.0) ** 2 / (c - 1.0))
+    assert result.performance.built_in_volume_ratio == pytest.approx((SWEPT + dead) / (opened + dead), rel=1e-12)
+
+
+def test_a_machine_without_a_port_has_no_built_in_volume_ratio():
+    without = run({"effects.discharge_port": DROP, "machine.discharge_port": DROP}).performance
+    assert without.built_in_volume_ratio is None and without.displacement == pytest.approx(4 * SWEPT, rel=ALGEBRA)
+
+
 def test_isothermal_efficiency_is_its_formula(result):
     p = result.performance
     ideal = p.gas_mass_flow * GAS.R * T_S * math.log(P_D / P_S)

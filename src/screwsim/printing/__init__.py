@@ -52,13 +52,15 @@ def write_json(document: Any, path: Path) -> str:
 
 
 def print_result(title: str, result: Result) -> None:
-    """Print a result as a table with its balances, numerics, notes and warnings."""
+    """Print a result: its warnings, the table of figures with its ledger, then notes, balances and numerics."""
     from rich.console import Console
 
     console = Console(highlight=False, markup=False, emoji=False)
     if title:
         console.print(printable(title), style="bold")
-    console.print(_wrapped(f"status: {result.status}" + (f"; {result.message}" if result.message else "")))
+    console.print(_wrapped(f"status: {_ended(result)}"))
+    for warning in result.warnings:
+        console.print(_wrapped(f"warning: {warning}"))
     if result.performance:
         console.print()
         console.print(_table(result))
@@ -71,6 +73,13 @@ def print_result(title: str, result: Result) -> None:
     console.print()
     for line in _account(result):
         console.print(_wrapped(line))
+
+
+def _ended(result: Result) -> str:
+    """Return the status with the number of warnings and the message, where there are any."""
+    count = len(result.warnings)
+    warned = f", with {count} {'warning' if count == 1 else 'warnings'}" if count else ""
+    return f"{result.status}{warned}" + (f"; {result.message}" if result.message else "")
 
 
 def _table(result: Result) -> Any:
@@ -159,7 +168,7 @@ def _account(result: Result) -> Iterable[str]:
         yield f"no {', '.join(names)}: {reason}"
     silent = [shown_name(name) for name in absent if name not in result.notes]
     if silent:
-        yield f"not simulated: {', '.join(silent)}"
+        yield _not_simulated(silent)
     for cost in result.knock_out:
         if cost["message"]:
             yield f"without {cost['effect']}: {cost['message']}"
@@ -168,8 +177,14 @@ def _account(result: Result) -> Iterable[str]:
     yield _numerics(result.numerics)
     if result.performance and not result.error:
         yield "error: not estimated, the finer solution for it did not close"
-    for warning in result.warnings:
-        yield f"warning: {warning}"
+
+
+def _not_simulated(names: list[str]) -> str:
+    """Return one line on the figures of effects that the scene does not name: their names, or how many they are."""
+    line = f"not simulated: {', '.join(names)}"
+    if len(line) < WIDTH:
+        return line
+    return f"not simulated: {len(names)} figures (null in --json; of which effects: screwsim explain)"
 
 
 def _balance(balance: Mapping[str, Any]) -> str:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from screwsim.study.stages import ChainResult
 
 WIDTH = 80
+WHICH = ("first", "second")
 OF_STAGES = ("gas_mass_flow", "shaft_power", "volumetric_efficiency", "isentropic_efficiency", "discharge_temperature")
 
 
@@ -21,10 +22,13 @@ def print_stages(title: str, found: ChainResult) -> None:
     if title:
         say(title)
     say(textwrap.fill(f"status: {found.status}" + (f"; {found.message}" if found.message else ""), WIDTH - 1))
+    for which, result in zip(WHICH, found.stages, strict=False):
+        for warning in result.warnings:
+            say(textwrap.fill(f"warning: {which} stage: {warning}", WIDTH - 1, subsequent_indent="  "))
     for name, value in found.performance.items():
         if value is not None:
             say(f"{shown_name(name):<32}{_shown(name, value)}")
-    for which, result in zip(("first", "second"), found.stages, strict=False):
+    for which, result in zip(WHICH, found.stages, strict=False):
         if result.performance:
             figures = ((name, result.performance[name]) for name in OF_STAGES)
             words = [_figure(name, value) for name, value in figures if value is not None]

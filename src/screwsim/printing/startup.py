@@ -36,13 +36,13 @@ def text(title: str, found: StartUp) -> str:
     """Return the figures of a start-up for a terminal."""
     lines = [title] if title else []
     lines.append(wrapped(f"status: {found.status}{f', {found.message}' if found.message else ''}"))
+    lines += [wrapped(f"warning: {warning}") for warning in found.warnings]
     if found.figures:
         lines.append("")
     for name, unit, factor in ROWS:
         value = found.figures.get(name)
         if value is not None:
             lines.append(f"{name.replace('_', ' '):<28}{factor * value:>10.5g}  {unit}".rstrip())
-    lines += [wrapped(f"warning: {warning}") for warning in found.warnings]
     return "\n".join(lines)
 
 

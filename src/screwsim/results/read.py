@@ -63,11 +63,12 @@ class Group(Mapping[str, np.ndarray]):
 
     def texts(self, name: str) -> tuple[list[str], np.ndarray]:
         """Return the different texts of a variable, and the number of each case's, last axis fastest (cases,)."""
-        with _opened(self._path) as file:
-            group = file[self.name]
-            if f"{name}_text" not in group:
+        with opened(self._path) as file:
+            group = stored.member(file, self.name, dataset=False)
+            if f"{name}_text" not in stored.names_of_links(group):
                 return [str(_values(group, name))], np.zeros(1, np.int32)
-            return _words(group, name), group[name][()].ravel()
+            words = _words(group, name)
+            return words, _numbers(group, name, len(words)).ravel()
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.about)

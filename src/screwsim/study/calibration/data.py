@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -32,6 +33,14 @@ UNITS = {
     "kg s-1": {"kg/s": 1.0, "kg/h": 1.0 / 3600.0, "g/s": 1e-3},
     "W s m-3": {"W s/m^3": 1.0, "kW/(m^3/min)": 6e4},
     "J m-3": {"J/m^3": 1.0, "kJ/m^3": 1e3},
+    "N": {"N": 1.0, "kN": 1e3},
+    "N m": {"N m": 1.0},
+    "m": {"m": 1.0, "mm": 1e-3, "um": 1e-6},
+    "m3": {"m^3": 1.0, "cm^3": 1e-6},
+    "m3 s-1": {"m^3/s": 1.0, "m^3/min": 1.0 / 60.0, "m^3/h": 1.0 / 3600.0},
+    "rad": {"rad": 1.0, "deg": math.pi / 180.0},
+    "rad s-1": {"rad/s": 1.0, "rpm": math.pi / 30.0},
+    "Hz": {"Hz": 1.0},
 }
 CELSIUS, ZERO = "degC", 273.15
 _EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_uncertainty [kW]"
