@@ -3,11 +3,15 @@
 The lower layers (machine, fluid, effects, numerics) describe their inputs as frozen dataclasses whose
 fields are made with `quantity`, `number`, `count`, `choice` and `file`. Values are in SI units; the layer
 `scene` reads the descriptions and turns YAML text into these dataclasses.
+
+What a field cannot be is refused: `gt`, `ge`, `lt`, `le`, and of every quantity what its kind says that no machine goes
+beyond. What it hardly is, outside `hardly=(low, high)`, is taken and warned of.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,50 +20,60 @@ REQUIRED: Any = dataclasses.MISSING
 
 @dataclass(frozen=True)
 class Kind:
-    """A dimension: the SI unit inside, and an example of how a person writes it."""
+    """A dimension: the SI unit inside, an example of how a person writes it, and what no machine goes beyond."""
 
     name: str
     si: str
     example: str
+    most: float = math.inf  # of a magnitude
+    least: float = -math.inf
 
 
 KINDS = {
     kind.name: kind
     for kind in (
-        Kind("length", "m", "128 mm"),
-        Kind("area", "m^2", "20 cm^2"),
-        Kind("volume", "m^3", "500 cm^3"),
-        Kind("pressure", "Pa", "2 bar"),
-        Kind("pressure_difference", "Pa", "0.5 bar"),
-        Kind("temperature", "K", "285 K"),
-        Kind("temperature_difference", "K", "10 K"),
-        Kind("speed", "rad/s", "3000 rpm"),
+        Kind("length", "m", "128 mm", most=100.0),
+        Kind("area", "m^2", "20 cm^2", most=1e4),
+        Kind("volume", "m^3", "500 cm^3", most=1e4),
+        Kind("pressure", "Pa", "2 bar", most=1e13),
+        Kind("pressure_difference", "Pa", "0.5 bar", most=1e9),
+        Kind("temperature", "K", "285 K", most=1e4, least=1.0),
+        Kind("temperature_difference", "K", "10 K", most=1e4),
+        Kind("speed", "rad/s", "3000 rpm", most=1e6),
         Kind("angle", "rad", "60 deg"),
-        Kind("density", "kg/m^3", "980 kg/m^3"),
-        Kind("heat_capacity", "J/(kg K)", "2.0 kJ/(kg K)"),
-        Kind("viscosity", "Pa s", "20 mPa s"),
-        Kind("force", "N", "8 kN"),
-        Kind("mass", "kg", "0.3 g"),
-        Kind("time", "s", "10 ms"),
-        Kind("stiffness", "N/m", "500 N/m"),
-        Kind("power", "W", "75 kW"),
-        Kind("torque", "N m", "200 N m"),
-        Kind("inertia", "kg m^2", "0.5 kg m^2"),
-        Kind("torsional_stiffness", "N m/rad", "5000 N m/rad"),
-        Kind("torsional_damping", "N m s/rad", "10 N m s/rad"),
-        Kind("thermal_conductivity", "W/(m K)", "0.0146 W/(m K)"),
-        Kind("surface_tension", "N/m", "30 mN/m"),
-        Kind("heat_transfer_coefficient", "W/(m^2 K)", "500 W/(m^2 K)"),
-        Kind("thermal_expansion", "1/K", "11.5 um/(m K)"),
+        Kind("density", "kg/m^3", "980 kg/m^3", most=1e5),
+        Kind("heat_capacity", "J/(kg K)", "2.0 kJ/(kg K)", most=1e5),
+        Kind("viscosity", "Pa s", "20 mPa s", most=1e6),
+        Kind("force", "N", "8 kN", most=1e10),
+        Kind("mass", "kg", "0.3 g", most=1e6),
+        Kind("time", "s", "10 ms", most=1e6),
+        Kind("stiffness", "N/m", "500 N/m", most=1e15),
+        Kind("power", "W", "75 kW", most=1e11),
+        Kind("torque", "N m", "200 N m", most=1e10),
+        Kind("inertia", "kg m^2", "0.5 kg m^2", most=1e9),
+        Kind("torsional_stiffness", "N m/rad", "5000 N m/rad", most=1e15),
+        Kind("torsional_damping", "N m s/rad", "10 N m s/rad", most=1e12),
+        Kind("thermal_conductivity", "W/(m K)", "0.0146 W/(m K)", most=1e4),
+        Kind("surface_tension", "N/m", "30 mN/m", most=10.0),
+        Kind("heat_transfer_coefficient", "W/(m^2 K)", "500 W/(m^2 K)", most=1e9),
+        Kind("thermal_expansion", "1/K", "11.5 um/(m K)", most=0.01),
     )
 }
 
 
-def _field(kind: str, default: Any, optional: bool, doc: str, **limits: Any) -> Any:
+Bounds = tuple[float | None, float | None]
+ANY: Bounds = (None, None)
+
+
+def _field(
+    kind: str, default: Any, optional: bool, doc: str, hardly: Bounds = ANY, remedy: str = "", **limits: Any
+) -> Any:
     metadata = {
         "kind": kind,
         "doc": doc,
         "optional": optional,
+        "hardly": hardly,
+        "remedy": remedy,
         "limits": {name: value for name, value in limits.items() if value is not None},
     }
     if default is REQUIRED:
@@ -76,12 +90,17 @@ def quantity(
     ge: float | None = None,
     lt: float | None = None,
     le: float | None = None,
+    hardly: Bounds = ANY,
+    remedy: str = "",
     optional: bool = False,
 ) -> Any:
-    """Declare a dimensional input of a kind of `KINDS`; default and limits in SI units."""
+    """Declare a dimensional input of a kind of `KINDS`; default, limits and what it hardly is beyond in SI units.
+
+    `remedy` is what to write in place of a value that is out of range.
+    """
     if kind not in KINDS:
         raise ValueError(f"unknown kind of quantity {kind!r}; known: {', '.join(KINDS)}")
-    return _field(kind, default, optional or default is None, doc, gt=gt, ge=ge, lt=lt, le=le)
+    return _field(kind, default, optional or default is None, doc, hardly, remedy, gt=gt, ge=ge, lt=lt, le=le)
 
 
 def number(
@@ -92,10 +111,12 @@ def number(
     ge: float | None = None,
     lt: float | None = None,
     le: float | None = None,
+    hardly: Bounds = ANY,
+    remedy: str = "",
     optional: bool = False,
 ) -> Any:
     """Declare a dimensionless input."""
-    return _field("number", default, optional or default is None, doc, gt=gt, ge=ge, lt=lt, le=le)
+    return _field("number", default, optional or default is None, doc, hardly, remedy, gt=gt, ge=ge, lt=lt, le=le)
 
 
 def count(doc: str, default: Any = REQUIRED, *, ge: int | None = None, le: int | None = None) -> Any:

@@ -250,6 +250,16 @@ def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> dic
     return values
 
 
+def judged(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
+    """Return what effects that read the cycle say forbids it, or an empty text, and their warnings."""
+    judges = [part.judge for _, part in parts.all(Reading) if part.judge is not None]
+    if not judges:
+        return "", ()
+    complete = replace(known, shaft_power=found["shaft_power"], motor_power=found.get(MOTOR_POWER))
+    told = [judge(complete) for judge in judges]
+    return next((why for why, _ in told if why), ""), tuple(each for _, warnings in told for each in warnings)
+
+
 def pitch_traces(parts: Parts, known: CycleFigures) -> dict[str, Array]:
     """Return the curves over one pitch that effects read from the closed cycle."""
     traces = [part.traces for _, part in parts.all(Reading) if part.traces is not None]

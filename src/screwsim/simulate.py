@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from screwsim import settling, shaft
+from screwsim import plausible, settling, shaft
 from screwsim.build import faults_of_own, prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
 from screwsim.fluid.orifice import outside_fit
@@ -19,6 +19,7 @@ from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
 from screwsim.model.stops import MOST_IMPACTS
 from screwsim.outputs import Figures, Result
 from screwsim.prepared import Series
+from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
 from screwsim.solution import Solution
 
@@ -197,6 +198,13 @@ def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
     return tuple(warnings)
 
 
+def _doubts(solution: Solution, found: Figures, error: Figures) -> tuple[str, ...]:
+    """Return what of the scene, and of the figures of its cycle, can be and hardly is."""
+    scene, parts = solution.scene, solution.parts
+    told = plausible.Told(scene, parts, solution.lines, found, error)
+    return (*scene_warnings(scene), *plausible.shut_ways(scene, parts), *plausible.doubts(told))
+
+
 def _drowned(solution: Solution, found: Figures) -> list[str]:
     """Return a warning where the oil of a chamber is more than its volume holds when the discharge port opens.
 
@@ -295,11 +303,10 @@ def _solved(solution: Solution, trace: bool) -> Result:
     closed = accurate.closed
     numerics = _numerics(solution, accurate)
     effects, states = tuple(scene.effects), machinery.composition.states
-    if closed.status == "failed":
-        return Result("failed", _failure(solution, closed), effects=effects, states=states, numerics=numerics)
-    refused = _refused(solution) or solution.beyond()
+    refused = _failure(solution, closed) if closed.status == "failed" else _refused(solution) or solution.beyond()
     if refused:
-        return Result("failed", refused, effects=effects, states=states, numerics=numerics)
+        shut = "".join(f"; {words}" for words in plausible.shut_ways(scene, solution.parts))
+        return Result("failed", refused + shut, scene_warnings(scene), effects, states, numerics=numerics)
     found, notes, balance, book = _judged(solution, accurate, trace)
     for _ in range(TRIES):
         if closed.status != "ok" or (balance.entropy or 0.0) <= balance.bound or scene.numerics.rtol is not None:
@@ -316,6 +323,8 @@ def _solved(solution: Solution, trace: bool) -> Result:
     if not sound:  # of a cycle that is none, states between steps may be none of the gas
         book, balance["entropy"] = None, None
     forbidden, of_drive, balance["drive"] = shaft.judged(solution, closed)
+    overloaded, of_loads = solution.judged(closed.q)
+    forbidden = forbidden or overloaded
     status, message = closed.status, ""
     residues = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
     shown = ", ".join(f"{name} {size:.2g}" for name, size in residues.items())
@@ -337,7 +346,15 @@ def _solved(solution: Solution, trace: bool) -> Result:
     cycle, kept = solution.cycle(closed.q) if trace else {}, book.figures() if trace and book else Figures()
     tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()
     of_turns = settling.warnings(solution, closed)
-    warnings = (*tried, *of_drive, *of_turns, *_warnings(solution, found), *_inaccurate(scene, accurate.errors))
+    warnings = (
+        *_doubts(solution, found if status == "ok" else Figures(), accurate.errors),
+        *of_loads,
+        *tried,
+        *of_drive,
+        *of_turns,
+        *_warnings(solution, found),
+        *_inaccurate(scene, accurate.errors),
+    )
     errors = accurate.errors
     return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, kept)
 

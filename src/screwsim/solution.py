@@ -240,6 +240,10 @@ class Solution(Making):
         asked = (part.open_question for part in self.parts.pulsations if part.open_question is not None)
         return next(filter(None, (ask(self.turn(q), closed) for ask in asked)), "")
 
+    def judged(self, q: closing.Array) -> tuple[str, tuple[str, ...]]:
+        """Return what effects say forbids the closed cycle, or an empty text, and their warnings."""
+        return performance.judged(self.parts, self._known(q), self.figures(q)[0])
+
     def _shut(self, turn: Turn | None) -> bool:
         """Tell whether a check valve lets nothing in from the suction line for good, but for rounding.
 

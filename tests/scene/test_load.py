@@ -239,23 +239,34 @@ def test_the_text_alone_gives_the_same_scene(example):
     assert loads(scene.text) == scene
 
 
-LENGTHS = st.floats(1e-6, 10.0)
+LENGTHS, SHARES = st.floats(1e-6, 10.0), st.floats(1e-6, 1.0)
 
 
 @settings(max_examples=50, deadline=None)
 @given(
     diameter=LENGTHS,
-    gap=LENGTHS,
-    speed=st.floats(1e-3, 1e5),
-    temperature=st.floats(1.0, 1e4),
+    gap=SHARES,
+    tips=st.floats(1e-3, 999.0),
+    temperature=st.floats(1.0, 2500.0),
     ratio=st.floats(0.0, 1e20),
     title=st.text(st.characters(exclude_categories=["Cs"])),
     axis=st.lists(st.floats(1e-3, 1e3), min_size=1, max_size=5, unique=True),
 )
-def test_any_numbers_survive_the_text(example, diameter, gap, speed, temperature, ratio, title, axis):
+def test_any_numbers_survive_the_text(example, diameter, gap, tips, temperature, ratio, title, axis):
+    speed = min(2.0 * tips / diameter, 1e6)  # rad/s: no more than any machine has
     values = {
         "machine.rotor_diameter": diameter,
-        "effects.tip_leakage.gap": gap,
+        "machine.rotor_length": 1.1 * diameter,
+        "machine.volume.max": 0.1 * gap * diameter**3,
+        "machine.suction_port.area": gap * diameter**2,
+        "machine.discharge_port.area": 0.3 * gap * diameter**2,
+        "effects.tip_leakage.gap": 0.2 * gap * diameter,
+        "effects.interlobe_leakage.gap": 0.1 * gap * diameter,
+        "effects.interlobe_leakage.length": diameter,
+        "effects.blow_hole.area": 0.1 * gap * diameter**2,
+        "effects.end_face_leakage.gap": 0.01 * diameter,
+        "effects.end_face_leakage.length": 0.5 * diameter,
+        "effects.oil_heat.droplet_radius": 0.1 * gap * diameter,
         "operation.speed": speed,
         "operation.suction.temperature": temperature,
         "oil_supply.ratio": ratio,

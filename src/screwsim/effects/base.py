@@ -270,12 +270,14 @@ class Reading:
     """Figures and traces [SI] read from a closed cycle and its powers; they change nothing of it (plain Python).
 
     `read` returns the values of `figures`, all losses known; `traces` curves over the points of one pitch
-    (`model.pitch.POINTS`), which repeat every pitch.
+    (`model.pitch.POINTS`), which repeat every pitch. `judge` returns what forbids the point (it is `failed`), or an
+    empty text, and warnings of it.
     """
 
     figures: tuple[str, ...]
     read: Callable[[Any], Mapping[str, float | None]]
     traces: Callable[[Any], Mapping[str, Any]] | None = None
+    judge: Callable[[Any], tuple[str, tuple[str, ...]]] | None = None
 
 
 class LineFlow(NamedTuple):

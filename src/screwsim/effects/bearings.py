@@ -43,15 +43,26 @@ class Parameters:
     axial_load: float | None = quantity("force", "axial load on the male rotor (load: stated)", None, ge=0.0)
     radial_area: float | None = quantity("area", "projected radial area of one chamber (load: gas)", None, ge=0.0)
     axial_area: float | None = quantity("area", "projected axial area of one chamber (load: gas)", None, ge=0.0)
-    female_load: float = number("load on the female rotor over that on the male", 1.0, ge=0.0)
-    friction_coefficient: float | None = number("mu_f, on the bore (friction: simple)", None, ge=0.0)
+    female_load: float = number(
+        "load on the female rotor over that on the male", 1.0, ge=0.0, le=1e3, hardly=(None, 3.0)
+    )
+    friction_coefficient: float | None = number(
+        "mu_f, on the bore (friction: simple)", None, ge=0.0, le=10.0, hardly=(None, 0.1)
+    )
     bore: float | None = quantity("length", "d: bore of the bearings (friction: simple)", None, gt=0.0)
     mean_diameter: float | None = quantity("length", "d_m: mean diameter (friction: two_term)", None, gt=0.0)
-    f_0: float | None = number("f_0 of bearing and lubrication (friction: two_term)", None, ge=0.0)
-    f_1: float | None = number("f_1 of the load (friction: two_term)", None, ge=0.0)
+    f_0: float | None = number(
+        "f_0 of bearing and lubrication (friction: two_term)", None, ge=0.0, le=1e3, hardly=(None, 20.0)
+    )
+    f_1: float | None = number("f_1 of the load (friction: two_term)", None, ge=0.0, le=1.0, hardly=(None, 0.01))
     count: int = count("bearings of one rotor, for the load-independent moment (friction: two_term)", 4, ge=1)
     film_temperature: float | None = quantity(
-        "temperature", "of the lubricating oil (friction: two_term; default: as in oil_drag)", None, gt=0.0
+        "temperature",
+        "of the lubricating oil (friction: two_term; default: as in oil_drag)",
+        None,
+        ge=150.0,
+        le=700.0,
+        hardly=(210.0, 500.0),
     )
 
 

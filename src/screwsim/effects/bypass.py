@@ -38,7 +38,9 @@ class Parameters:
     area: float | None = quantity("area", "area of the bore (source: chamber)", None, ge=0.0)
     opens: float | None = quantity("angle", "angle at which a chamber reaches the bore (source: chamber)", None, ge=0.0)
     passage: float | None = quantity("angle", "from first to last contact (source: chamber)", None, gt=2.0 * RAMP)
-    flow_coefficient: float = number("flow coefficient of the bore (source: chamber)", 0.7, ge=0.0)
+    flow_coefficient: float = number(
+        "flow coefficient of the bore (source: chamber)", 0.7, ge=0.0, le=100.0, hardly=(None, 1.0)
+    )
 
 
 @kernel

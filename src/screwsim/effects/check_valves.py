@@ -30,7 +30,7 @@ class Parameters:
 
     suction_area: float = quantity("area", "area of the suction valve's port", gt=0.0)
     discharge_area: float = quantity("area", "area of the discharge valve's port", gt=0.0)
-    flow_coefficient: float = number("flow coefficient of both", 1.0, ge=0.0)
+    flow_coefficient: float = number("flow coefficient of both", 1.0, ge=0.0, le=100.0, hardly=(None, 1.0))
 
 
 @kernel

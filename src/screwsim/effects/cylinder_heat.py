@@ -32,9 +32,11 @@ TURNING = math.radians(9.0)  # over which the swirl's two branches blend: it wou
 class Parameters:
     """The walls' temperature and the correlation."""
 
-    wall_temperature: float = quantity("temperature", "T_w of cylinder, head and piston", gt=0.0)
+    wall_temperature: float = quantity(
+        "temperature", "T_w of cylinder, head and piston", ge=50.0, le=2500.0, hardly=(150.0, 800.0)
+    )
     correlation: str = choice("Nu = a Re^b Pr^c", tuple(COEFFICIENTS), "annand")
-    factor: float = number("multiplies the heat transfer coefficient", 1.0, ge=0.0)
+    factor: float = number("multiplies the heat transfer coefficient", 1.0, ge=0.0, le=1e4, hardly=(None, 10.0))
 
 
 @kernel

@@ -38,18 +38,30 @@ class Parameters:
     size: str = choice(
         "fixed: diameter is stated; else the Sauter diameter of a jet by that correlation", tuple(_OF_SIZE), "fixed"
     )
-    diameter: float | None = quantity("length", "d: Sauter diameter of the droplets (size: fixed)", None, gt=0.0)
+    diameter: float | None = quantity(
+        "length", "d: Sauter diameter of the droplets (size: fixed)", None, gt=0.0, hardly=(1e-7, 1e-2)
+    )
     orifice_diameter: float | None = quantity("length", "D: bore from which the oil jets", None, gt=0.0)
-    jet_pressure: float | None = quantity("pressure_difference", "over that bore: u = sqrt(2 dp/rho_o)", None, gt=0.0)
-    surface_tension: float | None = quantity("surface_tension", "sigma of the oil (size: varde)", None, gt=0.0)
-    slip: float = number("slip between droplet and gas over the male tip speed", 0.0, ge=0.0)
+    jet_pressure: float | None = quantity(
+        "pressure_difference", "over that bore: u = sqrt(2 dp/rho_o)", None, gt=0.0, hardly=(None, 1e7)
+    )
+    surface_tension: float | None = quantity(
+        "surface_tension", "sigma of the oil (size: varde)", None, gt=0.0, le=1.0, hardly=(5e-3, 0.1)
+    )
+    slip: float = number(
+        "slip between droplet and gas over the male tip speed", 0.0, ge=0.0, le=1e3, hardly=(None, 2.0)
+    )
     reference_pressure: float | None = quantity(
         "pressure", "at which lambda, mu, Pr of the gas are taken", None, gt=0.0
     )
     reference_temperature: float | None = quantity("temperature", "at which they are taken", None, gt=0.0)
-    gas_conductivity: float | None = quantity("thermal_conductivity", "lambda of the gas, stated", None, gt=0.0)
-    gas_viscosity: float | None = quantity("viscosity", "mu of the gas, stated", None, gt=0.0)
-    prandtl: float | None = number("Pr of the gas, stated", None, gt=0.0)
+    gas_conductivity: float | None = quantity(
+        "thermal_conductivity", "lambda of the gas, stated", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
+    )
+    gas_viscosity: float | None = quantity(
+        "viscosity", "mu of the gas, stated", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
+    )
+    prandtl: float | None = number("Pr of the gas, stated", None, gt=0.0, le=1e3, hardly=(0.1, 10.0))
 
 
 @kernel

@@ -29,10 +29,12 @@ class Parameters(WindowParameters):
     """The port, and the economizer behind it."""
 
     area: float = quantity("area", "area of the port", gt=0.0)
-    flow_coefficient: float = number("flow coefficient of the port", 1.0, ge=0.0)
+    flow_coefficient: float = number("flow coefficient of the port", 1.0, ge=0.0, le=100.0, hardly=(None, 1.0))
     temperature: float | None = quantity("temperature", "saturation temperature in the economizer", None, gt=0.0)
     pressure: float | None = quantity("pressure", "of the vapour, in place of temperature", None, gt=0.0)
-    superheat: float = quantity("temperature_difference", "of the vapour over temperature", 0.0, ge=0.0)
+    superheat: float = quantity(
+        "temperature_difference", "of the vapour over temperature", 0.0, ge=0.0, hardly=(None, 60.0)
+    )
     kind: str = choice(
         "heat_exchanger: the liquid is subcooled at its pressure; flash_tank: it boils down to the economizer's",
         ("heat_exchanger", "flash_tank"),

@@ -23,7 +23,9 @@ GAP_FLOW_COEFFICIENT = 0.7  # model.md, contract: default of gaps
 class GapParameters:
     """Parameters of every gap."""
 
-    flow_coefficient: float = number("flow coefficient of the gap", GAP_FLOW_COEFFICIENT, ge=0.0)
+    flow_coefficient: float = number(
+        "flow coefficient of the gap", GAP_FLOW_COEFFICIENT, ge=0.0, le=100.0, hardly=(None, 1.0)
+    )
     area_file: str | None = file(
         "CSV with columns angle_deg, area_m2 of the trailing chamber; replaces the built-in area"
     )
@@ -33,24 +35,30 @@ class GapParameters:
 class ClearanceParameters(GapParameters):
     """Parameters of a gap that is a clearance times a length."""
 
-    gap: float = quantity("length", "clearance", gt=0.0)
+    gap: float = quantity("length", "clearance", gt=0.0, hardly=(1e-6, 1e-3))
     model: str = choice("flow model of the gap (M190)", gap_flow.MODELS, "nozzle")
     passage: float | None = quantity(
-        "length", "depth of the gap in the direction of flow; flank fit: difference of the radii", None, gt=0.0
+        "length",
+        "depth of the gap in the direction of flow; flank fit: difference of the radii",
+        None,
+        gt=0.0,
+        hardly=(1e-5, 0.1),
     )
     friction_fit: str | None = choice("fit of model: nozzle_friction", tuple(gap_flow.FITS), None)
     mixture_viscosity: str | None = choice("rule of model: oil_sealed", tuple(gap_flow.MIXTURES), None)
     filled_from: float | None = number(
         "model: oil_film: oil per gas of the upstream chamber from which oil fills the gap", None, gt=0.0
     )
-    gas_viscosity: float | None = quantity("viscosity", "mu of the gas (default: CoolProp's)", None, gt=0.0)
+    gas_viscosity: float | None = quantity(
+        "viscosity", "mu of the gas (default: CoolProp's)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
+    )
 
 
 @dataclass(frozen=True)
 class PortParameters:
     """Parameters of a port: its area law belongs to the machine."""
 
-    flow_coefficient: float = number("flow coefficient of the port", 1.0, ge=0.0)
+    flow_coefficient: float = number("flow coefficient of the port", 1.0, ge=0.0, le=100.0, hardly=(None, 1.0))
 
 
 @kernel

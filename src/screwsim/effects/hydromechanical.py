@@ -24,8 +24,12 @@ GIUFFRIDA = 134.5  # coefficient of V_sw ω² μ
 class Parameters:
     """Factors of the two terms."""
 
-    acceleration_factor: float = number("f: 1 is the kinetic energy at tip speed", 1.0, ge=0.0)
-    viscous_coefficient: float = number("C of the viscous term (Giuffrida: 134.5; 0: none)", 0.0, ge=0.0)
+    acceleration_factor: float = number(
+        "f: 1 is the kinetic energy at tip speed", 1.0, ge=0.0, le=1e4, hardly=(None, 10.0)
+    )
+    viscous_coefficient: float = number(
+        "C of the viscous term (Giuffrida: 134.5; 0: none)", 0.0, ge=0.0, le=1e8, hardly=(None, 1e4)
+    )
 
 
 def build(parameters: Parameters, machine) -> list[PowerLoss]:

@@ -28,7 +28,9 @@ class Parameters(WindowParameters):
     """The bore."""
 
     area: float = quantity("area", "area of the bore", gt=0.0)
-    flow_coefficient: float = number("flow coefficient of the bore (sharp edge: 0.61)", SHARP_EDGE, ge=0.0)
+    flow_coefficient: float = number(
+        "flow coefficient of the bore (sharp edge: 0.61)", SHARP_EDGE, ge=0.0, le=100.0, hardly=(None, 1.0)
+    )
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:

@@ -19,7 +19,9 @@ from screwsim.effects.base import Effect, PowerLoss
 class Parameters:
     """Share of the indicated power."""
 
-    fraction: float = number("f: mechanical loss over indicated power (Giuffrida: 0.265)", ge=0.0)
+    fraction: float = number(
+        "f: mechanical loss over indicated power (Giuffrida: 0.265)", ge=0.0, le=100.0, hardly=(None, 0.5)
+    )
 
 
 def build(parameters: Parameters, machine) -> list[PowerLoss]:

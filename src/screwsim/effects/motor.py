@@ -6,7 +6,9 @@ follow (M149). Or η over the load x from a table: the loss of the motor is inte
 Source: separation of losses of induction machines (textbook; IEC 60034-2-1); IEC 60034-30-1 states η_r by class and
 size: a four-pole IE3 motor of 75 kW at 50 Hz has 0.950, which is the default.
 Assumptions: the loss does not depend on the speed but through the power; it heats neither gas nor oil. An expander's
-generator loses the same at the same load. The ledger divides the shaft power: this loss is beyond it.
+generator loses the same at the same load. The ledger divides the shaft power: this loss is beyond it. Above OVERLOAD
+times the rated power a warning says so; above BREAKDOWN times no motor turns (IEC 60034-12 asks for 1.6 to 2 times the
+rated torque, catalogues state up to 3.5), and the point has failed.
 Parameters: rated_power, efficiency, constant_share or efficiency_file, drive_efficiency.
 """
 
@@ -15,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 
@@ -25,6 +28,7 @@ from screwsim.sheets import BadSheet, read_sheet
 from screwsim.textfiles import Unreadable
 
 FIGURES = ("motor_loss", "electrical_power", "motor_efficiency")
+OVERLOAD, BREAKDOWN = 1.25, 3.5  # of the rated power
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop")
 
 
@@ -34,13 +38,15 @@ class Parameters:
 
     rated_power: float = quantity("power", "P_r: rated power at the shaft", gt=0.0)
     efficiency: float = number(
-        "eta_r: efficiency at rated power (default: IE3, 75 kW, four poles)", 0.95, gt=0.0, le=1.0
+        "eta_r: efficiency at rated power (default: IE3, 75 kW, four poles)", 0.95, gt=0.0, le=1.0, hardly=(0.3, 0.995)
     )
     constant_share: float = number("c: share of the rated loss that does not depend on the load", 0.4, ge=0.0, le=1.0)
     efficiency_file: str | None = file(
         "CSV with columns load, efficiency (shaft power over rated power, efficiency of the motor), in place of both"
     )
-    drive_efficiency: float = number("eta_d: efficiency of the inverter (1: none)", 1.0, gt=0.0, le=1.0)
+    drive_efficiency: float = number(
+        "eta_d: efficiency of the inverter (1: none)", 1.0, gt=0.0, le=1.0, hardly=(0.5, None)
+    )
 
 
 Loss = Callable[[float], float]
@@ -65,7 +71,7 @@ def read_table(path: str) -> list[tuple[float, float]]:
     except ValueError:
         raise UsageError("is no CSV file with numbers in the columns load, efficiency (write one)") from None
     loads = [load for load, _ in rows]
-    if len(rows) < 2 or not 0.0 < loads[0] or not all(a < b < np.inf for a, b in pairwise(loads)):
+    if len(rows) < 2 or not 0.0 < loads[0] or not all(a < b < inf for a, b in pairwise(loads)):
         raise UsageError("needs two rows or more, loads above 0 and increasing (sort them)")
     if not all(0.0 < efficiency <= 1.0 for _, efficiency in rows):
         raise UsageError("has an efficiency that is not above 0 and at most 1 (give shares, not percent)")
@@ -98,10 +104,23 @@ def build(parameters: Parameters, machine) -> list[Reading]:
     stated = parameters.efficiency_file
     losses = loss_of_shares(parameters) if stated is None else loss_of_table(read_table(stated))
 
+    def load_of(figures) -> float:
+        return figures.shaft_power if figures.motor_power is None else figures.motor_power
+
+    def judge(figures) -> tuple[str, tuple[str, ...]]:
+        """Return that the motor cannot give its load, or a warning that it gives it not for long."""
+        load, rated = abs(load_of(figures)), parameters.rated_power
+        share = load / rated
+        if share <= OVERLOAD:
+            return "", ()
+        what = f"the motor's load is {1e-3 * load:.4g} kW, {share:.3g} times effects.motor.rated_power"
+        if share > BREAKDOWN:
+            return f"{what}: no motor turns beyond {BREAKDOWN:g} times (choose a larger one)", ()
+        return "", (f"{what}: it would not last, and its losses are beyond what M148 knows (choose a larger one)",)
+
     def read(figures) -> dict[str, float | None]:
         """Return loss, electrical power and what is referred to it (M148, M149)."""
-        shaft = figures.shaft_power
-        load = shaft if figures.motor_power is None else figures.motor_power
+        shaft, load = figures.shaft_power, load_of(figures)
         loss = motor_loss(parameters, load, losses)
         electrical = load + loss
         driving = shaft > 0.0 and electrical > 0.0
@@ -113,7 +132,7 @@ def build(parameters: Parameters, machine) -> list[Reading]:
             found[f"electrical_{name}"] = None if value is None or efficiency is None else value * efficiency
         return found
 
-    return [Reading((*FIGURES, *(f"electrical_{name}" for name in ON_ELECTRICAL)), read)]
+    return [Reading((*FIGURES, *(f"electrical_{name}" for name in ON_ELECTRICAL)), read, judge=judge)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:

@@ -23,10 +23,10 @@ from screwsim.machine.kinds import TWIN_SCREW
 class Parameters:
     """Gaps, lands and the temperature of the films."""
 
-    tip_gap: float = quantity("length", "h: clearance between tips and housing", gt=0.0)
+    tip_gap: float = quantity("length", "h: clearance between tips and housing", gt=0.0, hardly=(1e-6, 1e-3))
     tip_land: float = quantity("length", "w: circumferential width of the land on a lobe's tip", ge=0.0)
     end_gap: float | None = quantity(
-        "length", "h_e: clearance of the discharge end faces (absent: no drag there)", None, gt=0.0
+        "length", "h_e: clearance of the discharge end faces (absent: no drag there)", None, gt=0.0, hardly=(1e-6, 2e-3)
     )
     end_solidity: float | None = number(
         "share of the rotors' outer circles that is metal on the end face (with end_gap)", None, gt=0.0, le=1.0
@@ -35,7 +35,12 @@ class Parameters:
         "length", "outer diameter of the female rotor (default: machine.profile's, else the male rotor's)", None, gt=0.0
     )
     film_temperature: float | None = quantity(
-        "temperature", "T_f of the films (default: mean of injected and discharged oil)", None, gt=0.0
+        "temperature",
+        "T_f of the films (default: mean of injected and discharged oil)",
+        None,
+        ge=150.0,
+        le=700.0,
+        hardly=(210.0, 500.0),
     )
     film_share: float = number("share of the gaps that oil fills", 1.0, ge=0.0, le=1.0)
 

@@ -22,9 +22,9 @@ from screwsim.numerics.kernel import kernel
 class Parameters:
     """Radius of the droplets and their heat transfer coefficient."""
 
-    droplet_radius: float = quantity("length", "radius r of the droplets", gt=0.0)
+    droplet_radius: float = quantity("length", "radius r of the droplets", gt=0.0, hardly=(1e-7, 5e-3))
     heat_transfer_coefficient: float = quantity(
-        "heat_transfer_coefficient", "coefficient alpha between droplet and gas", ge=0.0
+        "heat_transfer_coefficient", "coefficient alpha between droplet and gas", ge=0.0, le=1e9, hardly=(None, 1e5)
     )
     equation_12: str = choice(
         "corrected: the oil loses what the gas gains; printed: the paper's (12), with its extra factor d",

@@ -32,7 +32,11 @@ class Parameters(WindowParameters):
     """Where the bore lies, and what the oil loses on its way there."""
 
     pressure_loss: float = quantity(
-        "pressure_difference", "pressure loss of the oil line from the separator to the bore", 0.0, ge=0.0
+        "pressure_difference",
+        "pressure loss of the oil line from the separator to the bore",
+        0.0,
+        ge=0.0,
+        hardly=(None, 5e6),
     )
     pressure: float | None = quantity(
         "pressure", "of the oil before the bore, in place of the separator's less pressure_loss", None, gt=0.0

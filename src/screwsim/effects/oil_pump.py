@@ -21,8 +21,10 @@ from screwsim.machine.kinds import TWIN_SCREW
 class Parameters:
     """Efficiency of the pump with its drive, and the loss of line and nozzles."""
 
-    efficiency: float = number("efficiency of the pump with its drive", gt=0.0, le=1.0)
-    pressure_loss: float = quantity("pressure_difference", "pressure loss of oil line and nozzles", 0.0, ge=0.0)
+    efficiency: float = number("efficiency of the pump with its drive", gt=0.0, le=1.0, hardly=(0.05, 0.95))
+    pressure_loss: float = quantity(
+        "pressure_difference", "pressure loss of oil line and nozzles", 0.0, ge=0.0, hardly=(None, 3e6)
+    )
 
 
 def build(parameters: Parameters, machine) -> list[PowerLoss]:

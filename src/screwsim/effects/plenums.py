@@ -62,8 +62,12 @@ class Parameters:
         "area", "cross-section of the line, without reflection (absent: its flow is steady)", None, gt=0.0
     )
     suction_area: float | None = quantity("area", "cross-section of the suction line, likewise", None, gt=0.0)
-    discharge_loss: float = number("loss coefficient of port and line, with discharge_area", 0.0, ge=0.0)
-    suction_loss: float = number("loss coefficient of port and line, with suction_area", 0.0, ge=0.0)
+    discharge_loss: float = number(
+        "loss coefficient of port and line, with discharge_area", 0.0, ge=0.0, le=1e6, hardly=(None, 100.0)
+    )
+    suction_loss: float = number(
+        "loss coefficient of port and line, with suction_area", 0.0, ge=0.0, le=1e6, hardly=(None, 100.0)
+    )
     discharge_valve: Valve | None = None
     suction_valve: Valve | None = None
     harmonics: int = count("of the lobe frequency that are followed", 8, ge=SHOWN, le=24)

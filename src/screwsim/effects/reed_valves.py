@@ -43,8 +43,10 @@ class Parameters:
     damping_ratio: float = number("zeta of the free reed", 0.1, ge=0.0, le=2.0)
     seat_restitution: float = number("e: speed after over speed before an impact on the seat", 0.3, ge=0.0, lt=1.0)
     stop_restitution: float = number("e of an impact on the stop", 0.3, ge=0.0, lt=1.0)
-    force_coefficient: float = number("c_F: force over port area times pressure difference", 1.0, gt=0.0)
-    flow_coefficient: float = number("flow coefficient of the valves", 0.7, ge=0.0)
+    force_coefficient: float = number(
+        "c_F: force over port area times pressure difference", 1.0, gt=0.0, le=100.0, hardly=(None, 3.0)
+    )
+    flow_coefficient: float = number("flow coefficient of the valves", 0.7, ge=0.0, le=100.0, hardly=(None, 1.0))
 
 
 @kernel

@@ -50,7 +50,9 @@ APART = 5.0  # [K] at the least between the temperatures that tell the heat of s
 class Parameters:
     """Where the oil was in equilibrium with gas, and how fast it comes to equilibrium in the chamber."""
 
-    separator_temperature: float = quantity("temperature", "of oil and gas in the separator", gt=0.0)
+    separator_temperature: float = quantity(
+        "temperature", "of oil and gas in the separator", ge=150.0, le=700.0, hardly=(210.0, 450.0)
+    )
     flash_time: float | None = quantity(
         "time", "in which oil in a chamber gives off gas over equilibrium (absent: at once, in the port)", None, gt=0.0
     )

@@ -24,9 +24,11 @@ from screwsim.machine.kinds import SLIDER_CRANK
 class Parameters:
     """The equivalent gap of the ring pack."""
 
-    gap: float | None = quantity("length", "equivalent radial gap around the bore", None, gt=0.0)
+    gap: float | None = quantity("length", "equivalent radial gap around the bore", None, gt=0.0, hardly=(None, 5e-4))
     area: float | None = quantity("area", "equivalent area, instead of gap", None, gt=0.0)
-    flow_coefficient: float = number("flow coefficient of the gap", GAP_FLOW_COEFFICIENT, ge=0.0)
+    flow_coefficient: float = number(
+        "flow coefficient of the gap", GAP_FLOW_COEFFICIENT, ge=0.0, le=100.0, hardly=(None, 1.0)
+    )
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:

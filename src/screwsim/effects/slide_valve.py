@@ -32,7 +32,9 @@ class Parameters:
     position: float = number("x: 0 is full load, 1 the end of the travel", ge=0.0, le=1.0)
     slot_area: float = quantity("area", "S_slot: area to suction at the end of the travel", ge=0.0)
     closes: float = quantity("angle", "phi_1: angle at which the slot closes at the end of the travel", gt=0.0)
-    flow_coefficient: float = number("flow coefficient of slot and radial port", 1.0, ge=0.0)
+    flow_coefficient: float = number(
+        "flow coefficient of slot and radial port", 1.0, ge=0.0, le=100.0, hardly=(None, 1.0)
+    )
     radial_area: float | None = quantity("area", "S_r: area of the radial discharge port", None, ge=0.0)
     radial_opens: float | None = quantity("angle", "phi_a: angle at which it opens at full load", None, gt=0.0)
     radial_opens_moved: float | None = quantity("angle", "phi_b: at which it opens at the travel's end", None, gt=0.0)

@@ -32,15 +32,25 @@ CLOSED = 0.02  # share of a cold clearance at which warm parts count as touching
 class Parameters:
     """Materials, lengths that expand, and temperatures where no other effect finds them."""
 
-    reference_temperature: float = quantity("temperature", "at which the stated gaps are measured", 293.15, gt=0.0)
-    rotor_expansion: float = quantity("thermal_expansion", "of the rotors (steel)", 11.5e-6, ge=0.0)
-    housing_expansion: float = quantity("thermal_expansion", "of the housing (grey cast iron)", 10.5e-6, ge=0.0)
+    reference_temperature: float = quantity(
+        "temperature", "at which the stated gaps are measured", 293.15, ge=50.0, le=1000.0, hardly=(250.0, 350.0)
+    )
+    rotor_expansion: float = quantity(
+        "thermal_expansion", "of the rotors (steel)", 11.5e-6, ge=0.0, le=1e-3, hardly=(None, 5e-5)
+    )
+    housing_expansion: float = quantity(
+        "thermal_expansion", "of the housing (grey cast iron)", 10.5e-6, ge=0.0, le=1e-3, hardly=(None, 5e-5)
+    )
     axis_distance: float | None = quantity(
         "length", "of the rotors (default: machine.profile's; with interlobe_leakage)", None, gt=0.0
     )
     bearing_distance: float = quantity("length", "from the thrust bearing to the discharge end face", 0.0, ge=0.0)
-    rotor_temperature: float | None = quantity("temperature", f"stated (default: effects.{WALLS})", None, gt=0.0)
-    housing_temperature: float | None = quantity("temperature", f"stated (default: effects.{WALLS})", None, gt=0.0)
+    rotor_temperature: float | None = quantity(
+        "temperature", f"stated (default: effects.{WALLS})", None, ge=50.0, le=2500.0, hardly=(150.0, 800.0)
+    )
+    housing_temperature: float | None = quantity(
+        "temperature", f"stated (default: effects.{WALLS})", None, ge=50.0, le=2500.0, hardly=(150.0, 800.0)
+    )
 
 
 def growth(parameters: Parameters, rotor: float, housing: float) -> float:

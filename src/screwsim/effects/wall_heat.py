@@ -40,16 +40,26 @@ class Parameters:
     characteristic_length: float = quantity(
         "length", "of Nu and Re: outer less inner diameter of the male rotor", gt=0.0
     )
-    speed_ratio: float = number("speed of the gas past the walls over the male tip speed", 1.0, ge=0.0)
-    nusselt_factor: float = number("factor of Nu = C Re^0.8", 0.023, ge=0.0)
+    speed_ratio: float = number(
+        "speed of the gas past the walls over the male tip speed", 1.0, ge=0.0, le=1e3, hardly=(None, 10.0)
+    )
+    nusselt_factor: float = number("factor of Nu = C Re^0.8", 0.023, ge=0.0, le=1e4, hardly=(None, 1.0))
     rotor_cooling: float = quantity("power", "heat taken from the rotors outside the chambers", 0.0, ge=0.0)
     housing_cooling: float = quantity("power", "heat taken from the housing outside", 0.0, ge=0.0)
-    rotor_temperature: float | None = quantity("temperature", "stated (default: settles)", None, gt=0.0)
-    housing_temperature: float | None = quantity("temperature", "stated (default: settles)", None, gt=0.0)
+    rotor_temperature: float | None = quantity(
+        "temperature", "stated (default: settles)", None, ge=50.0, le=2500.0, hardly=(150.0, 800.0)
+    )
+    housing_temperature: float | None = quantity(
+        "temperature", "stated (default: settles)", None, ge=50.0, le=2500.0, hardly=(150.0, 800.0)
+    )
     reference_pressure: float | None = quantity("pressure", "at which lambda, mu of the gas are taken", None, gt=0.0)
     reference_temperature: float | None = quantity("temperature", "at which they are taken", None, gt=0.0)
-    gas_conductivity: float | None = quantity("thermal_conductivity", "lambda of the gas, stated", None, gt=0.0)
-    gas_viscosity: float | None = quantity("viscosity", "mu of the gas, stated", None, gt=0.0)
+    gas_conductivity: float | None = quantity(
+        "thermal_conductivity", "lambda of the gas, stated", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
+    )
+    gas_viscosity: float | None = quantity(
+        "viscosity", "mu of the gas, stated", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
+    )
 
 
 @kernel

@@ -189,6 +189,18 @@ def saturation_temperature(fluid: str, p: float) -> float:
     return _saturated(fluid, "T", ("PQ_INPUTS", p, 1.0), f"{fluid} has no saturation at {p:.6g} Pa")
 
 
+def liquid_below(fluid: str, p: float, T: float) -> float | None:
+    """Return the temperature [K] below which a fluid of pressure p [Pa] is a liquid; None where it is a gas at T [K].
+
+    Above the critical pressure that is the critical temperature, though there it turns without a border.
+    """
+    known = limits(fluid)
+    if known is None or T >= known.T_critical or p < known.p_triple:
+        return None
+    boiling = known.T_critical if p >= known.p_critical else saturation_temperature(fluid, p)
+    return boiling if T < boiling * (1.0 - 1e-12) else None
+
+
 def dew_pressure(fluid: str, T: float) -> float:
     """Return the pressure [Pa] of saturated vapour at temperature T [K] (M42)."""
     return _saturated(fluid, "p", ("QT_INPUTS", 1.0, T), f"{fluid} has no saturation at {T:.6g} K")

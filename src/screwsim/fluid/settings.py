@@ -21,7 +21,11 @@ class GasSettings:
         "refuse",
     )
     isentropic_exponent: float | None = number(
-        "k of the ideal gas (default: cp0/(cp0 - R) at suction temperature; always c_v = R/(k - 1))", None, gt=1.0
+        "k of the ideal gas (default: cp0/(cp0 - R) at suction temperature; always c_v = R/(k - 1))",
+        None,
+        ge=1.001,
+        le=2.0,
+        hardly=(1.01, 5.0 / 3.0),
     )
 
 
@@ -42,12 +46,19 @@ class OilSettings:
         tuple(OILS),
         None,
     )
-    density: float | None = quantity("density", "density (needed without name)", None, gt=0.0)
+    density: float | None = quantity(
+        "density", "density (needed without name)", None, ge=10.0, le=25e3, hardly=(600.0, 2000.0)
+    )
     heat_capacity: float | None = quantity(
-        "heat_capacity", "specific heat capacity (needed without name)", None, gt=0.0
+        "heat_capacity", "specific heat capacity (needed without name)", None, ge=10.0, le=2e4, hardly=(1000.0, 5000.0)
     )
     viscosity: float | None = quantity(
-        "viscosity", "dynamic viscosity (for losses and the injection orifice)", None, gt=0.0
+        "viscosity",
+        "dynamic viscosity (for losses and the injection orifice)",
+        None,
+        ge=1e-6,
+        le=1e4,
+        hardly=(2e-4, 20.0),
     )
     transport: str = choice(
         "paper: ratio d constant after 360 deg; carried: oil mass is a state from 0 deg, leaks carry the donor's ratio",

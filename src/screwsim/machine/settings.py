@@ -83,10 +83,13 @@ class TwinScrew:
     )
     male_lobes: int = count("number of male lobes z1", 4, ge=1, le=12)
     female_lobes: int = count("number of female lobes z2", 6, ge=1, le=14)
-    rotor_diameter: float = quantity("length", "outer diameter of the male rotor", gt=0.0)
-    rotor_length: float = quantity("length", "length of the rotors", gt=0.0)
+    rotor_diameter: float = quantity("length", "outer diameter of the male rotor", gt=0.0, hardly=(0.02, 1.5))
+    rotor_length: float = quantity("length", "length of the rotors", gt=0.0, hardly=(0.02, 3.0))
     built_in_volume_ratio: float | None = number(
-        "largest chamber volume over that at which the discharge port opens (law: profile)", None, gt=1.0
+        "largest chamber volume over that at which the discharge port opens (law: profile)",
+        None,
+        gt=1.0,
+        hardly=(None, 12.0),
     )
     profile: Profile | None = None
     volume: VolumeLaw = None  # type: ignore[assignment]  # the scene always gives it

@@ -1,6 +1,7 @@
 """From a YAML file to a typed scene in SI units, with every fault at its line; and the grid of a sweep."""
 
-from screwsim.scene.checks import check_files, cross_check, value_at
+from screwsim.scene.checks import check_files, cross_check
+from screwsim.scene.fields import value_at
 from screwsim.scene.grid import (
     axes,
     axis_label,

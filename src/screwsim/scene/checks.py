@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from typing import Any
 
 from screwsim.faults import Fault, UsageError
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
 from screwsim.machine.kinds import SLIDER_CRANK, check_machine
-from screwsim.scene.fields import effect_keys, leaf_paths
+from screwsim.scene.fields import leaf_paths, value_at
 from screwsim.scene.operation import check_operation
+from screwsim.scene.sizes import size_faults
 from screwsim.scene.types import Scene
 
 VOLUME_COLUMN = "volume_m3"
@@ -26,6 +26,7 @@ def cross_check(scene: Scene) -> list[Fault]:
     operation = check_operation(scene)
     return [
         *check_machine(scene.machine),
+        *size_faults(scene),
         *operation,
         *([] if operation else _expander(scene)),
         *_dry(scene),
@@ -159,15 +160,3 @@ def _curve_fault(name: str, column: str, folder: str) -> str | None:
     if column == VOLUME_COLUMN and abs(values[0] - values[-1]) > 1e-6 * max(values):
         return f"{shown}: the volume must end as it begins (what is left at 720 deg is what the chamber starts with)"
     return None
-
-
-def value_at(scene: Scene, path: str) -> Any:
-    """Return the value [SI] at a dotted path, None where an optional section or value is absent."""
-    value: Any = scene
-    keys = path.split(".")
-    if path.startswith("effects."):
-        effect, keys = effect_keys(path, scene.effects)
-        value = scene.effects[effect].parameters
-    for name in keys:
-        value = None if value is None else getattr(value, name)
-    return value

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from screwsim.declare import KINDS, Kind
+from screwsim.declare import ANY, KINDS, Bounds, Kind
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.near import containing, ending, nearest
 from screwsim.scene.types import Scene
@@ -24,12 +24,17 @@ _MANY = 4  # paths that a message lists
 
 @dataclass(frozen=True)
 class Leaf:
-    """One input: its kind (a name of `KINDS`, or number, count, choice, word, file), default [SI] and limits."""
+    """One input: its kind (a name of `KINDS`, or number, count, choice, word, file), default [SI] and limits.
+
+    `hardly` are the bounds [SI] beyond which it hardly lies, `remedy` what to write in place of one out of range.
+    """
 
     kind: str
     doc: str
     default: Any
     limits: Mapping[str, Any]
+    hardly: Bounds = ANY
+    remedy: str = ""
 
     @property
     def required(self) -> bool:
@@ -68,7 +73,7 @@ def section_of(cls: type, required: bool = True) -> Section:
 def _describe(cls: type, item: Any, hint: Any) -> Leaf | Section:
     if "kind" in item.metadata:
         meta = item.metadata
-        return Leaf(meta["kind"], meta["doc"], item.default, meta["limits"])
+        return Leaf(meta["kind"], meta["doc"], item.default, meta["limits"], meta["hardly"], meta["remedy"])
     optional = isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
     inner = [part for part in typing.get_args(hint) if part is not type(None)] if optional else [hint]
     if not inner or not all(dataclasses.is_dataclass(part) for part in inner):
@@ -118,6 +123,19 @@ def effect_keys(path: str, names: Iterable[str]) -> tuple[str, list[str]]:
     rest = path.removeprefix("effects.")
     name = max((each for each in names if rest.startswith(f"{each}.")), key=len, default=rest.rpartition(".")[0])
     return name, rest[len(name) + 1 :].split(".")
+
+
+def value_at(scene: Scene, path: str) -> Any:
+    """Return the value [SI] at a dotted path, None where an optional section or value is absent."""
+    value: Any = scene
+    keys = path.split(".")
+    if path.startswith("effects."):
+        effect, keys = effect_keys(path, scene.effects)
+        active = scene.effects.get(effect)
+        value = None if active is None else active.parameters
+    for name in keys:
+        value = None if value is None else getattr(value, name)
+    return value
 
 
 def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] = (), kind: str = TWIN_SCREW) -> Leaf:

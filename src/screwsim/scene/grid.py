@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.faults import UsageError
-from screwsim.scene.checks import value_at
-from screwsim.scene.fields import Leaf, effect_keys, sweep_leaf
+from screwsim.scene.fields import Leaf, effect_keys, sweep_leaf, value_at
 from screwsim.scene.types import Joint, Scene
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert

@@ -17,6 +17,7 @@ EVAPORATING, CONDENSING = "operation.evaporating_temperature", "operation.conden
 SUPERHEAT, SUBCOOLING = "operation.superheat", "operation.subcooling"
 P_S, P_D = "operation.suction.pressure", "operation.discharge.pressure"
 T_S, SUPERHEAT_S = "operation.suction.temperature", "operation.suction.superheat"
+T_D = "operation.discharge.temperature"
 QUALITY = "operation.suction.quality"
 _FLUIDS = "such as R134a, R1234yf, R32, R744 or Ammonia"
 TEMPERATURES = (EVAPORATING, CONDENSING, SUPERHEAT, SUBCOOLING)  # one way to state the lines
@@ -151,6 +152,19 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
             f"{scene.gas.fluid} has no saturation at the suction pressure {shown}: its {name} pressure is "
             f"{limit / 1e5:.6g} bar (give operation.suction.temperature, or another pressure)",
         )
+    if scene.gas.model == "real":
+        yield from _liquid(scene, T_S, p_s, suction.temperature)
+        yield from _liquid(scene, T_D, p_d, scene.operation.discharge.temperature)
+
+
+def _liquid(scene: Scene, path: str, p: float, T: float | None) -> Iterator[Fault]:
+    """Yield a stated temperature of a line at which the real fluid is no gas."""
+    boiling = None if T is None else constants.liquid_below(scene.gas.fluid, p, T)
+    if T is None or boiling is None:
+        return
+    what = f"{_shown(T)} makes {scene.gas.fluid} of {readable_quantity(KINDS['pressure'], p)} a liquid"
+    wet = "" if path == T_D else "; of wet gas give quality in its place, with gas.two_phase: equilibrium"
+    yield Fault(path, f"{what}: it is a gas from {_shown(boiling)} on (raise it, or lower the pressure{wet})")
 
 
 def _order(scene: Scene, p_s: float, p_d: float, path: str) -> Iterator[Fault]:
@@ -190,6 +204,9 @@ def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     if T_liquid < limits.T_triple:
         what = f"{fluid} freezes at {_shown(limits.T_triple)} (choose a smaller one)"
         yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}; {what}")
+    elif scene.machine.mode == "compressor" and T_liquid < T_e < T_c:
+        what = f"colder than the evaporator of {_shown(T_e)}, and nothing of the plant cools it so far"
+        yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}: {what} (choose a smaller one)")
     compressor, shown = scene.machine.mode == "compressor", f"the evaporating temperature {_shown(T_e)}"
     if T_c == T_e:
         yield Fault(CONDENSING, f"{_shown(T_c)} equals the evaporating temperature (choose another)")

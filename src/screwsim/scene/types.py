@@ -12,21 +12,32 @@ from screwsim.fluid.settings import GasSettings, OilSettings
 from screwsim.machine.kinds import Machine
 from screwsim.numerics.settings import NumericsSettings
 
+NO_SUPERHEAT = (
+    "saturated or wet gas is stated by operation.suction.quality in its place, 1 for saturated vapour, "
+    "with gas.model: real and gas.two_phase: equilibrium"
+)
+
 
 @dataclass(frozen=True)
 class SuctionState:
     """The state of the suction line; the pressure here, or operation.evaporating_temperature."""
 
-    pressure: float | None = quantity("pressure", "absolute pressure p_s", None, gt=0.0)
-    temperature: float | None = quantity("temperature", "temperature T_s", None, gt=0.0)
+    pressure: float | None = quantity("pressure", "absolute pressure p_s", None, ge=1.0, le=1e9, hardly=(1e3, 1e7))
+    temperature: float | None = quantity("temperature", "temperature T_s", None, gt=0.0, le=2500.0, hardly=(4.0, 700.0))
     superheat: float | None = quantity(
-        "temperature_difference", "superheat over saturation, instead of temperature", None, gt=0.0
+        "temperature_difference",
+        "superheat over saturation, instead of temperature",
+        None,
+        gt=0.0,
+        hardly=(None, 150.0),
+        remedy=NO_SUPERHEAT,
     )
     quality: float | None = number(
         "wet suction: mass fraction of vapour, instead of temperature or superheat (gas.two_phase: equilibrium)",
         None,
         ge=0.0,
         le=1.0,
+        hardly=(0.3, None),
     )
 
 
@@ -34,12 +45,14 @@ class SuctionState:
 class DischargeState:
     """The state of the discharge line; the pressure here, or operation.condensing_temperature."""
 
-    pressure: float | None = quantity("pressure", "absolute pressure p_d", None, gt=0.0)
+    pressure: float | None = quantity("pressure", "absolute pressure p_d", None, ge=1.0, le=1e9, hardly=(1e3, 4e7))
     temperature: float | None = quantity(
         "temperature",
         "temperature of what flows back through the port (default: that of the outflow, iterated)",
         None,
         gt=0.0,
+        le=2500.0,
+        hardly=(4.0, 800.0),
     )
 
 
@@ -49,7 +62,12 @@ class Operation:
 
     speed: float = quantity("speed", "speed of the male rotor, or of the crank", gt=0.0)
     ambient_temperature: float = quantity(
-        "temperature", "temperature T_0 of the surroundings, to which the ledger refers", 298.15, gt=0.0
+        "temperature",
+        "temperature T_0 of the surroundings, to which the ledger refers",
+        298.15,
+        ge=50.0,
+        le=1000.0,
+        hardly=(200.0, 350.0),
     )
     suction: SuctionState = SuctionState()
     discharge: DischargeState = DischargeState()
@@ -64,12 +82,15 @@ class Operation:
         "of the suction gas over evaporating_temperature (needed with it, but for wet suction: suction.quality)",
         None,
         gt=0.0,
+        hardly=(None, 150.0),
+        remedy=NO_SUPERHEAT,
     )
     subcooling: float | None = quantity(
         "temperature_difference",
         "of the liquid under condensing_temperature, for the cooling capacity (default: 0 K)",
         None,
         ge=0.0,
+        hardly=(None, 60.0),
     )
 
 
@@ -80,8 +101,12 @@ class OilSupply:
     kind: str = choice(
         "pump: the ratio is given; displacement: the separator pushes it through an orifice", ("pump", "displacement")
     )
-    ratio: float | None = number("d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0)
-    temperature: float = quantity("temperature", "temperature of the injected oil", gt=0.0)
+    ratio: float | None = number(
+        "d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0)
+    )
+    temperature: float = quantity(
+        "temperature", "temperature of the injected oil", ge=150.0, le=700.0, hardly=(210.0, 450.0)
+    )
     source: str = choice(
         "where the pump draws from: separator (p_d) or a sump at suction pressure",
         ("separator", "suction"),
@@ -89,7 +114,7 @@ class OilSupply:
     )
     orifice_diameter: float | None = quantity("length", "bore of the injection orifice (displacement)", None, gt=0.0)
     orifice_length: float | None = quantity("length", "length of that bore (default: 2 diameters)", None, gt=0.0)
-    orifice_count: float = number("number of such bores", 1.0, gt=0.0)
+    orifice_count: float = number("number of such bores", 1.0, gt=0.0, le=1e6, hardly=(None, 100.0))
 
 
 @dataclass(frozen=True)

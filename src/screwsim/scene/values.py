@@ -115,9 +115,14 @@ _HOLDS = {
 
 
 def _limited(leaf: Leaf, value: Any, raw: Any) -> Any:
-    if all(_HOLDS[name](value, limit) for name, limit in leaf.limits.items()):
-        return value
-    raise Refused(f"{shown(raw)} is out of range (it must be {limits_text(leaf)})")
+    if not all(_HOLDS[name](value, limit) for name, limit in leaf.limits.items()):
+        remedy = f"; {leaf.remedy}" if leaf.remedy else ""
+        raise Refused(f"{shown(raw)} is out of range (it must be {limits_text(leaf)}{remedy})")
+    kind = leaf.dimension
+    if kind is not None and not (kind.least <= value and abs(value) <= kind.most):
+        word, end = ("least", kind.least) if value < kind.least else ("most", kind.most)
+        raise Refused(f"{shown(raw)} is beyond any machine (at {word} {text_of(leaf, end)}; is the unit right?)")
+    return value
 
 
 def limits_text(leaf: Leaf) -> str:

@@ -17,21 +17,34 @@ from screwsim.machine.rotors.pair import Array, Chain, Pair, outline, outlines
 PATH = "machine.profile"
 THIN = 0.01  # of the centre distance: thinner lobes are refused
 SEEN = 2e-4  # of the outer radius: length of the steps along a curve (10 µm at 50 mm)
+OTHER_SIZE = 2e-3  # of the radius, by which points may miss the outer diameter: a tip that is cut or rounded
+SCALED = "another size of machine takes all lengths of its profile with it"
 DEEP = 1e-4  # of the centre distance: deeper interference is refused (8 µm at 80 mm; closed forms: 1e-7)
 
 
 def check_pair(pair: Pair) -> list[Fault]:
     """Return the faults of the main dimensions, before any profile."""
     A, R1, R2 = pair.centre_distance, pair.male_radius, pair.female_radius
+    what = ""
     if R1 + R2 <= A:
-        return [
-            Fault(f"{PATH}.centre_distance", "lies beyond both radii: the rotors do not mesh (choose a smaller one)")
-        ]
-    if pair.addendum <= 0.0 or pair.dedendum < 0.0:
-        return [Fault(f"{PATH}.centre_distance", "puts a tip inside its pitch circle (choose a smaller one)")]
-    if R1 >= A or R2 >= A:
-        return [Fault(f"{PATH}.centre_distance", "lies inside a rotor: no shaft is left (choose a larger one)")]
-    return []
+        what = "the rotors do not mesh (choose a smaller one"
+    elif pair.addendum <= 0.0 or pair.dedendum < 0.0:
+        what = "a tip lies inside its pitch circle (choose a smaller one"
+    elif R1 >= A or R2 >= A:
+        what = "it lies inside a rotor, no shaft is left (choose a larger one"
+    if not what:
+        return []
+    sizes = f"{1e3 * A:.6g} mm beside rotors of {2e3 * R1:.6g} mm and {2e3 * R2:.6g} mm"
+    return [Fault(f"{PATH}.centre_distance", f"{sizes}: {what}; {SCALED})")]
+
+
+def check_size(pair: Pair, chain: Chain) -> list[Fault]:
+    """Return the fault of points whose lobe is that of a rotor of another outer diameter."""
+    reach = float(np.max(np.hypot(*chain.male())))
+    if abs(reach - pair.male_radius) <= OTHER_SIZE * pair.male_radius:
+        return []
+    what = f"{2e3 * pair.male_radius:.6g} mm, and the points of machine.profile.file reach to {2e3 * reach:.6g} mm"
+    return [Fault("machine.rotor_diameter", f"is {what} (write that; {SCALED})")]
 
 
 def check_profile(pair: Pair, chain: Chain, interference: bool = True) -> list[Fault]:

@@ -18,7 +18,7 @@ import numpy as np
 from screwsim.faults import Fault, UsageError
 from screwsim.machine.rotors import closed_form, imported
 from screwsim.machine.rotors.blow_hole import Opening, mirrored, opening
-from screwsim.machine.rotors.checks import check_pair, check_profile
+from screwsim.machine.rotors.checks import check_pair, check_profile, check_size
 from screwsim.machine.rotors.pair import Array, Chain, Pair
 from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import Profile, check_settings
@@ -165,6 +165,7 @@ def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Cha
     """Return the contact points of a profile; they do not depend on length and wrap. `stamp`: of its file's content."""
     chain = make_chain(pair, profile)
     if check:
+        _refuse(check_size(pair, chain) if profile.kind == "points" else [])
         _refuse(check_profile(pair, chain, interference=profile.kind == "points"))
     return chain
 

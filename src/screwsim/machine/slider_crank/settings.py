@@ -16,7 +16,7 @@ class SliderCrank:
 
     kind: str = choice("kind of machine", ("slider_crank",), "slider_crank")
     mode: str = choice("a cylinder is a compressor", ("compressor",), "compressor")
-    bore: float = quantity("length", "bore of the cylinder", gt=0.0)
+    bore: float = quantity("length", "bore of the cylinder", gt=0.0, hardly=(0.005, 1.5))
     crank_radius: float = quantity("length", "radius r of the crank", gt=0.0)
     rod_length: float = quantity("length", "length l of the connecting rod, between its pins", gt=0.0)
     offset: float = quantity("length", "offset e of the cylinder's axis from the crankshaft's", 0.0)

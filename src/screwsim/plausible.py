@@ -1,0 +1,169 @@
+"""Figures that hardly are so, and scenes that lead nowhere: what is said beside a result that closed.
+
+A cycle may close, and balance, on what no machine does. What a scene says is looked at before (`scene.plausible`); here
+are its figures, as a table, and the ways of the gas into and out of the chambers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from screwsim.effects.base import FlowPath, HeatRate, Wall
+from screwsim.model.parts import Parts
+from screwsim.outputs import Figures
+from screwsim.scene.lines import Lines
+from screwsim.scene.types import Scene
+
+DELIVERED = 1e-3  # volumetric efficiency from which on a machine counts as one that delivers
+ROUNDING = 1e-3  # by which an efficiency may lie above 1, beyond its estimated error
+RAM = 0.05  # by which gas in motion may fill a chamber beyond its volume
+BACK = 0.5  # of the displacement, that flows back through leaks beyond what is delivered
+HOT = 700.0  # [K] that oil, seals and rotors do not stand
+BURST = 20.0  # times the higher line's pressure
+BESIDE = ("slide_valve", "bypass")  # lead to the suction line, and let no gas in
+
+
+@dataclass(frozen=True)
+class Told:
+    """What is asked of a closed cycle: scene, parts, lines, figures and their errors."""
+
+    scene: Scene
+    parts: Parts
+    lines: Lines
+    found: Figures
+    error: Figures
+
+    @property
+    def T_oil(self) -> float | None:
+        """Temperature of the injected oil [K]."""
+        return None if self.parts.oil is None else self.parts.oil.temperature
+
+    @property
+    def expands(self) -> bool:
+        return self.parts.geometry.expands
+
+    def above(self, name: str, limit: float) -> float | None:
+        """Return a figure that lies above a limit by more than its error; None where it does not."""
+        value = self.found.get(name)
+        slack = ROUNDING + (self.error.get(name) or 0.0)
+        return value if value is not None and value > limit + slack * max(1.0, abs(limit)) else None
+
+
+def _isothermal(told: Told) -> str:
+    eta = told.above("isothermal_efficiency", 1.0)
+    if eta is None or told.expands:
+        return ""
+    words = f"the isothermal efficiency of {eta:.4g} is above 1"
+    T_oil, T_s = told.T_oil, told.lines.T_s
+    if T_oil is not None and T_oil < T_s and told.parts.all(HeatRate):
+        return (
+            f"{words}: the oil comes in at {T_oil:.5g} K, colder than the suction gas of {T_s:.5g} K, and the figure's "
+            "ideal is isothermal at the gas's temperature; what cooled the oil is not counted"
+        )
+    if told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
+        return f"{words}: that takes walls, or liquid that evaporates, colder than the suction gas; is it meant?"
+    return f"{words}: nothing in the scene is colder than the suction gas, and no machine does so (check its effects)"
+
+
+def _isentropic(told: Told) -> str:
+    eta = told.above("isentropic_efficiency", 1.0)
+    if eta is None:
+        return ""
+    words = f"the isentropic efficiency of {eta:.4g} is above 1"
+    if told.expands:
+        return f"{words}: no expander gives more than that (check its effects)"
+    if told.parts.all(HeatRate):
+        return f"{words}: oil cools the gas while it is compressed, and the figure's ideal is without cooling"
+    if told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
+        return (
+            f"{words}: walls or liquid cool the gas while it is compressed, and the figure's ideal is without cooling"
+        )
+    return f"{words}: nothing in the scene cools the gas, and no machine does so (check its effects)"
+
+
+def _volumetric(told: Told) -> str:
+    if told.expands:
+        return ""
+    filled, found = told.above("volumetric_efficiency", 1.0 + RAM), told.found.get("volumetric_efficiency")
+    if filled is not None:
+        return (
+            f"the volumetric efficiency of {filled:.4g} is above 1: the chambers take in more than they hold of the "
+            "suction line's gas; colder oil, or gas in motion, can do so by a few percent"
+        )
+    if found is not None and found < -BACK:
+        return (
+            f"the volumetric efficiency is {found:.4g}: through leaks more flows back than the rotors displace; gaps "
+            "and areas that wide are none of a machine (check gaps and speed)"
+        )
+    return ""
+
+
+def _driven(told: Told) -> str:
+    power, filled = told.found.get("shaft_power"), told.found.get("volumetric_efficiency")
+    if told.expands or power is None or filled is None or power > 0.0 or filled < DELIVERED:
+        return ""
+    return f"the shaft power is {power:.4g} W: no compressor that delivers gas gives power (check its effects)"
+
+
+def _carnot(told: Told) -> str:
+    operation, cop = told.scene.operation, told.found.get("cop")
+    T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
+    if cop is None or T_e is None or T_c is None or T_c <= T_e or cop <= T_e / (T_c - T_e):
+        return ""
+    return (
+        f"the COP of {cop:.4g} is above Carnot's {T_e / (T_c - T_e):.4g} between both temperatures: subcooling or oil "
+        "takes away heat that no figure counts (check operation.subcooling and oil_supply.temperature)"
+    )
+
+
+def _hot(told: Told) -> str:
+    T = told.found.get("discharge_temperature")
+    if T is None or T <= HOT or told.expands:
+        return ""
+    return (
+        f"the gas leaves at {T:.4g} K, and a machine stands no {HOT:g} K (more or cooler oil, a lower pressure ratio)"
+    )
+
+
+def _burst(told: Told) -> str:
+    peak, line = told.found.get("peak_pressure"), max(told.lines.p_s, told.lines.p_d)
+    if peak is None or peak <= BURST * line:
+        return ""
+    return (
+        f"the chamber reaches {peak / 1e5:.4g} bar, {peak / line:.3g} times the higher line's pressure, which no "
+        "housing stands (an earlier or wider discharge port)"
+    )
+
+
+DOUBTS: tuple[Callable[[Told], str], ...] = (
+    _isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _burst,
+)  # fmt: skip
+
+
+def doubts(told: Told) -> tuple[str, ...]:
+    """Return what hardly is so of the figures of a cycle that closed."""
+    return tuple(words for ask in DOUBTS if (words := ask(told)))
+
+
+def shut_ways(scene: Scene, parts: Parts) -> tuple[str, ...]:
+    """Return that nothing leads from the suction line into a chamber, or from it to the discharge line."""
+    return tuple(_shut(scene, parts))
+
+
+def _shut(scene: Scene, parts: Parts) -> Iterator[str]:
+    leads = {path.to for name, path in _paths(parts) if name not in BESIDE}
+    ports = ("suction_port", "discharge_port")
+    for line, port in zip(("suction", "discharge"), reversed(ports) if parts.geometry.expands else ports, strict=True):
+        if line in leads:
+            continue
+        way = "from the suction line into" if line == "suction" else "to the discharge line out of"
+        remedy = f"name effects.{port}" if hasattr(scene.machine, port) else "name effects.check_valves or reed_valves"
+        given = getattr(scene.machine, port, None) is not None
+        beside = f"; machine.{port} is given, but only an effect that is named is simulated" if given else ""
+        yield f"no port or valve leads {way} the chambers ({remedy}{beside})"
+
+
+def _paths(parts: Parts) -> list[tuple[str, Any]]:
+    return parts.all(FlowPath)

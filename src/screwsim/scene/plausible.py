@@ -1,0 +1,86 @@
+"""What can be and hardly is: warnings of a scene, each led by its path.
+
+Of a single value by the bounds that its field declares (`hardly=`), of sizes by the machine's (`scene.sizes`), of the
+lines by the fluid. The scene is solved as it is written.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+from screwsim.declare import ANY, KINDS
+from screwsim.fluid import constants
+from screwsim.scene.fields import Leaf, Section, section_of
+from screwsim.scene.lines import lines
+from screwsim.scene.operation import P_D, T_S
+from screwsim.scene.sizes import size_warnings
+from screwsim.scene.types import Scene
+from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
+
+MEANT = "is it meant?"
+USUAL_RATIO = 30.0  # of pressures, the higher over the lower, in one machine
+PLAIN = ("gas", "oil", "operation", "oil_supply", "machine")
+
+
+def scene_warnings(scene: Scene) -> tuple[str, ...]:
+    """Return what of a scene that `cross_check` finds in order hardly is so, each in one line led by its path."""
+    found = [*_fields(scene), *size_warnings(scene), *_lines(scene)]
+    return tuple(f"{path}: {what}; {MEANT}" for path, what in found)
+
+
+def _fields(scene: Scene) -> Iterator[tuple[str, str]]:
+    for name in PLAIN:
+        part = getattr(scene, name)
+        if part is not None:
+            yield from _beyond(type(part), part, name)
+    for name, active in scene.effects.items():
+        yield from _beyond(type(active.parameters), active.parameters, f"effects.{name}")
+
+
+def _beyond(cls: type, part: Any, path: str) -> Iterator[tuple[str, str]]:
+    """Yield (path, what) of the values of a section, and of those below it, outside what its fields hardly leave."""
+    leaves, sections = _bounded(cls)
+    for name, leaf, low, high in leaves:
+        value = getattr(part, name)
+        if value is not None and not low <= value <= high:
+            over = value > high
+            usual = f"at most {_shown(leaf, high)}" if over else f"at least {_shown(leaf, low)}"
+            yield f"{path}.{name}", f"{_shown(leaf, value)} is unusual (usual: {usual})"
+    for name in sections:
+        inner = getattr(part, name)
+        if inner is not None:
+            yield from _beyond(type(inner), inner, f"{path}.{name}")
+
+
+@cache
+def _bounded(cls: type) -> tuple[tuple[tuple[str, Leaf, float, float], ...], tuple[str, ...]]:
+    """Return (name, leaf, low, high) of the fields of a section that state what they hardly are; its sections."""
+    fields, leaves = section_of(cls).fields, []
+    for name, item in fields.items():
+        if isinstance(item, Leaf) and item.hardly != ANY:
+            low, high = item.hardly
+            leaves.append((name, item, -math.inf if low is None else low, math.inf if high is None else high))
+    return tuple(leaves), tuple(name for name, item in fields.items() if isinstance(item, Section))
+
+
+def _shown(leaf: Leaf, value: float) -> str:
+    return f"{value:.6g}" if leaf.dimension is None else readable_quantity(leaf.dimension, value)
+
+
+def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield what hardly is of the lines: a pressure ratio, an ideal gas where its fluid is a liquid."""
+    at = lines(scene)
+    ratio = max(at.p_d / at.p_s, at.p_s / at.p_d)
+    if ratio > USUAL_RATIO:
+        path = P_D if scene.operation.discharge.pressure is not None else "operation.condensing_temperature"
+        yield path, f"one machine has a pressure ratio of {ratio:.4g} (usual: at most {USUAL_RATIO:g})"
+    if scene.gas.model == "ideal":
+        boiling = constants.liquid_below(scene.gas.fluid, at.p_s, at.T_s)
+        if boiling is not None:
+            p = readable_quantity(KINDS["pressure"], at.p_s)
+            here, until = (f"{T:.5g} K ({T - ZERO_CELSIUS:.2f} degC)" for T in (at.T_s, boiling))
+            what = f"{scene.gas.fluid} of {p} is a liquid at {here}, and a gas from {until} on"
+            yield T_S, f"{what}; gas.model: ideal takes it as a gas (warmer gas, or gas.model: real, which refuses it)"

@@ -1,0 +1,94 @@
+"""A result that closes on what no machine does says so: figures, ways of the gas, loads of the motor."""
+
+from pathlib import Path
+
+import pytest
+from scenes import DROP, make, run
+
+from screwsim.scene import load
+from screwsim.simulate import simulate
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+def told(result, words):
+    return [warning for warning in result.warnings if words in warning]
+
+
+def at(path, *overrides):
+    return simulate(load(CONFIGS / path, overrides=overrides), trace=False)
+
+
+@pytest.mark.parametrize("path", ["paper/point.yaml", "r134a/point.yaml", "expander/point.yaml"])
+def test_a_plausible_machine_is_warned_of_nothing(path):
+    result = at(path)
+    assert result.status == "ok"
+    assert result.warnings == ()
+
+
+def test_oil_colder_than_the_gas_is_named_where_it_lifts_the_efficiencies_above_one():
+    lossless = ("effects.mechanical.fraction=0", "effects.hydromechanical.acceleration_factor=0")
+    result = at("paper/point.yaml", *lossless, "effects.oil_pump.pressure_loss=0 bar", "oil_supply.temperature=160 K")
+    assert result.status == "ok"
+    assert result.performance.isothermal_efficiency > 1.0
+    (warning,) = told(result, "isothermal efficiency")
+    assert "the oil comes in at 160 K, colder than the suction gas of 279 K" in warning
+    (warning,) = told(result, "isentropic efficiency")
+    assert "oil cools the gas while it is compressed" in warning
+
+
+def test_gaps_that_let_more_back_than_is_displaced_are_told():
+    result = at("paper/point.yaml", "effects.tip_leakage.gap=20 mm")
+    assert result.performance.volumetric_efficiency < -0.5
+    assert told(result, "through leaks more flows back than the rotors displace")
+    assert told(result, "effects.tip_leakage.gap: 20 mm is unusual")
+
+
+def test_a_warning_of_the_scene_comes_before_all_others():
+    result = run({"operation.speed": "30000 rpm", "effects.tip_leakage.gap": "1.5 mm"})
+    assert result.warnings[0].startswith("effects.tip_leakage.gap: 1.5 mm is unusual")
+
+
+def test_a_failed_point_keeps_the_warnings_of_its_scene():
+    result = at("r134a/point.yaml", "effects.suction_port=off", "effects.tip_leakage.gap=1.5 mm")
+    assert result.status == "failed"
+    assert told(result, "effects.tip_leakage.gap: 1.5 mm")
+
+
+def test_a_forgotten_suction_port_is_told_as_that():
+    result = at("r134a/point.yaml", "effects.suction_port=off")
+    assert result.status == "failed"
+    assert "no port or valve leads from the suction line into the chambers (name effects.suction_port" in result.message
+    assert "machine.suction_port is given, but only an effect that is named is simulated" in result.message
+
+
+@pytest.mark.parametrize("port", ["suction_port", "discharge_port"])
+def test_a_chamber_with_no_way_in_or_out_is_warned_of(port):
+    dry = {"oil": DROP, "oil_supply": DROP}
+    left = {"suction_port", "discharge_port"} - {port}
+    result = run({**dry, "effects": {name: {} for name in left}})
+    way = "from the suction line into" if port == "suction_port" else "to the discharge line out of"
+    assert told(result, f"leads {way} the chambers (name effects.{port}") or f"name effects.{port}" in result.message
+
+
+def test_an_expander_lacks_the_port_through_which_its_gas_comes_or_goes():
+    result = at("expander/point.yaml", "effects.suction_port=off")
+    words = " ".join((result.message, *result.warnings))
+    assert "to the discharge line out of the chambers (name effects.suction_port" in words
+
+
+@pytest.mark.parametrize(
+    ("rated", "status", "words"),
+    [
+        ("75 kW", "ok", ""),
+        ("10 kW", "ok", "times effects.motor.rated_power: it would not last"),
+        ("2.65 kW", "failed", "no motor turns beyond 3.5 times (choose a larger one)"),
+    ],
+)
+def test_a_motor_that_is_too_small_is_told_or_does_not_turn(rated, status, words):
+    scene = make({"effects.motor": {"rated_power": rated}, "operation.speed": "1000 rpm"})
+    result = simulate(scene, trace=False)
+    assert result.status == status
+    assert words in result.message if status == "failed" else bool(told(result, "the motor's load")) == bool(words)
+    if status == "failed":
+        assert result.performance.shaft_power > 3.5 * 2650.0

@@ -1,0 +1,201 @@
+"""What cannot be is refused at its path with a remedy, what hardly is so is warned of; shipped scenes are neither."""
+
+from pathlib import Path
+
+import pytest
+
+from screwsim.declare import KINDS
+from screwsim.effects import catalogue
+from screwsim.faults import SceneError
+from screwsim.machine.kinds import MACHINES
+from screwsim.machine.profile_law import lay
+from screwsim.machine.rotors.export import lobe_csv
+from screwsim.scene import load
+from screwsim.scene.fields import leaf_paths
+from screwsim.scene.plausible import scene_warnings
+from screwsim.scene.sizes import SIZES
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+REAL = CONFIGS / "r134a" / "point.yaml"
+SCENES = sorted(path for path in CONFIGS.rglob("*.yaml") if not {".fit", ".stages"} & set(path.suffixes))
+PARAMETERS = {name: effect.parameters for name, effect in catalogue().items()}
+
+
+def said(path: Path, *overrides: str) -> str:
+    """Return what a scene with overrides is refused with, in one line."""
+    with pytest.raises(SceneError) as refused:
+        load(path, overrides=overrides)
+    (line,) = refused.value.lines
+    return line
+
+
+CANNOT = {
+    "oil_supply.temperature=1 K": "at least 150 K and at most 700 K",
+    "oil_supply.temperature=900 K": "at least 150 K and at most 700 K",
+    "operation.ambient_temperature=3 K": "at least 50 K",
+    "machine.volume.max=1000 m^3": "which cannot be (a smaller volume, or a larger rotor_diameter or rotor_length",
+    "machine.volume.min=1 m^3": "of both rotors' bores, which cannot be",
+    "machine.rotor_length=20 m": "is 125 rotor diameters, which cannot be (shorter rotors",
+    "machine.rotor_diameter=1 km": "is beyond any machine (at most 100000 mm; is the unit right?)",
+    "machine.suction_port.area=10 m^2": "of the area of both bores and their ends, which cannot be",
+    "gas.isentropic_exponent=1e9": "at least 1.001 and at most 2",
+    "gas.isentropic_exponent=1.0000001": "at least 1.001 and at most 2",
+    "operation.speed=1e6 rpm": "moves the rotors' tips at 8378 m/s, and no machine stands 1000 m/s (a lower speed",
+    "operation.suction.pressure=1e-9 bar": "at least 1e-05 bar",
+    "operation.discharge.pressure=1e6 bar": "at most 10000 bar",
+    "oil.density=1 kg/m^3": "at least 10 kg/m^3",
+    "oil.heat_capacity=1 MJ/(kg K)": "at most 20 kJ/(kg K)",
+    "oil.viscosity=1e8 mPa s": "at most 10000000 mPa s",
+    "effects.tip_leakage.gap=50 mm": "is 1.56 of the height of a lobe, which cannot be",
+    "effects.interlobe_leakage.gap=50 mm": "of the height of a lobe, which cannot be",
+    "effects.end_face_leakage.gap=50 mm": "of the height of a lobe, which cannot be",
+    "effects.blow_hole.area=1 m^2": "of the rotor diameter's square, which cannot be",
+    "effects.tip_leakage.flow_coefficient=1000": "at most 100",
+    "effects.oil_heat.droplet_radius=1 m": "of the height of a lobe, which cannot be",
+    "effects.mechanical.fraction=1000": "at most 100",
+}
+
+
+@pytest.mark.parametrize(("override", "what"), CANNOT.items())
+def test_what_cannot_be_is_refused_at_its_path_with_a_remedy(override, what):
+    path = override.partition("=")[0]
+    line = said(CONFIGS / "paper" / "point.yaml", override)
+    assert line.startswith(f"--set {override}: {path}: ")
+    assert what in line
+    assert line.endswith(")")
+
+
+HARDLY = {
+    "oil_supply.temperature=200 K": "200 K is unusual (usual: at least 210 K)",
+    "operation.speed=20000 rpm": "moves the rotors' tips at 167.6 m/s (usual: at most 150 m/s)",
+    "effects.tip_leakage.gap=1.1 mm": "1.1 mm is unusual (usual: at most 1 mm)",
+    "effects.tip_leakage.flow_coefficient=1.2": "1.2 is unusual (usual: at most 1)",
+    "gas.isentropic_exponent=1.7": "1.7 is unusual (usual: at most 1.66667)",
+    "machine.volume.max=5 cm^3": "of both rotors' bores (usual: at least 0.03)",
+    "machine.suction_port.area=4000 cm^2": "of the area of both bores and their ends (usual: at most 0.5)",
+    "operation.suction.temperature=200 K": "R134a of 1.23 bar is a liquid at 200 K (-73.15 degC), and a gas from 251",
+    "operation.discharge.pressure=50 bar": "one machine has a pressure ratio of 40.65 (usual: at most 30)",
+}
+
+
+@pytest.mark.parametrize(("override", "what"), HARDLY.items())
+def test_what_hardly_is_so_is_taken_and_warned_of_at_its_path(override, what):
+    (warning,) = scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=[override]))
+    assert warning.startswith(f"{override.partition('=')[0]}: ")
+    assert what in warning
+    assert "\n" not in warning
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: str(path.relative_to(CONFIGS)))
+def test_shipped_scenes_are_warned_of_nothing(path):
+    assert scene_warnings(load(path)) == ()
+
+
+def test_gaps_of_a_millimetre_and_ports_a_hundred_times_as_wide_are_allowed():
+    changes = [f"effects.{name}_leakage.gap=1 mm" for name in ("tip", "interlobe", "end_face")]
+    assert scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=changes)) == ()
+
+
+@pytest.mark.parametrize("kind", MACHINES)
+def test_usual_bounds_lie_within_those_of_what_can_be_and_hold_the_default(kind):
+    for path, leaf in leaf_paths(PARAMETERS, kind).items():
+        low, high = leaf.hardly
+        ends = [end for end in leaf.hardly if end is not None]
+        least = max((leaf.limits[name] for name in ("gt", "ge") if name in leaf.limits), default=-1e300)
+        most = min((leaf.limits[name] for name in ("lt", "le") if name in leaf.limits), default=1e300)
+        assert all(least <= end <= most for end in ends), path
+        if ends and isinstance(leaf.default, float):
+            assert (low is None or low <= leaf.default) and (high is None or leaf.default <= high), path
+
+
+@pytest.mark.parametrize("kind", MACHINES)
+def test_the_table_of_sizes_names_paths_that_scenes_have(kind):
+    leaves = leaf_paths(PARAMETERS, kind)
+    for size in SIZES[kind]:
+        assert leaves[size.path].kind in ("length", "area", "volume"), size.path
+        assert size.usual[0] < size.usual[1] <= size.most, size.path
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS.values() if kind.most < 1e300])
+def test_what_no_machine_has_is_beyond_the_bounds_of_every_kind(kind):
+    assert kind.least < kind.most
+
+
+@pytest.mark.parametrize("path", ["operation.superheat", "operation.suction.superheat"])
+@pytest.mark.parametrize("value", ["0 K", "-3 K"])
+def test_no_superheat_names_what_states_saturated_and_wet_gas(path, value):
+    line = said(REAL, f"{path}={value}")
+    assert "operation.suction.quality" in line
+    assert "gas.two_phase: equilibrium" in line
+
+
+def test_liquid_colder_than_the_evaporator_is_refused():
+    line = said(REAL, "operation.subcooling=60 K")
+    assert "operation.subcooling: makes liquid of 258.15 K (-15 degC): colder than the evaporator" in line
+    load(REAL, overrides=["operation.subcooling=43 K"])
+
+
+STATED = {
+    "operation.evaporating_temperature": "null",
+    "operation.condensing_temperature": "null",
+    "operation.superheat": "null",
+    "operation.suction.pressure": "3 bar",
+    "operation.discharge.pressure": "12 bar",
+}
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "liquid"),
+    [
+        ("operation.suction.temperature", "273 K", True),
+        ("operation.suction.temperature", "275 K", False),
+        ("operation.discharge.temperature", "319 K", True),
+        ("operation.discharge.temperature", "320 K", False),
+    ],
+)
+@pytest.mark.parametrize("two_phase", ["refuse", "equilibrium"])
+def test_a_line_of_a_real_gas_is_no_liquid(path, value, liquid, two_phase):
+    lines = {"operation.suction.temperature": "285 K", **STATED, path: value, "gas.two_phase": two_phase}
+    changes = [f"{name}={text}" for name, text in lines.items()]
+    if not liquid:
+        load(REAL, overrides=changes)
+        return
+    line = said(REAL, *changes)
+    assert f"{path}: " in line
+    assert "a liquid: it is a gas from" in line
+
+
+def test_dense_fluid_below_the_critical_temperature_is_a_liquid():
+    lines = {**STATED, "operation.suction.pressure": "45 bar", "operation.discharge.pressure": "60 bar"}
+    lines["operation.suction.temperature"] = "350 K"
+    assert "a liquid" in said(REAL, *(f"{name}={text}" for name, text in lines.items()))
+
+
+CYLINDER = CONFIGS / "slider_crank" / "air.yaml"
+
+
+def test_a_piston_as_fast_as_none_and_valves_wider_than_the_piston():
+    assert "moves the piston, in the mean, at 366.9 m/s" in said(CYLINDER, "operation.speed=60000 rpm")
+    assert "of the piston's area, which cannot be" in said(CYLINDER, "effects.reed_valves.suction_port_area=4 m^2")
+    (warning,) = scene_warnings(load(CYLINDER, overrides=["effects.reed_valves.suction_port_area=400 cm^2"]))
+    assert "1.27 of the piston's area (usual: at most 1)" in warning
+
+
+def test_rotors_of_another_size_than_their_profile():
+    b = CONFIGS / "rotors" / "b.yaml"
+    line = said(b, "machine.rotor_diameter=320 mm")
+    assert "another size of machine takes all lengths of its profile with it" in line
+    warnings = scene_warnings(load(b, overrides=["machine.rotor_diameter=140 mm"]))
+    assert any(each.startswith("machine.profile.centre_distance: 128 mm is 0.914 rotor diameters") for each in warnings)
+
+
+def test_points_of_a_profile_are_those_of_the_rotor_diameter(tmp_path):
+    b = CONFIGS / "rotors" / "b.yaml"
+    lobe = tmp_path / "lobe.csv"
+    lobe.write_text(lobe_csv(lay(load(b).machine).rotors))
+    gone = [f"machine.profile.{name}=null" for name in ("male_tip_radius", "flank_radius", "pressure_angle")]
+    gone += [f"machine.profile.{name}=null" for name in ("female_tip_radius", "root_radius")]
+    points = [*gone, "machine.profile.kind=points", f"machine.profile.file={lobe}"]
+    load(b, overrides=points)
+    line = said(b, *points, "machine.rotor_diameter=170 mm")
+    assert "machine.rotor_diameter: is 170 mm, and the points of machine.profile.file reach to 160 mm (write" in line
