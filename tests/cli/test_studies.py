@@ -94,6 +94,16 @@ def test_the_optimum_is_told_and_written(studied, command):
     assert "operation.speed [rad/s]" in rows[0]
 
 
+@pytest.mark.parametrize(("name", "rest"), [("optimum", ("--jobs", "1")), ("sensitivity", COMMANDS["sensitivity"][2:])])
+def test_the_efficiency_of_a_real_gas_is_the_isentropic_one_and_stderr_says_so(name, rest, studied, command):
+    real = command(name, "oiled.yaml", *rest, "--set", "gas={model: real, isentropic_exponent: null}")
+    assert real.err.startswith(f"{name}: asked for is isentropic_efficiency: a real gas may have no isothermal one")
+    assert len(real.err.splitlines()) == 1
+    assert command(name, "oiled.yaml", *rest).err == ""
+    asked = ("--set", "gas={model: real, isentropic_exponent: null}", "--figure", "shaft_power")
+    assert command(name, "oiled.yaml", *rest, *asked).err == ""
+
+
 def test_failed_solutions_end_with_their_code(studied, command):
     answer = command(*COMMANDS["optimum"], "--to", "12", "--json")
     found = json.loads(answer.out)

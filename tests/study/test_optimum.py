@@ -91,6 +91,15 @@ def test_the_range_is_that_of_the_axis():
     assert len(optimum(one, asked, simulate=parabola)) == 1
 
 
+@pytest.mark.parametrize(("model", "figure"), [("ideal", "isothermal_efficiency"), ("real", "isentropic_efficiency")])
+def test_the_efficiency_that_is_asked_for_by_itself_is_one_that_the_gas_has(model, figure):
+    one = scene()
+    real = with_values(one, {"gas.model": model, "gas.isentropic_exponent": None})
+    assert question(real).figure == figure
+    assert question(real, figure="shaft_power").figure == "shaft_power"
+    assert question(scene("sweep:\n  gas.model: [ideal, real]\n")).figure == "isentropic_efficiency"
+
+
 def test_failed_solutions_leave_a_partial_result():
     first, second, third = best_of(gappy, SPEEDS)
     assert (second.status, second.value, second.failed) == ("failed", None, second.solutions)

@@ -26,7 +26,10 @@ from screwsim.screen import say
 def optimum(
     scene_file: SceneFile,
     path: Annotated[str, typer.Option(metavar="PATH", help="What is varied.")] = "oil_supply.ratio",
-    figure: Annotated[str, typer.Option(metavar="NAME", help="What is to be highest.")] = "isothermal_efficiency",
+    figure: Annotated[
+        str | None,
+        typer.Option("--figure", metavar="NAME", help="What is to be highest (default: an efficiency, by the gas)."),
+    ] = None,
     minimum: Annotated[bool, typer.Option("--minimum", help="Look for the lowest instead.")] = False,
     first: Annotated[str | None, typer.Option("--from", metavar="VALUE", help="Where the range begins.")] = None,
     last: Annotated[str | None, typer.Option("--to", metavar="VALUE", help="Where the range ends.")] = None,
@@ -41,10 +44,13 @@ def optimum(
     from screwsim.printing import print_json
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
     from screwsim.study.columns import check_target
+    from screwsim.study.inputs import told_efficiency
     from screwsim.study.optimum import optimum as found
     from screwsim.study.optimum import question
     from screwsim.study.progress import for_terminal
 
+    if figure is None and (told := told_efficiency(scene)):
+        typer.echo(f"optimum: {told}", err=True)
     asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
     if output is not None:
         check_target(output, (".csv", ".h5"))
@@ -95,7 +101,7 @@ def sensitivity(
     ] = None,
     figures: Annotated[
         list[str] | None,
-        typer.Option("--figure", metavar="NAME", help="Of what (default: isothermal efficiency, mass flow)."),
+        typer.Option("--figure", metavar="NAME", help="Of what (default: efficiency, mass flow)."),
     ] = None,
     samples: Annotated[int, typer.Option(metavar="N", help="Base samples, a power of two.")] = 256,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of samples and confidence intervals.")] = 1,
@@ -110,13 +116,16 @@ def sensitivity(
     from screwsim.printing import print_json
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.study.columns import check_target
+    from screwsim.study.inputs import told_efficiency
     from screwsim.study.progress import for_terminal
-    from screwsim.study.sensitivity import FIGURES, read_ranges
+    from screwsim.study.sensitivity import read_ranges
     from screwsim.study.sensitivity import sensitivity as studied
 
     if output is not None:
         check_target(output, (".csv", ".h5"))
-    names = tuple(dict.fromkeys(figures)) if figures else FIGURES
+    names = tuple(dict.fromkeys(figures or ()))
+    if not names and (told := told_efficiency(scene)):
+        typer.echo(f"sensitivity: {told}", err=True)
     ranges, progress = read_ranges(scene, paths or ()), for_terminal("sensitivity")
     found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=progress)
     if output is not None and not found.message:

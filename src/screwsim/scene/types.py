@@ -101,9 +101,7 @@ class OilSupply:
     kind: str = choice(
         "pump: the ratio is given; displacement: the separator pushes it through an orifice", ("pump", "displacement")
     )
-    ratio: float | None = number(
-        "d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0)
-    )
+    ratio: float | None = number("d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0))
     temperature: float = quantity(
         "temperature", "temperature of the injected oil", ge=150.0, le=700.0, hardly=(210.0, 450.0)
     )

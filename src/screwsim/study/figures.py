@@ -29,7 +29,6 @@ _SHORT = {
     "ṁ": "gas_mass_flow",
     "massflow": "gas_mass_flow",
     "pshaft": "shaft_power",
-    "pi": "indicated_power",
     "pind": "indicated_power",
     "pel": "electrical_power",
     "td": "discharge_temperature",
@@ -50,6 +49,10 @@ _ALWAYS = (
     "peak_pressure",
     "work_per_cycle",
     "trapped_mass",
+    "pressure_ratio",
+    "shaft_torque",
+    "displacement",
+    "displacement_flow",
 )
 _OILED = ("oil_mass_flow", "oil_ratio", "oil_flow_ratio", "oil_lift_power", "oil_discharge_temperature")
 _OTHERWISE = "a name of performance in `run --json`"

@@ -18,6 +18,25 @@ def check_continuous(scene: Scene, path: str) -> None:
         raise UsageError(f"{path}: is {what}, not a continuous quantity (vary it by the scene's sweep: block)")
 
 
+ISOTHERMAL, ISENTROPIC = "isothermal_efficiency", "isentropic_efficiency"
+
+
+def usual_efficiency(scene: Scene) -> str:
+    """Return the efficiency that a study asks for by itself: of a real gas, which may condense, the isentropic one."""
+    real = "real" in (scene.gas.model, *scene.sweep.get("gas.model", ()))
+    return ISENTROPIC if real else ISOTHERMAL
+
+
+def told_efficiency(scene: Scene) -> str:
+    """Return, in one line, why not the isothermal efficiency is asked for; empty where it is."""
+    if usual_efficiency(scene) == ISOTHERMAL:
+        return ""
+    return (
+        f"asked for is {ISENTROPIC}: a real gas may have no isothermal one, as where it condenses on that way "
+        "(--figure chooses another)"
+    )
+
+
 def read_text(scene: Scene, path: str, text: str) -> float:
     """Return a value as written on the command line ('1000 rpm', '0.5') in SI; raise UsageError."""
     bare = leaf_of(scene, path).dimension is None and re.fullmatch(NUMBER, text.strip())

@@ -15,7 +15,7 @@ from screwsim.scene import Scene, case, case_count, case_values, cross_check, wi
 from screwsim.scene.grid import only
 from screwsim.study.each import DIED, each
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
+from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value, usual_efficiency
 from screwsim.study.progress import Progress
 from screwsim.study.search import COARSE, Point, Top, highest
 
@@ -78,14 +78,17 @@ class Best:
 def question(
     scene: Scene,
     path: str = OIL_RATIO,
-    figure: str = "isothermal_efficiency",
+    figure: str | None = None,
     *,
     minimum: bool = False,
     first: str | None = None,
     last: str | None = None,
 ) -> Question:
-    """Return what is asked, with the range: as given, else of the scene's axis, else for the oil ratio a usual one."""
-    figure = figure_of(scene, figure)
+    """Return what is asked, with the range: as given, else of the scene's axis, else for the oil ratio a usual one.
+
+    Without a figure that is `usual_efficiency`.
+    """
+    figure = figure_of(scene, usual_efficiency(scene) if figure is None else figure)
     check_continuous(scene, path)
     axis = scene.sweep.get(path, OIL_RANGE if path == OIL_RATIO else ())
     if len(axis) < 2 and (first is None or last is None):

@@ -18,11 +18,10 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.study.each import DIED, each
 from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
+from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value, usual_efficiency
 from screwsim.study.optimum import absolute_error, closed
 from screwsim.study.progress import Progress
 
-FIGURES = ("isothermal_efficiency", "gas_mass_flow")
 CONFIDENCE = 0.95
 NOISY = 0.01  # share of the variance that numerical errors may have made
 Simulate = Callable[[Scene], Result]
@@ -105,7 +104,7 @@ def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[Range, ...]:
 def sensitivity(
     scene: Scene,
     ranges: Sequence[Range],
-    figures: Sequence[str] = FIGURES,
+    figures: Sequence[str] = (),
     *,
     samples: int = 256,
     seed: int = 1,
@@ -113,8 +112,12 @@ def sensitivity(
     simulate: Simulate | None = None,
     progress: Progress | None = None,
 ) -> Sensitivity:
-    """Return the indices of figures to inputs, from samples · (inputs + 2) solutions."""
-    figures = tuple(dict.fromkeys(figure_of(scene, figure) for figure in figures))
+    """Return the indices of figures to inputs, from samples · (inputs + 2) solutions.
+
+    Without figures those are `usual_efficiency` and the gas mass flow.
+    """
+    named = tuple(figures) or (usual_efficiency(scene), "gas_mass_flow")
+    figures = tuple(dict.fromkeys(figure_of(scene, figure) for figure in named))
     if samples < 2 or samples & (samples - 1):
         raise UsageError(f"--samples {samples}: is not a power of two (write e.g. 256; Sobol's sequence needs it)")
     problem = _problem(ranges)
