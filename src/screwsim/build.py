@@ -21,7 +21,7 @@ from screwsim.effects.base import (
     Site,
     Wall,
 )
-from screwsim.faults import UsageError
+from screwsim.faults import UsageError, own_number
 from screwsim.fluid import constants
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
@@ -58,6 +58,7 @@ Numbered = FlowPath | HeatRate | Wall | ChamberState
 WIDTH = 0.5  # of the regularisation over the wanted accuracy
 HISTORIES_FINER = 1e-4  # wanted accuracy from which on steps of histories are finer in proportion to it ...
 HISTORIES_FINEST = 0.1  # ... down to this factor
+LEAST = 1e-300  # above nothing
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
 
@@ -180,10 +181,17 @@ def _of_site(
         return {}, {}, None
     site = build_site(scene, gas)
     guesses = {part.entry.name: part.guess(site) for part in made}
+    for name, part in effects.all(Made):
+        own_number(name, f"the guess of {part.entry.name}", guesses[part.entry.name])
     if len(guesses) < len(made):
         names = ", ".join(sorted(part.entry.name for part in made))
         raise TypeError(f"two effects declare the same of {names} as made by the cycle")
-    return {part.name: part.state(site) for part in plenums}, guesses, brings[0].content(site) if brings else None
+    states = {part.name: part.state(site) for part in plenums}
+    for name, part in effects.all(Plenum):
+        for what in ("p", "T", "rho"):
+            own_number(name, f"{what} of its plenum {part.name}", getattr(states[part.name], what), LEAST)
+        own_number(name, f"h of its plenum {part.name}", states[part.name].h)
+    return states, guesses, brings[0].content(site) if brings else None
 
 
 def _acting(effects: Mapping[str, list[Any]]) -> dict[str, list[Any]]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from numbers import Real
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -23,3 +26,19 @@ class SceneError(Exception):
 
 class UsageError(Exception):
     """Report a wrong use of a command, or of a function, in one line."""
+
+
+class Impossible(UsageError):
+    """Report, in one line, that an effect of the user's own returned what cannot be: the case has failed."""
+
+    def __init__(self, effect: str, what: str) -> None:
+        super().__init__(f"effects.{effect}: {what}, which cannot be; mend that module")
+
+
+def own_number(effect: str, what: str, value: Any, least: float = -math.inf) -> None:
+    """Raise Impossible where an effect of the user's own gives no number, or one below `least`."""
+    if "." not in effect:
+        return
+    size = float(value) if isinstance(value, Real) and not isinstance(value, bool) else None
+    if size is None or not (math.isfinite(size) and size >= least):
+        raise Impossible(effect, f"{what} is {repr(value)[:40] if size is None else f'{size:.6g}'}")

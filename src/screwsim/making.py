@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim.effects.base import LineFlow, Made, Turn
 from screwsim.effects.gap import ClearanceParameters
-from screwsim.faults import UsageError
+from screwsim.faults import UsageError, own_number
 from screwsim.model import close as closing
 from screwsim.model import residues
 from screwsim.model.slots import (
@@ -75,8 +75,11 @@ class Making(Prepared):
     def _newly_imaged(self, q: closing.Array) -> Turn:
         made: dict[str, float] = {}
         turn = self._turn(q, made)
-        for _, part in self.parts.all(Made):
-            made[part.entry.name] = max(float(part.image(turn)), part.least)
+        for name, part in self.parts.all(Made):
+            image = part.image(turn)
+            if np.isfinite(q[0]):
+                own_number(name, f"what the cycle makes of {part.entry.name}", image)
+            made[part.entry.name] = max(float(image), part.least)
         return turn
 
     def _turn(self, q: closing.Array, made: dict[str, float]) -> Turn:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.effects.base import Plenum, PowerLoss, Reading, Turn
+from screwsim.faults import own_number
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.settings import TURN
 from screwsim.model.parts import Parts
@@ -234,19 +235,30 @@ def refrigeration(
 
 
 def _losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
-    return {part.figure: float(part.power(known)) for _, part in parts.all(PowerLoss)}
+    """Return the power losses [W]; raise Impossible where an own effect gives none, or a gain."""
+    found = {}
+    for name, part in parts.all(PowerLoss):
+        power = part.power(known)
+        if np.isfinite(known.indicated_power):
+            own_number(name, f"its power {part.figure} [W]", power, 0.0)
+        found[part.figure] = float(power)
+    return found
 
 
 def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> dict[str, float | None]:
     """Return the figures that effects read from the closed cycle, all other figures known."""
-    reading = [part for _, part in parts.all(Reading)]
+    reading = parts.all(Reading)
     if not reading:
         return {}
     names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop")
     complete = replace(known, **{name: found[name] for name in names})
     values: dict[str, float | None] = {}
-    for part in sorted(reading, key=lambda part: MOTOR_POWER not in part.figures):  # which others may ask for
-        values |= part.read(replace(complete, motor_power=values.get(MOTOR_POWER)))
+    for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # which others may ask for
+        read = part.read(replace(complete, motor_power=values.get(MOTOR_POWER)))
+        if np.isfinite(known.indicated_power):
+            for figure, value in read.items():
+                own_number(name, f"its figure {figure}", 0.0 if value is None else value)
+        values |= read
     return values
 
 

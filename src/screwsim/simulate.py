@@ -7,9 +7,10 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from screwsim import plausible, settling, shaft
+from screwsim import own, plausible, settling, shaft
 from screwsim.build import faults_of_own, prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
+from screwsim.faults import Impossible
 from screwsim.fluid.orifice import outside_fit
 from screwsim.ledger.total import Ledger
 from screwsim.model import close as closing
@@ -286,12 +287,15 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
 
 
 def _simulate(scene: Scene, trace: bool, series: Series) -> Result:
-    with faults_of_own(scene):
-        solution = Solution(scene, series)
-        solution.machinery.warm_up(solution.rehearse)
-    solution = shaft.at_its_speed(solution)
-    result = _solved(solution, trace)
-    solution.release()
+    try:
+        with faults_of_own(scene):
+            solution = Solution(scene, series)
+            solution.machinery.warm_up(solution.rehearse)
+        solution = shaft.at_its_speed(solution)
+        result = _solved(solution, trace)
+        solution.release()
+    except Impossible as wrong:
+        result = Result("failed", str(wrong), scene_warnings(scene), tuple(scene.effects))
     if result.status != "ok":
         series.course.forget()
     return result
@@ -303,7 +307,10 @@ def _solved(solution: Solution, trace: bool) -> Result:
     closed = accurate.closed
     numerics = _numerics(solution, accurate)
     effects, states = tuple(scene.effects), machinery.composition.states
-    refused = _failure(solution, closed) if closed.status == "failed" else _refused(solution) or solution.beyond()
+    refused = own.impossible(solution, closed)
+    if not refused and closed.status == "failed":
+        refused = _failure(solution, closed)
+    refused = refused or _refused(solution) or solution.beyond()
     if refused:
         shut = "".join(f"; {words}" for words in plausible.shut_ways(scene, solution.parts))
         return Result("failed", refused + shut, scene_warnings(scene), effects, states, numerics=numerics)

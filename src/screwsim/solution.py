@@ -11,6 +11,7 @@ import numpy as np
 from screwsim import expander, performance
 from screwsim.build import build_site
 from screwsim.effects.base import Drawn, OilSolution, Plenum, Reading, Site, Turn
+from screwsim.faults import own_number
 from screwsim.ledger.book import Cycle
 from screwsim.ledger.total import Ledger, ledger
 from screwsim.machine.built_in import built_in_volume_ratio
@@ -295,10 +296,13 @@ class Solution(Making):
             streams, rate = self.balances.streams(q)[:, 0], self.lives_per_second
             site = self._site
             suction = float(streams[0] + streams[1]) * rate * (1.0 - self.suction.returned)  # from the line alone
-            for _, plenum in self.parts.all(Plenum):
+            for name, plenum in self.parts.all(Plenum):
                 i = 2 * self.parts.number(plenum.name)
                 drawn = Drawn(float(streams[i] + streams[i + 1]) * rate, suction, self.parts.plenums[plenum.name], site)
-                found |= plenum.figures(drawn) if plenum.figures is not None else {}
+                given = plenum.figures(drawn) if plenum.figures is not None else {}
+                for figure, value in given.items():
+                    own_number(name, f"its figure {figure}", 0.0 if value is None else value)
+                found |= given
         unknown = sorted(set(found) - set(PERFORMANCE))
         if unknown:
             raise TypeError(f"a plenum gives {', '.join(unknown)}, which outputs.PERFORMANCE does not list")

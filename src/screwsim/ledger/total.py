@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any
 
 from screwsim.effects.base import PowerLoss, Reading
+from screwsim.faults import own_number
 from screwsim.ledger.book import Book, Cycle, Entry
 from screwsim.ledger.gas import enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
 from screwsim.ledger.oil import cool_at_lines, oil_rise
@@ -120,5 +121,8 @@ def _losses(book: Book, cycle: Cycle) -> None:
     """Enter every power beside the gas work: dissipated at T_0, but for what stays in the oil as pressure (M58)."""
     for name, part in cycle.parts.all(PowerLoss):
         power = float(part.power(cycle.known))
-        kept = float(part.kept(cycle.known)) if part.kept is not None else 0.0
+        given = part.kept(cycle.known) if part.kept is not None else 0.0
+        if math.isfinite(cycle.known.indicated_power):
+            own_number(name, f"what the oil keeps of {part.figure} [W]", given, 0.0)
+        kept = float(given)
         book.add(name, energy=power, exergy=power - kept)

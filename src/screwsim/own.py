@@ -1,0 +1,249 @@
+"""What effects of a user's own return, held against what can be: no area below zero, nothing that is no number.
+
+The model takes an area that is not above zero for shut, and a kernel that returns NaN there would pass unseen. So the
+kernels of own effects are asked again where the closed cycle was integrated: at the ends of its steps, at the nodes of
+the method and of the quadrature between, and at every degree. Where an integration stopped they are asked around the
+state in which it did. It is the compiled kernels that are asked, with the numbers of the model. Without own effects
+nothing is asked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilPort, Stops
+from screwsim.model import close as closing
+from screwsim.model.slots import (
+    LOOSE,
+    P_PORT_WIDTH,
+    PLACE,
+    PRESSURE,
+    R_DISCHARGE,
+    R_RATIO,
+    R_SUCTION,
+)
+from screwsim.model.within import NODES as GAUSS
+from screwsim.numerics.rodas import NODES, dense_value
+from screwsim.solution import Solution
+
+Array = np.ndarray
+SHARES = np.unique([*NODES[:4], GAUSS[1]])  # of a step; the first of the quadrature's is next to a node of the method
+ROUNDING = 1e-9  # of its largest value, that a law may lie below zero; of one, that a share may lie beyond it
+SPEEDS = (0.0, 1.0, 30.0, 300.0)  # [m/s] with which a gap's share is asked for its flux
+BEYOND = np.radians((0.0, 1e-6, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0))  # an angle where an integration stopped
+AROUND = (1.0, 0.999, 1.001, 0.99, 1.01, 0.9, 1.1)  # its temperature
+
+
+class Point(NamedTuple):
+    """A chamber at an angle [rad]: its states, pressure [Pa], volume [m³] and gas mass [kg]."""
+
+    phi: float
+    y: Array
+    p: float
+    V: float
+    m: float
+
+
+class Asked(NamedTuple):
+    """A kernel of an own effect: what it returns at a point, and between which values that can be."""
+
+    effect: str
+    what: str
+    unit: str
+    at: Callable[[Point], float]
+    least: float = -math.inf
+    most: float = math.inf
+
+
+def impossible(solution: Solution, closed: closing.Closed) -> str:
+    """Return which own effect returned what cannot be, where, in one line; empty where none did."""
+    own = {name for name in solution.scene.effects if "." in name}
+    if not own:
+        return ""
+    wrong = next(_declared(solution, own), "")
+    if wrong:
+        return wrong
+    phi, rows = _along(solution) if closed.status != "failed" else (np.empty(0), np.empty((0, 1)))
+    degrees = np.radians(np.arange(0.0, math.degrees(solution.parts.geometry.life), 1.0))
+    by_angle = [Point(angle, rows, 0.0, 0.0, 0.0) for angle in np.union1d(phi, degrees).tolist()]
+    for asked in _areas(solution):
+        if asked.effect in own and (wrong := _first(asked, by_angle)):
+            return wrong
+    stopped = closed.status == "failed"  # what is no number does not close: of a cycle only signs and shares are asked
+    rates = [asked for asked in _rates(solution) if asked.effect in own and (stopped or asked.least > -math.inf)]
+    if not rates:
+        return ""
+    points = list(_points(solution, phi, rows)), *(_stopped(solution, closed) if stopped else ())
+    return next(filter(None, (_first(asked, some) for some in points for asked in rates)), "")
+
+
+def _first(asked: Asked, points: Sequence[Point]) -> str:
+    """Return the first point at which a kernel returns what cannot be, as a message."""
+    values = [asked.at(point) for point in points]
+    finite = [abs(value) for value in values if math.isfinite(value)]
+    slack = ROUNDING * max(finite, default=0.0)
+    for point, value in zip(points, values, strict=True):
+        if not (math.isfinite(value) and asked.least - slack <= value <= asked.most + slack):
+            return _told(asked, point, value)
+    return ""
+
+
+def _told(asked: Asked, point: Point, value: float) -> str:
+    states = f", T = {point.y[0]:.5g} K, p = {point.p / 1e5:.5g} bar" if point.m else ""
+    shown = f"{value:.6g} {asked.unit}".rstrip()
+    where = f"at {math.degrees(point.phi):.2f} deg{states}"
+    return f"effects.{asked.effect}: its {asked.what} is {shown} {where}, which cannot be; mend that module"
+
+
+def _declared(solution: Solution, own: set[str]) -> Iterator[str]:
+    """Yield the numbers that own effects state and that cannot be."""
+    for name, path in solution.parts.all(FlowPath):
+        if name not in own:
+            continue
+        numbers = {"flow_coefficient": path.flow_coefficient, **path.values}
+        for what, value in numbers.items():
+            if not math.isfinite(value) or (what == "flow_coefficient" and value < 0.0):
+                yield f"effects.{name}: its {what} is {value:.6g}, which cannot be; mend that module"
+        knots = [knot for knot in (*path.knots, *path.own_knots) if not math.isfinite(knot)]
+        if knots:
+            yield f"effects.{name}: one of its knots is {knots[0]:.6g} rad, which cannot be; mend that module"
+
+
+def _along(solution: Solution) -> tuple[Array, Array]:
+    """Return angles [rad] of the cycle that stands, and the states and pressure there, a row each."""
+    times, dense, _, steps = solution.machinery.last()
+    curves = [dense[:steps, k, : solution.machinery.n + 1] for k in range(4)]
+    phis = [times[:steps] + share * np.diff(times[: steps + 1]) for share in SHARES]
+    return np.concatenate(phis), np.concatenate([dense_value(share, *curves) for share in SHARES])
+
+
+def _points(solution: Solution, phi: Array, rows: Array) -> Iterator[Point]:
+    """Yield the points of a cycle at angles, where its states and pressure are the rows, in the order of the angles."""
+    order = np.argsort(phi, kind="stable")
+    y = np.ascontiguousarray(rows[order, :-1])
+    for angle, state, p in zip(phi[order].tolist(), y, rows[order, -1].tolist(), strict=True):
+        yield _point(solution, angle, state, p)
+
+
+def _stopped(solution: Solution, closed: closing.Closed) -> tuple[list[Point], list[Point]]:
+    """Return points at, and around, the states of the chambers where an integration stopped."""
+    machinery, pitch, life = solution.machinery, solution.parts.geometry.pitch, solution.parts.geometry.life
+    here, around = [], []
+    for j, y in enumerate(np.asarray(closed.y).reshape(-1, machinery.n)):
+        if not np.all(np.isfinite(y)):
+            continue
+        for factor in AROUND:
+            for more in BEYOND:
+                phi = min(closed.angle + j * pitch + float(more), life)
+                state = np.array(y)
+                state[0] *= factor
+                (here if factor == 1.0 else around).append(_point(solution, phi, state))
+    return here, around
+
+
+def _point(solution: Solution, phi: float, y: Array, p: float | None = None) -> Point:
+    c, module, oil = solution.machinery.composition, solution.machinery.module, solution.parts.oil
+    V, rho = module.volume_at(phi, c.P, c.TAB), float(y[1])
+    if p is None:
+        p = float(module.gas_state(float(y[0]), rho, c.P, c.TAB)[0])
+    room = 1.0 + float(y[3]) * rho / oil.density if c.oil_room and oil is not None else 1.0
+    return Point(phi, y, p, V, rho * V / room)
+
+
+def _areas(solution: Solution) -> Iterator[Asked]:
+    """Yield the areas of all paths: of the angle alone."""
+    c, module = solution.machinery.composition, solution.machinery.module
+    paths = solution.parts.all(FlowPath)
+    for to_plenum, area in ((True, module.plenum_area), (False, module.gap_area)):
+        some = [(name, path) for name, path in paths if (path.to != "neighbour") == to_plenum]
+        for i, (name, path) in enumerate(some):
+
+            def at(point: Point, i=i, area=area, factor=path.flow_coefficient or 1.0) -> float:
+                return float(area(i, point.phi, c.P, c.TAB)) / factor
+
+            yield Asked(name, "area", "m^2", at, 0.0)
+
+
+def _rates(solution: Solution) -> Iterator[Asked]:
+    """Yield what effects return of the state of a chamber."""
+    parts, c, R = solution.parts, solution.machinery.composition, solution.machinery.R
+    module, P, TAB = solution.machinery.module, c.P, c.TAB
+    lines = float(R[R_SUCTION + PRESSURE]), float(R[R_DISCHARGE + PRESSURE])
+
+    def oil_of(point: Point) -> float:
+        """Return oil per gas of a chamber."""
+        if c.carried:
+            return float(point.y[3])
+        return float(R[R_RATIO]) if point.phi >= parts.geometry.injection_angle else 0.0
+
+    for i, (name, _) in enumerate(parts.all(HeatRate)):
+
+        def heat(point: Point, i=i) -> float:
+            T, rho, T_oil = (float(value) for value in point.y[:3])
+            oil = oil_of(point) * point.m
+            return float(
+                module.heat_part(i, T, point.m, point.p, rho, point.V, point.phi, T_oil, oil, float(R[R_RATIO]), P)[0]
+            )
+
+        yield Asked(name, "heat rate", "W", heat)
+    for i, (name, _) in enumerate(parts.walls):
+
+        def conductance(point: Point, i=i) -> float:
+            T, rho = float(point.y[0]), float(point.y[1])
+            return float(module.wall_state(i, T, point.m, point.p, rho, point.V, point.phi, P)[0])
+
+        yield Asked(name, "conductance", "W/K", conductance, 0.0)
+    for i, (name, part) in enumerate(parts.all(ChamberState)):
+
+        def rate(point: Point, i=i) -> float:
+            T, rho = float(point.y[0]), float(point.y[1])
+            return float(module.state_rate(i, T, point.m, point.p, rho, point.V, point.phi, *lines, point.y, 0, P))
+
+        yield Asked(name, f"rate of {part.name}", "1/s", rate)
+    for k, (name, _) in enumerate(parts.all(Stops)):
+
+        def push(point: Point, k=k) -> float:
+            return float(module.stop_push(k, point.p, *lines, point.y, 0, P))
+
+        yield Asked(name, "push", "", push)
+    for name, _ in parts.all(OilPort):
+        yield Asked(name, "oil flow", "kg/s", lambda point: float(module.oil_inflow(point.phi, point.p, P, TAB)), 0.0)
+    yield from _shares(solution, oil_of)
+
+
+def _shares(solution: Solution, oil_of: Callable[[Point], float]) -> Iterator[Asked]:
+    """Yield the shares of valves and gaps, and the films of gaps."""
+    parts, machinery = solution.parts, solution.machinery
+    module, R, P = machinery.module, machinery.R, machinery.composition.P
+    named = parts.all(FlowPath)
+    for i, (name, path) in enumerate(each for each in named if each[1].to != "neighbour"):
+        if path.opening is None:
+            continue
+        number = parts.number(path.to)
+
+        def opening(point: Point, i=i, number=number) -> float:
+            drop = float(R[number * PLACE + PRESSURE]) - point.p
+            return float(module.path_opening(i, drop, float(P[P_PORT_WIDTH + number]), LOOSE, point.y, 0, P))
+
+        yield Asked(name, "opening", "", opening, 0.0, 1.0)
+    for i, (name, path) in enumerate(each for each in named if each[1].to == "neighbour"):
+        if path.resistance is None:
+            continue
+
+        def share(point: Point, i=i) -> float:
+            """Return the share furthest from what can be."""
+            rho = float(point.y[1])
+            found = [float(module.gap_share(i, rho * speed, rho, oil_of(point), P)) for speed in SPEEDS]
+            return max(found, key=lambda value: abs(value - 0.5) if math.isfinite(value) else math.inf)
+
+        yield Asked(name, "share of a gap", "", share, 0.0, 1.0)
+        if path.resistance.film is not None:
+
+            def film(point: Point, i=i) -> float:
+                return float(module.gap_film(i, point.p, oil_of(point), P))
+
+            yield Asked(name, "film of oil", "kg/(m^2 s)", film, 0.0)

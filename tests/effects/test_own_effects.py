@@ -1,0 +1,68 @@
+"""A user's own effect that returns what cannot be makes the case failed, with effect, value and place."""
+
+import json
+import sys
+
+import pytest
+from scenes import make, scene_dict
+
+from screwsim import simulate
+from screwsim.scene import loads
+from screwsim.simulate import simulate_many
+
+NAME = "own_effects.wrong"
+
+
+def scene(**parameters):
+    base = scene_dict({})
+    return loads(json.dumps({**base, "effects": {**base["effects"], NAME: parameters}}))
+
+
+def found(**parameters):
+    return simulate(scene(**parameters))
+
+
+def test_an_effect_that_returns_what_can_be_is_solved():
+    result = found()
+    assert result.status == "ok"
+    assert result.warnings == ()
+
+
+WRONG = {
+    "a negative area": ({"area": -1}, "its area is -1e-07 m^2 at 40"),
+    "an area that is no number": ({"level": -1}, "its area is nan m^2 at 40"),
+    "an infinite area": ({"spread": 0}, "its area is inf m^2 at 40"),
+    "a narrow window": ({"area": -1, "opens": "413.2 deg", "closes": "413.4 deg"}, "its area is -1e-07 m^2 at 413."),
+    "a negative flow coefficient": ({"coefficient": -0.7}, "its flow_coefficient is -0.7"),
+    "a negative conductance": ({"gain": -1}, "its conductance is -0.001 W/K at 4"),
+    "heat that is no number": ({"hot": "320 K"}, "its heat rate is nan W at "),
+    "a gain of power": ({"power": "gain"}, "its power bearing_power [W] is -1e+09"),
+    "a power that is no number": ({"power": "nan"}, "its power bearing_power [W] is nan"),
+    "an infinite power": ({"power": "inf"}, "its power bearing_power [W] is inf"),
+    "no power": ({"power": "none"}, "its power bearing_power [W] is None"),
+    "text for a power": ({"power": "text"}, "its power bearing_power [W] is 'ten'"),
+    "power that the oil loses": ({"kept": -5}, "what the oil keeps of bearing_power [W] is -5"),
+    "what the cycle makes of nothing": ({"made": "nan"}, "what the cycle makes of wrong_temperature is nan"),
+    "a figure that is none": ({"figure": "nan"}, "its figure economizer_mass_flow is nan"),
+    "a plenum of no pressure": ({"pressure": "nan"}, "p of its plenum vessel is nan"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_cannot_be_fails_the_case_and_is_named(name):
+    changes, words = WRONG[name]
+    result = found(**changes)
+    assert result.status == "failed"
+    assert result.message.startswith(f"effects.{NAME}: {words}")
+    assert result.message.endswith(", which cannot be; mend that module")
+    assert "\n" not in result.message
+
+
+def test_a_later_case_of_a_sweep_does_not_suffer_from_one_that_failed():
+    scenes = [scene(area=sign) for sign in (1, -1, 1)]
+    assert [result.status for result in simulate_many(scenes, trace=False)] == ["ok", "failed", "ok"]
+
+
+def test_a_scene_without_own_effects_asks_nothing(monkeypatch):
+    monkeypatch.setattr(sys.modules["screwsim.own"], "_points", None)
+    assert simulate(make({})).status == "ok"
