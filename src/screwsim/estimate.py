@@ -8,7 +8,9 @@ changes in the figures, and in those that go with the net gas flow what the uncl
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +34,10 @@ MUCH = 1e-4  # wanted accuracy from which on two turns estimate
 TIGHT = 0.75  # volumetric efficiency below which leaks rule, and two turns estimate
 LEAKY = 0.5  # volumetric efficiency below which an error of histories lives on for so many turns
 HIDDEN = 2.0  # that it is as many times what two of them show
+ROOT = 1.5  # the same of coupled chambers, whose error falls as the root of the regularisation there
+QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
+SLOWEST = 0.9  # the largest such share that is believed
+SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
 
 
 Read = tuple[Figures, dict[str, str]]  # figures, and why some are None
@@ -164,12 +170,12 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Re
     machinery = solution.machinery
     with machinery.set_aside():
         machinery.composition.P[machinery.composition.widths] *= NARROWER
-        q = _finer_cycle(solution, closed) if closed.needed else _finer_turn(solution, closed, found)
-        if q is None:
+        finer = _finer(solution, closed, found)
+        if not finer:
             return Figures(dict.fromkeys(found)), (found, notes)
-        better, _ = solution.figures(q)
-    errors = relative_errors(found, better, *solution.least(closed.q))
-    whole = WHOLE * (HIDDEN if closed.how == "histories" and _among_leaks(solution, found) else 1.0)
+    errors = _shown(found, finer, solution.least(closed.q))
+    hidden = HIDDEN if closed.how == "histories" else ROOT
+    whole = WHOLE * (hidden if _among_leaks(solution, found) else 1.0)
     for name, size in errors.items():
         errors[name] = whole * size if size is not None else None
     flow = found["gas_mass_flow"]
@@ -179,9 +185,34 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Re
     return errors, (found, notes)
 
 
-def _much_asked(solution: Any, found: Figures) -> bool:
-    """Tell whether one finer life is not enough for an estimate: it still meets the coarser life of its neighbours."""
-    return _filling(found) < TIGHT or solution.scene.numerics.accuracy <= MUCH
+def _shown(found: Figures, finer: Sequence[Figures], least: tuple[float, float]) -> Figures:
+    """Return what finer lives show of the error of each figure: what they change, and what later ones yet would.
+
+    The last life's change is followed by others, each as much smaller as that one was than the life's before it.
+    """
+    errors = relative_errors(found, finer[-1], *least)
+    if len(finer) > 1:
+        steps = [relative_errors(old, new, *least) for old, new in pairwise([found, *finer])]
+        again = min(_again(steps), SLOWEST)
+        for name, size in steps[-1].items():
+            if size is not None and errors[name] is not None:
+                errors[name] += size * again / (1.0 - again)
+    return errors
+
+
+def _again(steps: Sequence[Figures]) -> float:
+    """Return the share of a life's change that the last life made once more."""
+    before, last = (worst(step)[1] for step in steps[-2:])
+    return last / before if before > 0.0 else 0.0
+
+
+def _fed_back(solution: Any, found: Figures) -> bool:
+    """Tell whether one finer life is not enough for an estimate: errors come back through what it still meets.
+
+    That is the coarser life of its neighbours, and what the cycle makes beside the discharge line.
+    """
+    asked = solution.scene.numerics.accuracy <= MUCH
+    return asked or _filling(found) < TIGHT or bool(solution.parts.made)
 
 
 def _among_leaks(solution: Any, found: Figures) -> bool:
@@ -195,29 +226,38 @@ def _filling(found: Figures) -> float:
     return 1.0 if filling is None else filling
 
 
-def _finer_turn(solution: Any, closed: closing.Closed, found: Figures) -> np.ndarray | None:
-    """Install one life more, or two, finer than the closed one's; return its quadratures, None where it stopped."""
-    machinery, rtol, y = solution.machinery, FINER * closed.rtol, closed.y.copy()
-    if closed.how == "histories":
+def _finer(solution: Any, closed: closing.Closed, found: Figures) -> list[Figures]:
+    """Return the figures of finer solutions beside a closed cycle: lives, or another cycle; of none where all stop.
+
+    One life more shows the error of a cycle closed by histories, two where errors come back. Where the second life
+    changes nearly as much as the first, and with coupled chambers, what shows it is the cycle closed again, finer.
+    """
+    finer = [] if closed.needed or closed.how == "coupled" else _finer_lives(solution, closed, found)
+    if len(finer) == 1:
+        return finer
+    if len(finer) > 1:
+        steps = [relative_errors(old, new, *solution.least(closed.q)) for old, new in pairwise([found, *finer])]
+        if _again(steps) < QUICK or worst(steps[-1])[1] < SMALL * solution.scene.numerics.accuracy:
+            return finer
+    return _finer_cycle(solution, closed) or finer
+
+
+def _finer_lives(solution: Any, closed: closing.Closed, found: Figures) -> list[Figures]:
+    """Install one life more, or two, finer than the closed one's; return their figures, of none where one stopped."""
+    machinery, rtol, y, finer = solution.machinery, FINER * closed.rtol, closed.y.copy(), []
+    for left in (1, 0) if _fed_back(solution, found) else (0,):
         status, _, _, q = machinery.turn(y, rtol, 1e-3)
-        machinery.swap()
-        if status == 0 and _much_asked(solution, found):
-            solution.set_made(solution.entries.possible(solution.image(q)))
-            status, _, _, q = machinery.turn(y, rtol, 1e-3)
-            machinery.swap()
-        return q if status == 0 else None
-    status, q = 0, closed.q
-    for _ in range(machinery.composition.chambers):
-        status, _, _, q = machinery.pitch(y, rtol, 1e-3)
         if status != 0:
-            break
-        y = machinery.shift(y)
-    machinery.install_coupled()
-    return q if status == 0 else None
+            return []
+        machinery.swap()
+        finer.append(solution.figures(q)[0])
+        if left:
+            solution.set_made(solution.entries.possible(solution.image(q)))
+    return finer
 
 
-def _finer_cycle(solution: Any, closed: closing.Closed) -> np.ndarray | None:
-    """Install the cycle that closes with finer steps from the closed one; return its quadratures, None if none does.
+def _finer_cycle(solution: Any, closed: closing.Closed) -> list[Figures]:
+    """Return the figures of the cycle that closes with finer steps from the closed one; of none where none does.
 
     A cycle that only a further try closed draws its neighbourhood in slowly, or not at all: what the steps of one life
     are off by is far less than what the cycle is off by.
@@ -228,7 +268,7 @@ def _finer_cycle(solution: Any, closed: closing.Closed) -> np.ndarray | None:
         finer = closing.again(solution, closed)
     finally:
         solution.wanted = wanted
-    return finer.q if finer.status == "ok" else None
+    return [solution.figures(finer.q)[0]] if finer.status == "ok" else []
 
 
 class Snapshot:

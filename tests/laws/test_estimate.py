@@ -15,6 +15,11 @@ CASES = {
     "slow": {"operation.speed": "300 rpm"},
     "carried": {"operation.speed": "2000 rpm", "oil.transport": "carried"},
     "coupled": {"operation.speed": "1500 rpm", "numerics": {"closing": "coupled"}},
+    "coupled among leaks": {
+        "operation.speed": "300 rpm",
+        "oil.transport": "carried",
+        "numerics": {"closing": "coupled"},
+    },
     "loose": {"operation.speed": "1500 rpm", "numerics": {"accuracy": 3e-3}},
 }
 
@@ -106,7 +111,7 @@ def test_no_estimate_is_made_where_none_is_wanted():
 
 
 def test_an_estimate_that_cannot_be_made_is_said(monkeypatch):
-    monkeypatch.setattr("screwsim.estimate._finer_turn", lambda solution, closed, found: None)
+    monkeypatch.setattr("screwsim.estimate._finer", lambda solution, closed, found: [])
     result = simulate(make({}))
     assert all(size is None for size in result.error.values())
     assert any("could not be estimated" in warning for warning in result.warnings)
