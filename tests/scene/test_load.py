@@ -125,7 +125,7 @@ def test_an_override_is_checked_like_the_file(example):
         "--set machine.lobes=3: machine.lobes: is not known; "
         "there are male_lobes, female_lobes (write the whole name)",
         "--set oil_supply.ratio=[1: oil_supply.ratio: is not YAML: expected ',' or ']', but got '<stream end>' "
-        "(mend the indentation, brackets or quotes here)",
+        "(close the [ that opens in line 1, column 1 with ], and have commas between what is inside)",
     ]
 
 

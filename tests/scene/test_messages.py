@@ -130,6 +130,318 @@ def test_a_typical_mistake_gives_its_one_line(example, old, new, line):
     assert faults_of(example.replace(old, new, 1)) == [line]
 
 
+LINE = "(write NAME: value, a blank behind the colon, and as far in as its neighbours; look one line up, too)"
+UNDER = "under it: flow_coefficient, area_file, area, opens, closes; or blow_hole: off to leave it out)"
+NEWCOMERS = [
+    # ---- YAML ----
+    (
+        "  kind: twin_screw",
+        "\tkind: twin_screw",
+        "x.yaml:3:1: <root>: is not YAML: found character '\\t' that cannot start any token "
+        "(line 3 has a tab: write blanks in its place)",
+    ),
+    (
+        "  fluid: R134a",
+        "\u00a0 fluid: R134a",
+        "x.yaml:13:8: <root>: is not YAML: mapping values are not allowed here "
+        "(line 12 has a no-break space: write blanks in its place)",
+    ),
+    (
+        "kind: twin_screw",
+        "kind twin_screw",
+        f"x.yaml:4:13: <root>: is not YAML: mapping values are not allowed here {LINE}",
+    ),
+    ("male_lobes: 4", "male_lobes = 4", f"x.yaml:5:3: <root>: is not YAML: could not find expected ':' {LINE}"),
+    (
+        "title: example",
+        'title: "example',
+        "x.yaml:43:1: <root>: is not YAML: found unexpected end of stream "
+        "(close the quote that opens in line 1, column 8)",
+    ),
+    (
+        "{gap: 50 um}",
+        "{gap: 50 um",
+        "x.yaml:34:20: <root>: is not YAML: expected ',' or '}', but got ':' "
+        "(close the { that opens in line 33, column 16 with }, and have commas between what is inside)",
+    ),
+    (
+        "  model: ideal",
+        "    model: ideal",
+        f"x.yaml:13:10: <root>: is not YAML: mapping values are not allowed here {LINE}",
+    ),
+    (
+        "gas:",
+        "---\ngas:",
+        "x.yaml:11:1: <root>: is not YAML: but found another document "
+        "(a scene is one document: remove the line of --- or ... and what is behind it)",
+    ),
+    (
+        "title: example",
+        "[scene]\ntitle = example",
+        "x.yaml:2:1: <root>: is not YAML: expected '<document start>', but found ('<scalar>',) "
+        "(from first to last a scene is lines NAME: value)",
+    ),
+    (
+        "title: example",
+        "title: !!python/name:os.system x",
+        "x.yaml:1:8: title: has the tag !!python/name:os.system, which a scene does not have (remove it)",
+    ),
+    # ---- names and places ----
+    ("title: example", "speed: 3000 rpm", "x.yaml:1:1: speed: is not known; did you mean 'operation.speed'?"),
+    (
+        "title: example",
+        "operation.speed: 3000 rpm",
+        "x.yaml:1:1: operation.speed: is a path, which --set and sweep take (write speed under operation: here)",
+    ),
+    ("title: example", "mechanical: {}", "x.yaml:1:1: mechanical: is not known; did you mean 'effects.mechanical'?"),
+    (
+        "title: example",
+        "suction_port: {}",
+        "x.yaml:1:1: suction_port: is not known; there are machine.suction_port, effects.suction_port "
+        "(write the whole path)",
+    ),
+    ("model: ideal", "ratio: 3", "x.yaml:13:3: gas.ratio: is not known; did you mean 'oil_supply.ratio'?"),
+    ("oil_supply:", "oil-supply:", "x.yaml:26:1: oil-supply: is not known; did you mean 'oil_supply'?"),
+    (
+        "male_lobes: 4",
+        "lobes: 4",
+        "x.yaml:4:3: machine.lobes: is not known; there are male_lobes, female_lobes (write the whole name)",
+    ),
+    (
+        "kind: twin_screw",
+        "kind: twin-screw",
+        "x.yaml:3:9: machine.kind: 'twin-screw' is not an option; did you mean 'twin_screw'? "
+        "(choose from: twin_screw, slider_crank)",
+    ),
+    (  # and nothing is said of its parts, which may be right for another kind
+        "kind: twin_screw",
+        "kind: reciprocating\n  bore: 50 mm",
+        "x.yaml:3:9: machine.kind: 'reciprocating' is not an option (choose from: twin_screw, slider_crank)",
+    ),
+    (
+        "title: example",
+        "base: nix.yaml\nspeed: 3",
+        "x.yaml:1:7: base: 'nix.yaml' cannot be read: No such file or directory "
+        "(name an existing scene file, saved as UTF-8)",
+    ),
+    # ---- values ----
+    (
+        "3000 rpm",
+        "50 Hz",
+        "x.yaml:20:10: operation.speed: '50 Hz' is ambiguous, turns or radians "
+        "(write rpm, rev/s or rad/s, e.g. '3000 rpm')",
+    ),
+    (
+        "3000 rpm",
+        "3,000 rpm",
+        "x.yaml:20:10: operation.speed: '3,000 rpm' has a comma that divides thousands or decimals "
+        "(write '3000 rpm', or '3 rpm' if decimals are meant)",
+    ),
+    ("3000 rpm", "“3000 rpm”", "x.yaml:20:10: operation.speed: '“3000 rpm”' has typographic quotes (write '3000 rpm')"),
+    ("283 K", "10", "x.yaml:23:18: operation.suction.temperature: 10 has no unit (write e.g. '285 K')"),
+    (
+        "283 K",
+        "- 10 C",
+        "x.yaml:23:18: <root>: is not YAML: sequence entries are not allowed here "
+        "(a list begins on a line of its own, or stands in [ ]; a minus sign has no blank behind it)",
+    ),
+    (
+        "1.5 bar",
+        "1,5 bar",
+        "x.yaml:22:15: operation.suction.pressure: '1,5 bar' has a decimal comma (write a point, e.g. '1.5 bar')",
+    ),
+    ("12 bar", "1200", "x.yaml:25:15: operation.discharge.pressure: 1200 has no unit (write e.g. '2 bar')"),
+    (
+        "20 mPa s",
+        "20 cSt",
+        "x.yaml:17:14: oil.viscosity: '20 cSt' is a kinematic viscosity "
+        "(multiply it by the density; write e.g. '20 mPa s')",
+    ),
+    (
+        "2 kJ/(kg K)",
+        "2 kJ/kgK",
+        "x.yaml:16:18: oil.heat_capacity: '2 kJ/kgK' is not a heat capacity (write '2 kJ/(kg K)')",
+    ),
+    ("ratio: 3", "ratio: 3,5", "x.yaml:28:10: oil_supply.ratio: '3,5' has a decimal comma (write a point, e.g. 3.5)"),
+    ("ratio: 3", "ratio: 50 %", "x.yaml:28:10: oil_supply.ratio: '50 %' is a share (write 0.5)"),
+    (
+        "efficiency: 0.6",
+        "efficiency: 60",
+        "x.yaml:40:26: effects.oil_pump.efficiency: 60 is out of range "
+        "(it must be greater than 0 and at most 1; 60 % is 0.6)",
+    ),
+    (
+        "male_lobes: 4",
+        'male_lobes: "4"',
+        "x.yaml:4:15: machine.male_lobes: '4' is text, not a number (write 4 without quotes)",
+    ),
+    (
+        "male_lobes: 4",
+        "male_lobes: 4.0",
+        "x.yaml:4:15: machine.male_lobes: 4.0 is not written as a whole number (write 4)",
+    ),
+    # ---- effects ----
+    (
+        "{area: 6 mm^2}",
+        "yes",
+        f"x.yaml:35:14: effects.blow_hole: 'yes' is neither parameters nor off "
+        f"(write blow_hole: alone, or with parameters {UNDER}",
+    ),
+    (
+        "{area: 6 mm^2}",
+        "6 mm^2",
+        f"x.yaml:35:14: effects.blow_hole: '6 mm^2' is neither parameters nor off "
+        f"(write blow_hole: alone, or with parameters {UNDER}",
+    ),
+    (
+        "{area: 6 mm^2}",
+        "{gap: 6 um, area: 6 mm^2}",
+        "x.yaml:35:15: effects.blow_hole.gap: is not known; known here: "
+        "flow_coefficient, area_file, area, opens, closes",
+    ),
+    # ---- sweeps ----
+    (
+        "title: example",
+        "sweep: {operation.speed: 3000 rpm}",
+        "x.yaml:1:26: sweep.operation.speed: '3000 rpm' is neither a list "
+        "nor {from, to, count} (write e.g. [3000 rpm])",
+    ),
+    (
+        "title: example",
+        "sweep: {speed: [3000 rpm]}",
+        "x.yaml:1:9: sweep.speed: is not known; did you mean 'operation.speed'?",
+    ),
+    (
+        "title: example",
+        "sweep: {oil_supply.ratio: [0,5, 1,5]}",
+        "x.yaml:1:27: sweep.oil_supply.ratio: has 5 twice (remove one, or write decimals with a point)",
+    ),
+    (
+        "title: example",
+        "sweep: {operation.speed: [1000 rpm, , 2 rpm]}",
+        "x.yaml:1:37: <root>: is not YAML: expected the node "
+        "content, but found ',' (a value lacks here: write it, or remove the comma)",
+    ),
+    (
+        "title: example",
+        "sweep: off",
+        "x.yaml:1:8: sweep: 'off' is not a mapping "
+        "(write null to leave it out, or e.g. operation.speed: [1000 rpm, 2000 rpm])",
+    ),
+    (
+        "title: example",
+        "sweep: {gas.fluid: [R134a, R22]}",
+        "x.yaml:1:9: sweep.gas.fluid: cannot be varied (only quantities, numbers and choices can)",
+    ),
+    # ---- other files ----
+    (
+        "title: example",
+        "stages: [a.yaml, b.yaml]",
+        "x.yaml:1:1: <root>: describes two stages, which screwsim run and screwsim "
+        "explain take (run those on x.yaml, or name the scene of one stage here)",
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "line"), NEWCOMERS)
+def test_a_newcomers_mistake_gives_its_one_line(example, old, new, line):
+    assert old in example
+    assert faults_of(example.replace(old, new, 1)) == [line]
+
+
+def test_a_decimal_comma_in_brackets_is_told_beside_what_it_makes(example):
+    assert faults_of(example.replace("600 cm^3", "600,5 cm^3")) == [
+        "x.yaml:8:29: machine.volume.max: 600 has no unit (write e.g. '500 cm^3')",
+        "x.yaml:8:33: machine.volume.5 cm^3: is no name "
+        "(in { } and [ ] a comma begins another entry: write decimals with a point)",
+    ]
+
+
+@pytest.mark.parametrize("word", ["off", "no", "No", "false", "FALSE"])
+def test_off_no_and_false_leave_an_effect_out(example, word):
+    assert "blow_hole" not in loads(example.replace("{area: 6 mm^2}", word)).effects
+    assert "blow_hole" not in loads(example, overrides=[f"effects.blow_hole={word}"]).effects
+
+
+@pytest.mark.parametrize(
+    ("override", "line"),
+    [
+        ("speed=3000 rpm", "speed: is not known; did you mean 'operation.speed'?"),
+        (
+            "gap=5 um",
+            "gap: is not known; there are effects.tip_leakage.gap, effects.interlobe_leakage.gap, "
+            "effects.end_face_leakage.gap (write the whole path)",
+        ),
+        (
+            "operation=3000 rpm",
+            "operation: '3000 rpm' is not a mapping (write lines NAME: value; known: speed, "
+            "ambient_temperature, suction, discharge, evaporating_temperature, condensing_temperature, superheat, "
+            "subcooling)",
+        ),
+        ("effects={}", "effects: {} changes nothing, as it merges into what is there (write null to take that out)"),
+        (
+            "effects.blow_hole={}",
+            "effects.blow_hole: {} changes nothing, as it merges into what is there (write off to take that out)",
+        ),
+        (
+            "oil=off",
+            "oil: 'off' is not a mapping (write null to leave it out, or lines NAME: value; known: name, density, "
+            "heat_capacity, viscosity, transport)",
+        ),
+        (
+            "operation.speed=",
+            "operation.speed: is missing (write e.g. speed: 3000 rpm; speed of the male rotor, or of the crank)",
+        ),
+        (
+            'operation.speed="3000 rpm',
+            "operation.speed: is not YAML: found unexpected end of stream "
+            "(close the quote that opens in line 1, column 1)",
+        ),
+        (
+            "sweep.operation.speed=3000 rpm",
+            "sweep.operation.speed: '3000 rpm' is neither a list nor {from, to, count} (write e.g. [3000 rpm])",
+        ),
+        (
+            "operation.suction.temperature=- 10 C",
+            "operation.suction.temperature: '- 10 C' has a blank behind its sign (write '-10 C')",
+        ),
+    ],
+)
+def test_a_mistaken_override_gives_its_one_line(example, override, line):
+    assert faults_of(example, overrides=[override]) == [f"--set {override}: {line}"]
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("effects.blow_hole", "that effect is not active in this scene; did you mean 'blow_hole'? (active: "),
+        ("blow_hole,tip_leakage", "is one effect at a time (write --without blow_hole --without tip_leakage)"),
+        ("all", "that effect is not active in this scene (active: suction_port, "),
+    ],
+)
+def test_a_mistaken_without_gives_its_one_line(example, name, told):
+    with pytest.raises(UsageError) as error:
+        loads(example, without=[name])
+    assert str(error.value).startswith(f"--without {name}: {told}")
+
+
+@pytest.mark.parametrize(
+    "change", [("\n", "\r\n"), ("50 um", "50\u00a0um"), ("50 um", '"50 um"'), ("speed:", '"speed":')]
+)
+def test_what_editors_write_is_no_fault(example, change):
+    assert loads(example.replace(*change), "x.yaml").operation == loads(example).operation
+
+
+def test_bytes_of_windows_are_told_where_they_stand(tmp_path, monkeypatch, example):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "x.yaml").write_bytes(example.replace("50 um", "50 µm").encode("cp1252"))
+    with pytest.raises(SceneError) as error:
+        load("x.yaml")
+    assert error.value.lines == [
+        "x.yaml:33:25: <root>: cannot be read: it is not UTF-8 text (name an existing scene file, saved as UTF-8)"
+    ]
+
+
 def test_a_word_of_yaml_1_1_is_a_word(example):
     lines = faults_of(example.replace("transport: paper", "transport: no"))
     assert lines == ["x.yaml:18:14: oil.transport: 'no' is not an option (choose from: paper, carried)"]
@@ -220,17 +532,17 @@ def test_an_effect_of_a_port_demands_its_section(example):
         (
             "a: [1,\nb: 2",
             "x.yaml:2:5: <root>: is not YAML: expected ',' or ']', but got '<stream end>' "
-            "(mend the indentation, brackets or quotes here)",
+            "(close the [ that opens in line 1, column 4 with ], and have commas between what is inside)",
         ),
         (
             "machine:\n\tkind: x",
             "x.yaml:2:1: <root>: is not YAML: found character '\\t' that cannot start any token "
-            "(mend the indentation, brackets or quotes here)",
+            "(line 2 has a tab: write blanks in its place)",
         ),
         (
             "a: *b",
             "x.yaml:1:4: <root>: is not YAML: found undefined alias 'b' "
-            "(mend the indentation, brackets or quotes here)",
+            "(write the value out, or quote a text that begins with *)",
         ),
     ],
 )

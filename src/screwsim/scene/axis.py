@@ -41,8 +41,14 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: list[Problem], distin
     if not values and isinstance(node.value, list):
         problems.append(Problem(node.place, path, f"has no values (write e.g. [{example(leaf)}])"))
     elif twice is not None:
-        problems.append(Problem(node.place, path, f"has {text_of(leaf, twice)} twice (remove one)"))
+        comma = ", or write decimals with a point" if leaf.kind == "number" and _all_whole(node) else ""
+        problems.append(Problem(node.place, path, f"has {text_of(leaf, twice)} twice (remove one{comma})"))
     return tuple(good)
+
+
+def _all_whole(node: Node) -> bool:
+    """Tell whether a list is of whole numbers, as one of decimals with commas is read."""
+    return isinstance(node.value, list) and all(isinstance(item.value, int) for item in node.value)
 
 
 def example(leaf: Leaf) -> str:

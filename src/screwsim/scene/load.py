@@ -10,6 +10,7 @@ from dataclasses import replace
 from screwsim.effects import catalogue
 from screwsim.faults import Fault, SceneError, UsageError
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
+from screwsim.near import nearest
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.files import other_file
@@ -158,9 +159,21 @@ def _override(root: Node, override: str, place: Place, problems: list[Problem], 
     node = _override_value(text, place, path, problems)
     if node is None:
         return root
-    for name in reversed(_keys(root, path, node)):
+    keys = _keys(root, path, node)
+    if node.value == {} and (there := _at(root, keys)) is not None and there.value:
+        out = "off" if path.startswith("effects.") else "null"
+        what = f"{{}} changes nothing, as it merges into what is there (write {out} to take that out)"
+        problems.append(Problem(place, path, what))
+    for name in reversed(keys):
         node = Node({name: node}, place, place)
     return merge(root, node)
+
+
+def _at(root: Node, keys: Iterable[str]) -> Node | None:
+    node: Node | None = root
+    for key in keys:
+        node = node.value.get(key) if node is not None and isinstance(node.value, dict) else None
+    return node
 
 
 def _override_value(text: str, place: Place, path: str, problems: list[Problem]) -> Node | None:
@@ -204,12 +217,20 @@ def _remove(root: Node, without: Iterable[str]) -> Node:
     named = dict(effects.value) if effects is not None and isinstance(effects.value, dict) else {}
     for name in without:
         if name not in named:
-            active = ", ".join(named) or "none"
-            raise UsageError(f"--without {name}: that effect is not active in this scene (active: {active})")
+            raise UsageError(f"--without {name}: {_not_active(name, list(named))}")
         del named[name]
     if not without or effects is None:
         return root
     return replace(root, value={**root.value, "effects": replace(effects, value=named)})
+
+
+def _not_active(name: str, named: list[str]) -> str:
+    active = ", ".join(named) or "none"
+    if "," in name and all(part.strip() in named for part in name.split(",")):
+        return f"is one effect at a time (write {' '.join(f'--without {part.strip()}' for part in name.split(','))})"
+    near = nearest(name.removeprefix("effects."), named)
+    hint = f"; did you mean '{near}'?" if near else ""
+    return f"that effect is not active in this scene{hint} (active: {active})"
 
 
 def _machine_kind(root: Node) -> str:

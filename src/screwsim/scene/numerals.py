@@ -42,7 +42,7 @@ def odd_number(text: str, unit: str = "") -> Odd | None:
     if quoted != text and quoted[:1].isdecimal():
         return Odd("has typographic quotes", _with_unit(quoted, "", unit))
     plain = _plain(text)
-    for look in (_fraction, _power, _range, _about, _grouped):
+    for look in (_sign, _fraction, _power, _range, _about, _grouped):
         found = look(plain, unit)
         if found is not None:
             return found
@@ -73,6 +73,11 @@ def _plain(text: str) -> str:
 def _with_unit(number: str, rest: str, unit: str) -> tuple[str, ...]:
     rest = rest.strip() or ("" if re.search("[^0-9.eE+-]", number) else unit)
     return (f"{number} {rest}".strip(),)
+
+
+def _sign(text: str, unit: str) -> Odd | None:
+    match = re.fullmatch(r"([+-])\s+([0-9.].*)", text, re.DOTALL)
+    return None if match is None else Odd("has a blank behind its sign", _with_unit(match[1] + match[2], "", unit))
 
 
 def _fraction(text: str, unit: str) -> Odd | None:

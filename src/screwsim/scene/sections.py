@@ -34,7 +34,8 @@ def read_section(
     content = {} if node.value is None else node.value
     if not isinstance(content, dict):
         options = ", ".join(section.fields) or "nothing; write {}"
-        what = f"{shown(content)} is not a mapping (write lines NAME: value; known: {options})"
+        remedy = "null to leave it out, or lines" if is_off(content) and not section.required else "lines"
+        what = f"{shown(content)} is not a mapping (write {remedy} NAME: value; known: {options})"
         problems.append(Problem(node.place, path, what))
         return None
     before = len(problems)
@@ -59,6 +60,9 @@ def _stray(name: str, options: list[str], paths: Iterable[str]) -> str:
     """Return what is wrong with a name that a section does not know."""
     if re.match(r"[0-9]", name):
         return "is no name (in { } and [ ] a comma begins another entry: write decimals with a point)"
+    if "." in name and name in paths:
+        above, _, last = name.rpartition(".")
+        return f"is a path, which --set and sweep take (write {last} under {above.replace('.', ', under ')}: here)"
     return unknown(name, options, paths=paths)
 
 

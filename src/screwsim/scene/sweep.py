@@ -8,6 +8,7 @@ from dataclasses import replace
 from screwsim.effects import catalogue
 from screwsim.scene.designs import Axes, LeafOf, read_axes, read_sample, read_zip
 from screwsim.scene.fields import Leaf, sweep_leaf
+from screwsim.scene.sections import is_off
 from screwsim.scene.types import ActiveEffect, Joint
 from screwsim.scene.units import Refused
 from screwsim.scene.values import shown
@@ -23,7 +24,8 @@ def read_sweep(
     if node is None or node.value is None:
         return {}, ()
     if not isinstance(node.value, dict):
-        what = f"{shown(node.value)} is not a mapping (write e.g. operation.speed: [1000 rpm, 2000 rpm])"
+        remedy = "null to leave it out, or e.g." if is_off(node.value) else "e.g."
+        what = f"{shown(node.value)} is not a mapping (write {remedy} operation.speed: [1000 rpm, 2000 rpm])"
         problems.append(Problem(node.place, "sweep", what))
         return {}, ()
     parameters = {name: effect.effect.parameters for name, effect in active.items()}

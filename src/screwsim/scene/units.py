@@ -84,6 +84,8 @@ _MEANT: dict[str, dict[str, str]] = {
     "m^3": {"ccm": "cm^3"},
     "Pa s": {"Pas": "Pa s", "mPas": "mPa s"},
     "rad": {"º": "deg"},
+    "J/(kg K)": {"kJ/kgK": "kJ/(kg K)", "J/kgK": "J/(kg K)"},
+    "W/(m^2 K)": dict.fromkeys(("W/m2K", "W/m^2K", "W/m²K"), "W/(m^2 K)"),
 }
 _KINEMATIC = {"cst", "mm^2/s", "mm2/s", "mm²/s", "m^2/s", "st"}
 _TABLE_ONLY = {"rad", "rad/s", "N m/rad", "N m s/rad"}  # pint takes turns, radians and counts for the same thing

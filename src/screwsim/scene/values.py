@@ -116,8 +116,9 @@ _HOLDS = {
 
 def _limited(leaf: Leaf, value: Any, raw: Any) -> Any:
     if not all(_HOLDS[name](value, limit) for name, limit in leaf.limits.items()):
-        remedy = f"; {leaf.remedy}" if leaf.remedy else ""
-        raise Refused(f"{shown(raw)} is out of range (it must be {limits_text(leaf)}{remedy})")
+        share = leaf.kind == "number" and leaf.limits.get("le", leaf.limits.get("lt")) == 1 and 2 <= value <= 100
+        hint = f"; {value:g} % is {value / 100:g}" if share else f"; {leaf.remedy}" if leaf.remedy else ""
+        raise Refused(f"{shown(raw)} is out of range (it must be {limits_text(leaf)}{hint})")
     kind = leaf.dimension
     if kind is not None and not (kind.least <= value and abs(value) <= kind.most):
         word, end = ("least", kind.least) if value < kind.least else ("most", kind.most)

@@ -14,11 +14,15 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
+from screwsim.scene.syntax import not_yaml
+
 ROOT = "<root>"
 MOST_NODES = 1_000_000  # of one text, every alias written out
 MOST_LEVELS = 32
 _LONGEST_PATH = 200  # letters of a path that a fault shows
 _LONE = re.compile("[\ud800-\udfff]")
+_CORE = "tag:yaml.org,2002:"  # what YAML itself knows; any other tag asks for a program to run
+_KNOWN = {"str", "int", "float", "bool", "null", "map", "seq", "timestamp", "merge", "value"}
 
 
 @dataclass(frozen=True, order=True)
@@ -83,8 +87,7 @@ def compose(text: str, start: Place, problems: list[Problem], path: str = "") ->
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = start if mark is None else start.at(mark.line + 1, mark.column + 1)
-        what = " ".join(str(error.problem or error.context).split())
-        problems.append(Problem(place, path, f"is not YAML: {what} (mend the indentation, brackets or quotes here)"))
+        problems.append(Problem(place, path, not_yaml(error, text)))
         return None
     except YAMLError as error:
         what = str(error).splitlines()[0]
@@ -159,6 +162,11 @@ class _Converter:
         return self.start.at(node.start_mark.line + 1, node.start_mark.column + 1)
 
     def value(self, node: Any, path: str) -> Any:
+        tag = str(node.tag)
+        if tag.removeprefix(_CORE) not in _KNOWN:
+            shown = tag.replace(_CORE, "!!")
+            what = f"has the tag {shown[:40]}, which a scene does not have (remove it)"
+            self.problems.append(Problem(self.place(node), path, what))
         if isinstance(node, ScalarNode):
             return scalar(node.tag, self.text(node, path))
         if isinstance(node, SequenceNode):

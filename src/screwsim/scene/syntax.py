@@ -1,0 +1,62 @@
+"""Text that is not YAML: what the parser says of it, and what a person most likely has to mend."""
+
+from __future__ import annotations
+
+import re
+
+from ruamel.yaml.error import MarkedYAMLError
+
+_ANY = "mend the indentation, brackets or quotes here"
+_LINE = "write NAME: value, a blank behind the colon, and as far in as its neighbours; look one line up, too"
+_ONE = "a scene is one document: remove the line of --- or ... and what is behind it"
+_REMEDIES = (  # words of the parser's message, and the remedy
+    (r"cannot start any token", "write the text in quotes"),
+    (r"mapping values are not allowed|could not find expected ':'|expected <block end>", _LINE),
+    (
+        r"sequence entries are not allowed",
+        "a list begins on a line of its own, or stands in [ ]; a minus sign has no blank behind it",
+    ),
+    (r"another document", _ONE),
+    (r"expected '<document start>'", "from first to last a scene is lines NAME: value"),
+    (r"expected the node content", "a value lacks here: write it, or remove the comma"),
+    (r"undefined alias", "write the value out, or quote a text that begins with *"),
+)
+_BLANKS = {"\t": "a tab", "\u00a0": "a no-break space", "\u202f": "a no-break space", "\u3000": "a wide blank"}
+
+
+def not_yaml(error: MarkedYAMLError, text: str) -> str:
+    """Return what is wrong with a text that is not YAML, with the remedy."""
+    what = " ".join(str(error.problem or error.context).split())
+    return f"is not YAML: {what} ({_blank(error, text) or _remedy(what) or _opened(error) or _ANY})"
+
+
+def _remedy(what: str) -> str | None:
+    return next((remedy for words, remedy in _REMEDIES if re.search(words, what)), None)
+
+
+def _blank(error: MarkedYAMLError, text: str) -> str | None:
+    """Return the remedy where the line, or the one above, has a blank that is none: a tab, a no-break space."""
+    mark = error.problem_mark or error.context_mark
+    if mark is None:
+        return None
+    lines = text.splitlines()
+    for number in (mark.line, mark.line - 1):
+        line = lines[number] if 0 <= number < len(lines) else ""
+        found = next((name for letter, name in _BLANKS.items() if letter in line), None)
+        if found is not None:
+            return f"line {number + 1} has {found}: write blanks in its place"
+    return None
+
+
+def _opened(error: MarkedYAMLError) -> str | None:
+    """Return the remedy where a quote or a bracket is open: where it was opened."""
+    words, mark = str(error.context or ""), error.context_mark
+    if mark is None:
+        return None
+    place = f"in line {mark.line + 1}, column {mark.column + 1}"
+    if "quoted scalar" in words:
+        return f"close the quote that opens {place}"
+    if "flow" in words:
+        bracket, close = ("{", "}") if "mapping" in words else ("[", "]")
+        return f"close the {bracket} that opens {place} with {close}, and have commas between what is inside"
+    return None
