@@ -37,4 +37,5 @@ make_environment() {
     export SCREWSIM_CACHE="$PWD/.venv/screwsim-cache"
     export MPLCONFIGDIR="$PWD/.venv/matplotlib" MPLBACKEND=Agg
     mkdir -p "$SCREWSIM_CACHE" "$MPLCONFIGDIR"
+    chmod 700 "$SCREWSIM_CACHE" # where the umask lets a group write, screwsim would not use it
 }

@@ -27,7 +27,7 @@ from screwsim.numerics.modules import load
 FLUIDS = ("R134a", "R1234yf", "R1234ze(E)", "R32", "Ammonia", "CarbonDioxide", "n-Propane", "Nitrogen", "Air")
 RUNS = 9
 LOOP = """
-@njit(cache=True, error_model='numpy')
+@njit(error_model='numpy')
 def loop(n, T, rho):
     total = 0.0
     for _ in range(n):

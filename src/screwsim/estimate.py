@@ -13,8 +13,6 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from screwsim import shaft
 from screwsim.errors import flow_errors, relative_errors
 from screwsim.model import close as closing

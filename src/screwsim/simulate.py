@@ -14,6 +14,7 @@ from screwsim.faults import Impossible
 from screwsim.fluid.orifice import outside_fit
 from screwsim.ledger.total import Ledger
 from screwsim.model import close as closing
+from screwsim.model import compiled
 from screwsim.model.pulsation import LOWEST
 from screwsim.model.residues import LEAST_OIL
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
@@ -289,7 +290,8 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
 def _simulate(scene: Scene, trace: bool, series: Series) -> Result:
     try:
         with faults_of_own(scene):
-            solution = Solution(scene, series)
+            with compiled.equation_announced(scene.gas.fluid):
+                solution = Solution(scene, series)
             solution.machinery.warm_up(solution.rehearse)
         solution = shaft.at_its_speed(solution)
         result = _solved(solution, trace)

@@ -19,7 +19,7 @@ from screwsim.faults import UsageError
 from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.machine.drive.run_up import Motion, run_up
 from screwsim.machine.drive.train import Train
-from screwsim.model import speed
+from screwsim.model import compiled, speed
 from screwsim.model.pitch import POINTS
 from screwsim.model.slots import P_OMEGA, R_SUCTION
 from screwsim.outputs import Figures
@@ -90,7 +90,8 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
 
 def steadily(scene: Scene, creep: float) -> Solution:
     """Return the scene at its steady speed, prepared; raise UsageError where it cannot be started."""
-    solution = Solution(scene)
+    with compiled.equation_announced(scene.gas.fluid):
+        solution = Solution(scene)
     part = solution.parts.shaft
     if part is None:
         raise UsageError("the scene has no drive to start (name drive under effects)")

@@ -1,10 +1,7 @@
-"""Let the tests import the scenes of the laws and the cases beside them; keep what they compile in one folder."""
+"""Let the tests import the scenes of the laws and the cases beside them."""
 
-import os
 import sys
-import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "laws")]
-os.environ.setdefault("SCREWSIM_CACHE", str(Path(tempfile.gettempdir()) / f"screwsim-tests-{os.getuid()}"))

@@ -1,26 +1,23 @@
 """What is asked of CoolProp at the border: constants, saturation, enthalpies; answers stay in the user's cache folder.
 
 Importing CoolProp costs seconds, so that a question is asked once. The file has one answer a line, appended whole:
-many processes may write it, and a torn line is asked again. It is named by CoolProp's version, so that a new version
-is asked anew. Neither the file nor the memory grows with a sweep over conditions: full, the file is begun anew by the
-next process, and the oldest answers in memory make room.
+many processes may write it, and what a torn or damaged line held is asked again. It is named by CoolProp's version, so
+that a new version is asked anew. Neither the file nor the memory grows with a sweep over conditions: full, the file is
+begun anew by the next process, and the oldest answers in memory make room.
 """
 
 from __future__ import annotations
 
-import contextlib
 import importlib.metadata
 import json
-import os
 import re
 import threading
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from screwsim.faults import UsageError
-from screwsim.numerics.store import cache_folder
+from screwsim.numerics.store import append_line, read_lines
 
 _FULL = 250_000  # [byte] of the file; it is read at every start
 _MOST = 5000  # answers in memory
@@ -42,22 +39,13 @@ def _version() -> str:
     return importlib.metadata.version("CoolProp")
 
 
-def _file() -> Path:
-    return cache_folder() / f"coolprop-{_version()}.jsonl"
+def _file() -> str:
+    return f"coolprop-{_version()}.answers"
 
 
 @cache
 def _known() -> dict[str, Any]:
-    known: dict[str, Any] = {}
-    with contextlib.suppress(OSError, ValueError):
-        text = _file().read_text()
-        for line in text.splitlines():
-            with contextlib.suppress(ValueError, TypeError):
-                key, answer = json.loads(line)
-                known[key] = answer
-        if len(text) >= _FULL:
-            _file().unlink(missing_ok=True)
-    return known
+    return dict(json.loads(line) for line in read_lines(_file(), _FULL))
 
 
 def _ask(key: str, question: Callable[[], Any]) -> Any:
@@ -72,14 +60,7 @@ def _asked(key: str, question: Callable[[], Any]) -> Any:
         while len(known) >= _MOST:
             del known[next(iter(known))]
         known[key] = answer
-        line = f"\n{json.dumps([key, known[key]])}\n".encode()  # the first break ends what another left torn
-        with contextlib.suppress(OSError):  # what cannot be kept is asked again
-            handle = os.open(_file(), os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
-            try:
-                if os.fstat(handle).st_size < _FULL:
-                    os.write(handle, line)
-            finally:
-                os.close(handle)
+        append_line(_file(), json.dumps([key, answer]), _FULL)
     return known[key]
 
 

@@ -15,7 +15,8 @@ from functools import lru_cache
 from typing import Any
 
 from screwsim.faults import UsageError
-from screwsim.numerics.store import cache_folder, write_atomically
+from screwsim.numerics.compiling import begins
+from screwsim.numerics.store import keep, read
 
 
 @dataclass(frozen=True)
@@ -46,15 +47,13 @@ class Description:
 def kept(name: str, question: Callable[[], Any]) -> Any:
     """Return the answer to a question to CoolProp, from the cache folder where it is known."""
     version = importlib.metadata.version("CoolProp")
-    path = cache_folder() / f"coolprop-{version}-{re.sub('[^A-Za-z0-9]+', '_', name)}.json"
-    try:
-        found = json.loads(path.read_text())
-        if found["name"] == name:
-            return found["answer"]
-    except (OSError, ValueError, KeyError, TypeError):
-        pass
+    file = f"coolprop-{version}-{re.sub('[^A-Za-z0-9]+', '_', name)}.answer"
+    found = json.loads(read(file) or b"{}")
+    if found.get("name") == name:
+        return found["answer"]
+    begins()
     answer = question()
-    write_atomically(path, json.dumps({"name": name, "answer": answer}).encode())
+    keep(file, json.dumps({"name": name, "answer": answer}).encode())
     return answer
 
 

@@ -1,22 +1,17 @@
-"""Compiling a composition: said on stderr the first time, because it takes seconds; silent when done before."""
+"""Compiling a composition: what is said of it."""
 
 from __future__ import annotations
 
-import gc
-import sys
 import threading
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from types import ModuleType
 
-from screwsim.numerics import modules
-from screwsim.numerics.store import cache_folder, write_atomically
+from screwsim.numerics import compiling, modules
 
-COMPILED = {  # what each driver is, and about how many seconds its compilation takes
-    "one": ("this combination of effects", "ten"),
-    "all": ("coupled chambers of this combination", "ten"),
-    "ledger": ("the ledger of this combination", "three"),
+COMPILED = {  # what each driver is, and about how long its compilation takes: on an idle machine, on a crowded one
+    "one": ("this combination of effects", "ten seconds to a minute"),
+    "all": ("coupled chambers of this combination", "ten seconds to a minute"),
+    "ledger": ("the ledger of this combination", "some seconds"),
 }
 
 alone = threading.RLock()  # held while compiling: another thread that needs the same finds it ready
@@ -37,29 +32,11 @@ def warm(module: ModuleType) -> set[str]:
     return module.__dict__.setdefault("drivers_ready", set())
 
 
-@contextmanager
-def announced(text: str, driver: str) -> Iterator[None]:
-    """Say on stderr that a first compilation takes its time, and note when it is done; silent when done before."""
-    ready = cache_folder() / f"{module_name(text)}.{driver}.ready"
-    if ready.exists():
-        yield
-        return
-    what, long = COMPILED[driver]
-    print(f"screwsim: compiling {what}, once (about {long} seconds) ...", file=sys.stderr, flush=True)
-    started = time.perf_counter()
-    with _not_collecting():
-        yield
-    write_atomically(ready, b"")
-    print(f"screwsim: compiled in {time.perf_counter() - started:.1f} s", file=sys.stderr, flush=True)
+def announced(driver: str) -> AbstractContextManager[None]:
+    """Say on stderr that a driver's first compilation takes its time; silent when done before."""
+    return compiling.announced(driver, *COMPILED[driver])
 
 
-@contextmanager
-def _not_collecting() -> Iterator[None]:
-    """Put off the search for cyclic garbage: the compiler's many objects live on, searched over and over."""
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collecting:
-            gc.enable()
+def equation_announced(fluid: str) -> AbstractContextManager[None]:
+    """Say on stderr that a fluid's equation of state is written and compiled, when a real gas is new."""
+    return compiling.announced("equation", f"the equation of state of {fluid}", "some seconds")

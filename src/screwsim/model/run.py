@@ -98,7 +98,7 @@ class Machinery:
     @contextmanager
     def _compiling(self, driver: str) -> Iterator[None]:
         started, counts, R = time.perf_counter(), self.counts.copy(), self.R.copy()
-        with compiled.alone, compiled.announced(self.composition.text, driver):
+        with compiled.alone, compiled.announced(driver):
             yield
         self.counts[:], self.R[:] = counts, R
         compiled.warm(self.module).add(driver)

@@ -291,7 +291,7 @@ def decorate(source: str, inlined: bool = False) -> str:
     """
     counting = "" if "np.empty" in source else ", _nrt=False"  # arrays are borrowed: counting references costs 5x
     inside = ", forceinline=True" if inlined else ""
-    return f"@njit(cache=True, error_model='numpy', no_cfunc_wrapper=True{counting}{inside})\n{source}"
+    return f"@njit(error_model='numpy', no_cfunc_wrapper=True{counting}{inside})\n{source}"
 
 
 def without_wrapper(source: str) -> str:

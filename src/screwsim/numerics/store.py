@@ -1,37 +1,133 @@
-"""Files that survive a crash, and the folder for what can be made again."""
+"""What can be made again, kept in the cache folder: sound and ours, or not there at all.
+
+Every file begins with the digest of its name and content, and every line of a file of lines with its own: what a full
+disk, a crash or a fault of the disk left of them is taken for nothing, and made anew.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import hashlib
 import os
+import stat
 import tempfile
 from pathlib import Path
 
+from screwsim.numerics.folder import cache_folder, own, refused
 
-def cache_folder() -> Path:
-    """Return the user's cache folder of screwsim (SCREWSIM_CACHE, else XDG_CACHE_HOME/screwsim), made if missing.
+DIGEST = 32  # [byte]
+OF_A_LINE = 16  # [characters] of a line's digest
 
-    Falls back to a folder under the system's temporary one when that cannot be written.
-    """
-    chosen = os.environ.get("SCREWSIM_CACHE")
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    for folder in (Path(chosen) if chosen else home / "screwsim", Path(tempfile.gettempdir()) / "screwsim"):
+
+def read(name: str) -> bytes | None:
+    """Return what was kept under a name; None where there is nothing sound that this user wrote."""
+    folder = cache_folder()
+    held = None if folder is None else _bytes_of(folder / name)
+    if folder is None or held is None:
+        return None
+    if held[:DIGEST] == _digest(name, held[DIGEST:]):
+        return held[DIGEST:]
+    drop(name)
+    return None
+
+
+def keep(name: str, content: bytes) -> None:
+    """Keep a content under a name, for this process and others; what the system refuses is told once, and not kept."""
+    _write(name, _digest(name, content) + content)
+
+
+def keep_text(name: str, text: str) -> None:
+    """Keep a text as it is, to be read by people."""
+    folder, content = cache_folder(), text.encode()
+    if folder is not None and _bytes_of(folder / name) != content:
+        _write(name, content)
+
+
+def drop(name: str) -> None:
+    """Remove what was kept under a name."""
+    folder = cache_folder()
+    if folder is not None:
+        with contextlib.suppress(OSError):
+            (folder / name).unlink(missing_ok=True)
+
+
+def _bytes_of(path: Path) -> bytes | None:
+    """Return all bytes of a file that this user wrote; None where there is none."""
+    try:
+        with open(path, "rb", opener=_unlinked) as stream:
+            found = os.fstat(stream.fileno())
+            return stream.read() if own(found) and stat.S_ISREG(found.st_mode) else None
+    except OSError:
+        return None
+
+
+def _unlinked(path: str, flags: int) -> int:
+    """Open a file and no symbolic link, and wait for nobody."""
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
+
+
+def _digest(name: str, content: bytes) -> bytes:
+    return hashlib.sha256(name.encode() + b"\n" + content).digest()
+
+
+def _write(name: str, content: bytes) -> None:
+    folder = cache_folder()
+    if folder is None:
+        return
+    try:
+        write_atomically(folder / name, content, durably=False)
+    except OSError as error:
+        refused(folder, error)
+
+
+# ---- files of many lines -------------------------------------------------------------------------------------
+
+
+def read_lines(name: str, full: int) -> list[str]:
+    """Return the sound lines of a file, oldest first; one of `full` bytes or more is begun anew."""
+    folder = cache_folder()
+    held = None if folder is None else _bytes_of(folder / name)
+    if held is None:
+        return []
+    if len(held) >= full:
+        drop(name)
+    found = (line.partition(" ") for line in held.decode(errors="replace").splitlines())
+    return [text for digest, _, text in found if digest == _digest_of_line(text)]
+
+
+def append_line(name: str, line: str, full: int) -> None:
+    """Append a line, whole, to a file below `full` bytes; what the system refuses is not kept."""
+    folder = cache_folder()
+    if folder is None:
+        return
+    # the first break ends what another left torn
+    content = f"\n{_digest_of_line(line)} {line}\n".encode()
+    with contextlib.suppress(OSError):
+        flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_NOFOLLOW", 0)
+        handle = os.open(folder / name, flags, 0o600)
         try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(folder, os.W_OK):
-            return folder
-    raise OSError("no writable cache folder; set SCREWSIM_CACHE to one")
+            if os.fstat(handle).st_size < full:
+                os.write(handle, content)
+        finally:
+            os.close(handle)
 
 
-def write_atomically(path: Path, content: bytes) -> None:
-    """Write a file as a whole or not at all: temporary file beside it, flushed to disk, then renamed."""
+def _digest_of_line(line: str) -> str:
+    return hashlib.sha256(line.encode(errors="replace")).hexdigest()[:OF_A_LINE]
+
+
+# ----------------------------------------------------------------------------------------------------------------
+
+
+def write_atomically(path: Path, content: bytes, durably: bool = True) -> None:
+    """Write a file as a whole or not at all: temporary file beside it, flushed to disk (`durably`), then renamed."""
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
     try:
         with os.fdopen(handle, "wb") as stream:
             stream.write(content)
             stream.flush()
-            os.fsync(stream.fileno())
+            if durably:
+                os.fsync(stream.fileno())
         os.replace(name, path)
     except BaseException:
         Path(name).unlink(missing_ok=True)

@@ -59,7 +59,7 @@ def solution_with_coolprop(scene: Scene) -> Solution:
     text = solution.machinery.composition.text
     found = re.search(r"@njit\([^\n]*\)\ndef phased_state\(.*?\n\n", text, flags=re.DOTALL)
     assert found is not None
-    text = text.replace(found.group(0), STATE + "\n\n").replace("cache=True, ", "").replace(", _nrt=False", "")
+    text = text.replace(found.group(0), STATE + "\n\n").replace(", _nrt=False", "")
     names: dict[str, Any] = {"coolprop_state": state_function(scene.gas.fluid)}
     exec(compile(text, "<coolprop back end>", "exec"), names)
     solution.machinery.module = cast(ModuleType, SimpleNamespace(**names))

@@ -21,6 +21,7 @@ from multiprocessing import connection
 from typing import Any, Protocol
 
 from screwsim.faults import UsageError
+from screwsim.numerics.folder import handed_on, take_over
 
 CHUNK_SECONDS = 1.0  # [s] what a crash may lose per worker; a part costs some ms
 _FIRST = 1  # [blocks] of the chunks that tell how long cases take
@@ -50,7 +51,7 @@ class LocalPool:
     def executor(self, jobs: int) -> Executor:
         """Return a pool of processes."""
         context = multiprocessing.get_context(start_method())
-        return ProcessPoolExecutor(min(jobs, self.jobs), context, _start_worker)
+        return ProcessPoolExecutor(min(jobs, self.jobs), context, _start_worker, (handed_on(),))
 
     def workers(self) -> int:
         """Return the number of processes."""
@@ -115,11 +116,12 @@ def start_method() -> str:
     return "fork" if threading.active_count() == 1 else "forkserver"
 
 
-def _start_worker() -> None:
+def _start_worker(known: tuple[str, set[str]]) -> None:
     """Leave Ctrl-C to the parent, and end with it: a pool's worker waits for ever when its parent is killed.
 
-    What it inherits is no garbage, and is not looked through for it again and again.
+    What it inherits is no garbage, and is not looked through for it again and again. It shares its parent's cache.
     """
+    take_over(known)
     gc.freeze()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "SIGALRM"):

@@ -1,0 +1,154 @@
+"""The user's own folder for what can be made again: nobody else's, and nobody else may write there.
+
+Compiled code that is loaded is code that is run. So what is kept is taken only from a folder that belongs to the user;
+where there is none, from a private one that ends with the process that made it.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import os
+import shutil
+import stat
+import sys
+import tempfile
+import threading
+from pathlib import Path
+
+CHOSEN = "SCREWSIM_CACHE"
+PRIVATE = "SCREWSIM_PRIVATE_CACHE"  # the private folder, for the processes that this one starts
+NOWHERE = "-"  # in its place: not even that could be made
+OTHERS = 0o022  # mode of what group or world may write
+REMEDY = f"name a folder of your own with {CHOSEN}"
+
+_lock = threading.Lock()
+_told: set[str] = set()
+
+
+def tell(text: str) -> None:
+    """Say a line on stderr, where there is one that takes it."""
+    with contextlib.suppress(OSError, ValueError):
+        if sys.stderr is not None:
+            print(f"screwsim: {text}", file=sys.stderr, flush=True)
+
+
+def cache_folder() -> Path | None:
+    """Return the user's cache folder (SCREWSIM_CACHE, else XDG_CACHE_HOME/screwsim), made if missing.
+
+    A folder that cannot be made, or is not the user's alone, is told in one line; a private temporary one, shared with
+    the processes that this one starts and removed at its end, takes its place. None: not even that can be made.
+    """
+    chosen = os.environ.get(CHOSEN)
+    folder = Path(chosen) if chosen else _usual()
+    if folder is None:
+        return _private(f"no home folder is known, so nothing that is compiled stays (set HOME, or {REMEDY})")
+    flaw = _made(folder) or _flaw(folder)
+    if flaw:
+        return _private(f"{folder}: {flaw}, so nothing that is compiled stays ({_remedy(folder, flaw)})")
+    if not chosen:
+        _close(folder)
+    return folder
+
+
+def _usual() -> Path | None:
+    """Return where the folder lies when nobody chose; None where no home is known."""
+    caches = os.environ.get("XDG_CACHE_HOME", "")
+    if os.path.isabs(caches):  # by that convention any other is ignored
+        return Path(caches) / "screwsim"
+    try:
+        return Path.home() / ".cache" / "screwsim"
+    except RuntimeError:
+        return None
+
+
+def _made(folder: Path) -> str:
+    """Make a folder for the user alone, if it is missing; return why it cannot be."""
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except FileExistsError:
+        return "is no folder"
+    except (OSError, ValueError) as error:
+        return f"cannot be made: {_reason(error)}"
+    return ""
+
+
+def _flaw(folder: Path) -> str:
+    """Return why a folder is not to be used; empty when it is the user's own."""
+    try:
+        link, found = folder.lstat(), folder.stat()
+    except OSError as error:
+        return f"cannot be read: {_reason(error)}"
+    if not (own(link) and own(found)):
+        return "belongs to another user"
+    if os.name == "posix" and found.st_mode & OTHERS:
+        return "others may write there"
+    return "" if os.access(folder, os.W_OK | os.X_OK) else "cannot be written"
+
+
+def _remedy(folder: Path, flaw: str) -> str:
+    return f"remove it, or {REMEDY}" if "others" in flaw else REMEDY
+
+
+def own(found: os.stat_result) -> bool:
+    """Tell whether a file is this user's; elsewhere than on POSIX nobody says."""
+    user = getattr(os, "geteuid", None)
+    return user is None or found.st_uid == user()
+
+
+def _close(folder: Path) -> None:
+    """Let nobody else read the usual folder either; older ones could be."""
+    with contextlib.suppress(OSError):
+        if os.name == "posix" and stat.S_IMODE(folder.stat().st_mode) != 0o700:
+            folder.chmod(0o700)
+
+
+def _private(why: str) -> Path | None:
+    """Return the private temporary folder of this process and those that it starts, told when it is made."""
+    with _lock:
+        known = os.environ.get(PRIVATE, "")
+        if known == NOWHERE:
+            return None
+        if known and not _flaw(Path(known)):
+            return Path(known)
+        tell(why)
+        try:
+            made = Path(tempfile.mkdtemp(prefix="screwsim-"))
+        except OSError:
+            os.environ[PRIVATE] = NOWHERE
+            return None
+        atexit.register(_discard, made, os.getpid())
+        os.environ[PRIVATE] = str(made)
+        return made
+
+
+def _discard(folder: Path, owner: int) -> None:
+    if os.getpid() == owner:  # and not a process forked from it
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def handed_on() -> tuple[str, set[str]]:
+    """Return what a worker process has to know, however it is started: the private folder, and what was told."""
+    cache_folder()
+    return os.environ.get(PRIVATE, ""), _told
+
+
+def take_over(known: tuple[str, set[str]]) -> None:
+    """Share the private folder of the process that started this one, and tell nothing twice."""
+    folder, told = known
+    if folder:
+        os.environ[PRIVATE] = folder
+    _told.update(told)
+
+
+def refused(folder: Path, error: OSError) -> None:
+    """Tell once that nothing more is kept: what is compiled serves this command from memory."""
+    if str(folder) not in _told:
+        _told.add(str(folder))
+        remedy = f"make room or rights there, or {REMEDY}"
+        tell(f"{folder}: cannot be written: {_reason(error)}; what is compiled now is not kept ({remedy})")
+
+
+def _reason(error: Exception) -> str:
+    number = getattr(error, "errno", None)
+    return os.strerror(number) if number else " ".join(str(error).split())

@@ -1,0 +1,113 @@
+"""Compiled modules: kept, healed when damaged, never run from where others write, told while they are made."""
+
+import hashlib
+import os
+import pickle
+import sys
+from pathlib import Path
+
+import pytest
+
+TEXT = "from numba import njit\\n@njit\\ndef twice(x):\\n    return 2.0 * x\\n"
+RUN = f"""
+from screwsim.numerics.compiling import announced
+from screwsim.numerics.modules import load
+with announced("test", "a test", "a moment"):
+    module = load("{TEXT}", "test")
+    print(module.twice(21.0), sum(module.twice.stats.cache_hits.values()))
+"""
+MADE, TAKEN = "42.0 0\n", "42.0 1\n"
+
+
+def damage(path: Path, how: str) -> None:
+    held = bytearray(path.read_bytes())
+    if how == "flipped":
+        held[len(held) // 2] ^= 0xFF
+    path.write_bytes(b"" if how == "emptied" else held[: len(held) // 2] if how == "truncated" else held)
+
+
+def test_what_was_compiled_once_is_loaded_in_silence(python, tmp_path):
+    first, second = (python(RUN, SCREWSIM_CACHE=str(tmp_path / "cache")) for _ in range(2))
+    assert (first.stdout, second.stdout, second.stderr) == (MADE, TAKEN, "")
+    assert first.stderr.startswith("screwsim: compiling a test, once (a moment) ...\nscrewsim: compiled in ")
+
+
+@pytest.mark.parametrize("how", ["emptied", "truncated", "flipped"])
+def test_a_damaged_cache_heals(python, tmp_path, how):
+    cache = tmp_path / "cache"
+    assert python(RUN, SCREWSIM_CACHE=str(cache)).stdout == MADE
+    kept = sorted(cache.iterdir())
+    assert {path.suffix for path in kept} == {".code", ".json", ".parsed", ".py"}
+    sound = {path: path.read_bytes() for path in kept if path.suffix in (".parsed", ".py")}
+    for path in kept:
+        damage(path, how)
+    healed, after = (python(RUN, SCREWSIM_CACHE=str(cache)) for _ in range(2))
+    assert (healed.returncode, healed.stdout) == (0, MADE), healed.stderr
+    assert "Traceback" not in healed.stderr and "compiling a test, once" in healed.stderr
+    assert (after.stdout, after.stderr) == (TAKEN, "")
+    assert {path: path.read_bytes() for path in sound} == sound
+
+
+class Payload:
+    """What unpickles to a command."""
+
+    def __init__(self, mark: Path) -> None:
+        self.mark = mark
+
+    def __reduce__(self):
+        return os.mkdir, (str(self.mark),)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes of POSIX")
+def test_compiled_code_that_others_could_have_put_there_is_not_run(python, tmp_path):
+    cache = tmp_path / "cache"
+    python(RUN, SCREWSIM_CACHE=str(cache))
+    [code] = cache.glob("*.code")
+    content = pickle.dumps(Payload(tmp_path / "ran"))
+    code.write_bytes(hashlib.sha256(code.name.encode() + b"\n" + content).digest() + content)
+    cache.chmod(0o777)
+    found = python(RUN, SCREWSIM_CACHE=str(cache), TMPDIR=str(tmp_path))
+    assert found.stdout == MADE
+    assert not (tmp_path / "ran").exists()
+    cache.chmod(0o700)  # the payload is one
+    python(RUN, SCREWSIM_CACHE=str(cache))
+    assert (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("variable", ["NUMBA_CACHE_DIR", "NUMBA_CACHE_LOCATOR_CLASSES"])
+def test_the_compilers_own_cache_is_not_used(python, tmp_path, variable):
+    (tmp_path / "numba").mkdir(mode=0o777)
+    own = {variable: str(tmp_path / "numba"), "HOME": str(tmp_path / "home")}
+    assert python(RUN, SCREWSIM_CACHE=str(tmp_path / "cache"), **own).stdout == MADE
+    assert list((tmp_path / "numba").iterdir()) == []
+    assert not list(tmp_path.rglob("*.nbi"))
+
+
+FULL = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
+def test_a_cache_that_takes_no_more_keeps_what_is_compiled_in_memory(python, tmp_path):
+    found = python(FULL + RUN, SCREWSIM_CACHE=str(tmp_path / "cache"))
+    assert (found.returncode, found.stdout) == (0, MADE)
+    [line] = [line for line in found.stderr.splitlines() if "compil" not in line.partition(";")[0]]
+    assert line.startswith(f"screwsim: {tmp_path / 'cache'}: cannot be written: ")
+    assert not list((tmp_path / "cache").glob("*.tmp"))
+
+
+def test_many_processes_may_compile_and_load_at_once(python, tmp_path):
+    many = f"""
+import subprocess, sys
+text = {RUN!r}
+all = [subprocess.Popen([sys.executable, "-c", text], stdout=subprocess.PIPE, text=True) for _ in range(4)]
+print(*sorted({{each.communicate()[0].split()[0] for each in all}}), sum(each.returncode for each in all))
+"""
+    assert python(many, SCREWSIM_CACHE=str(tmp_path / "cache")).stdout == "42.0 0\n"
+    assert python(RUN, SCREWSIM_CACHE=str(tmp_path / "cache")).stdout == TAKEN
+    assert not list((tmp_path / "cache").glob("*.tmp"))
+
+
+def test_the_time_of_the_last_compilation_is_told_before_the_next(python, tmp_path):
+    python(RUN, SCREWSIM_CACHE=str(tmp_path / "cache"))
+    another = python(RUN.replace("2.0", "3.0"), SCREWSIM_CACHE=str(tmp_path / "cache"))
+    assert another.stderr.startswith("screwsim: compiling a test, once (the last one took ")
