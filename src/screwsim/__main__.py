@@ -1,5 +1,24 @@
-"""Let `python -m screwsim` be the command."""
+"""The command `screwsim`, also as `python -m screwsim`."""
 
-from screwsim.cli import main
+from __future__ import annotations
 
-main()
+import os
+import signal
+from typing import Any
+
+
+def _end(number: int, frame: Any) -> None:
+    os._exit(130)
+
+
+def main() -> None:
+    """Be the command; while it is imported, Ctrl-C ends it without a traceback."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _end)
+    from screwsim.cli import main as command
+
+    command()
+
+
+if __name__ == "__main__":
+    main()

@@ -47,7 +47,7 @@ app = typer.Typer(
     name="screwsim",
     help="Simulate oil-flooded twin-screw compressors, chamber by chamber.",
     epilog="Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad scene, 4 some cases failed or did not close, "
-    "130 interrupted.",
+    "130 interrupted. A reader of the output that leaves early (| head) changes none of them.",
     add_completion=False,
     suggest_commands=False,  # mistakes.explain does, where following it does nothing else
     no_args_is_help=True,
@@ -97,7 +97,8 @@ def run(
         from screwsim.study.knock_out import knock_out as knocked_out
         from screwsim.study.progress import for_terminal
 
-        result = knocked_out(scene, result, for_terminal("knock-out"))
+        names = [f"without {name}" for name in scene.effects]
+        result = knocked_out(scene, result, for_terminal("knock-out", names))
     if output is not None:
         from screwsim.results import save
 
@@ -362,26 +363,32 @@ def exit_code(arguments: Sequence[str]) -> int:
     try:
         # typer's own handling of errors would end with other exit codes
         outcome = typer.main.get_command(app).main(list(arguments), "screwsim", standalone_mode=False)
-    except SceneError as error:
-        return _complain("\n".join(error.lines), BAD_SCENE)
-    except UsageError as error:
-        return _complain(" ".join(str(error).splitlines()), USAGE)
-    except (KeyboardInterrupt, typer.Abort):
+    except KeyboardInterrupt:
         outcome = INTERRUPTED
-    except typer.TyperException as error:  # the arguments make no sense
-        mistakes.explain(error, arguments, typer.main.get_group(app).commands)
-        return _complain(_shown(error), USAGE)
-    except OSError as error:
-        if error.filename is None and error.errno in FULL:
-            reason = os.strerror(error.errno)
-            return _complain(f"standard output: cannot be written: {reason} (make room, or send it elsewhere)", USAGE)
-        return _internal(error)
     except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
-        return _internal(error)
-    if outcome == INTERRUPTED:
+        outcome = INTERRUPTED if process.interrupted() else _fault(error, arguments)
+    if process.interrupted() or outcome == INTERRUPTED:  # some code in between may have swallowed it
         resumes = "; the sweep resumes when it is started again" if "sweep" in arguments[:1] else ""
         return _complain(f"interrupted{resumes}", INTERRUPTED)
     return outcome if isinstance(outcome, int) else OK
+
+
+def _fault(error: Exception, arguments: Sequence[str]) -> int:
+    """Print what went wrong, and return the exit code."""
+    if isinstance(error, SceneError):
+        return _complain("\n".join(error.lines), BAD_SCENE)
+    if isinstance(error, UsageError):
+        return _complain(" ".join(str(error).splitlines()), USAGE)
+    if isinstance(error, typer.Abort):  # how typer tells the end of a file where nothing was asked
+        return _internal(error.__cause__ if isinstance(error.__cause__, Exception) else error)
+    if isinstance(error, typer.TyperException):  # the arguments make no sense
+        mistakes.explain(error, arguments, typer.main.get_group(app).commands)
+        return _complain(_shown(error), USAGE)
+    if isinstance(error, OSError) and error.errno in FULL:
+        where = error.filename or "a file"
+        remedy = "make room, or send it elsewhere"
+        return _complain(f"{where}: cannot be written: {os.strerror(error.errno)} ({remedy})", USAGE)
+    return _internal(error)
 
 
 def _shown(error: typer.TyperException) -> str:
@@ -409,4 +416,8 @@ def _complain(text: str, code: int) -> int:
 def main() -> None:
     """Be the command `screwsim`."""
     process.begin()
-    process.end(exit_code(sys.argv[1:]))
+    try:
+        code = exit_code(sys.argv[1:])
+    except KeyboardInterrupt:  # pressed between two lines above
+        code = _complain("interrupted", INTERRUPTED)
+    process.end(code)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from typing import Any, Protocol
+
+from screwsim.numerics.folder import tell
 
 
 class Progress(Protocol):
@@ -81,10 +84,37 @@ class Bar:
             self._bar.stop()
 
 
+class Steps:
+    """A line on stderr before each of a few steps, by its name: for what is no terminal."""
+
+    def __init__(self, title: str, names: Sequence[str]) -> None:
+        self._title = title
+        self._names = names
+        self._done = 0
+
+    def start(self, cases: int, reused: int) -> None:
+        self._done = reused
+        self._tell()
+
+    def advance(self, cases: int, failed: int) -> None:
+        self._done += cases
+        self._tell()
+
+    def tick(self) -> None: ...
+
+    def stop(self) -> None: ...
+
+    def _tell(self) -> None:
+        if self._done < len(self._names):
+            tell(f"{self._title} {self._done + 1} of {len(self._names)}: {self._names[self._done]}")
+
+
 def _digits(rate: float) -> str:
     return f"{rate:.0f}" if rate >= 10.0 else f"{rate:.2g}"
 
 
-def for_terminal(title: str = "sweep") -> Progress:
-    """Return a bar when stderr is a terminal, else silence."""
-    return Bar(title) if sys.stderr.isatty() else Silent()
+def for_terminal(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
+    """Return a bar when stderr is a terminal, else a line for each of the steps that have `names`, or silence."""
+    if sys.stderr is not None and sys.stderr.isatty():
+        return Bar(title)
+    return Steps(title, names) if names else Silent()
