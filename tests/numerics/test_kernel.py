@@ -1,5 +1,6 @@
 """Flattening: names, constants, slots, refusals, and text that follows every edit."""
 
+import importlib
 import inspect
 import math
 import os
@@ -213,3 +214,13 @@ def test_what_stays_of_a_structured_kernel_is_the_text_of_one_without_structure(
     (text,) = (text for name, text in flatten((structured,), numbers={"EXTRA": 0}).items() if "structured" in name)
     body = [line.strip() for line in text.splitlines()]
     assert body[-3:] == ["y = x", "y *= 3.0", "return y"]
+
+
+def test_a_package_with_a_hyphen_gives_names_that_python_takes(tmp_path, monkeypatch):
+    (tmp_path / "my-package").mkdir()
+    text = "from screwsim.numerics.kernel import kernel\n\nSIZE = 2.0\n\n\n@kernel\ndef area(x):\n    return SIZE * x\n"
+    (tmp_path / "my-package" / "effect.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    area = importlib.import_module("my-package.effect").area
+    found = flatten((area,))
+    assert run(found)[area.flat_name](3.0) == 6.0

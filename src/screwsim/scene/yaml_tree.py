@@ -83,7 +83,9 @@ def join(path: str, name: str) -> str:
 def compose(text: str, start: Place, problems: list[Problem], path: str = "") -> Node | None:
     """Return the tree of a YAML text that begins at `start`, or None when it is not YAML or empty."""
     try:
-        root = YAML(typ="safe", pure=True).compose(text)
+        yaml = YAML(typ="safe", pure=True)
+        yaml.composer.warn_double_anchors = False  # the later one holds from there on, as in YAML
+        root = yaml.compose(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = start if mark is None else start.at(mark.line + 1, mark.column + 1)
