@@ -63,6 +63,13 @@ def dawdling(scenes: Iterable[Scene]) -> Iterator[Result]:
         yield result
 
 
+def crawling(scenes: Iterable[Scene]) -> Iterator[Result]:
+    """Take half a second a case."""
+    for result in chained(scenes):
+        time.sleep(0.5)
+        yield result
+
+
 def deadly(scenes: Iterable[Scene]) -> Iterator[Result]:
     """Kill the process at ratio 7."""
 

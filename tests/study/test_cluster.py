@@ -1,7 +1,11 @@
 """A dask scheduler with workers on this machine: the same file as of the local pool, whatever happens to a worker."""
 
+import json
 import os
+import re
+import shutil
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -9,11 +13,14 @@ import time
 from pathlib import Path
 
 import pytest
+from distributed import Client
 from result_fakes import SCENE, scene
 from sweep_fakes import (
     GRID,
+    PACKAGE,
     assert_same,
     chained,
+    crawling,
     dawdling,
     deadly,
     environment,
@@ -30,11 +37,13 @@ pytestmark = pytest.mark.slow
 QUIET = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0", "DASK_DISTRIBUTED__SCHEDULER__WORKER_SATURATION": "1.0"}
 
 
-def started(*arguments: str, folder: Path) -> subprocess.Popen:
-    """Start a program of dask that writes into a log."""
+def started(*arguments: str, folder: Path, package: Path = PACKAGE) -> subprocess.Popen:
+    """Start a program of dask that writes into a log; `package`: the folder in which it finds screwsim."""
+    variables = environment() | QUIET
+    variables["PYTHONPATH"] = os.pathsep.join([str(package), variables["PYTHONPATH"]])
     with open(folder / "dask.log", "a") as log:
         command = [sys.executable, "-m", "dask", *arguments]
-        return subprocess.Popen(command, env=environment() | QUIET, stdout=log, stderr=log, cwd=folder)
+        return subprocess.Popen(command, env=variables, stdout=log, stderr=log, cwd=folder)
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +103,77 @@ def test_a_case_that_kills_its_worker_is_failed_as_on_the_local_pool(scheduler, 
     assert_same(tmp_path / "one.h5", tmp_path / "other.h5")
 
 
+@pytest.fixture
+def other_package(tmp_path) -> Path:
+    """Give a folder with this package in which one line of what computes is another."""
+    shutil.copytree(PACKAGE / "screwsim", tmp_path / "other/screwsim", ignore=shutil.ignore_patterns("__pycache__"))
+    with open(tmp_path / "other/screwsim/simulate.py", "a") as module:
+        module.write("DRAWN_TOO_MUCH = 0.5\n")
+    return tmp_path / "other"
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_a_worker_with_other_sources_is_refused_by_its_name_whenever_it_comes(late, other_package, reference, tmp_path):
+    file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
+    local = ("--scheduler-file", str(file), "--host", "127.0.0.1", "--no-dashboard")
+    programs = [started("scheduler", "--port", "0", *local, folder=tmp_path)]
+    programs.append(started("worker", *local, "--nthreads", "1", folder=tmp_path))
+
+    def join() -> None:
+        if late:
+            wait_for_parts(output, 1)
+        programs.append(started("worker", *local, "--nthreads", "1", folder=tmp_path, package=other_package))
+
+    try:
+        while not file.exists():
+            time.sleep(0.05)
+        if late:
+            threading.Thread(target=join).start()
+        else:
+            join()
+            with Client(json.loads(file.read_text())["address"], set_as_default=False) as client:
+                client.wait_for_workers(2, timeout=60.0)
+        told = r"worker tcp://127\.0\.0\.1:\d+ has other sources of screwsim 0\.1\.0 \(install and put there what"
+        with pytest.raises(UsageError, match=told) as caught:
+            run_sweep(grid_scene(), output, scheduler=str(file), simulate_many=crawling)
+        assert "\n" not in str(caught.value)
+    finally:
+        for program in reversed(programs):
+            program.terminate()
+            program.wait(20)
+    assert run_sweep(grid_scene(), output, jobs=1, simulate_many=chained).reused >= 13 * late
+    assert_same(reference, output)
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="makes certificates with openssl")
+def test_the_tls_example_of_the_docs_lets_in_only_who_has_the_certificate(reference, tmp_path):
+    text = (Path(__file__).parents[2] / "docs/clusters.md").read_text()
+    make, run = re.findall(r"```bash\n(.*?)```", text.partition("## SLURM")[0], re.DOTALL)[:2]
+    (tmp_path / "study.yaml").write_text(SCENE + GRID)
+    (tmp_path / "sweep.py").write_text(SWEPT)
+    assert "screwsim sweep study.yaml -o study.h5 --scheduler s.json" in run
+    run = run.replace("screwsim sweep study.yaml -o study.h5 --scheduler s.json", "python sweep.py; kill $(jobs -p)")
+    variables = environment() | {"HOME": str(tmp_path)}
+    variables["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    for script in (make, run):
+        done = subprocess.run(["bash", "-c", script], env=variables, cwd=tmp_path, capture_output=True, text=True)
+    assert done.stdout.split() == ["refused", "30"], done.stderr
+
+
+SWEPT = """\
+import json, socket, ssl
+from result_fakes import fake_simulate, scene, SCENE, GRID
+from screwsim.study.sweep import run_sweep
+host, port = json.load(open("s.json"))["address"].removeprefix("tls://").rsplit(":", 1)
+stranger = ssl._create_unverified_context().wrap_socket(socket.create_connection((host, int(port))))
+try:
+    stranger.recv(1)
+except ssl.SSLError:
+    print("refused")
+print(run_sweep(scene(SCENE + GRID), "out.h5", scheduler="s.json", simulate=fake_simulate).cases)
+"""
+
+
 def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(reference, tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("SWEEP_FAKES_PIDS", str(tmp_path / "pids"))
     file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
@@ -139,9 +219,26 @@ def test_a_scheduler_without_workers_is_told(tmp_path):
         program.wait(20)
 
 
+@pytest.mark.parametrize("where", ["smoke://signal", "tls://127.0.0.1:9", "tcp://127.0.0.1:port"])
+def test_a_wrong_address_ends_the_program(where, tmp_path):
+    (tmp_path / "scene.yaml").write_text(SCENE + GRID)
+    command = [sys.executable, "-m", "screwsim", "sweep", "scene.yaml", "-o", "out.h5", "--scheduler", where]
+    done = subprocess.run(command, env=environment(), cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+    assert done.stderr.startswith(f"{where}: no scheduler can be reached: ")
+
+
+def test_what_answers_but_is_no_scheduler_is_given_up():
+    with socket.create_server(("127.0.0.1", 0)) as silent:
+        where = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        with pytest.raises(UsageError, match="no scheduler can be reached: no answer"), Cluster(where, patience=0.5):
+            pass
+
+
 @pytest.mark.parametrize(
     ("where", "told"),
     [
+        ("five.json", "five.json: is no scheduler file (give tcp://"),
         ("nowhere.json", "nowhere.json: is neither an address nor a file (give tcp://HOST:PORT, or the file that"),
         ("empty.json", "empty.json: is no scheduler file (give tcp://"),
         ("tcp://127.0.0.1:9", "tcp://127.0.0.1:9: no scheduler can be reached: "),
@@ -152,6 +249,7 @@ def test_a_scheduler_without_workers_is_told(tmp_path):
 def test_a_wrong_scheduler_is_told_in_one_line(where, told, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("empty.json").write_text("{}")
+    Path("five.json").write_text('{"address": 5}')
     with pytest.raises(UsageError) as caught, Cluster(where, patience=1.0):
         pass
     assert str(caught.value).startswith(told)

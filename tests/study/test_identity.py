@@ -18,6 +18,8 @@ from screwsim.numerics import sources
 from screwsim.results import identity, open_results
 from screwsim.results.schema import identity_of
 from screwsim.scene import loads
+from screwsim.study.agreement import Watch, wanted_of, what_differs
+from screwsim.study.cases import run_packed
 from screwsim.study.sweep import run_sweep
 
 EFFECT = """\
@@ -213,3 +215,64 @@ def test_a_sweep_that_is_whole_and_the_same_is_used_again(tmp_path):
     run_sweep(grid_scene(), tmp_path / "other.h5", jobs=1, simulate=fake_simulate)
     assert run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate=forbidden).reused == 120
     assert_same(tmp_path / "out.h5", tmp_path / "other.h5")
+
+
+def with_area(folder: Path) -> Path:
+    """Make a scene whose gap is a file, and return that."""
+    (folder / "area.csv").write_text(AREAS.format(1e-6))
+    return folder / "area.csv"
+
+
+AREA_SCENE = SCENE.replace("gap: 50 um", "gap: 50 um, area_file: area.csv") + GRID
+
+
+class Edits:
+    """Progress that changes a file after some parts."""
+
+    def __init__(self, file: Path, after: int) -> None:
+        self.file, self.left = file, after
+
+    def start(self, cases: int, reused: int) -> None: ...
+
+    def advance(self, cases: int, failed: int) -> None:
+        self.left -= 1
+        if not self.left:
+            self.file.write_text(AREAS.format(9e-6))
+
+    def tick(self) -> None: ...
+
+    def stop(self) -> None: ...
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_file_that_changes_while_the_sweep_runs_ends_it_and_no_case_of_after_is_kept(jobs, tmp_path):
+    file, output = with_area(tmp_path), tmp_path / "out.h5"
+    swept = loads(AREA_SCENE + "output: {keep: performance}\n", folder=str(tmp_path))
+    with pytest.raises(UsageError, match=r"has another area\.csv: it was changed while the sweep ran") as caught:
+        run_sweep(swept, output, jobs=jobs, simulate=fake_simulate, progress=Edits(file, 1))
+    assert "\n" not in str(caught.value) and not output.exists()
+    with pytest.raises(UsageError, match=r"area\.csv has changed since"):
+        run_sweep(swept, output, jobs=jobs, simulate=forbidden)
+    file.write_text(AREAS.format(1e-6))
+    assert run_sweep(swept, output, jobs=jobs, simulate=fake_simulate).reused > 0
+
+
+def test_a_file_with_a_new_date_alone_ends_no_sweep(tmp_path):
+    file = with_area(tmp_path)
+    swept = loads(AREA_SCENE, folder=str(tmp_path))
+    watch = Watch(wanted_of(swept)["files"], wanted_of(swept)["identity"])
+    os.utime(file, ns=(1, 1))
+    watch.look()
+
+
+def test_a_worker_that_differs_refuses_its_cases(tmp_path, monkeypatch):
+    with_area(tmp_path)
+    wanted = wanted_of(loads(AREA_SCENE, folder=str(tmp_path)))
+    assert what_differs(wanted) == ""
+    monkeypatch.setattr(identity, "_library", lambda name: "7.2")
+    with pytest.raises(UsageError, match=rf"worker {os.getpid()} has CoolProp 7\.2, not \S+, has numba 7\.2, not "):
+        run_packed(b"", wanted, [])
+    monkeypatch.undo()
+    (tmp_path / "area.csv").unlink()
+    assert what_differs(wanted) == "lacks area.csv"
+    assert what_differs({**wanted, "own": ["nowhere.at_all"]}).startswith("cannot import an effect of the scene: No")

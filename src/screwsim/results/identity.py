@@ -40,6 +40,11 @@ def file_identity(files: Files) -> dict[str, str]:
     return {_FILE + name: _content(path) for name, path in files.items()}
 
 
+def files_of(identity: Identity) -> dict[str, str]:
+    """Return what an identity says of files."""
+    return {name: text for name, text in identity.items() if name.startswith(_FILE)}
+
+
 def figures_identity() -> dict[str, str]:
     """Return what a file of results holds."""
     return {"figures": hashlib.sha256(repr(FIGURES).encode()).hexdigest()[:16]}
@@ -62,6 +67,24 @@ def unpacked(text: Any) -> Identity | None:
 def differences(stored: Identity, wanted: Identity) -> str:
     """Return in words what differs, at most a few things; '' when nothing does."""
     told = list(_differences(stored, wanted))
+    more = f", and {len(told) - _TOLD} more things differ" if len(told) > _TOLD else ""
+    return ", ".join(told[:_TOLD]) + more
+
+
+def disagreement(found: Identity, wanted: Identity) -> str:
+    """Return in words what a process has that is not as wanted, at most a few things; '' when all is."""
+    told = []
+    for name, now in wanted.items():
+        here = found.get(name, _NONE)
+        if here == now or (name == _SOURCES and found.get("screwsim") != wanted.get("screwsim")):
+            continue
+        if name.startswith((_FILE, _MODULE)):
+            label = name.removeprefix(_FILE).removeprefix(_MODULE)
+            told.append(f"lacks {label}" if here == _NONE else f"has another {label}")
+        elif name == _SOURCES:
+            told.append(f"has other sources of screwsim {wanted.get('screwsim')}")
+        else:
+            told.append(f"has {name} {here}, not {now}")
     more = f", and {len(told) - _TOLD} more things differ" if len(told) > _TOLD else ""
     return ", ".join(told[:_TOLD]) + more
 

@@ -12,6 +12,7 @@ from screwsim.outputs import Result
 from screwsim.results.table import Table, table_of
 from screwsim.scene import cross_check, with_values
 from screwsim.scene.types import Scene
+from screwsim.study.agreement import Wanted, refuse_to_differ
 from screwsim.study.limit import Limit
 
 SimulateMany = Callable[[Iterable[Scene]], Iterator[Result]]
@@ -63,10 +64,14 @@ def packed(job: Job) -> bytes:
     return raw
 
 
-def run_packed(raw: bytes, blocks: Sequence[Block]) -> Outcome:
-    """Run blocks in a worker, which unpacks a job once and warms up before the first case."""
+def run_packed(raw: bytes, wanted: Wanted, blocks: Sequence[Block]) -> Outcome:
+    """Run blocks in a worker, which unpacks a job once and warms up before the first case.
+
+    One that computes with anything else than is wanted refuses: raise UsageError.
+    """
     job = _jobs.get(raw)
     if job is None:
+        refuse_to_differ(wanted)
         job = pickle.loads(raw)
         job.warm_up(job.scene)
         _jobs.clear()  # another thread may hold the one before; it goes on with it

@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import logging
-from concurrent.futures import Executor
+from collections.abc import Iterable
+from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 from screwsim.faults import UsageError
-from screwsim.results.schema import version
+from screwsim.study.agreement import REMEDY, Wanted, what_differs
 from screwsim.study.workers import LOST
 from screwsim.textfiles import Unreadable, read_text
 
 _PATIENCE = 60.0  # [s] for the scheduler's answer, and again for the first worker
+_LATE = 2.0  # [s] beyond its patience after which a connection is given up that does not keep to it
+_SHOWN = 3  # workers that are told of
 _REMEDY = "give tcp://HOST:PORT, or the file that `dask scheduler --scheduler-file FILE` writes"
 
 
 class Cluster:
     """A scheduler with its workers, which may come and go while a sweep runs."""
 
-    def __init__(self, where: str, patience: float = _PATIENCE) -> None:
+    def __init__(self, where: str, patience: float = _PATIENCE, wanted: Wanted | None = None) -> None:
         self._where = where
         self._patience = patience
+        self._wanted = wanted
+        self._asked: set[str] = set()
         self._client: Any = None
 
     def __enter__(self) -> Cluster:
@@ -41,25 +47,45 @@ class Cluster:
     def _await_worker(self) -> None:
         try:
             self._client.wait_for_workers(1, timeout=self._patience)
-            found = self._client.submit(version, pure=False).result(self._patience)
         except TimeoutError:
             remedy = "start some with `dask worker`, and look at their logs"
             raise UsageError(f"{self._where}: no worker came within {self._patience:g} s ({remedy})") from None
-        except ImportError as error:
-            raise UsageError(f"{self._where}: its workers lack screwsim: {error} (install it where they run)") from None
-        if found != version():
-            raise UsageError(f"{self._where}: its workers have screwsim {found}, not {version()} (install one version)")
+        self.workers()
+
+    def _ask(self, addresses: Iterable[str]) -> None:
+        """Raise UsageError, in one line, when workers compute with anything else than this process."""
+        new = sorted(set(addresses) - self._asked)
+        if self._wanted is None or not new:
+            return
+        told = self._client.run(what_differs, self._wanted, workers=new, on_error="return")
+        wrong = {address: words for address, answer in told.items() if (words := _words(answer))}
+        if wrong:
+            shown = ", ".join(f"worker {address} {words}" for address, words in list(wrong.items())[:_SHOWN])
+            more = f", and {len(wrong) - _SHOWN} more workers differ" if len(wrong) > _SHOWN else ""
+            raise UsageError(f"{self._where}: {shown}{more} ({REMEDY})")
+        self._asked |= {address for address, answer in told.items() if answer == ""}
 
     def executor(self, jobs: int) -> Executor:
         """Return an executor over all workers."""
         return self._client.get_executor(pure=False)
 
     def workers(self) -> int:
-        """Return the number of threads of all workers, at the moment."""
+        """Return the number of threads of all workers, at the moment; those that are new are asked what they are."""
         try:
-            return max(1, sum(self._client.nthreads().values()))
+            threads = self._client.nthreads()
+            self._ask(threads)
         except OSError:
             raise UsageError(LOST) from None
+        return max(1, sum(threads.values()))
+
+
+def _words(answer: Any) -> str:
+    """Return in words what a worker's answer says against it; nothing of one that is gone."""
+    if isinstance(answer, OSError):
+        return ""
+    if isinstance(answer, BaseException):
+        return f"has no screwsim, or another one: {' '.join(str(answer).split())}"
+    return answer
 
 
 def _connect(where: str, patience: float) -> Any:
@@ -70,10 +96,22 @@ def _connect(where: str, patience: float) -> Any:
     address = _address(where)
     _silence()
     try:
+        with ThreadPoolExecutor(1) as aside:  # the caller's thread may have a loop of its own, as in a notebook
+            aside.submit(asyncio.run, _reach(address, patience)).result()
         return Client(address, timeout=patience, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
+    except (ImportError, OSError, OverflowError, RuntimeError, TypeError, ValueError) as error:
         reason = str(error).splitlines()[0] if str(error) else "no answer"
         raise UsageError(f"{where}: no scheduler can be reached: {reason} ({_REMEDY})") from None
+
+
+async def _reach(address: str, patience: float) -> None:
+    """Connect and let go; raise what dask does. A `Client` that cannot connect keeps its process from ending."""
+    from distributed.comm import connect
+    from distributed.security import Security
+
+    about = Security().get_connection_args("client")
+    comm = await asyncio.wait_for(connect(address, timeout=patience, **about), patience + _LATE)
+    comm.abort()
 
 
 def _silence() -> None:
@@ -94,6 +132,9 @@ def _address(where: str) -> str:
             return f"tcp://{where}"
         raise UsageError(f"{where}: is neither an address nor a file ({_REMEDY})")
     try:
-        return str(json.loads(read_text(path))["address"])
+        found = json.loads(read_text(path))["address"]
+        if isinstance(found, str) and "://" in found:
+            return found
+        raise ValueError
     except (Unreadable, ValueError, RecursionError, KeyError, TypeError):
         raise UsageError(f"{where}: is no scheduler file ({_REMEDY})") from None

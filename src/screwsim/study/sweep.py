@@ -21,6 +21,7 @@ from screwsim.results.schema import axes_of, digest, identity_of
 from screwsim.results.write import Draft
 from screwsim.scene import grid
 from screwsim.scene.types import Scene
+from screwsim.study.agreement import Watch, wanted_of
 from screwsim.study.blocks import blocks_of
 from screwsim.study.cases import Block, Job, OneByOne, Outcome, SimulateMany, packed, run_blocks, run_packed
 from screwsim.study.culprits import settle
@@ -129,6 +130,8 @@ class _Sweep:
         self._angles = AngleGuard()
         self._chunks = Chunks([], 1, lambda: 1)
         self._draft = draft
+        self._wanted = wanted_of(scene)
+        self._watch = Watch(self._wanted["files"], self._wanted["identity"])
 
     def run(self, jobs: int | None, scheduler: str | None, case_limit: float | None) -> int:
         """Compute what is missing; return how many cases were there."""
@@ -141,7 +144,7 @@ class _Sweep:
         if scheduler is not None:
             from screwsim.study.cluster import Cluster
 
-            with Cluster(scheduler) as cluster:
+            with Cluster(scheduler, wanted=self._wanted) as cluster:
                 self._compute(todo, reused, cluster, case_limit or CASE_LIMIT)
         else:
             jobs = min(jobs or cores(), sum(map(len, todo)))
@@ -182,7 +185,7 @@ class _Sweep:
             if limit is None:
                 self._run_here(job)
             else:
-                task = partial(run_packed, packed(job))
+                task = partial(run_packed, packed(job), self._wanted)
                 settle(self._chunks, Work(pool, task, self._payload, self._finish, self._progress.tick), limit)
         finally:
             self._progress.stop()
@@ -206,6 +209,7 @@ class _Sweep:
     def _finish(self, blocks: range, outcome: Outcome) -> None:
         table, seconds = outcome
         self._angles.check(table.angle)
+        self._watch.look()
         self._parts.write(self.blocks.cases_of(blocks).start, table)
         self._chunks.learn(len(blocks), seconds)
         self._progress.advance(len(table), int(np.count_nonzero(table.status)))
