@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from screwsim.textfiles import MOST_TABLE, read_text
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
+_OTHER = {";": "semicolons", "\t": "tabs"}  # that divide cells elsewhere
 
 
 class BadSheet(Exception):
@@ -73,7 +74,11 @@ def sheet_of(text: str) -> Sheet:
         return Sheet(Row(1, "", ()), ())
     if len(lines) - 1 > MOST_ROWS:
         raise BadSheet(f"has {len(lines) - 1} rows (at most {MOST_ROWS} are read; leave some out)")
-    head, *body = (_row(number, line) for number, line in lines)
+    head = _row(*lines[0])
+    divided = next((name for mark, name in _OTHER.items() if len(head.cells) == 1 and mark in head.text), None)
+    if divided is not None:
+        raise BadSheet(f"is divided by {divided} (save it with commas, and points before decimals)")
+    body = [_row(number, line) for number, line in lines[1:]]
     for name in head.cells:
         if name and head.cells.count(name) > 1:
             raise BadSheet(f"has the column {_short(name)} twice (remove one)", head.line)

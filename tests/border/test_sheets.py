@@ -95,3 +95,10 @@ def test_a_decimal_comma_in_a_swept_column_is_a_fault_at_the_axis(tmp_path):
         load(tmp_path / "x.yaml")
     (line,) = caught.value.lines
     assert line.endswith(f"x.yaml:11:20: sweep.operation.speed: speeds.csv line 3: {DECIMAL_COMMAS}")
+
+
+@pytest.mark.parametrize(("mark", "name"), [(";", "semicolons"), ("\t", "tabs")])
+def test_other_marks_between_cells_are_told(mark, name):
+    """Not as decimal commas, which such files have as well."""
+    with pytest.raises(BadSheet, match=rf"^is divided by {name} \(save it with commas, and points before decimals\)$"):
+        sheet_of(f"angle{mark}volume\n0,5{mark}1,25\n")

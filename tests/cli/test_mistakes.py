@@ -126,6 +126,12 @@ def test_a_sweep_that_is_not_run_is_said_in_one_line(folder, command):
             "Error: Got unexpected extra argument(s) (degC): a value with blanks needs quotes "
             "(write --from '-10 degC')",
         ),
+        (
+            ("run", "small.yaml", "--without", "tip_leakage", "blow_hole"),
+            "Error: Got unexpected extra argument(s) (blow_hole): --without takes one name "
+            "(write --without tip_leakage --without blow_hole)",
+        ),
+        (("help",), "Error: No such command 'help' (write screwsim --help)"),
         (("run", "small.yaml", "other.yaml"), "Error: Got unexpected extra argument(s) (other.yaml)"),
         (("run", "small.yaml", "--sett", "a=1"), "Error: No such option: --sett (Possible options: --set)"),
         (("run", "small.yaml", "--jobs", "4"), "Error: No such option: --jobs"),  # --json does another thing
@@ -173,6 +179,8 @@ def test_a_value_below_zero_is_read_on_the_command_line(folder, command):
         ("eta_s", "isentropic_efficiency"),
         ("η_s", "isentropic_efficiency"),
         ("eta_T", "isothermal_efficiency"),
+        ("η_iso", "isothermal_efficiency"),
+        ("P_el", "electrical_power"),
         ("m_dot", "gas_mass_flow"),
         ("T_d", "discharge_temperature"),
         ("Q_0", "cooling_capacity"),
@@ -182,7 +190,7 @@ def test_a_figure_is_known_by_its_symbol_and_in_any_case(text, figure):
     assert figure_named(text) == figure
 
 
-@pytest.mark.parametrize("text", ["eta", "eta_iso", "power", "P", "efficiency", "xyz", "cp"])
+@pytest.mark.parametrize("text", ["eta", "power", "P", "efficiency", "xyz", "cp"])
 def test_a_name_of_several_figures_is_told_with_those_that_the_scene_has(folder, command, text):
     answer = command("optimum", "oiled.yaml", "--figure", text)
     assert answer.code == 2

@@ -152,6 +152,10 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
             "sweep.operation.speed: 'map.csv': column 'sped' is not known; did you mean 'speed'?",
         ),
         (
+            "{operation.speed: {file: semicolons.csv, column: speed}}",
+            "sweep.operation.speed: 'semicolons.csv' is divided by semicolons (save it with commas, and points before",
+        ),
+        (
             "{operation.discharge.pressure: {file: map.csv, column: p_d}}",
             "map.csv line 2: '8' has no unit (write e.g. '2 bar') or name the unit of the column",
         ),
@@ -173,6 +177,7 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
 def test_a_fault_of_a_design_is_one_line_with_its_place_and_remedy(sweep, told, example, tmp_path):
     (tmp_path / "map.csv").write_text("speed,p_d\n1000 rpm,8\n")
     (tmp_path / "empty.csv").write_text("speed\n")
+    (tmp_path / "semicolons.csv").write_text("speed;p_d\n1000 rpm;8,5\n")
     [line] = faults_of(example, sweep, tmp_path)
     assert line.startswith("x.yaml:1:")
     assert told in line

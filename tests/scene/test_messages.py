@@ -213,10 +213,21 @@ NEWCOMERS = [
         "x.yaml:3:9: machine.kind: 'twin-screw' is not an option; did you mean 'twin_screw'? "
         "(choose from: twin_screw, slider_crank)",
     ),
+    (
+        "kind: twin_screw",
+        "kind: reciprocating",
+        "x.yaml:3:9: machine.kind: 'reciprocating' is not an option; did you mean 'slider_crank'? "
+        "(choose from: twin_screw, slider_crank)",
+    ),
+    (
+        "model: ideal",
+        "model: ideal gas",
+        "x.yaml:13:10: gas.model: 'ideal gas' is not an option; did you mean 'ideal'? (choose from: ideal, real)",
+    ),
     (  # and nothing is said of its parts, which may be right for another kind
         "kind: twin_screw",
-        "kind: reciprocating\n  bore: 50 mm",
-        "x.yaml:3:9: machine.kind: 'reciprocating' is not an option (choose from: twin_screw, slider_crank)",
+        "kind: scroll\n  bore: 50 mm",
+        "x.yaml:3:9: machine.kind: 'scroll' is not an option (choose from: twin_screw, slider_crank)",
     ),
     (
         "title: example",

@@ -30,6 +30,7 @@ from sweep_fakes import (
 )
 
 from screwsim.faults import UsageError
+from screwsim.scene import load
 from screwsim.study.cluster import Cluster
 from screwsim.study.sweep import run_sweep
 
@@ -254,3 +255,28 @@ def test_a_wrong_scheduler_is_told_in_one_line(where, told, tmp_path, monkeypatc
         pass
     assert str(caught.value).startswith(told)
     assert "\n" not in str(caught.value)
+
+
+def test_threads_of_one_worker_give_the_file_of_the_local_pool(scheduler, tmp_path):
+    """Solutions live side by side in one process."""
+    swept = ("sweep.operation.speed=[1000 rpm, 2000 rpm, 3000 rpm]", "sweep.oil_supply.ratio=[1, 2, 3, 4]")
+    paper = load(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml", swept)
+    run_sweep(paper, tmp_path / "local.h5", jobs=1)
+    folder = tmp_path / "threads"
+    folder.mkdir()
+    file = folder / "scheduler.json"
+    local = ("--host", "127.0.0.1", "--no-dashboard")
+    programs = [started("scheduler", *local, "--port", "0", "--scheduler-file", str(file), folder=folder)]
+    one = ("worker", "--scheduler-file", str(file), "--nthreads", "6", "--nworkers", "1", *local)
+    try:
+        programs.append(started(*one, folder=folder))
+        deadline = time.monotonic() + 60.0
+        while not file.exists():
+            assert time.monotonic() < deadline, (folder / "dask.log").read_text()
+            time.sleep(0.05)
+        run_sweep(paper, tmp_path / "out.h5", scheduler=str(file))
+    finally:
+        for program in reversed(programs):
+            program.terminate()
+            program.wait(20)
+    assert_same(tmp_path / "local.h5", tmp_path / "out.h5")

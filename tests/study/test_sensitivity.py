@@ -99,6 +99,7 @@ def test_a_figure_that_is_missing_somewhere_is_a_failed_point():
         ((), "nothing varies (write one or more --path PATH=LOW..HIGH)"),
         (("oil_supply.ratio",), "--path oil_supply.ratio: is not PATH=LOW..HIGH"),
         (("oil_supply.ratio=1",), "--path oil_supply.ratio=1: is not PATH=LOW..HIGH"),
+        (("oil_supply.ratio=0...5",), "--path oil_supply.ratio=0...5: is not PATH=LOW..HIGH"),
         (("oil_supply.ratoi=1..2",), "oil_supply.ratoi: is not known; did you mean 'oil_supply.ratio'?"),
         (("oil_supply.ratio=2..1",), "oil_supply.ratio: the range 2 … 1 is empty"),
         (("oil_supply.ratio=1..2", "oil_supply.ratio=2..3"), "oil_supply.ratio: is given twice"),

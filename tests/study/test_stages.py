@@ -15,6 +15,7 @@ from screwsim.fluid import constants
 from screwsim.scene import lines
 from screwsim.simulate import simulate
 from screwsim.study.stages import is_stages, read_stages, run_stages
+from screwsim.study.stages.solve import ChainResult
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import ECONOMIZER, scene_dict
@@ -232,3 +233,27 @@ def test_the_schema_takes_what_is_read_and_nothing_else(chain, capsys):
     ):
         assert not takes(other), other
     assert exit_code(["schema", "--stages", "--fit"]) == 2
+
+
+def test_a_sweep_of_a_stage_is_said_to_be_left_aside(chain, capsys, monkeypatch):
+    monkeypatch.setattr("screwsim.study.stages.run_stages", lambda chain: ChainResult("failed", "not asked for"))
+    path = str(chain(low={"sweep": {"operation.speed": ["1000 rpm", "2000 rpm"]}}))
+    assert exit_code(["run", path]) == 4
+    assert capsys.readouterr().err == (
+        f"{path}: the first scene's sweep of 2 cases is left aside, and the point without it is taken "
+        "(stages are not swept: run them once a value, with --set)\n"
+    )
+
+
+def test_faults_of_overrides_are_told_with_their_stage_and_both_stages_at_once(chain):
+    with pytest.raises(SceneError) as caught:
+        read_stages(chain(), ["first.operation.speed=3,000 rpm", "second.speed=3000 rpm"])
+    assert caught.value.lines == [
+        "--set first.operation.speed=3,000 rpm: first.operation.speed: '3,000 rpm' has a comma that divides thousands "
+        "or decimals (write '3000 rpm', or '3 rpm' if decimals are meant)",
+        "--set second.speed=3000 rpm: second.speed: is not known; did you mean 'second.operation.speed'?",
+    ]
+    with pytest.raises(UsageError, match=r"^--set second\.operation\.speed: is not PATH=VALUE \(write e\.g\. --set s"):
+        read_stages(chain(), ["second.operation.speed"])
+    with pytest.raises(UsageError, match=r"\(write e\.g\. --set first\.operation\.speed=1500 rpm\)$"):
+        read_stages(chain(), ["operation.speed=1500 rpm"])

@@ -35,6 +35,7 @@ from screwsim.cli.options import (
     check_page,
     check_place,
     check_results,
+    say_left_aside,
 )
 from screwsim.cli.options import base_point as _base_point
 from screwsim.cli.options import loaded as _loaded
@@ -123,6 +124,8 @@ def _run_stages(
     places = [] if output is None else [output.with_stem(f"{output.stem}_{name}") for name in ("first", "second")]
     for place in places:
         check_place(place)
+    for name, scene in (("first", chain.first), ("second", chain.second)):
+        say_left_aside(scene, f"{file}: the {name} scene's", "stages are not swept: run them once a value, with --set")
     found = run_stages(chain)
     if places and found.scenes:
         from screwsim.results import save

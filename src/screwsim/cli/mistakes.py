@@ -22,11 +22,13 @@ def explain(error: typer.TyperException, arguments: Sequence[str], commands: Ite
         error.possibilities = [near] if near else []  # type: ignore[attr-defined]
     elif text.startswith("No such command"):
         error.message = _command(arguments[0] if arguments else "", list(commands))  # type: ignore[attr-defined]
-    elif "unexpected extra argument" in text and (quoted := _quoted(arguments)):
-        error.message = f"{text}: a value with blanks needs quotes ({quoted})"  # type: ignore[attr-defined]
+    elif "unexpected extra argument" in text and (remedy := _quoted(arguments) or _repeated(arguments)):
+        error.message = f"{text}: {remedy}"  # type: ignore[attr-defined]
 
 
 def _command(name: str, commands: list[str]) -> str:
+    if name in ("help", "version"):
+        return f"No such command '{name}' (write screwsim --{name})"
     near = nearest(name, commands)
     if near is not None:
         return f"No such command '{name}': did you mean '{near}'?"
@@ -47,5 +49,13 @@ def _quoted(arguments: Sequence[str]) -> str | None:
                 words.append(arguments[first])
                 first += 1
             if len(words) > 1:
-                return f"write {name} {shlex.quote(' '.join(words))}"
+                return f"a value with blanks needs quotes (write {name} {shlex.quote(' '.join(words))})"
     return None
+
+
+def _repeated(arguments: Sequence[str]) -> str | None:
+    """Return the remedy where --without has several names."""
+    if "--without" not in arguments[:-2]:
+        return None
+    place = list(arguments).index("--without") + 1
+    return f"--without takes one name (write --without {arguments[place]} --without {arguments[place + 1]})"

@@ -81,10 +81,18 @@ def base_point(scene: Scene, file: str) -> Scene:
     """Return the scene without its sweep, as it is stored beside the result; say so on stderr where it has one."""
     if not scene.sweep:
         return scene
-    from screwsim.scene import case_count, scene_text
+    from screwsim.scene import scene_text
 
-    count = case_count(scene)
-    told = f"its sweep of {count} case{'s' if count != 1 else ''} is left aside, and the point without it is taken"
-    typer.echo(f"{file}: {told} (screwsim sweep {file} simulates the sweep)", err=True)
+    say_left_aside(scene, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
     base = replace(scene, sweep={})
     return replace(base, text=scene_text(base))
+
+
+def say_left_aside(scene: Scene, whose: str, remedy: str) -> None:
+    """Say on stderr that a command leaves the sweep of a scene aside, where it has one."""
+    from screwsim.scene import case_count
+
+    count = case_count(scene)
+    if scene.sweep:
+        cases = f"{count} case{'s' if count != 1 else ''}"
+        typer.echo(f"{whose} sweep of {cases} is left aside, and the point without it is taken ({remedy})", err=True)

@@ -83,11 +83,23 @@ def _count(leaf: Leaf, raw: Any, folder: str) -> int:
     return _limited(leaf, raw, raw)
 
 
+_CALLED = {  # other words for an option
+    "piston": "slider_crank",
+    "reciprocating": "slider_crank",
+    "screw": "twin_screw",
+    "double_screw": "twin_screw",
+    "perfect": "ideal",
+    "ideal_gas": "ideal",
+    "real_gas": "real",
+}
+
+
 def _choice(leaf: Leaf, raw: Any, folder: str) -> str:
     options = leaf.limits["options"]
     if isinstance(raw, str) and raw in options:
         return raw
-    near = nearest(raw, options) if isinstance(raw, str) else None
+    called = _CALLED.get(raw.lower().replace(" ", "_")) if isinstance(raw, str) else None
+    near = called if called in options else nearest(raw, options) if isinstance(raw, str) else None
     hint = f"; did you mean '{near}'?" if near else ""
     raise Refused(f"{shown(raw)} is not an option{hint} (choose from: {', '.join(options)})")
 

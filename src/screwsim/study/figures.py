@@ -1,4 +1,4 @@
-"""Figures as a person names them: in any case, by the symbols of docs/nomenclature.md, or told with those there are."""
+"""Figures as a person names them: in any case, by their symbols (docs/nomenclature.md), or told with those there are."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from screwsim.performance import COOLING, PER_VOLUME
 from screwsim.scene import Scene
 from screwsim.scene.fields import unknown
 
-# Small letters, without blanks, underscores and hyphens; names that may mean two figures ('eta', 'power') are not here
+# Small letters, without blanks, underscores and hyphens; what may mean two figures ('eta', 'power', 'w') is not here
 _SHORT = {
     "λ": "volumetric_efficiency",
     "lambda": "volumetric_efficiency",
@@ -23,6 +23,8 @@ _SHORT = {
     "etas": "isentropic_efficiency",
     "etais": "isentropic_efficiency",
     "ηis": "isentropic_efficiency",
+    "ηiso": "isothermal_efficiency",
+    "etaiso": "isothermal_efficiency",
     "ηt": "isothermal_efficiency",
     "etat": "isothermal_efficiency",
     "mdot": "gas_mass_flow",

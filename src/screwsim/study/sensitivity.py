@@ -85,7 +85,7 @@ def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[Range, ...]:
     for text in texts:
         path, equals, ends = text.partition("=")
         path, (low, dots, high) = path.strip(), ends.partition("..")
-        if not (equals and dots and low.strip() and high.strip()):
+        if not (equals and dots and low.strip() and high.strip()) or "..." in ends:  # 0...5 is not up to 0.5
             example = "--path 'machine.rotor_diameter=120 mm..136 mm'"
             raise UsageError(f"--path {text}: is not PATH=LOW..HIGH (write e.g. {example})")
         check_continuous(scene, path)
