@@ -28,7 +28,7 @@ TYPICAL = [
         "  rotor_diameter: 160 mm\n",
         "",
         "x.yaml:2:1: machine.rotor_diameter: is missing "
-        "(write e.g. rotor_diameter: 128 mm; outer diameter of the male rotor)",
+        "(write rotor_diameter: … mm; outer diameter of the male rotor)",
     ),
     ("male_lobes: 4", "male_lobes: 4.5", "x.yaml:4:15: machine.male_lobes: 4.5 is not a whole number (write e.g. 4)"),
     (
@@ -63,7 +63,7 @@ TYPICAL = [
     (
         "blow_hole: {area: 6 mm^2}",
         "blow_hole:",
-        "x.yaml:35:3: effects.blow_hole.area: is missing (write e.g. area: 20 cm^2; area of one blow-hole)",
+        "x.yaml:35:3: effects.blow_hole.area: is missing (write e.g. area: 6 mm^2; area of one blow-hole)",
     ),
     ("blow_hole:", "blowhole:", "x.yaml:35:3: effects.blowhole: is not known; did you mean 'blow_hole'?"),
     (
@@ -401,7 +401,7 @@ def test_off_no_and_false_leave_an_effect_out(example, word):
         ),
         (
             "operation.speed=",
-            "operation.speed: is missing (write e.g. speed: 3000 rpm; speed of the male rotor, or of the crank)",
+            "operation.speed: is missing (write speed: … rpm; speed of the male rotor, or of the crank)",
         ),
         (
             'operation.speed="3000 rpm',
@@ -461,7 +461,7 @@ def test_a_word_of_yaml_1_1_is_a_word(example):
 def test_a_misspelt_required_name_is_both_unknown_and_missing(example):
     lines = faults_of(example.replace("rotor_length:", "rotor_lenght:"))
     assert lines == [
-        "x.yaml:2:1: machine.rotor_length: is missing (write e.g. rotor_length: 128 mm; length of the rotors)",
+        "x.yaml:2:1: machine.rotor_length: is missing (write rotor_length: … mm; length of the rotors)",
         "x.yaml:7:3: machine.rotor_lenght: is not known; did you mean 'rotor_length'?",
     ]
 

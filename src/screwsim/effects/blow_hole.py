@@ -55,7 +55,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
-    faults = list(check_gap("blow_hole", parameters, facts, "area", "20 cm^2", "area of one blow-hole"))
+    faults = list(check_gap("blow_hole", parameters, facts, "area", "6 mm^2", "area of one blow-hole"))
     if parameters.closes - parameters.opens >= 2.0 * RAMP:
         return faults
     return [*faults, Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")]

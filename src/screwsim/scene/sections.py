@@ -12,8 +12,8 @@ from screwsim.effects import catalogue, find_effect
 from screwsim.effects.base import Effect
 from screwsim.scene.fields import Leaf, Section, section_of, unknown
 from screwsim.scene.types import ActiveEffect
-from screwsim.scene.units import Refused
-from screwsim.scene.values import convert, shown
+from screwsim.scene.units import Refused, customary_unit
+from screwsim.scene.values import convert, describe_leaf, shown
 from screwsim.scene.yaml_tree import Node, Problem, join
 
 OFF = ("off", "no", "false")
@@ -71,10 +71,15 @@ def _absent(item: Leaf | Section, node: Node, path: str, problems: list[Problem]
         needed = [name for name, field in item.fields.items() if field.required]
         problems.append(Problem(node.heading, path, f"is missing (write it with {', '.join(needed or item.fields)})"))
     if isinstance(item, Leaf) and item.required:
-        options = item.limits.get("options")
-        example = item.dimension.example if item.dimension else options[0] if options else "1"
-        remedy = f"write e.g. {path.rpartition('.')[2]}: {example}"
+        remedy = f"write {path.rpartition('.')[2]}: {_blank(item)}"
         problems.append(Problem(node.heading, path, f"is missing ({remedy}; {item.doc})"))
+
+
+def _blank(leaf: Leaf) -> str:
+    """Return what stands behind the name of an input: no value, which would be taken over, and hardly ever fits."""
+    if leaf.dimension is not None:
+        return f"… {customary_unit(leaf.dimension)}"
+    return " or ".join(leaf.limits["options"]) if leaf.kind == "choice" else describe_leaf(leaf)
 
 
 def read_leaf(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> Any:

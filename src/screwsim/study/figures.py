@@ -1,4 +1,4 @@
-"""Figures as a person names them: in any case, by symbols (docs/nomenclature.md), or told with those there are."""
+"""Figures as a person names them: in any case or by their symbols (docs/nomenclature.md); else those there are."""
 
 from __future__ import annotations
 
