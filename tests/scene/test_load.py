@@ -122,8 +122,7 @@ def test_an_override_is_checked_like_the_file(example):
         loads(example, overrides=["operation.speed=abc", "machine.lobes=3", "oil_supply.ratio=[1"])
     assert error.value.lines == [
         "--set operation.speed=abc: operation.speed: 'abc' is not a speed (write e.g. '3000 rpm')",
-        "--set machine.lobes=3: machine.lobes: is not known; "
-        "there are male_lobes, female_lobes (write the whole name)",
+        "--set machine.lobes=3: machine.lobes: is not known; there are male_lobes, female_lobes (write the whole name)",
         "--set oil_supply.ratio=[1: oil_supply.ratio: is not YAML: expected ',' or ']', but got '<stream end>' "
         "(close the [ that opens in line 1, column 1 with ], and have commas between what is inside)",
     ]

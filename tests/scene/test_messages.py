@@ -27,8 +27,7 @@ TYPICAL = [
     (
         "  rotor_diameter: 160 mm\n",
         "",
-        "x.yaml:2:1: machine.rotor_diameter: is missing "
-        "(write rotor_diameter: … mm; outer diameter of the male rotor)",
+        "x.yaml:2:1: machine.rotor_diameter: is missing (write rotor_diameter: … mm; outer diameter of the male rotor)",
     ),
     ("male_lobes: 4", "male_lobes: 4.5", "x.yaml:4:15: machine.male_lobes: 4.5 is not a whole number (write e.g. 4)"),
     (

@@ -37,6 +37,7 @@ def test_a_fit_is_read_in_SI(tmp_path):
         ("from: 10 um", "from: 10", "small.fit.yaml:5:35: parameters.effects.tip_leakage.gap.from: 10 has no unit"),
         ("from: 10 um", "from: 200 um", "small.fit.yaml:5:28: parameters.effects.tip_leakage.gap: from is not below"),
         ("start: 1.5", "start: 4", "small.fit.yaml:6:66: parameters.oil.heat_capacity.start: lies outside 1 kJ/(kg K)"),
+        ("from: 10 um", "from: 10 um, 5 um", "small.fit.yaml:5:42: parameters.effects.tip_leakage.gap.5 um: is no"),
         ("starts: 3", "starts: no", "small.fit.yaml:7:9: starts: 'no' is not a whole number"),
         ("starts: 3", "begins: 3", "small.fit.yaml:7:1: begins: is not known"),
         ("data: points.csv", "data: there.csv", "small.fit.yaml:3:7: data: 'there.csv' is not a file"),
@@ -64,6 +65,15 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
     ("old", "new", "line"),
     [
         ("3.1,0.1", "x,0.1", "points.csv:3:12: shaft_power: 'x' is not a number"),
+        ("3.1,0.1", '"3,1",0.1', "points.csv:3:12: shaft_power: '3,1' has a decimal comma (write a point, e.g. 3.1)"),
+        ("3.1,0.1", '"3,100",0.1', "points.csv:3:12: shaft_power: '3,100' has a comma that divides thousands or dec"),
+        (
+            "operation.speed [rpm]",
+            "operation.speed (rpm)",
+            "points.csv:2:10: operation.speed (rpm): is not known (a unit stands in square brackets: operation.speed [",
+        ),
+        (",", ";", "points.csv:2:1: data: is divided by semicolons (save it with commas, and points before decimals)"),
+        ("1000,3.1", '"1,000",3.1', "points.csv:3:7: operation.speed: '1,000' has a comma that divides"),
         ("3.1,0.1", "3.1,0", "points.csv:3:16: shaft_power: 0 is out of range"),
         ("3.1,0.1", "3.1,", "points.csv:3:1: shaft_power: needs a value and an uncertainty, or neither"),
         ("3.1,0.1", "3.1", "points.csv:3:1: data: has 4 cells, the first line 5"),

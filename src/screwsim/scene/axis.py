@@ -9,7 +9,8 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
-from screwsim.scene.fields import Leaf, unknown
+from screwsim.scene.fields import Leaf, stray, unknown
+from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.sections import read_leaf
 from screwsim.scene.units import Refused, customary_unit, to_customary
 from screwsim.scene.values import convert, shown, text_of
@@ -63,7 +64,7 @@ def read_fields(
     before = len(problems)
     for name, child in node.value.items():
         if name not in fields and name not in also:
-            problems.append(Problem(child.heading, join(path, name), unknown(name, [*fields, *also])))
+            problems.append(Problem(child.heading, join(path, name), stray(name, [*fields, *also])))
     given: dict[str, Any] = {}
     for name, field in fields.items():
         child = node.value.get(name)
@@ -152,6 +153,9 @@ def _cells(name: str, label: str, column: str) -> list[tuple[int, str]]:
 def _cell(leaf: Leaf, text: str, unit: str | None, where: str) -> Any:
     if unit and leaf.dimension is None:
         raise Refused(f"has no unit, but unit: {shown(unit)} is given (remove unit)")
+    odd = odd_number(text) if unit else None
+    if odd is not None:
+        raise Refused(f"{where}: {shown(text)} {told(odd, '')}")
     try:
         if leaf.dimension is not None:
             return convert(leaf, f"{text} {unit}" if unit else text)

@@ -177,3 +177,13 @@ def unknown(name: str, options: Iterable[str], otherwise: str = "", paths: Itera
     if beside:
         return f"is not known; known there: {', '.join(option.rpartition('.')[2] for option in beside)}"
     return f"is not known (use {otherwise})" if otherwise else f"is not known; known here: {', '.join(options) or '-'}"
+
+
+def stray(name: str, options: Iterable[str], paths: Iterable[str] = ()) -> str:
+    """Return what is wrong with a key that a mapping of a file does not know; `paths` are those of the whole scene."""
+    if name[:1].isdigit():
+        return "is no name (in { } and [ ] a comma begins another entry: write decimals with a point)"
+    if "." in name and name in paths:
+        above, _, last = name.rpartition(".")
+        return f"is a path, which --set and sweep take (write {last} under {above.replace('.', ', under ')}: here)"
+    return unknown(name, options, paths=paths)

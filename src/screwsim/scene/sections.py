@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 from collections.abc import Iterable
 from typing import Any
 
 from screwsim.effects import catalogue, find_effect
 from screwsim.effects.base import Effect
-from screwsim.scene.fields import Leaf, Section, section_of, unknown
+from screwsim.scene.fields import Leaf, Section, section_of, stray, unknown
 from screwsim.scene.types import ActiveEffect
 from screwsim.scene.units import Refused, customary_unit
 from screwsim.scene.values import convert, describe_leaf, shown
@@ -42,7 +41,7 @@ def read_section(
     options = [*section.fields, *also]
     for name, child in content.items():
         if name not in options:
-            problems.append(Problem(child.heading, join(path, name), _stray(name, options, paths)))
+            problems.append(Problem(child.heading, join(path, name), stray(name, options, paths)))
     values = {}
     for name, item in section.fields.items():
         child = content.get(name)
@@ -54,16 +53,6 @@ def read_section(
         else:
             values[name] = read_leaf(item, child, below, problems)
     return section.type(**values) if len(problems) == before else None
-
-
-def _stray(name: str, options: list[str], paths: Iterable[str]) -> str:
-    """Return what is wrong with a name that a section does not know."""
-    if re.match(r"[0-9]", name):
-        return "is no name (in { } and [ ] a comma begins another entry: write decimals with a point)"
-    if "." in name and name in paths:
-        above, _, last = name.rpartition(".")
-        return f"is a path, which --set and sweep take (write {last} under {above.replace('.', ', under ')}: here)"
-    return unknown(name, options, paths=paths)
 
 
 def _absent(item: Leaf | Section, node: Node, path: str, problems: list[Problem]) -> None:

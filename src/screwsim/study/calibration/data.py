@@ -12,6 +12,8 @@ from screwsim.faults import UsageError
 from screwsim.outputs import PERFORMANCE
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.fields import Leaf, leaf_paths, unknown
+from screwsim.scene.files import NotText, read_text
+from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.units import NUMBER, Refused
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import Place, Problem
@@ -64,7 +66,8 @@ def read_points(
     try:
         sheet = read_sheet(path)
     except Unreadable as reason:
-        problems.append(Problem(start, "data", f"cannot be read: {reason} (name a CSV file in UTF-8)"))
+        there = start.at(reason.line, reason.column)
+        problems.append(Problem(there, "data", f"cannot be read: {reason} (name a CSV file in UTF-8)"))
         return []
     except BadSheet as fault:
         problems.append(Problem(start.at(fault.line or 1, 1), "data", fault.what))
@@ -145,6 +148,9 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
         return _Column("figure" if figure == name else "uncertainty", figure, unit)
     if name in taken:
         raise Refused("is a parameter of the fit and cannot be a condition (remove one of the two)")
+    in_brackets = re.fullmatch(r"(.*?)\s*\((.*)\)", name)
+    if in_brackets is not None:
+        raise Refused(f"is not known (a unit stands in square brackets: {in_brackets[1]} [{in_brackets[2]}])")
     if "." not in name:
         parameters = {each: type(active.parameters) for each, active in scene.effects.items()}
         leaves = leaf_paths(parameters, scene.machine.kind)
@@ -187,6 +193,9 @@ def _value(column: _Column, text: str) -> Any:
         if text not in FITTED:
             raise Refused(f"{shown(text)} is not known (write fit, or check: predicted and not fitted)")
         return FITTED[text]
+    odd = odd_number(text)
+    if odd is not None and (column.unit or column.leaf is None):
+        raise Refused(f"{shown(text)} {told(odd, '')}")
     if column.leaf is not None:
         if column.leaf.dimension is not None:
             return convert(column.leaf, f"{text} {column.unit}" if column.unit else text)
