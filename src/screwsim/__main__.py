@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 from typing import Any
 
 
 def _end(number: int, frame: Any) -> None:
+    with contextlib.suppress(OSError):
+        os.write(2, b"interrupted\n")
     os._exit(130)
 
 
 def main() -> None:
-    """Be the command; while it is imported, Ctrl-C ends it without a traceback."""
+    """Be the command; while it is imported, Ctrl-C ends it in one line."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _end)
     from screwsim.cli import main as command

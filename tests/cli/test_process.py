@@ -128,6 +128,13 @@ def test_ctrl_c_is_an_interruption_whatever_became_of_it(became):
     assert (found.returncode, found.stdout, found.stderr) == (130, "", "interrupted\n")
 
 
+def test_ctrl_c_while_the_command_is_imported_is_one_line():
+    text = "import sys\nclass Finder:\n    def find_spec(self, name, *_):\n        if name == 'screwsim.cli': press()\n"
+    text += "sys.meta_path.insert(0, Finder())\nfrom screwsim.__main__ import main; main()"
+    found = subprocess.run([sys.executable, "-c", PRESS + text], capture_output=True, text=True)
+    assert (found.returncode, found.stdout, found.stderr) == (130, "", "interrupted\n")
+
+
 def test_the_end_of_a_file_is_no_interruption():
     text = "def loaded(*_): raise EOFError('Ran out of input')\n" + COMMAND
     found = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True)

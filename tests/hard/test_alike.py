@@ -69,7 +69,6 @@ def test_a_module_compiled_now_gives_the_bits_of_one_that_was_loaded(tmp_path):
     scene = scene_dict({"gas.model": "real", "oil.transport": "carried", "oil_supply.temperature": "328 K"})
     (tmp_path / "scene.yaml").write_text(json.dumps(scene), encoding="utf-8")
     place = {**os.environ, "SCREWSIM_CACHE": str(tmp_path / "cache")}
-    (tmp_path / "cache").mkdir()
     found = []
     for name in ("compiled.h5", "loaded.h5"):
         asked = ["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / name)]
