@@ -77,7 +77,7 @@ def sheet_of(text: str) -> Sheet:
     head = _row(*lines[0])
     divided = next((name for mark, name in _OTHER.items() if len(head.cells) == 1 and mark in head.text), None)
     if divided is not None:
-        raise BadSheet(f"is divided by {divided} (save it with commas, and points before decimals)")
+        raise BadSheet(f"is divided by {divided} (save it with commas, and points before decimals)", head.line)
     body = [_row(number, line) for number, line in lines[1:]]
     for name in head.cells:
         if name and head.cells.count(name) > 1:

@@ -103,6 +103,7 @@ def run(
     if output is not None:
         from screwsim.results import save
 
+        check_place(output)  # again: what came there meanwhile stays
         save(output, scene, result)
     if as_json:
         print_json(result.as_json())
@@ -153,9 +154,7 @@ def sweep(
     ] = None,
     case_limit: Annotated[
         float | None,
-        typer.Option(
-            min=0.001, metavar="SECONDS", help="Give up a case after that time (default: 300; with --jobs 1: never)."
-        ),
+        typer.Option(metavar="SECONDS", help="Give up a case after that time (default: 300; with --jobs 1: never)."),
     ] = None,
     restart: Annotated[bool, typer.Option("--restart", help="Compute again what is there.")] = False,
     as_json: AsJson = False,

@@ -55,6 +55,43 @@ def put(temporary: Path, path: Path) -> None:
     _sync_folder(path.parent)
 
 
+Stamp = tuple[int, ...] | None
+
+
+def stamp_of(path: Path) -> Stamp:
+    """Return what changes when another file comes to `path`; None where there is none."""
+    try:
+        found = os.lstat(path)
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
+
+
+def put_beside_none(temporary: Path, path: Path, before: Stamp) -> None:
+    """Put a whole file at `path`; raise FileExistsError where another lies there than that `before`, which stays."""
+    _sync(temporary)
+    if before is None:
+        _put_new(temporary, path)
+    elif stamp_of(path) in (None, before):
+        os.replace(temporary, path)
+    else:
+        raise FileExistsError(path)
+    _sync_folder(path.parent)
+
+
+def _put_new(temporary: Path, path: Path) -> None:
+    try:
+        os.link(temporary, path)  # never takes another's place
+    except FileExistsError:
+        raise
+    except OSError:  # a disk without hard links
+        if stamp_of(path) is not None:
+            raise FileExistsError(path) from None
+        os.replace(temporary, path)
+    else:
+        os.unlink(temporary)
+
+
 @contextmanager
 def refused(path: Path) -> Iterator[None]:
     """Raise UsageError, in one line, when the system refuses to write what shall lie at `path`."""

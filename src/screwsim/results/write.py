@@ -10,8 +10,18 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.faults import UsageError
 from screwsim.outputs import Figures, Result
-from screwsim.results.atomic import beside, check_target_kind, make_folder, put, refused, remove
+from screwsim.results.atomic import (
+    beside,
+    check_target_kind,
+    make_folder,
+    put,
+    put_beside_none,
+    refused,
+    remove,
+    stamp_of,
+)
 from screwsim.results.guarded import GuardedFile
 from screwsim.results.knock_out import write_knock_out
 from screwsim.results.netcdf import Selection, chunks_of
@@ -53,7 +63,8 @@ def write_tables(
 class Draft:
     """A results file of all cases on the axes: laid out at some time, filled when all values are there, then renamed.
 
-    The temporary file lies in `folder` (default: beside `path`). Left before it is complete, the draft is removed.
+    The temporary file lies in `folder` (default: beside `path`). Left before it is complete, the draft is removed. With
+    a `folder`, which holds the results by themselves, a file that came to `path` meanwhile is not replaced.
     """
 
     def __init__(
@@ -62,6 +73,8 @@ class Draft:
         self._path = path
         self._about = scene, axes, command
         self._temporary = beside(path, folder)
+        self._folder = folder
+        self._before = stamp_of(path)
         self._target: GuardedFile | None = None
         self._file: Any = None
         self._plan: Plan | None = None
@@ -108,7 +121,19 @@ class Draft:
             if knock_out:
                 write_knock_out(plan.layout, knock_out)
             self._close()
+            self._put()
+
+    def _put(self) -> None:
+        if self._folder is None:
             put(self._temporary, self._path)
+            return
+        try:
+            put_beside_none(self._temporary, self._path, self._before)
+        except FileExistsError:
+            raise UsageError(
+                f"{self._path}: another file came there meanwhile, and stays; all cases are finished, in {self._folder} "
+                "(move that file away and start the sweep again: it only writes its own)"
+            ) from None
 
     def _lay_out(self, names: Names) -> Plan:
         import h5py

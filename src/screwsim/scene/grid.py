@@ -14,6 +14,16 @@ from screwsim.scene.types import Joint, Scene
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert
 
+MOST_CASES = 10_000_000  # of one study; more is a slip of the pen
+
+
+def too_many(cases: int) -> str:
+    """Return why a study cannot have so many cases; '' when it can."""
+    if cases <= MOST_CASES:
+        return ""
+    shown = f"{cases:,}" if cases < 10**15 else f"{cases:.0e}" if cases < 10**300 else "far too many"
+    return f"has {shown} cases, more than the {MOST_CASES:,} of one study (take fewer values, or part it)"
+
 
 class Dimension(NamedTuple):
     """One dimension of a grid: `name` is its path, or that of a joint, whose paths then vary together."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 from screwsim.effects import catalogue
 from screwsim.scene.designs import Axes, LeafOf, read_axes, read_sample, read_zip
 from screwsim.scene.fields import Leaf, sweep_leaf
+from screwsim.scene.grid import too_many
 from screwsim.scene.sections import is_off
 from screwsim.scene.types import ActiveEffect, Joint
 from screwsim.scene.units import Refused
@@ -37,12 +38,17 @@ def read_sweep(
 
     sweep: Axes = {}
     joints: list[Joint] = []
+    cases = 1
     for name, child in node.value.items():
         for joint, axes in _part(name, child, leaf_of, problems):
             for path in sweep.keys() & axes.keys():
                 problems.append(Problem(child.heading, f"sweep.{path}", "is varied twice (remove one)"))
             sweep |= axes
             joints += [joint] if joint else []
+            cases *= max(map(len, axes.values()), default=1) or 1
+    what = too_many(cases)
+    if what:
+        problems.append(Problem(node.heading, "sweep", what))
     return sweep, tuple(joints)
 
 

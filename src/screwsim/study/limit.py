@@ -9,9 +9,19 @@ import signal
 import threading
 import time
 
+from screwsim.faults import UsageError
+
 CASE_LIMIT = 300.0  # [s] of one case; the hardest known ones take some seconds
+LEAST, MOST = 0.001, 1e8  # [s] that a case may be given: beyond, the system's timer overflows
 _deadlines: dict[int, float] = {}  # [s], by thread: a worker of a cluster may have several, a process has one timer
 _lock = threading.Lock()
+
+
+def check_limit(seconds: float | None) -> None:
+    """Raise UsageError unless a limit [s] is one; NaN is none."""
+    if seconds is not None and not LEAST <= seconds <= MOST:
+        what = f"is not a time from {LEAST:g} to {MOST:g} seconds (leave it out for {CASE_LIMIT:g} s)"
+        raise UsageError(f"--case-limit {seconds:g}: {what}")
 
 
 class Limit:

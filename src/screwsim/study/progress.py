@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any, Protocol
 
 from screwsim.numerics.folder import tell
@@ -37,6 +38,33 @@ class Silent:
     def stop(self) -> None: ...
 
 
+class Surviving:
+    """Tell what another does until that can tell no more: a terminal that is gone is no fault of the study."""
+
+    def __init__(self, told: Progress) -> None:
+        self._told = told
+
+    def start(self, cases: int, reused: int) -> None:
+        self._try(lambda: self._told.start(cases, reused))
+
+    def advance(self, cases: int, failed: int) -> None:
+        self._try(lambda: self._told.advance(cases, failed))
+
+    def tick(self) -> None:
+        self._try(self._told.tick)
+
+    def stop(self) -> None:
+        self._try(self._told.stop)
+
+    def _try(self, call: Callable[[], None]) -> None:
+        try:
+            call()
+        except (OSError, ValueError):  # ValueError: of a closed file
+            told, self._told = self._told, Silent()
+            with suppress(OSError, ValueError):
+                told.stop()  # gives back stdout and stderr
+
+
 class Bar:
     """A bar on stderr with rate, time left and failures.
 
@@ -53,6 +81,11 @@ class Bar:
 
     def start(self, cases: int, reused: int) -> None:
         from rich.console import Console
+
+        class Told(Console):
+            def on_broken_pipe(self) -> None:
+                raise
+
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
         columns = (
@@ -63,7 +96,7 @@ class Bar:
             TimeRemainingColumn(),
             TextColumn("{task.fields[failures]}"),
         )
-        self._bar = Progress(*columns, console=Console(stderr=True), auto_refresh=False, expand=True)
+        self._bar = Progress(*columns, console=Told(stderr=True), auto_refresh=False, expand=True)
         self._task = self._bar.add_task(self._title, total=cases, completed=reused, rate="", failures="")
         self._bar.start()
         self._bar.refresh()
@@ -115,6 +148,9 @@ def _digits(rate: float) -> str:
 
 def for_terminal(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
     """Return a bar when stderr is a terminal, else a line for each of the steps that have `names`, or silence."""
-    if sys.stderr is not None and sys.stderr.isatty():
-        return Bar(title)
+    try:
+        if sys.stderr is not None and sys.stderr.isatty():
+            return Surviving(Bar(title))
+    except ValueError:  # it is closed
+        return Silent()
     return Steps(title, names) if names else Silent()

@@ -16,6 +16,7 @@ import numpy as np
 from screwsim.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
+from screwsim.scene.grid import too_many
 from screwsim.study.each import DIED, each
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value, usual_efficiency
@@ -120,6 +121,9 @@ def sensitivity(
     figures = tuple(dict.fromkeys(figure_of(scene, figure) for figure in named))
     if samples < 2 or samples & (samples - 1):
         raise UsageError(f"--samples {samples}: is not a power of two (write e.g. 256; Sobol's sequence needs it)")
+    what = too_many(samples * (len(ranges) + 2))
+    if what:
+        raise UsageError(f"--samples {samples}: {what}")
     problem = _problem(ranges)
     points = _sampled(problem, samples, seed)
     middle = {each.path: 0.5 * (each.low + each.high) for each in ranges}

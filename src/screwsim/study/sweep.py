@@ -25,7 +25,7 @@ from screwsim.study.agreement import Watch, wanted_of
 from screwsim.study.blocks import blocks_of
 from screwsim.study.cases import Block, Job, OneByOne, Outcome, SimulateMany, packed, run_blocks, run_packed
 from screwsim.study.culprits import settle
-from screwsim.study.limit import CASE_LIMIT
+from screwsim.study.limit import CASE_LIMIT, check_limit
 from screwsim.study.progress import Progress, Silent
 from screwsim.study.shards import AngleGuard, Parts
 from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
@@ -74,6 +74,9 @@ def run_sweep(
     file or its parts belong to another scene, or cannot be written, or when the scheduler cannot be reached.
     """
     began = time.perf_counter()
+    check_limit(case_limit)
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"--jobs {jobs}: is no number of workers (write 1 or more, or leave it out for all cores)")
     output = Path(output)
     parts = Parts(output, {"scene_sha256": digest(scene.text), "identity": identity_of(scene)})
     complete = _claim(output, parts, restart)

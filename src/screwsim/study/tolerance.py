@@ -18,6 +18,7 @@ from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.machine.slider_crank.tolerance import GRADES, Grade, Links, grade, right, tolerance
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
+from screwsim.scene.grid import too_many
 from screwsim.study.each import DIED, each
 from screwsim.study.progress import Progress
 
@@ -114,6 +115,8 @@ def tolerances(
         raise UsageError(f"machine.kind is {machine.kind}: there is no crank (name a scene of a slider_crank)")
     if count < 2:
         raise UsageError(f"--count {count}: is too few for a spread (write e.g. 64)")
+    if too_many(count):
+        raise UsageError(f"--count {count}: {too_many(count)}")
     widths = widths_of(machine, grades)
     if simulate is None:
         from screwsim.simulate import simulate as default_simulate

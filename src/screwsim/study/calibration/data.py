@@ -12,7 +12,6 @@ from screwsim.faults import UsageError
 from screwsim.outputs import PERFORMANCE
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.fields import Leaf, leaf_paths, unknown
-from screwsim.scene.files import NotText, read_text
 from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.units import NUMBER, Refused
 from screwsim.scene.values import convert, shown

@@ -1,0 +1,182 @@
+"""What a study refuses before it begins, and what may happen beside it while it runs."""
+
+import errno
+import io
+import math
+import os
+import sys
+from collections.abc import Callable
+
+import pytest
+from result_fakes import GRID, SCENE, fake_simulate, scene
+from sweep_fakes import assert_same, chained, forbidden, grid_scene
+
+from screwsim.cli import exit_code
+from screwsim.faults import SceneError, UsageError
+from screwsim.results import atomic
+from screwsim.scene.grid import MOST_CASES
+from screwsim.study.progress import Silent, Surviving, for_terminal
+from screwsim.study.sensitivity import Range, sensitivity
+from screwsim.study.sweep import run_sweep
+
+
+@pytest.mark.parametrize("limit", [math.inf, -math.inf, math.nan, 0.0, -1.0, 1e9, 1e300])
+def test_a_limit_that_is_no_time_is_refused(limit, tmp_path):
+    with pytest.raises(UsageError, match=r"--case-limit \S+: is not a time from 0\.001 to 1e\+08 seconds \(leave it"):
+        run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, case_limit=limit, simulate=forbidden)
+    assert os.listdir(tmp_path) == []
+
+
+@pytest.mark.parametrize("limit", ["inf", "nan", "0", "-3", "1e30"])
+def test_the_command_tells_it_as_wrong_use(limit, tmp_path, capsys):
+    (tmp_path / "scene.yaml").write_text(SCENE + GRID)
+    arguments = ["sweep", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / "out.h5"), f"--case-limit={limit}"]
+    assert exit_code(arguments) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("limit", [0.5, 1e8])
+def test_limits_that_are_times_hold(limit, tmp_path):
+    assert run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, case_limit=limit, simulate=fake_simulate).failed == 3
+
+
+@pytest.mark.parametrize("jobs", [0, -1])
+def test_no_workers_are_refused(jobs, tmp_path):
+    with pytest.raises(UsageError, match=f"--jobs {jobs}: is no number of workers"):
+        run_sweep(grid_scene(), tmp_path / "out.h5", jobs=jobs, simulate=forbidden)
+
+
+LONG = "{from: 1, to: 2, count: 100000}"
+PRESSURES = "{from: 5 bar, to: 9 bar, count: 100000}"
+
+
+@pytest.mark.parametrize(
+    ("sweep", "cases"),
+    [
+        (f"oil_supply.ratio: {LONG}, operation.discharge.pressure: {PRESSURES}", "10,000,000,000"),
+        (
+            f"oil_supply.ratio: {LONG}, operation.discharge.pressure: {PRESSURES}, "
+            "operation.speed: {from: 1000 rpm, to: 2000 rpm, count: 100000}, "
+            "machine.volume.max: {from: 1 l, to: 2 l, count: 100000}",
+            "1e+20",
+        ),
+        (
+            "sample: {kind: sobol, count: 1048576, over: {oil_supply.ratio: {from: 1, to: 2}}}, "
+            "operation.speed: {from: 1000 rpm, to: 2000 rpm, count: 10}",
+            "10,485,760",
+        ),
+        (
+            f"zip: [{{oil_supply.ratio: {LONG}}}], operation.speed: {{from: 1000 rpm, to: 2000 rpm, count: 101}}",
+            "10,100,000",
+        ),
+    ],
+)
+def test_a_grid_that_no_one_can_mean_is_a_fault_of_the_scene(sweep, cases):
+    with pytest.raises(SceneError) as caught:
+        scene(SCENE + f"sweep: {{{sweep}}}\n")
+    told = f"sweep: has {cases} cases, more than the 10,000,000 of one study (take fewer values, or part it)"
+    assert len(caught.value.lines) == 1 and caught.value.lines[0].endswith(told)
+
+
+def test_the_largest_grid_loads():
+    axes = "oil_supply.ratio: {from: 1, to: 2, count: 100000}, operation.speed: {from: 1 rpm, to: 9 rpm, count: 100}"
+    assert MOST_CASES == 10_000_000 == 100 * len(scene(SCENE + f"sweep: {{{axes}}}\n").sweep["oil_supply.ratio"])
+
+
+def test_a_sample_that_no_one_can_mean_is_refused_before_it_is_drawn():
+    spans = [Range("operation.speed", 100.0, 200.0)]
+    with pytest.raises(
+        UsageError, match=r"--samples 1099511627776: has 3,298,534,883,328 cases, more than the 10,000,"
+    ):
+        sensitivity(scene(), spans, samples=2**40, simulate=forbidden)
+
+
+class Puts:
+    """Progress in which something comes to a place after some parts."""
+
+    def __init__(self, put: Callable[[], object], after: int = 2) -> None:
+        self.put, self.left = put, after
+
+    def start(self, cases: int, reused: int) -> None: ...
+
+    def advance(self, cases: int, failed: int) -> None:
+        self.left -= 1
+        if not self.left:
+            self.put()
+
+    def tick(self) -> None: ...
+
+    def stop(self) -> None: ...
+
+
+@pytest.mark.parametrize("links", [True, False])
+def test_a_file_that_comes_to_the_output_meanwhile_stays_and_nothing_is_lost(links, tmp_path, monkeypatch):
+    output = tmp_path / "out.h5"
+    if not links:
+        monkeypatch.setattr(atomic.os, "link", no_links)
+    told = r"out\.h5: another file came there meanwhile, and stays; all cases are finished, in .*out\.h5\.parts \(move"
+    with pytest.raises(UsageError, match=told) as caught:
+        mine = Puts(lambda: output.write_text("my thesis"))
+        run_sweep(grid_scene(), output, jobs=1, simulate_many=chained, progress=mine)
+    assert "\n" not in str(caught.value)
+    assert output.read_text() == "my thesis"
+    output.unlink()
+    assert run_sweep(grid_scene(), output, jobs=1, simulate=forbidden).reused == 120
+    run_sweep(grid_scene(), tmp_path / "one.h5", jobs=1, simulate_many=chained)
+    assert_same(output, tmp_path / "one.h5")
+    assert sorted(os.listdir(tmp_path)) == ["one.h5", "out.h5"]
+
+
+def no_links(*_) -> None:
+    raise OSError(errno.EPERM, os.strerror(errno.EPERM))
+
+
+def test_a_restart_replaces_its_own_old_file_and_no_other(tmp_path):
+    output = tmp_path / "out.h5"
+    run_sweep(grid_scene(), output, jobs=1, simulate=fake_simulate)
+    assert run_sweep(grid_scene(), output, jobs=1, restart=True, simulate=fake_simulate).reused == 0
+
+    def replaced() -> None:
+        (tmp_path / "other").write_text("my thesis")
+        os.replace(tmp_path / "other", output)
+
+    with pytest.raises(UsageError, match="another file came there meanwhile"):
+        run_sweep(grid_scene(), output, jobs=1, restart=True, simulate=fake_simulate, progress=Puts(replaced))
+    assert output.read_text() == "my thesis"
+
+
+class Gone(io.StringIO):
+    """A terminal that goes away after some letters."""
+
+    def __init__(self, error: Exception, letters: int) -> None:
+        super().__init__()
+        self.error, self.letters = error, letters
+
+    def isatty(self) -> bool:
+        return True
+
+    def write(self, text: str) -> int:
+        self.letters -= len(text)
+        if self.letters < 0:
+            raise self.error
+        return len(text)
+
+
+@pytest.mark.parametrize("letters", [0, 200, 2000])
+@pytest.mark.parametrize("error", [BrokenPipeError(), OSError(errno.EIO, "gone"), ValueError("closed file")])
+def test_a_terminal_that_goes_fails_no_sweep(error, letters, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(sys, "stderr", Gone(error, letters))
+    out = sys.stdout
+    assert isinstance(for_terminal(), Surviving)
+    summary = run_sweep(grid_scene(), tmp_path / "out.h5", jobs=1, simulate=fake_simulate, progress=for_terminal())
+    assert summary.cases == 120 and sys.stdout is out and isinstance(sys.stderr, Gone)
+
+
+def test_without_a_stderr_nothing_is_told(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", None)
+    assert isinstance(for_terminal(), Silent)
+    closed = io.StringIO()
+    closed.close()
+    monkeypatch.setattr(sys, "stderr", closed)
+    assert isinstance(for_terminal(), Silent)
