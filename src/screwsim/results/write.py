@@ -131,8 +131,8 @@ class Draft:
             put_beside_none(self._temporary, self._path, self._before)
         except FileExistsError:
             raise UsageError(
-                f"{self._path}: another file came there meanwhile, and stays; all cases are finished, in {self._folder} "
-                "(move that file away and start the sweep again: it only writes its own)"
+                f"{self._path}: another file came there meanwhile, and stays; all cases are finished, in "
+                f"{self._folder} (move that file away and start the sweep again: it only writes its own)"
             ) from None
 
     def _lay_out(self, names: Names) -> Plan:

@@ -106,7 +106,7 @@ def _connect(where: str, patience: float) -> Any:
 
 async def _reach(address: str, patience: float) -> None:
     """Connect and let go; raise what dask does. A `Client` that cannot connect keeps its process from ending."""
-    from distributed.comm import connect
+    from distributed.comm.core import connect
     from distributed.security import Security
 
     about = Security().get_connection_args("client")
