@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from traceback import walk_tb
 from typing import Any, NamedTuple
 
 from screwsim.effects.base import (
@@ -36,6 +37,20 @@ from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_ent
 from screwsim.scene.types import ActiveEffect, Scene
 
 
+def own_effects(scene: Scene) -> tuple[str, ...]:
+    """Return the names of the effects of the user's own."""
+    return tuple(name for name in scene.effects if "." in name)
+
+
+def blamed(error: BaseException, own: Iterable[str]) -> str | None:
+    """Return in which of the user's own effects an error was raised; None in none of them."""
+    modules = [frame.f_globals.get("__name__", "") for frame, _ in walk_tb(error.__traceback__)]
+    tops = {module.partition(".")[0] for module in modules}
+    exact = [name for name in own if name in modules]
+    near = [name for name in own if name.partition(".")[0] in tops]
+    return next(iter((*exact, *near)), None)
+
+
 @contextmanager
 def faults_of_own(scene: Scene) -> Iterator[None]:
     """Raise UsageError, in one line, for what fails while effects of the user's own are built and compiled."""
@@ -43,8 +58,8 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
         yield
     except UsageError:
         raise
-    except Exception as error:
-        own = [f"effects.{name}" for name in scene.effects if "." in name]
+    except (Exception, SystemExit) as error:
+        own = [f"effects.{name}" for name in own_effects(scene)]
         if not own:
             raise
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]

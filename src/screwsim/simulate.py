@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Iterable, Iterator
+from typing import Any
 
 import numpy as np
 
 from screwsim import own, plausible, settling, shaft
-from screwsim.build import faults_of_own, prepare
+from screwsim.build import blamed, faults_of_own, own_effects, prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
-from screwsim.faults import Impossible
+from screwsim.faults import Impossible, UsageError
 from screwsim.fluid.orifice import outside_fit
 from screwsim.ledger.total import Ledger
 from screwsim.model import close as closing
@@ -19,6 +21,7 @@ from screwsim.model.pulsation import LOWEST
 from screwsim.model.residues import LEAST_OIL
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
 from screwsim.model.stops import MOST_IMPACTS
+from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
 from screwsim.prepared import Series
 from screwsim.scene.plausible import scene_warnings
@@ -273,7 +276,7 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
     `trace` keeps the cycle over the angle; the ledger is left out without it where the scene says `numerics.error:
     none`. Raises UsageError when the scene asks for a fluid that is not there.
     """
-    return _simulate(scene, trace, Series())
+    return _told(scene, trace, Series())
 
 
 def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Result]:
@@ -284,7 +287,44 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
     """
     series = Series()
     for scene in scenes:
-        yield _simulate(scene, trace, series)
+        yield _told(scene, trace, series)
+
+
+def _told(scene: Scene, trace: bool, series: Series) -> Result:
+    """Return the result of a scene; what goes wrong inside an effect of the user's own is told as a fault of that."""
+    own = own_effects(scene)
+    if not own:
+        return _simulate(scene, trace, series)
+    _survived(own, tuple(scene.effects), scene)
+    try:
+        return _simulate(scene, trace, series)
+    except UsageError:
+        raise
+    except (Exception, SystemExit) as error:
+        name = blamed(error, own)
+        if name is None:
+            raise
+        series.course.forget()
+        text = " ".join(f"{type(error).__name__}: {error}".split())
+        what = "ends the program" if isinstance(error, SystemExit) else "fails"
+        return Result("failed", f"effects.{name}: {what} ({text}); mend that module", effects=tuple(scene.effects))
+
+
+_tried: dict[tuple[str, ...], list[Any]] = {}  # effects that were tried, the user's own as they were imported
+
+
+def _survived(own: tuple[str, ...], effects: tuple[str, ...], scene: Scene) -> None:
+    """Raise UsageError where a process dies over effects of the user's own: a child is the first to try them."""
+    modules = [scene.effects[name].effect for name in own]
+    known = _tried.get(effects, [])
+    if len(known) == len(modules) and all(map(operator.is_, known, modules)):
+        return
+    how = how_it_died(lambda: _simulate(scene, False, Series()))
+    if how:
+        names = ", ".join(f"effects.{name}" for name in own)
+        what = f"a process that built, compiled and ran them died {how}"
+        raise UsageError(f"{names}: {what}; mend the module (they are the effects of your own here)")
+    _tried[effects] = modules
 
 
 def _simulate(scene: Scene, trace: bool, series: Series) -> Result:

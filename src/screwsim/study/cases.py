@@ -106,7 +106,7 @@ def _unfit(scene: Scene) -> str:
     """Return why the values of a case do not fit together; '' when they do."""
     try:
         return "; ".join(f"{fault.path}: {fault.what}" for fault in cross_check(scene))
-    except Exception as error:  # noqa: BLE001 - as below
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - as below
         return _told(error)
 
 
@@ -120,11 +120,11 @@ def _chain(job: Job, run: Sequence[tuple[int, Scene]]) -> dict[int, Result]:
             with limit:
                 many = many or iter(job.simulate_many(scene for _, scene in run[number:]))
                 results[place] = next(many)
-        except Exception as error:  # noqa: BLE001 - any error of one case; KeyboardInterrupt is none
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - any error of one case; KeyboardInterrupt is none
             results[place] = Result("failed", message=_told(error))
             many = None
     return results
 
 
-def _told(error: Exception) -> str:
+def _told(error: BaseException) -> str:
     return " ".join(f"{type(error).__name__}: {error}".split())
