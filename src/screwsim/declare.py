@@ -32,21 +32,21 @@ class Kind:
 KINDS = {
     kind.name: kind
     for kind in (
-        Kind("length", "m", "128 mm", most=100.0),
-        Kind("area", "m^2", "20 cm^2", most=1e4),
-        Kind("volume", "m^3", "500 cm^3", most=1e4),
+        Kind("length", "m", "128 mm", most=1e6),
+        Kind("area", "m^2", "20 cm^2", most=1e9),
+        Kind("volume", "m^3", "500 cm^3", most=1e9),
         Kind("pressure", "Pa", "2 bar", most=1e13),
         Kind("pressure_difference", "Pa", "0.5 bar", most=1e9),
         Kind("temperature", "K", "285 K", most=1e4, least=1.0),
-        Kind("temperature_difference", "K", "10 K", most=1e4),
+        Kind("temperature_difference", "K", "10 K", most=1e5),
         Kind("speed", "rad/s", "3000 rpm", most=1e6),
         Kind("angle", "rad", "60 deg"),
-        Kind("density", "kg/m^3", "980 kg/m^3", most=1e5),
+        Kind("density", "kg/m^3", "980 kg/m^3", most=1e12),
         Kind("heat_capacity", "J/(kg K)", "2.0 kJ/(kg K)", most=1e5),
-        Kind("viscosity", "Pa s", "20 mPa s", most=1e6),
+        Kind("viscosity", "Pa s", "20 mPa s", most=1e12),
         Kind("force", "N", "8 kN", most=1e10),
-        Kind("mass", "kg", "0.3 g", most=1e6),
-        Kind("time", "s", "10 ms", most=1e6),
+        Kind("mass", "kg", "0.3 g", most=1e9),
+        Kind("time", "s", "10 ms", most=1e9),
         Kind("stiffness", "N/m", "500 N/m", most=1e15),
         Kind("power", "W", "75 kW", most=1e11),
         Kind("torque", "N m", "200 N m", most=1e10),
@@ -55,7 +55,7 @@ KINDS = {
         Kind("torsional_damping", "N m s/rad", "10 N m s/rad", most=1e12),
         Kind("thermal_conductivity", "W/(m K)", "0.0146 W/(m K)", most=1e4),
         Kind("surface_tension", "N/m", "30 mN/m", most=10.0),
-        Kind("heat_transfer_coefficient", "W/(m^2 K)", "500 W/(m^2 K)", most=1e9),
+        Kind("heat_transfer_coefficient", "W/(m^2 K)", "500 W/(m^2 K)", most=1e12),
         Kind("thermal_expansion", "1/K", "11.5 um/(m K)", most=0.01),
     )
 }

@@ -34,10 +34,10 @@ CANNOT = {
     "oil_supply.temperature=900 K": "at least 150 K and at most 700 K",
     "operation.ambient_temperature=3 K": "at least 50 K",
     "machine.volume.max=1000 m^3": "which cannot be (a smaller volume, or a larger rotor_diameter or rotor_length",
-    "machine.volume.min=1 m^3": "of both rotors' bores, which cannot be",
+    "machine.volume.min=1 m^3": "times what a chamber can have of both rotors' bores, which cannot be",
     "machine.rotor_length=20 m": "is 125 rotor diameters, which cannot be (shorter rotors",
-    "machine.rotor_diameter=1 km": "is beyond any machine (at most 100000 mm; is the unit right?)",
-    "machine.suction_port.area=10 m^2": "of the area of both bores and their ends, which cannot be",
+    "machine.rotor_diameter=10000 km": "is beyond any machine (at most 1000000000 mm; is the unit right?)",
+    "machine.suction_port.area=10 m^2": "times the area of both bores and their ends, which cannot be",
     "gas.isentropic_exponent=1e9": "at least 1.001 and at most 2",
     "gas.isentropic_exponent=1.0000001": "at least 1.001 and at most 2",
     "operation.speed=1e6 rpm": "moves the rotors' tips at 8378 m/s, and no machine stands 1000 m/s (a lower speed",
@@ -45,13 +45,12 @@ CANNOT = {
     "operation.discharge.pressure=1e6 bar": "at most 10000 bar",
     "oil.density=1 kg/m^3": "at least 10 kg/m^3",
     "oil.heat_capacity=1 MJ/(kg K)": "at most 20 kJ/(kg K)",
-    "oil.viscosity=1e8 mPa s": "at most 10000000 mPa s",
-    "effects.tip_leakage.gap=50 mm": "is 1.56 of the height of a lobe, which cannot be",
-    "effects.interlobe_leakage.gap=50 mm": "of the height of a lobe, which cannot be",
-    "effects.end_face_leakage.gap=50 mm": "of the height of a lobe, which cannot be",
-    "effects.blow_hole.area=1 m^2": "of the rotor diameter's square, which cannot be",
+    "oil.viscosity=1e-9 mPa s": "at least 0.001 mPa s",
+    "effects.tip_leakage.gap=50 mm": "is 1.56 times the height of a lobe, which cannot be",
+    "effects.interlobe_leakage.gap=50 mm": "times the height of a lobe, which cannot be",
+    "effects.end_face_leakage.gap=50 mm": "times the height of a lobe, which cannot be",
+    "effects.blow_hole.area=1 m^2": "times the rotor diameter's square, which cannot be",
     "effects.tip_leakage.flow_coefficient=1000": "at most 100",
-    "effects.oil_heat.droplet_radius=1 m": "of the height of a lobe, which cannot be",
     "effects.mechanical.fraction=1000": "at most 100",
 }
 
@@ -72,7 +71,7 @@ HARDLY = {
     "effects.tip_leakage.flow_coefficient=1.2": "1.2 is unusual (usual: at most 1)",
     "gas.isentropic_exponent=1.7": "1.7 is unusual (usual: at most 1.66667)",
     "machine.volume.max=5 cm^3": "of both rotors' bores (usual: at least 0.03)",
-    "machine.suction_port.area=4000 cm^2": "of the area of both bores and their ends (usual: at most 0.5)",
+    "machine.suction_port.area=4000 cm^2": "1.55 times the area of both bores and their ends (usual: at most 0.5)",
     "operation.suction.temperature=200 K": "R134a of 1.23 bar is a liquid at 200 K (-73.15 degC), and a gas from 251",
     "operation.discharge.pressure=50 bar": "one machine has a pressure ratio of 40.65 (usual: at most 30)",
 }
@@ -171,14 +170,22 @@ def test_dense_fluid_below_the_critical_temperature_is_a_liquid():
     assert "a liquid" in said(REAL, *(f"{name}={text}" for name, text in lines.items()))
 
 
+def test_a_table_of_areas_in_another_unit_is_refused(tmp_path):
+    rows = "angle_deg,area_m2\n0,0\n180,104\n360,0\n"  # cm²
+    (tmp_path / "area.csv").write_text(rows)
+    port = f"machine.suction_port={{law: table, area: null, phi_B: null, file: {tmp_path / 'area.csv'}}}"
+    line = said(CONFIGS / "paper" / "point.yaml", port)
+    assert "its largest area of 104 m^2 is 404 times the area of both bores and their ends, which cannot be" in line
+
+
 CYLINDER = CONFIGS / "slider_crank" / "air.yaml"
 
 
 def test_a_piston_as_fast_as_none_and_valves_wider_than_the_piston():
     assert "moves the piston, in the mean, at 366.9 m/s" in said(CYLINDER, "operation.speed=60000 rpm")
-    assert "of the piston's area, which cannot be" in said(CYLINDER, "effects.reed_valves.suction_port_area=4 m^2")
+    assert "times the piston's area, which cannot be" in said(CYLINDER, "effects.reed_valves.suction_port_area=4 m^2")
     (warning,) = scene_warnings(load(CYLINDER, overrides=["effects.reed_valves.suction_port_area=400 cm^2"]))
-    assert "1.27 of the piston's area (usual: at most 1)" in warning
+    assert "1.27 times the piston's area (usual: at most 1)" in warning
 
 
 def test_rotors_of_another_size_than_their_profile():

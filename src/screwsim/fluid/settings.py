@@ -46,9 +46,7 @@ class OilSettings:
         tuple(OILS),
         None,
     )
-    density: float | None = quantity(
-        "density", "density (needed without name)", None, ge=10.0, le=25e3, hardly=(600.0, 2000.0)
-    )
+    density: float | None = quantity("density", "density (needed without name)", None, ge=10.0, hardly=(600.0, 2000.0))
     heat_capacity: float | None = quantity(
         "heat_capacity", "specific heat capacity (needed without name)", None, ge=10.0, le=2e4, hardly=(1000.0, 5000.0)
     )
@@ -57,7 +55,6 @@ class OilSettings:
         "dynamic viscosity (for losses and the injection orifice)",
         None,
         ge=1e-6,
-        le=1e4,
         hardly=(2e-4, 20.0),
     )
     transport: str = choice(

@@ -11,7 +11,7 @@ from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
 from screwsim.machine.kinds import SLIDER_CRANK, check_machine
 from screwsim.scene.fields import leaf_paths, value_at
 from screwsim.scene.operation import check_operation
-from screwsim.scene.sizes import size_faults
+from screwsim.scene.sizes import area_fault, size_faults
 from screwsim.scene.types import Scene
 
 VOLUME_COLUMN = "volume_m3"
@@ -139,16 +139,16 @@ def check_files(scene: Scene) -> list[Fault]:
     faults = []
     for path in (path for path, leaf in leaves.items() if leaf.kind == "file" and path not in READ_ELSEWHERE):
         name = value_at(scene, path)
-        what = None if name is None else _curve_fault(name, CURVE_COLUMNS.get(path, AREA_COLUMN), scene.folder)
+        what = None if name is None else _curve_fault(name, CURVE_COLUMNS.get(path, AREA_COLUMN), scene)
         if what is not None:
             faults.append(Fault(path, what))
     return faults
 
 
-def _curve_fault(name: str, column: str, folder: str) -> str | None:
-    shown = repr(os.path.relpath(name, folder))
+def _curve_fault(name: str, column: str, scene: Scene) -> str | None:
+    shown = repr(os.path.relpath(name, scene.folder))
     if not os.path.isfile(name):
-        return f"{shown} is not a file in {folder} (name an existing CSV file, relative to the scene)"
+        return f"{shown} is not a file in {scene.folder} (name an existing CSV file, relative to the scene)"
     from screwsim.numerics.spline import read_curve
 
     try:
@@ -159,4 +159,5 @@ def _curve_fault(name: str, column: str, folder: str) -> str | None:
         return f"{shown}: the volume is zero everywhere (write the volume of a chamber [m3] over its angle)"
     if column == VOLUME_COLUMN and abs(values[0] - values[-1]) > 1e-6 * max(values):
         return f"{shown}: the volume must end as it begins (what is left at 720 deg is what the chamber starts with)"
-    return None
+    beyond = area_fault(scene, float(max(values))) if column == AREA_COLUMN else None
+    return None if beyond is None else f"{shown}: {beyond}"

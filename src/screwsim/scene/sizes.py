@@ -86,7 +86,7 @@ _WALL = "of the area of both bores and their ends"
 _LOBE = "of the height of a lobe"
 _D, _DD, _LINE = "rotor diameters", "of the rotor diameter's square", "of rotor diameter and length together"
 _AREA, _BORE = "of the piston's area", "of the bore"
-_ANY = 0.0
+_ANY, WIDEST = 0.0, 10.0
 SIZES = {
     TWIN_SCREW: (
         Size("machine.rotor_length", _diameter, _D, 30.0, (0.4, 4.0), "shorter rotors, or a larger rotor_diameter"),
@@ -101,8 +101,8 @@ SIZES = {
         Size("machine.volume.min", _a_turn, _HOLDS, 1.0, (_ANY, 0.1)),
         Size("machine.profile.centre_distance", _diameter, _D, 5.0, (0.7, 0.9)),
         Size("machine.profile.female_diameter", _diameter, _D, 5.0, (0.7, 1.1)),
-        Size("machine.suction_port.area", _shell, _WALL, 10.0, (_ANY, 0.5)),
-        Size("machine.discharge_port.area", _shell, _WALL, 10.0, (_ANY, 0.5)),
+        Size("machine.suction_port.area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
+        Size("machine.discharge_port.area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
         Size("oil_supply.orifice_diameter", _diameter, _D, 0.5, (_ANY, 0.2)),
         Size("effects.tip_leakage.gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
         Size("effects.interlobe_leakage.gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
@@ -110,14 +110,14 @@ SIZES = {
         Size("effects.interlobe_leakage.length", _line, _LINE, 30.0, (0.05, 3.0)),
         Size("effects.end_face_leakage.length", _line, _LINE, 30.0, (0.01, 3.0)),
         Size("effects.blow_hole.area", _square, _DD, 0.2, (_ANY, 0.02)),
-        Size("effects.slide_valve.slot_area", _shell, _WALL, 10.0, (_ANY, 0.5)),
-        Size("effects.slide_valve.radial_area", _shell, _WALL, 10.0, (_ANY, 0.5)),
-        Size("effects.bypass.area", _shell, _WALL, 10.0, (_ANY, 0.2)),
-        Size("effects.economizer.area", _shell, _WALL, 10.0, (_ANY, 0.2)),
-        Size("effects.liquid_injection.area", _shell, _WALL, 10.0, (_ANY, 0.05)),
-        Size("effects.oil_heat.droplet_radius", _lobe, _LOBE, 1.0, (_ANY, 0.2)),
-        Size("effects.droplets.diameter", _lobe, _LOBE, 1.0, (_ANY, 0.3)),
-        Size("effects.droplets.orifice_diameter", _diameter, _D, 0.5, (_ANY, 0.2)),
+        Size("effects.slide_valve.slot_area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
+        Size("effects.slide_valve.radial_area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
+        Size("effects.bypass.area", _shell, _WALL, WIDEST, (_ANY, 0.2)),
+        Size("effects.economizer.area", _shell, _WALL, WIDEST, (_ANY, 0.2)),
+        Size("effects.liquid_injection.area", _shell, _WALL, WIDEST, (_ANY, 0.05)),
+        Size("effects.oil_heat.droplet_radius", _lobe, _LOBE, 1e9, (_ANY, 0.2)),
+        Size("effects.droplets.diameter", _lobe, _LOBE, 1e9, (_ANY, 0.3)),  # none exchange heat in that limit
+        Size("effects.droplets.orifice_diameter", _diameter, _D, 1e9, (_ANY, 0.2)),
         Size("effects.oil_drag.tip_gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
         Size("effects.oil_drag.end_gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
         Size("effects.oil_drag.tip_land", _diameter, _D, 1.0, (_ANY, 0.2)),
@@ -187,12 +187,21 @@ def size_faults(scene: Scene) -> Iterator[Fault]:
     """Yield the sizes that do not fit into the machine, and a speed that no machine stands."""
     for size, share in _shares(scene):
         if share > size.most:
-            what = f"{_shown(scene, size.path)} is {share:.3g} {size.what}, which cannot be"
+            what = f"{_shown(scene, size.path)} is {_times(share, size.what)}, which cannot be"
             yield Fault(size.path, f"{what} ({size.remedy})")
     words, fast = _speed(scene)
     _, most, _, why = SPEEDS[scene.machine.kind]
     if fast > most:
         yield Fault("operation.speed", f"{words}, and no machine stands {most:g} m/s (a lower speed; {why})")
+
+
+def area_fault(scene: Scene, largest: float) -> str | None:
+    """Return what is wrong with the largest area [m²] of a table of the machine; None where it can be."""
+    machine = scene.machine
+    if not isinstance(machine, TwinScrew) or largest <= WIDEST * _shell(machine):
+        return None
+    what = f"its largest area of {largest:.4g} m^2 is {_times(largest / _shell(machine), _WALL)}"
+    return f"{what}, which cannot be (write m^2; is the unit right?)"
 
 
 def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -201,11 +210,18 @@ def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
         low, high = size.usual
         if not low <= share <= high:
             bound = f"at most {high:g}" if share > high else f"at least {low:g}"
-            yield size.path, f"{_shown(scene, size.path)} is {share:.3g} {size.what} (usual: {bound})"
+            yield size.path, f"{_shown(scene, size.path)} is {_times(share, size.what)} (usual: {bound})"
     words, fast = _speed(scene)
     usual = SPEEDS[scene.machine.kind][2]
     if fast > usual:
         yield "operation.speed", f"{words} (usual: at most {usual:g} m/s)"
+
+
+def _times(share: float, what: str) -> str:
+    """Return a share in words: 0.5 of the bore, 3 times the bore."""
+    if share > 1.0 and what.startswith("of "):
+        return f"{share:.3g} times {what.removeprefix('of ')}"
+    return f"{share:.3g} {what}"
 
 
 def _shown(scene: Scene, path: str) -> str:
