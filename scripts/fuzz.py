@@ -113,17 +113,19 @@ def work(pipe: Any, indices: list[int], seed: int, check: int) -> None:
 
 
 class Worker:
-    """One process that solves its scenes in turn."""
+    """One process that solves its scenes in turn, by the `work` of a search, which names their structure, too."""
 
-    def __init__(self, indices: list[int], seed: int, check: int) -> None:
-        self.indices, self.seed, self.check = indices, seed, check
+    def __init__(self, indices: list[int], seed: int, check: int, search: Any) -> None:
+        self.indices, self.seed, self.check, self.search = indices, seed, check, search
         self.row: dict[str, Any] | None = None
         self._start(indices)
 
     def _start(self, indices: list[int]) -> None:
         self.at, self.began = None, time.monotonic()
         self.pipe, far = multiprocessing.Pipe(duplex=False)
-        self.process = multiprocessing.Process(target=work, args=(far, indices, self.seed, self.check), daemon=True)
+        self.process = multiprocessing.Process(
+            target=self.search.work, args=(far, indices, self.seed, self.check), daemon=True
+        )
         self.process.start()
         far.close()
 
@@ -149,8 +151,8 @@ class Worker:
             raise RuntimeError("a worker did not start")
         left = self.indices[self.indices.index(self.at) + 1 :]
         if done is None:
-            structure, _ = fuzz_space.drawn(self.seed, self.at)
-            done = dict.fromkeys(COLUMNS) | {"index": self.at, "structure": structure}
+            structure = self.search.structure_of(self.seed, self.at)
+            done = dict.fromkeys(self.search.COLUMNS) | {"index": self.at, "structure": structure}
             done |= {"status": status, "message": message}
         self.indices = left
         if left:
@@ -158,9 +160,20 @@ class Worker:
         return done
 
 
-def rows_of(indices: list[int], jobs: int, seed: int, check: int, limit: float) -> Iterator[dict[str, Any]]:
-    """Yield the rows of scenes as they come; one that takes longer than `limit` [s] has the status `hung`."""
-    workers = [Worker(indices[i::jobs], seed, check) for i in range(min(jobs, len(indices)))]
+def structure_of(seed: int, index: int) -> str:
+    """Return the structure of a scene."""
+    return fuzz_space.drawn(seed, index)[0]
+
+
+def rows_of(
+    indices: list[int], jobs: int, seed: int, check: int, limit: float, search: Any = None
+) -> Iterator[dict[str, Any]]:
+    """Yield the rows of scenes as they come; one that takes longer than `limit` [s] has the status `hung`.
+
+    `search` is the module whose scenes they are; this one where none is given.
+    """
+    search = search or sys.modules[__name__]
+    workers = [Worker(indices[i::jobs], seed, check, search) for i in range(min(jobs, len(indices)))]
     while workers:
         pipes = {worker.pipe: worker for worker in workers}
         ready = [pipes[pipe] for pipe in multiprocessing.connection.wait(list(pipes), timeout=1.0)]

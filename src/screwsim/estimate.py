@@ -184,11 +184,16 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Re
 
 
 def _shown(found: Figures, finer: Sequence[Figures], least: tuple[float, float]) -> Figures:
-    """Return what finer lives show of the error of each figure: what they change, and what later ones yet would.
+    """Return what finer lives show of the error of each figure: the most they change, and what later ones yet would.
 
-    The last life's change is followed by others, each as much smaller as that one was than the life's before it.
+    Two lives may agree with the closed one by chance where each goes another way. The last life's change is followed by
+    others, each as much smaller as that one was than the life's before it.
     """
     errors = relative_errors(found, finer[-1], *least)
+    for each in finer[:-1]:
+        for name, size in relative_errors(found, each, *least).items():
+            if size is not None and errors[name] is not None:
+                errors[name] = max(errors[name], size)
     if len(finer) > 1:
         steps = [relative_errors(old, new, *least) for old, new in pairwise([found, *finer])]
         again = min(_again(steps), SLOWEST)
@@ -207,10 +212,16 @@ def _again(steps: Sequence[Figures]) -> float:
 def _fed_back(solution: Any, found: Figures) -> bool:
     """Tell whether one finer life is not enough for an estimate: errors come back through what it still meets.
 
-    That is the coarser life of its neighbours, and what the cycle makes beside the discharge line.
+    That is the coarser life of its neighbours; what the cycle makes beside the discharge line; the state at its own
+    beginning, where much of it is kept: of one chamber alone, of reeds, of oil whose amount nothing but the flows tell.
     """
-    asked = solution.scene.numerics.accuracy <= MUCH
-    return asked or _filling(found) < TIGHT or bool(solution.parts.made)
+    parts, numerics = solution.parts, solution.scene.numerics
+    if numerics.accuracy <= MUCH or _filling(found) < TIGHT or parts.made:
+        return True
+    composition, oil = solution.machinery.composition, parts.oil
+    displaced = composition.carried and oil is not None and "ratio" not in oil.supply
+    kept = composition.chambers == 1 or bool(composition.own_states)
+    return kept or displaced or composition.ported or composition.dissolves
 
 
 def _among_leaks(solution: Any, found: Figures) -> bool:

@@ -7,8 +7,8 @@ group are drawn what every machine has (`SCREW`, `CRANK`), and the numbers of th
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -24,9 +24,7 @@ DRY = ("oil=null", "oil_supply=null", *OFF.values())
 BORE = (CARRIED, OFF["oil_pump"], "oil_supply={kind: displacement, ratio: null, orifice_diameter: 6 mm}")
 WINDOW = "effects.oil_injection={opens: 365 deg, closes: 455 deg}"
 WALLS = "effects.wall_heat={rotor_area: 400 cm^2, housing_area: 150 cm^2, characteristic_length: 58 mm}"
-PLENUMS = (
-    "effects.plenums={discharge_volume: 3 l, suction_volume: 8 l, discharge_area: 15 cm^2, suction_area: 40 cm^2}"
-)
+PLENUMS = "effects.plenums={discharge_volume: 3 l, suction_volume: 8 l, discharge_area: 15 cm^2, suction_area: 40 cm^2}"
 MOTOR = "effects.motor={rated_power: 15 kW, efficiency: 0.921}"
 DRIVE = (
     "effects.drive={motor_inertia: 0.8 kg m^2, rotor_inertia: 0.12 kg m^2, coupling: {linear: "
@@ -50,7 +48,8 @@ READINGS = (
 TABLES = (
     f"machine.volume={{law: table, max: 528 cm^3, phi_A: null, file: {HERE / 'rough_volume.csv'}}}",
     f"machine.suction_port={{law: table, area: null, phi_B: null, file: {HERE / 'rough_suction.csv'}}}",
-    f"machine.discharge_port={{law: table, area: null, opens: null, phi_C: null, file: {HERE / 'rough_discharge.csv'}}}",
+    "machine.discharge_port={law: table, area: null, opens: null, phi_C: null, "
+    f"file: {HERE / 'rough_discharge.csv'}}}",
 )
 
 
@@ -79,6 +78,9 @@ LINES: Ranges = {
     "operation.suction.temperature": Range(270.0, 320.0, K, False),
 }
 RATIO = Range(1.2, 15.0)  # of pressures
+ACCURACY = Range(3e-5, 1e-3)  # wanted by a scene that wants another than the default one
+EACH = 40  # scenes of a structure, one after the other: what a process has compiled it keeps for few
+OWN_ACCURACY, COUPLED = 0.2, 0.1  # share of the scenes that want it, that are closed by coupled chambers
 CONDITIONS: Ranges = {
     "operation.evaporating_temperature": Range(255.0, 285.0, K, False),
     "operation.condensing_temperature": Range(300.0, 335.0, K, False),
@@ -121,10 +123,12 @@ OF_EFFECT: dict[str, Ranges] = {
     "gas_torque": {"male_share": Range(0.5, 1.0, "", False)},
     "motor": {"rated_power": Range(5.0, 200.0, "kW"), "constant_share": Range(0.0, 1.0, "", False)},
     "drive": {"rotor_inertia": Range(0.05, 2.0, "kg m^2"), "motor_inertia": Range(0.1, 5.0, "kg m^2")},
-    "plenums": {"discharge_volume": Range(0.2, 60.0, "l"),
+    "plenums": {
+        "discharge_volume": Range(0.2, 60.0, "l"),
         "suction_volume": Range(0.2, 60.0, "l"),
         "discharge_area": Range(1.0, 100.0, "cm^2"),
-        "suction_area": Range(3.0, 200.0, "cm^2"),},
+        "suction_area": Range(3.0, 200.0, "cm^2"),
+    },
     "refrigerant_solubility": {"separator_temperature": Range(335.0, 365.0, K, False)},
     "reed_valves": {
         "suction_stiffness": Range(2000.0, 60000.0, "N/m"),
@@ -159,6 +163,12 @@ class Structure:
 
 SCREW = (SPEED, LINES, PORTS, DEAD)
 OILED = (*SCREW, PUMPED, WARM)
+SOLVING = (
+    SPEED,
+    PORTS,
+    DEAD,
+    {"oil_supply.ratio": Range(0.1, 3.0), "operation.suction.pressure": Range(1.0, 2.0, "bar")},
+)
 STRUCTURES: dict[str, Structure] = {
     "plenums": Structure(PAPER, (PLENUMS, *READINGS), (*OILED, {"effects.plenums.discharge_loss": Range(0.1, 10.0)})),
     "plenums, valves": Structure(
@@ -166,9 +176,7 @@ STRUCTURES: dict[str, Structure] = {
         (PLENUMS, "effects.plenums.discharge_valve={area: 12 cm^2, pressure: 0.1 bar}", MOTOR),
         (*OILED, {"effects.plenums.discharge_valve.area": Range(5.0, 40.0, "cm^2")}),
     ),
-    "plenums, carried": Structure(
-        PAPER, (CARRIED, PLENUMS, "effects.plenums.suction_valve={area: 40 cm^2}"), OILED
-    ),
+    "plenums, carried": Structure(PAPER, (CARRIED, PLENUMS, "effects.plenums.suction_valve={area: 40 cm^2}"), OILED),
     "displaced through a port": Structure(PAPER, (*BORE, WINDOW, *READINGS), (*SCREW, BORED, WARM)),
     "displaced through a port, oil takes room": Structure(
         PAPER, (*BORE, WINDOW, "effects.oil_volume={}", PLENUMS), (*SCREW, BORED, WARM)
@@ -198,7 +206,12 @@ STRUCTURES: dict[str, Structure] = {
             "oil_supply={ratio: 1, temperature: 325 K}",
             "effects.refrigerant_solubility={separator_temperature: 70 degC}",
         ),
-        (SPEED, PORTS, DEAD, {"oil_supply.ratio": Range(0.1, 3.0), "operation.suction.pressure": Range(1.0, 2.0, "bar")}),
+        (
+            SPEED,
+            PORTS,
+            DEAD,
+            {"oil_supply.ratio": Range(0.1, 3.0), "operation.suction.pressure": Range(1.0, 2.0, "bar")},
+        ),
     ),
     "solubility over time": Structure(
         PAPER,
@@ -208,7 +221,12 @@ STRUCTURES: dict[str, Structure] = {
             "oil_supply={ratio: 1, temperature: 325 K}",
             "effects.refrigerant_solubility={separator_temperature: 70 degC, flash_time: 5 ms, absorption_time: 50 ms}",
         ),
-        (SPEED, PORTS, DEAD, {"oil_supply.ratio": Range(0.1, 3.0), "operation.suction.pressure": Range(1.0, 2.0, "bar")}),
+        (
+            SPEED,
+            PORTS,
+            DEAD,
+            {"oil_supply.ratio": Range(0.1, 3.0), "operation.suction.pressure": Range(1.0, 2.0, "bar")},
+        ),
     ),
     "part load": Structure(
         PAPER,
@@ -248,7 +266,11 @@ STRUCTURES: dict[str, Structure] = {
     ),
     "drive on the mains": Structure(PAPER, (DRIVE, *MAINS, MOTOR), (*OILED,)),
     "rotor profile": Structure(
-        "rotors/a.yaml", ("effects.gas_torque={}",), (SPEED, {"machine.built_in_volume_ratio": Range(1.8, 5.0)}), ("male_share",), ""
+        "rotors/a.yaml",
+        ("effects.gas_torque={}",),
+        (SPEED, {"machine.built_in_volume_ratio": Range(1.8, 5.0)}),
+        ("male_share",),
+        "",
     ),
     "expander": Structure(EXPANDER, (), (SPEED, PORTS, DEAD), (), "expander"),
     "everything": Structure(
@@ -267,6 +289,7 @@ STRUCTURES: dict[str, Structure] = {
 }
 
 
+@cache
 def base(structure: str) -> Scene:
     """Return the scene of a structure without what is drawn."""
     return load(str(ROOT / "configs" / STRUCTURES[structure].config), STRUCTURES[structure].sets)
@@ -279,7 +302,8 @@ def ranges(structure: str) -> Ranges:
     for group in chosen.ranges:
         found |= group
     for name in base(structure).effects:
-        found |= {f"effects.{name}.{key}": each for key, each in OF_EFFECT.get(name, {}).items() if f"effects.{name}.{key}" not in found}
+        own = {f"effects.{name}.{key}": each for key, each in OF_EFFECT.get(name, {}).items()}
+        found = own | found
     return {path: each for path, each in found.items() if not path.endswith(chosen.left or ("\0",))}
 
 
@@ -297,7 +321,13 @@ def drawn(structure: str, seed: int, index: int) -> list[str]:
         sets["operation.discharge.pressure"] = f"{20.0 / float(Range(1.5, 6.0).at(random.random())):.8g} bar"
     if "machine.discharge_port.opens" in sets:
         opens = float(sets["machine.discharge_port.opens"].split()[0])
-        sets["machine.discharge_port.phi_C"] = f"{opens + (0.1 + 0.8 * random.random()) * 0.5 * (720.0 - opens):.8g} deg"
+        sets["machine.discharge_port.phi_C"] = (
+            f"{opens + (0.1 + 0.8 * random.random()) * 0.5 * (720.0 - opens):.8g} deg"
+        )
+    if random.random() < OWN_ACCURACY:
+        sets["numerics.accuracy"] = f"{float(ACCURACY.at(random.random())):.4g}"
+    if random.random() < COUPLED:
+        sets["numerics.closing"] = "coupled"
     return [f"{path}={value}" for path, value in sets.items()]
 
 
@@ -305,6 +335,11 @@ def scene_of(structure: str, seed: int, index: int) -> Scene:
     """Return one scene; raise SceneError where it makes no sense."""
     chosen = STRUCTURES[structure]
     return load(str(ROOT / "configs" / chosen.config), [*chosen.sets, *drawn(structure, seed, index)])
+
+
+def structure_of(index: int) -> tuple[str, int]:
+    """Return the structure of a scene, and its number among those of that structure."""
+    return list(STRUCTURES)[index // EACH], index % EACH
 
 
 def effects_drawn() -> set[str]:

@@ -14,7 +14,7 @@ from screwsim.effects import gap_flow
 from screwsim.effects.base import FlowPath
 from screwsim.faults import Fault
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.spline import edges, read_curve, table_value
+from screwsim.numerics.spline import features, read_curve, table_value
 
 GAP_FLOW_COEFFICIENT = 0.7  # model.md, contract: default of gaps
 
@@ -96,7 +96,7 @@ def gap_path(parameters, area, values, *, knots, offset, use_table=True) -> Flow
             to="neighbour",
             area=table_area,
             values={},
-            knots=(angles[0], *edges(angles, areas), angles[-1]),
+            knots=(angles[0], *features(angles, areas), angles[-1]),
             tables={"curve": (angles, areas)},
             offset=offset,
             flow_coefficient=parameters.flow_coefficient,

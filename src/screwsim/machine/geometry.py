@@ -13,7 +13,7 @@ from screwsim.machine.profile_law import Interface, Laid, lay
 from screwsim.machine.profile_tables import Table
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
 from screwsim.numerics.kernel import Kernel
-from screwsim.numerics.spline import edges, read_curve, shut
+from screwsim.numerics.spline import features, read_curve, shut
 
 KNOTTED_SPACING = np.radians(10.0)  # tables at least this coarse have a knot at every row; finer ones are smooth enough
 
@@ -67,8 +67,8 @@ def table_knots(angles: np.ndarray) -> tuple[float, ...]:
 
 
 def area_knots(angles: np.ndarray, areas: np.ndarray) -> tuple[float, ...]:
-    """Return the knots of a table of areas: those of its angles, and where it opens or has shut."""
-    return tuple(sorted({*table_knots(angles), *edges(angles, areas)}))
+    """Return the knots of a table of areas: those of its angles, where it opens or has shut, narrow tops."""
+    return tuple(sorted({*table_knots(angles), *features(angles, areas)}))
 
 
 def _area(table: Table) -> AreaLaw:

@@ -16,6 +16,7 @@ from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
 from screwsim.model import chamber
 from screwsim.model.module_text import module_text
 from screwsim.model.parts import Parts
+from screwsim.model.sampled import unstated_knots
 from screwsim.model.slots import (
     FEWEST,
     FIRST_OWN,
@@ -116,9 +117,9 @@ class Composition:
         return self.first_stream + self.n_sums
 
 
-def _knots(parts: Parts, law: Any, paths: Sequence[FlowPath], more: Sequence[float]) -> np.ndarray:
+def _knots(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], more: Sequence[float]) -> np.ndarray:
     """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
-    geometry = parts.geometry
+    geometry, paths = parts.geometry, [path for _, path in named]
     own = {geometry.injection_angle, *law.knots, *more}
     for path in paths:
         own.update(path.knots)
@@ -129,6 +130,10 @@ def _knots(parts: Parts, law: Any, paths: Sequence[FlowPath], more: Sequence[flo
     found += law.own_knots
     for path in paths:
         found += [knot + shift * geometry.pitch for knot in path.own_knots for shift in {0, path.offset}]
+    symbols = symbols_of(parts)
+    for name, path in named:
+        unstated = unstated_knots(name, path, symbols, geometry.life)
+        found += [knot + shift * geometry.pitch for knot in unstated for shift in {0, path.offset}]
     # where a neighbour is born or ends
     found += [shift * geometry.pitch + edge for shift in shifts for edge in (0.0, geometry.life)]
     inside = sorted({0.0, geometry.life, *(knot for knot in found if 0.0 < knot < geometry.life)})
@@ -231,7 +236,7 @@ def compose(parts: Parts) -> Composition:
         text=module_text(tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())),
         P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
-        knots=_knots(parts, law, [path for _, path in named], port.knots if port is not None else ()),
+        knots=_knots(parts, law, named, port.knots if port is not None else ()),
         states=states,
         plenum_paths=tuple(name for name, _ in plenum),
         gap_paths=tuple((name, path.offset) for name, path in gaps),

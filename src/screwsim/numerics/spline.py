@@ -20,6 +20,8 @@ from screwsim.textfiles import Unreadable
 
 Array = np.ndarray
 LEAST = 1e-9  # of its largest value: where a curve of areas is below it, it is nothing
+SEEN = 0.02  # of the largest value: a turn of a curve by less than that counts as none
+NARROW = math.radians(15.0)  # turns of a curve that lie closer than that are what a step could leap over
 
 
 def read_curve(path: str, column: str) -> tuple[Array, Array]:
@@ -61,6 +63,33 @@ def edges(angles: Array, areas: Array) -> tuple[float, ...]:
     none = shut(areas)
     beside = np.append(~none[1:], False) | np.append(False, ~none[:-1])
     return tuple(np.asarray(angles)[none & beside].tolist())
+
+
+def features(angles: Array, areas: Array) -> tuple[float, ...]:
+    """Return the rows [rad] between which no step shall leap: `edges`, and tops and bottoms near another of these.
+
+    A step over a bump that it does not look into sees no error; a broad one it cannot miss.
+    """
+    found = edges(angles, areas)
+    turns = _turns(np.asarray(areas)) if found or np.ptp(areas) > 0.0 else []
+    points = np.sort(np.append(found, [angles[i] for i in turns]))
+    near = np.flatnonzero(np.diff(points) < NARROW)
+    return tuple(sorted({*found, *points[near].tolist(), *points[near + 1].tolist()}))
+
+
+def _turns(areas: Array) -> list[int]:
+    """Return the rows of tops and bottoms from which areas turn by `SEEN` of the largest."""
+    least, found, top, bottom = SEEN * float(np.max(areas)), [], 0, 0
+    rising = falling = False
+    for i, area in enumerate(areas.tolist()):
+        top, bottom = (i if area > areas[top] else top), (i if area < areas[bottom] else bottom)
+        if not falling and area < areas[top] - least:
+            found += [top] if rising else []
+            rising, falling, bottom = False, True, i
+        elif not rising and area > areas[bottom] + least:
+            found += [bottom] if falling else []
+            rising, falling, top = True, False, i
+    return found
 
 
 def pack_curve(x: Array, y: Array, slope: Array | None = None) -> Array:

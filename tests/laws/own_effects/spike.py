@@ -1,4 +1,4 @@
-"""A user's effect: a narrow hole to the suction line that a chamber passes quickly, its angles stated as knots or not."""
+"""A user's effect: a narrow hole to the suction line that a chamber passes quickly; states its angles or not."""
 
 from __future__ import annotations
 

@@ -1,0 +1,47 @@
+"""Where steps shall end in the area laws of a user's effects, whatever these state: sampled, as they are not known.
+
+The laws of the package's own effects state their knots, and are not sampled: that takes some milliseconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from screwsim.effects.base import FlowPath
+from screwsim.numerics.spline import features, pack_curve
+
+Array = np.ndarray
+EVERY = math.radians(0.2)  # a feature that is narrower may be missed
+STATED = math.radians(0.5)  # from a stated knot, within which no other is needed
+
+
+def unstated_knots(name: str, path: FlowPath, symbols: Mapping[str, float], life: float) -> tuple[float, ...]:
+    """Return the angles [rad] of a path's features that it does not state; none of an effect of the package."""
+    if "." not in name:
+        return ()
+    angles = np.append(np.arange(0.0, life, EVERY), life)
+    areas = _areas(path, symbols, angles)
+    if areas is None or not np.all(np.isfinite(areas)) or areas.max() <= 0.0:
+        return ()
+    stated = np.array([*path.knots, *path.own_knots, 0.0, life])
+    return tuple(x for x in features(angles, areas) if np.min(np.abs(stated - x)) > STATED)
+
+
+def _areas(path: FlowPath, symbols: Mapping[str, float], angles: Array) -> Array | None:
+    """Return the areas [m²] of a path at angles of the chamber; None where they depend on more than the angle."""
+    TAB, known = np.zeros(1), {**symbols, **path.values}
+    for name, curve in path.tables.items():
+        known[name] = float(len(TAB))
+        TAB = np.concatenate([TAB, pack_curve(*curve)])
+    if not set(path.area.arguments) <= {*known, "phi", "TAB"}:
+        return None
+    at = angles if path.mirror is None else path.mirror - angles
+    return np.array([path.area(*_called(path.area.arguments, known, phi, TAB)) for phi in at.tolist()], float)
+
+
+def _called(names: Sequence[str], known: Mapping[str, float], phi: float, TAB: Array) -> list[float | Array]:
+    """Return the arguments of an area's kernel at an angle [rad]."""
+    return [phi if name == "phi" else TAB if name == "TAB" else known[name] for name in names]
