@@ -16,6 +16,7 @@ import traceback
 import warnings
 import zipfile
 from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -32,6 +33,8 @@ import result_fakes  # noqa: E402
 
 from screwsim import cli  # noqa: E402
 from screwsim.faults import SceneError, UsageError  # noqa: E402
+from screwsim.machine.rotors.export import lobe_csv  # noqa: E402
+from screwsim.machine.rotors.rotors import make_rotors  # noqa: E402
 from screwsim.outputs import Result  # noqa: E402
 from screwsim.results import open_results, save  # noqa: E402
 from screwsim.scene import Scene, case, case_count, load, loads  # noqa: E402
@@ -94,6 +97,16 @@ def _curve(column: str, values: Sequence[float]) -> str:
     return f"# made up\nangle_deg,{column}\n" + "\n".join(rows) + "\n"
 
 
+@cache
+def _lobe() -> str:
+    """Return the points of a male lobe as a table."""
+    machine = load(ROOT / "configs/rotors/b.yaml").machine
+    sizes = machine.male_lobes, machine.female_lobes, machine.rotor_diameter, machine.rotor_length
+    head, *rows = lobe_csv(make_rotors(machine.profile, *sizes)).splitlines()
+    return "\n".join([head, *rows[::8], rows[-1]]) + "\n"
+
+
+@cache
 def _texts() -> dict[str, str]:
     """Return the texts that are mutated, and those that they name."""
     arch = np.sin(np.linspace(0.0, np.pi, 25)) ** 2
@@ -102,6 +115,7 @@ def _texts() -> dict[str, str]:
     speeds = "speed,note\n" + "\n".join(f"{1000 + 250 * i},{chr(97 + i)}" for i in range(9)) + "\n"
     motor = "load,efficiency\n0.25,0.9\n0.5,0.93\n0.75,0.94\n1,0.945\n1.25,0.94\n"
     point = (ROOT / "configs/r134a/point.yaml").read_text(encoding="utf-8")
+    rotors = (ROOT / "configs/rotors/b.yaml").read_text(encoding="utf-8")
     return {
         "plain.yaml": result_fakes.SCENE,
         "swept.yaml": result_fakes.SCENE + result_fakes.GRID,
@@ -110,6 +124,9 @@ def _texts() -> dict[str, str]:
         "air.yaml": (ROOT / "configs/slider_crank/air.yaml").read_text(encoding="utf-8"),
         "based.yaml": "base: paper.yaml\ntitle: based\noperation: {speed: 2000 rpm}\neffects: {oil_pump: off}\n",
         "table.yaml": TABLE,
+        "rotors.yaml": rotors,
+        "points.yaml": rotors.replace("kind: rack", "kind: points\n    file: profile.csv"),
+        "profile.csv": _lobe(),
         "volume.csv": _curve("volume_m3", 6e-4 * arch),
         "suction.csv": _curve("area_m2", suction),
         "discharge.csv": _curve("area_m2", discharge),
@@ -132,9 +149,20 @@ SCENES = (
     "air.yaml",
     "based.yaml",
     "table.yaml",
+    "rotors.yaml",
+    "points.yaml",
     "two.stages.yaml",
 )
-TABLES = ("volume.csv", "suction.csv", "discharge.csv", "motor.csv", "speeds.csv", "points.csv", "droplets.csv")
+TABLES = (
+    "profile.csv",
+    "volume.csv",
+    "suction.csv",
+    "discharge.csv",
+    "motor.csv",
+    "speeds.csv",
+    "points.csv",
+    "droplets.csv",
+)
 RESULTS = ("run.h5", "sweep.h5", "cycles.h5", "map.h5", "zipped.h5", "sources.h5")
 
 
@@ -343,7 +371,8 @@ def _mutate_table(folder: Path, work: Path, random: np.random.Generator) -> tupl
         fit.write_text(FIT.replace("points.csv", target.name), encoding="utf-8")
         return f"points {how}", [("fit", lambda: _fit(fit))]
     scene = target.with_suffix(".yaml")
-    scene.write_text(TABLE.replace(name, target.name), encoding="utf-8")
+    text = _texts()["points.yaml" if name == "profile.csv" else "table.yaml"]
+    scene.write_text(text.replace(name, target.name), encoding="utf-8")
     return f"{name.split('.')[0]} {how}", [("explain", _command("explain", scene))]
 
 

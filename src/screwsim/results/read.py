@@ -20,7 +20,7 @@ from screwsim.results.stored import REMEDY, Odd, opened
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
 _OPTIONAL = ("cycle", "ledger", "knock_out")  # the first two come with traces, the last where it was asked for
 _OWN = {"cycle": "angle", "knock_out": "effect"}  # the coordinate of its own that a group has
-_LARGEST = 1e100  # of a coordinate, in SI units
+_LARGEST = 1e30  # of a coordinate, in SI units
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
 
 

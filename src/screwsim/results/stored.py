@@ -24,6 +24,7 @@ _FILTERS = {1, 2, 3}  # deflate, shuffle, checksum: HDF5's own
 _DENSEST = 1100  # deflate makes no less than 1/1032
 _SLACK = 4096  # [byte]
 _NUMBERS = "fiu"
+_LARGEST = 1e60  # in SI units
 
 
 class Odd(Exception):
@@ -202,7 +203,10 @@ def values(data: Any, index: Any = ()) -> np.ndarray:
     is_numbers(data)
     _check_storage(data)
     with _told(data.name):
-        return np.asarray(data[index])
+        found = np.asarray(data[index])
+    if found.dtype.kind == "f" and np.any(np.isfinite(found) & (np.abs(found) > _LARGEST)):
+        raise Odd(f"is damaged: {data.name} has numbers that no result is")
+    return found
 
 
 def characters(data: Any) -> str:

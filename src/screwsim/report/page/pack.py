@@ -24,7 +24,8 @@ class Thinned(NamedTuple):
 
 def floats(values: np.ndarray) -> str:
     """Return numbers as base64 of little-endian float32, seven digits; NaN stays."""
-    return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode()
+    with np.errstate(over="ignore"):  # infinite there, as beyond seven digits and 38 powers of ten
+        return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode()
 
 
 def bytes_of(values: np.ndarray) -> str:
