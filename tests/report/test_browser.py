@@ -1,15 +1,21 @@
 """The page in a real browser: no errors, nothing asked of a network, a click shows its case, nothing overflows."""
 
+import itertools
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
-from report_fakes import CYCLE, PUMP, RATIOS, SCENE, SPEED, design, file, some_fail, with_ledger
+from report_fakes import CYCLE, PUMP, RATIOS, SCENE, SPEED, design, expanding, file, some_fail, some_warn, with_ledger
+from scipy.interpolate import CubicSpline
 
 from screwsim.outputs import Figures
+from screwsim.report import rotors_page
 from screwsim.report.families import family, layout_of, optimum
 from screwsim.report.page import data, report, tables
+from screwsim.report.rotors_scene import laid_of
 from screwsim.results import open_results
+from screwsim.scene import load
 
 pytestmark = pytest.mark.browser
 
@@ -28,6 +34,8 @@ FILES = {
     "sweep without": (PUMP, some_fail),
     "speed": (SPEED, with_ledger),
     "run": (SCENE, with_ledger),
+    "expander": (SCENE, expanding),
+    "warned": (PUMP, some_warn),
 }
 
 
@@ -208,3 +216,98 @@ def test_every_drawing_and_control_has_a_name(browser, pages):
         assert selects and all(selects)
         charts = seen.page.evaluate(script.format(".chart", "e.getAttribute('aria-label')"))
         assert charts and all(charts)
+
+
+COVERED = """() => {
+  const target = document.getElementById("loop");
+  const frame = target.querySelector(".nsewdrag").getBoundingClientRect();
+  const { xaxis, yaxis } = target._fullLayout;
+  const { x, y } = target.data[0];
+  const path = dense(Array.from(x, (each, i) => [frame.left + xaxis.l2p(each), frame.top + yaxis.l2p(y[i])]));
+  const over = (box) => ([u, v]) => u > box.left && u < box.right && v > box.top && v < box.bottom;
+  return Array.from(target.querySelectorAll(".annotation-text-g"))
+    .map((each) => [each.textContent, each.getBoundingClientRect()])
+    .filter(([, box]) => box.right < frame.right && path.some(over(box))).map(([text]) => text);
+}"""
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("kind", ["run", "sweep with cycles"])
+def test_no_label_covers_the_loop(browser, pages, kind, size):
+    with Seen(browser, pages[kind][1], size=size) as seen:
+        seen.page.wait_for_function("() => document.querySelectorAll('#loop .annotation-text-g').length === 2")
+        assert seen.page.evaluate(COVERED) == []
+
+
+def test_an_expander_has_its_ledger(browser, pages):
+    with Seen(browser, pages["expander"][1]) as seen:
+        assert seen.complaints == []
+        rows = seen.page.locator("#ledger tbody tr").all_inner_texts()
+        assert rows[0].split("\t")[:3] == ["all, given by the gas", "3.141", "100.00"]
+        assert rows[1].split("\t")[:3] == ["power at the shaft", "2.2", "70.04"]
+        words = seen.page.evaluate("document.getElementById('waterfall').data[0].y")
+        assert (words[0], words[-1]) == ("exergy that the gas gives", "power at the shaft")
+
+
+def test_a_case_that_warns_says_of_what(browser, pages):
+    with Seen(browser, pages["warned"][1]) as seen:
+        seen.page.evaluate("pick(99)")
+        assert seen.page.locator("#case-words").inner_text().endswith("ok, with warnings")
+        assert len(seen.page.locator("#case-warnings").inner_text().splitlines()) == 2
+        assert "△ with warnings (60)" in seen.page.locator("#overview-note").inner_text()
+        seen.page.evaluate("pick(0)")
+        assert not seen.page.locator("#case-warnings").is_visible()
+        colours = [
+            seen.page.locator(f".status.{kind}").evaluate("(e) => getComputedStyle(e).backgroundColor")
+            for kind in ("ok", "ok-with-warnings")
+        ]
+        assert colours[0] != colours[1]
+
+
+def test_a_table_that_is_cut_says_so(browser, pages):
+    cut = "e.scrollWidth > e.clientWidth + 1, e.nextElementSibling.checkVisibility()"
+    script = f"Array.from(document.querySelectorAll('.scroll'), (e) => [{cut}])"
+    with Seen(browser, pages["sweep with cycles"][1], size="phone") as seen:
+        found = seen.page.evaluate(script)
+        assert [True, True] in found and all(cut == told for cut, told in found)
+    with Seen(browser, pages["sweep with cycles"][1]) as seen:
+        assert not any(told for _, told in seen.page.evaluate(script))
+
+
+def test_a_map_of_few_values_is_drawn_on_more(browser, pages):
+    """The splines go through the values; the points that can be picked stay the computed ones."""
+    with Seen(browser, pages["warned"][1]) as seen:
+        seen.page.select_option("#view", "map")
+        contours, points = seen.page.evaluate(
+            "(({x, y, z}, d) => [[x.length, y.length, z.flat().every(Number.isFinite)], d.x.length])"
+            "(...document.getElementById('overview').data)"
+        )
+        assert contours == [41, 41, True] and points == 100
+        found = seen.page.evaluate("splined([0, 1, 3, 4], [1, 2, 0, 5], [0, 0.5, 1, 2, 3, 4])")
+        assert [found[i] for i in (0, 2, 4, 5)] == pytest.approx([1.0, 2.0, 0.0, 5.0], abs=1e-12)
+        spline = CubicSpline([0.0, 1.0, 3.0, 4.0], [1.0, 2.0, 0.0, 5.0], bc_type="natural")
+        assert found == pytest.approx(spline([0.0, 0.5, 1.0, 2.0, 3.0, 4.0]).tolist(), abs=1e-12)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_the_page_of_rotors_has_the_theme_of_the_reader(browser, tmp_path, size):
+    laid = laid_of(load(Path(__file__).parents[2] / "configs" / "rotors" / "c.yaml"))
+    (tmp_path / "rotors.html").write_text(rotors_page.page(laid, "rotors"), encoding="utf-8")
+    width, height = SIZES[size]
+    seen = []
+    for scheme in ("light", "dark"):
+        context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
+        page = context.new_page()
+        page.goto(f"file://{tmp_path / 'rotors.html'}")
+        style = "getComputedStyle(document.body)"
+        seen.append(page.evaluate(f"[{style}.backgroundColor, {style}.color, getComputedStyle(male).fill]"))
+        script = (
+            "Array.from(graph.querySelectorAll('text'), (e) => [e.textContent, e.getBoundingClientRect().toJSON()])"
+        )
+        boxes = page.evaluate(script)
+        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+        context.close()
+        for (one, a), (other, b) in itertools.combinations(boxes, 2):
+            beside = a["right"] <= b["left"] or b["right"] <= a["left"]
+            assert beside or a["bottom"] <= b["top"] or b["bottom"] <= a["top"], (one, other)
+    assert all(light != dark for light, dark in zip(*seen, strict=True))

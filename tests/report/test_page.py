@@ -8,7 +8,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from report_fakes import CYCLE, PUMP, SCENE, SPEED, file, ok, some_fail, with_cycle, with_ledger
+from report_fakes import (
+    CYCLE,
+    PUMP,
+    SCENE,
+    SPEED,
+    WARNING,
+    file,
+    ok,
+    some_fail,
+    some_warn,
+    with_cycle,
+    with_ledger,
+    without_warnings,
+)
 
 from screwsim.cli import exit_code
 from screwsim.faults import UsageError
@@ -75,6 +88,38 @@ def test_figures_are_written_as_the_table_of_run_writes_them(tmp_path):
     performance = open_results(path).performance
     assert found["shaft power"] == (f"{performance['shaft_power'] / 1e3:.5g}", "kW")
     assert found["isothermal efficiency"][1] == "%"
+
+
+SLOW = SCENE.replace("speed: 3000 rpm", "speed: 900 rpm").replace("ratio: 3", "ratio: 4")
+
+
+def test_a_run_that_warns_is_not_plainly_ok(tmp_path):
+    page = text_of(file(tmp_path / "x.h5", SLOW, some_warn), tmp_path)
+    assert '<span class="status ok-with-warnings">ok with warnings</span>' in page
+    assert 'class="status ok"' not in page
+    banner = page.partition('id="warnings"')[2].partition("</div>")[0]
+    assert "<strong>2 warnings</strong>" in banner and f"<li>{WARNING}</li>" in banner
+    assert page.index('id="warnings"') < page.index('id="figures"')
+
+
+def test_a_sweep_counts_its_warnings_by_kind(tmp_path):
+    path = file(tmp_path / "x.h5", PUMP, some_warn)
+    assert tables.counts(open_results(path)) == [("ok", 40), ("ok with warnings", 60)]
+    head, lines = tables.warnings(open_results(path))
+    much = int(np.count_nonzero(open_results(path).axes["oil_supply.ratio"] > 3.5))
+    assert head == "60 of 100 cases warn"
+    assert lines == [f"60 cases: {WARNING}", f"{3 * much} cases: the oil would fill 120% of the chamber"]
+    page = text_of(path, tmp_path)
+    assert "<li>60 cases: " in page and ">60 ok with warnings<" in page and ">40 ok<" in page
+    document = json.loads(unpacked(page, "data-document"))
+    assert len(document["warnings"]) == 60 and "39" not in document["warnings"]
+    assert document["warnings"]["99"] == f"{WARNING}\nthe oil would fill 120% of the chamber"
+
+
+def test_a_page_without_warnings_has_no_banner(tmp_path, text):
+    assert 'id="warnings"' not in text and json.loads(unpacked(text, "data-document"))["warnings"] == {}
+    old = text_of(without_warnings(file(tmp_path / "x.h5", SLOW, some_warn)), tmp_path)
+    assert 'id="warnings"' not in old and '<span class="status ok">ok</span>' in old
 
 
 def test_a_title_cannot_break_the_page(tmp_path):

@@ -14,23 +14,28 @@ from report_fakes import (
     SCENE,
     SPEED,
     SPEEDS,
+    WARNING,
+    cooling,
     cycle,
     design,
+    expanding,
     file,
     ok,
     some_fail,
+    some_warn,
     with_cycle,
     with_ledger,
+    without_warnings,
 )
 
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.report import cycle as cycle_figures
-from screwsim.report import ledger, maps, outcome, plot, samples, sweeps
+from screwsim.report import ledger, maps, outcome, plot, samples, sweeps, warned
 from screwsim.report.annotate import spread
-from screwsim.report.families import optimum
+from screwsim.report.families import arc, optimum
 from screwsim.report.quantities import shown_axis
-from screwsim.report.style import DOUBLE, MM, SINGLE, journal
+from screwsim.report.style import COLOURS, DOUBLE, MM, SINGLE, journal, line_style
 from screwsim.report.trace import chosen_trace
 from screwsim.results import Results, open_results
 
@@ -42,6 +47,8 @@ MANY = (
 )
 GAP = SCENE + "sweep:\n  effects.tip_leakage.gap: [10 um, 20 um, 50 um]\n  operation.suction.pressure: [1 bar, 2 bar]\n"
 ORIFICES = SPEED + "  oil_supply.orifice_diameter: [2 mm, 3 mm]\n"
+SLOW = SCENE.replace("speed: 3000 rpm", "speed: 900 rpm").replace("ratio: 3", "ratio: 4")
+FIVE = SCENE + "sweep:\n" + SPEEDS + RATIOS.replace("20", "5")
 LINEAR = SCENE + "sweep:\n  oil_supply.ratio: {from: 0.5, to: 3, count: 6, spacing: linear}\n"
 
 
@@ -61,6 +68,14 @@ FILES = {
     "one axis": (LINEAR, ok, ["efficiency", "performance"]),
     "one run": (SCENE, with_cycle, ["pressure_volume", "states", "mass_flows"]),
     "a ledger": (SCENE, with_ledger, ["pressure_volume", "states", "mass_flows", "shaft_power"]),
+    "an expander": (SCENE, expanding, ["pressure_volume", "states", "mass_flows", "shaft_power"]),
+    "a run that warns": (SLOW, some_warn, ["pressure_volume", "states", "mass_flows", "shaft_power"]),
+    "a sweep that warns": (
+        FIVE + CYCLE,
+        some_warn,
+        ["efficiency", "performance", "map", "pressure_volume", "states", "mass_flows", "shaft_power"],
+    ),
+    "refrigeration": (FIVE, cooling, ["efficiency", "performance", "map", "map_cooling_capacity", "map_cop"]),
     "a spike": (SCENE, spike, ["pressure_volume", "states", "mass_flows"]),
     "sweep with cycles": (
         LINEAR + CYCLE,
@@ -201,6 +216,122 @@ def test_the_optimum_of_a_parabola_in_ln_d_is_exact():
     x = np.geomspace(0.1, 10.0, 7)
     found = optimum(x, 0.6 - 0.03 * np.log(x / BEST_RATIO) ** 2)
     assert found == pytest.approx((BEST_RATIO, 0.6), rel=1e-12)  # the interpolation is of that very form
+
+
+def test_the_arc_of_an_optimum_goes_through_the_three_best_points():
+    x, y = np.geomspace(0.5, 8.0, 5), np.array([3.0, 4.0, 3.7, 2.0, 1.0])
+    places, heights = arc(x, y)
+    top = optimum(x, y)
+    assert (places[0], places[-1]) == pytest.approx((x[0], x[2]), rel=1e-12)
+    assert np.interp(np.log(x[:3]), np.log(places), heights) == pytest.approx(y[:3], rel=1e-12)
+    assert heights.max() == pytest.approx(top[1], rel=1e-4)  # the nearest of its points
+    assert arc(x, np.arange(5.0)) is None
+
+
+def test_every_optimum_lies_on_a_drawn_line(tmp_path):
+    """Of five points a curve: the circle is the top of a parabola, which is drawn."""
+    axes = drawn(file(tmp_path / "x.h5", FIVE, ok))["efficiency"].axes[0]
+    circles = [line for line in axes.lines if line.get_marker() == "o"]
+    curves = [axes.transData.transform(line.get_xydata()) for line in axes.lines if line.get_linestyle() != "None"]
+    assert len(circles) == 5
+    for circle in circles:
+        (at,) = axes.transData.transform(circle.get_xydata())
+        assert min(_distance(at, curve) for curve in curves if len(curve) > 1) < 0.5, "pixel"
+
+
+def _distance(point, curve) -> float:
+    """Return the distance of a point from a polyline."""
+    a, b = curve[:-1], curve[1:]
+    along = np.clip(((point - a) * (b - a)).sum(axis=1) / ((b - a) ** 2).sum(axis=1), 0.0, 1.0)
+    return float(np.hypot(*(a + along[:, None] * (b - a) - point).T).min())
+
+
+def test_contours_of_few_values_keep_a_ridge_whole():
+    """A ridge along the diagonal of five by five values: straight lines between them make islands of it."""
+    places = np.linspace(0.0, 1.0, 5)
+    ridge = lambda x, y: 80.0 - 40.0 * (x - y) ** 2  # noqa: E731 - a formula
+    x, y, z = maps._refined(places, places, np.ma.array(ridge(*np.meshgrid(places, places))))
+    assert np.interp(places, x, np.arange(len(x))) == pytest.approx(np.searchsorted(x, places))  # all values stay
+    assert z == pytest.approx(ridge(*np.meshgrid(x, y)), abs=1e-9)  # a bicubic has it exactly
+
+
+def test_a_map_with_gaps_or_of_many_values_stays_as_it_is():
+    places, many = np.arange(1.0, 6.0), np.arange(1.0, 101.0)
+    gap = np.ma.masked_less(np.add.outer(places, places), 3.0)
+    assert maps._refined(places, places, gap)[2] is gap
+    assert maps._refined(many, places, np.ma.array(np.add.outer(places, many)))[0] is many
+
+
+# of the colour-blind in linear RGB: G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, IEEE TVCG 15 (2009) 1291
+SIGHT = {
+    "normal": np.eye(3),
+    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
+    "tritanopia": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.3039]],
+}
+
+
+def _lab(colour, sight) -> np.ndarray:
+    """Return CIE L*a*b* of a colour as someone sees it."""
+    from matplotlib.colors import to_rgb
+
+    rgb = np.array(to_rgb(colour))
+    linear = np.clip(sight @ np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4), 0.0, 1.0)
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+    x, y, z = np.cbrt(np.maximum(to_xyz @ linear / np.array([0.9505, 1.0, 1.089]), 1e-6))
+    return np.array([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
+
+
+@pytest.mark.parametrize("sight", SIGHT)
+@pytest.mark.parametrize("count", [2, 3, 4, 5, 6])
+def test_curves_are_told_apart_by_any_eye(sight, count):
+    """Ten steps of a just noticeable difference and more (ΔE*ab 2.3), between all curves; dashes come on top."""
+    colours = [_lab(line_style(i, count)["color"], np.array(SIGHT[sight])) for i in range(count)]
+    least = min(np.hypot.reduce(a - b) for a, b in itertools.combinations(colours, 2))
+    assert least > (40.0 if sight == "normal" else 13.0)
+    assert all(a[0] < b[0] for a, b in itertools.pairwise(colours))  # lighter and lighter
+
+
+def test_many_curves_get_lighter_and_lighter():
+    lightness = [_lab(line_style(i, 12)["color"], np.eye(3))[0] for i in range(12)]
+    assert np.all(np.diff(lightness) > 2.0) and len(COLOURS) < 12
+
+
+def test_the_ledger_of_an_expander_leads_from_the_gas_to_the_shaft():
+    bars = ledger.steps(expanding_ledger())
+    assert (bars[0].words, bars[-1].words) == ("exergy that the gas gives", "power at the shaft")
+    assert all(bar.total for bar in (bars[0], bars[-1])) and bars[0].power > 0.0 < bars[-1].power
+    assert bars[0].power - sum(bar.power for bar in bars[1:-1]) == pytest.approx(
+        bars[-1].power, abs=3.2
+    )  # of small ones
+
+
+def expanding_ledger():
+    return Figures(LEDGER, shaft_power=-2200.0, gas_exergy_rise=-3141.0, oil_exergy_rise=-58.9)
+
+
+def test_figures_tell_of_warnings(tmp_path):
+    run = drawn(file(tmp_path / "run.h5", SLOW, some_warn))
+    for figure in run.values():
+        caption = figure.get_suptitle().replace("\n", " ")
+        assert "2 warnings, the first: the estimated error of shaft_power, 0.0012" in caption
+    swept = drawn(file(tmp_path / "swept.h5", FIVE, some_warn))
+    for name in ("efficiency", "performance", "map"):
+        assert "△ with warnings (15)" in swept[name].get_suptitle().replace("\n", " "), name
+    triangles = [line for line in swept["efficiency"].axes[0].lines if line.get_marker() == "^"]
+    assert sum(len(line.get_xdata()) for line in triangles) == 15  # three speeds of five ratios
+
+
+def test_a_caption_is_cut_between_words():
+    text = warned.caption(["word " * 30 + "12.5"])
+    assert text.endswith("word …") and len(text) < warned.LONGEST + 12
+    assert warned.caption([]) == "" and warned.caption([WARNING]) == f"warning: {WARNING}"
+
+
+def test_a_file_that_keeps_no_warnings_is_drawn_as_one_without(tmp_path):
+    path = without_warnings(file(tmp_path / "x.h5", SLOW, some_warn))
+    assert {figure.get_suptitle() for name, figure in drawn(path).items() if name == "states"} == {""}
+    assert not warned.warns(open_results(path)).any() and warned.kinds(open_results(path)) == ()
 
 
 @pytest.mark.parametrize("y", [[1.0, 2.0, 3.0], [3.0, 2.0, 1.0], [1.0, 2.0]])

@@ -100,23 +100,25 @@ def _table(result: Result) -> Any:
 
 def _ledger(ledger: Mapping[str, Any]) -> Any:
     """Return where the shaft power goes: useful exergy, then what each effect destroys, the dearest first."""
-    shaft = ledger["shaft_power"]
-    factor, unit = scale("W", abs(shaft))
+    shaft, gas = ledger["shaft_power"], ledger["gas_exergy_rise"]
+    given = shaft <= 0.0  # an expander's gas gives what its shaft gives on
+    whole = -gas if given else shaft
+    factor, unit = scale("W", abs(whole))
     heads = (unit, "%", "W/K", f"moved {unit}", "kg/s")
     table = _right_table("where the shaft power goes", *heads)
 
     def row(name: str, exergy: float | None, entry: Mapping[str, Any]) -> None:
         if exergy is None:
             return
-        share = f"{100.0 * exergy / shaft:.2f}" if shaft else ""
+        share = f"{100.0 * exergy / whole:.2f}" if whole else ""
         entropy, energy, gas = (entry.get(key) for key in ("entropy_generated", "energy_moved", "gas_moved"))
         shown = (factor * exergy, None, entropy, None if energy is None else factor * energy, gas)
         cells = ["" if value is None else f"{value:.3g}" for value in shown]
         cells[0], cells[1] = f"{factor * exergy:.4g}", share
         table.add_row(name.replace("_", " "), *cells)
 
-    row("all, at the shaft", shaft, {})
-    row("exergy rise of the gas", ledger["gas_exergy_rise"], {})
+    row("all, given by the gas" if given else "all, at the shaft", whole, {})
+    row(*(("power at the shaft", -shaft) if given else ("exergy rise of the gas", gas)), {})
     row("exergy rise of the oil", ledger["oil_exergy_rise"], {})
     for name, entry in sorted_entries(ledger):
         row(name, entry["exergy_destroyed"], entry)

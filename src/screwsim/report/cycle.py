@@ -15,6 +15,7 @@ from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limi
 from screwsim.results import Results
 
 _LIFTS = {"suction_valve_lift": "suction valve", "discharge_valve_lift": "discharge valve"}
+_BESIDE_LEGEND = 0.75  # of the width
 _NEAR = 170.0  # [degree] marks nearer than this have their texts side by side, not centred
 
 
@@ -125,7 +126,7 @@ def _flows(trace: Trace) -> Any:
     figure.supxlabel(trace.axis.label, fontsize=8.0)
     figure.supylabel(MASS_FLOW.label, fontsize=8.0)
     lines = ", ".join(f"{text} {short(angle)}°" for text, angle in trace.marks.items())
-    note(figure, trace.title, f"dotted: {lines}" if lines else "")
+    note(figure, trace.title, f"dotted: {lines}" if lines else "", share=_BESIDE_LEGEND)
     return figure
 
 

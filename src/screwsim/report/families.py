@@ -9,11 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.report.quantities import EFFICIENCIES, is_numeric, short, shown_axis, shown_figure, value_of
+from screwsim.report.warned import warns
 from screwsim.results import Results
 from screwsim.results.schema import Axis
 
 SPEED, RATIO = "operation.speed", "oil_supply.ratio"
 FEWEST = 2  # points that make a curve
+_ARC = 41  # points that draw a parabola
 _SHORT_HEADING = 12  # letters that fit above labels of numbers
 _VARIES = 0.01  # relative: an oil ratio that changes more along the speed is an outcome
 
@@ -21,7 +23,8 @@ _VARIES = 0.01  # relative: an oil ratio that changes more along the speed is an
 class Curve(NamedTuple):
     """One curve in shown units: `at` are the values of the sweep's axis, `closed` is False where a case did not close.
 
-    Points are in the order of the axis, reversed where x falls along it.
+    `warned` is True where a case closed with a warning. Points are in the order of the axis, reversed where x falls
+    along it.
     """
 
     text: str
@@ -29,6 +32,7 @@ class Curve(NamedTuple):
     y: np.ndarray
     closed: np.ndarray
     at: np.ndarray
+    warned: np.ndarray
 
 
 class Layout(NamedTuple):
@@ -116,6 +120,7 @@ def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str
     y = _rows(results, layout, chosen, shown_figure(results, y_name).of(results.performance[y_name]))
     closed = _rows(results, layout, chosen, np.asarray(results.status) == "ok")
     failed = _rows(results, layout, chosen, np.asarray(results.status) == "failed")
+    warned = _rows(results, layout, chosen, warns(results)) & closed
     curves = []
     for i, text in enumerate(_texts(results, layout)):
         kept = np.flatnonzero(np.isfinite(x[i]) & np.isfinite(y[i]) & ~failed[i])
@@ -123,7 +128,7 @@ def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str
         if len(kept) < FEWEST:
             continue
         kept = kept if x[i][kept[-1]] >= x[i][kept[0]] else kept[::-1]
-        curves.append(Curve(text, x[i][kept], y[i][kept], closed[i][kept], at[i][kept]))
+        curves.append(Curve(text, x[i][kept], y[i][kept], closed[i][kept], at[i][kept], warned[i][kept]))
     return curves
 
 
@@ -137,6 +142,11 @@ def left_out(results: Results, layout: Layout, chosen: dict[int, int], curves: l
 def not_closed(curves: list[Curve]) -> int:
     """Return the number of cases shown that did not close."""
     return sum(int(np.count_nonzero(~curve.closed)) for curve in curves)
+
+
+def with_warnings(curves: list[Curve]) -> int:
+    """Return the number of cases shown that closed with a warning."""
+    return sum(int(np.count_nonzero(curve.warned)) for curve in curves)
 
 
 def _count(results: Results, layout: Layout) -> int:
@@ -192,6 +202,22 @@ def optimum(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
     step = -slope / (2.0 * curvature)
     peak = float(v[1] + slope * step + curvature * step * step)
     return (float(np.exp(u0 + step)) if log else u0 + step), peak
+
+
+def arc(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return the parabola in ln x whose top `optimum` is, between the neighbours of the highest point; None without it.
+
+    Where the points are far apart it shows why the optimum lies off the straight lines between them.
+    """
+    if optimum(x, y) is None:
+        return None
+    best = int(np.argmax(y))
+    near = slice(best - 1, best + 2)
+    log = bool(np.all(x[near] > 0.0))
+    u = np.log(x[near]) if log else x[near]
+    places = np.linspace(u[0], u[2], _ARC)
+    heights = np.polynomial.Polynomial.fit(u, y[near], 2)(places)
+    return (np.exp(places) if log else places), heights
 
 
 def is_log(x: np.ndarray) -> bool:

@@ -1,4 +1,4 @@
-"""Figure of the ledger: from the shaft power down to the useful exergy of the gas, what each effect destroys."""
+"""Figure of the ledger: from the shaft power down to the useful exergy of the gas, or back of an expander."""
 
 from __future__ import annotations
 
@@ -32,25 +32,36 @@ def plans(results: Results) -> Iterator[tuple[str, Any]]:
     if "shaft_power" not in results.ledger or (index := best_case(results)) is None:
         return
     ledger = {name: float(results.ledger[name][index]) for name in results.ledger}
-    if np.isfinite(ledger["shaft_power"]) and ledger["shaft_power"] > 0.0:
+    if np.isfinite(whole := spent(ledger)) and whole > 0.0:
         yield "shaft_power", partial(_draw, ledger, case_title(results, index))
 
 
+def spent(ledger: Mapping[str, float]) -> float:
+    """Return the exergy [W] that is spent: the shaft power, or of an expander that which the gas gives."""
+    return ledger["shaft_power"] if ledger["shaft_power"] > 0.0 else -ledger["gas_exergy_rise"]
+
+
 def steps(ledger: Mapping[str, float]) -> list[Step]:
-    """Return the bars from the shaft power to the gas: losses by size, small ones as one, then what the oil takes."""
-    shaft = ledger["shaft_power"]
+    """Return the bars from the shaft power to the gas: losses by size, small ones as one, then what the oil takes.
+
+    Of an expander they lead from the gas to the shaft.
+    """
+    whole, shaft, gas = spent(ledger), ledger["shaft_power"], ledger["gas_exergy_rise"]
+    ends = (Step("shaft power", shaft, _SHAFT, True), Step("exergy rise of the gas", gas, _GAS, True))
+    if shaft <= 0.0:
+        ends = (Step("exergy that the gas gives", -gas, _GAS, True), Step("power at the shaft", -shaft, _SHAFT, True))
     losses = {name: entry["exergy_destroyed"] for name, entry in ledger_entries(ledger).items()}
     losses = {name: power for name, power in losses.items() if np.isfinite(power)}
-    large = {name: power for name, power in losses.items() if abs(power) >= _LEAST * shaft}
+    large = {name: power for name, power in losses.items() if abs(power) >= _LEAST * whole}
     small = [power for name, power in losses.items() if name not in large]
-    found = [Step("shaft power", shaft, _SHAFT, True)]
+    found = [ends[0]]
     found += [_loss(name.replace("_", " "), large[name]) for name in sorted(large, key=lambda name: -large[name])]
-    if abs(sum(small)) >= _LEAST * shaft:
+    if abs(sum(small)) >= _LEAST * whole:
         found.append(_loss(f"others ({len(small)})", sum(small)))
     oil = ledger.get("oil_exergy_rise", np.nan)
-    if np.isfinite(oil) and abs(oil) >= _LEAST * shaft:
+    if np.isfinite(oil) and abs(oil) >= _LEAST * whole:
         found.append(Step("exergy rise of the oil", oil, _OIL))
-    return [*found, Step("exergy rise of the gas", ledger["gas_exergy_rise"], _GAS, True)]
+    return [*found, ends[1]]
 
 
 def _loss(words: str, power: float) -> Step:
@@ -60,9 +71,9 @@ def _loss(words: str, power: float) -> Step:
 def _draw(ledger: Mapping[str, float], title: str) -> Any:
     """Draw the waterfall: each bar begins where the one above ends; power and share stand on the right."""
     bars = steps(ledger)
-    shaft = ledger["shaft_power"]
-    factor, unit = (1e-3, "kW") if shaft >= 1e3 else (1.0, "W")
-    decimals = max(0, 3 - int(np.log10(shaft * factor)))
+    whole = spent(ledger)
+    factor, unit = (1e-3, "kW") if whole >= 1e3 else (1.0, "W")
+    decimals = max(0, 3 - int(np.log10(whole * factor)))
     figure = new_figure(DOUBLE, 16.0 + 4.6 * len(bars))
     axes = figure.subplots()
     left = 0.0
@@ -73,16 +84,17 @@ def _draw(ledger: Mapping[str, float], title: str) -> Any:
         if row + 1 < len(bars):
             axes.plot([end * factor] * 2, [row + 0.31, row + 0.69], color=GREY, linewidth=0.5)
         left = end
-        _cells(axes, row, f"{bar.power * factor:.{decimals}f}", f"{100.0 * bar.power / shaft:.1f}")
+        _cells(axes, row, f"{bar.power * factor:.{decimals}f}", f"{100.0 * bar.power / whole:.1f}")
     _cells(axes, -1.0, unit, "%")
     axes.set_yticks(range(len(bars)), [bar.words for bar in bars])
     axes.tick_params(axis="y", which="both", length=0.0)
     axes.set_ylim(len(bars) - 0.4, -0.6)
-    axes.set_xlim(min(0.0, 1.05 * factor * min(bar.power for bar in bars if bar.total)), 1.02 * shaft * factor)
+    axes.set_xlim(min(0.0, 1.05 * factor * min(bar.power for bar in bars if bar.total)), 1.02 * whole * factor)
     plain_ticks(axes.xaxis)
     axes.set_xlabel(f"exergy ({unit})")
-    ambient = f"what is left of the shaft power, exergy at {TEMPERATURE.of(ledger['ambient_temperature']):.2f} °C"
-    note(figure, title, ambient, f"residue {100.0 * ledger['residue'] / shaft:.1g} %".replace("-", "−"))
+    what = "the shaft power" if ledger["shaft_power"] > 0.0 else "the exergy that the gas gives"
+    ambient = f"what is left of {what}, exergy at {TEMPERATURE.of(ledger['ambient_temperature']):.2f} °C"
+    note(figure, title, ambient, f"residue {100.0 * ledger['residue'] / whole:.1g} %".replace("-", "−"))
     return figure
 
 

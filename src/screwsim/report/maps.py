@@ -1,4 +1,4 @@
-"""Contour map of the efficiency over two axes of a sweep, with the optimum of each curve (η over d and n)."""
+"""Contour maps over two axes of a sweep: of the efficiency with the optimum of each curve, of capacity and COP."""
 
 from __future__ import annotations
 
@@ -24,27 +24,34 @@ from screwsim.report.style import SINGLE, log_scale, new_figure, note, plain_tic
 from screwsim.report.sweeps import Plan, remarks
 from screwsim.results import Results
 
+HAS_OPTIMUM = "efficiency"
 _FEWEST = 3  # values on each axis that make a map
 _LEVELS = 18
+_COOLING = ("cooling_capacity", "cop")
+_FINE = 61  # places along an axis between which contours are drawn: straight lines between few values make corners
+_POINTS_SHOWN = 150  # up to so many computed points are marked
 
 
 def plans(results: Results) -> Iterator[Plan]:
-    """Yield a map for each slice of a sweep over two axes of numbers, three values or more on each."""
-    layout, name = layout_of(results), efficiency_name(results)
-    if layout is None or layout.curves is None or name is None or outcome_layout(results) is not None:
+    """Yield maps for each slice of a sweep over two axes of numbers, three values or more on each."""
+    layout = layout_of(results)
+    if layout is None or layout.curves is None or outcome_layout(results) is not None:
         return
     across = [results.axis_list[i] for i in (layout.x, layout.curves)]
     if not all(is_numeric(axis) and len(axis.values) >= _FEWEST for axis in across):
         return
     for number, (constant, chosen) in enumerate(slices(results, layout), start=1):
         suffix = f"_{number}" if layout.rest and constant else ""
-        if len(family(results, layout, chosen, None, name)) >= _FEWEST:
-            yield f"map{suffix}", partial(_draw, results, layout, chosen, constant, name)
+        for name, word in (("map", efficiency_name(results)), *((f"map_{each}", each) for each in _COOLING)):
+            if word is not None and len(family(results, layout, chosen, None, word)) >= _FEWEST:
+                yield f"{name}{suffix}", partial(_draw, results, layout, chosen, constant, word)
 
 
 def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
     """Draw filled contours with a scale; where a case has no result the map is white."""
     x, y, z = _surface(results, layout, chosen, name)
+    points = np.array([(x[j], y[i]) for i, j in np.argwhere(~np.ma.getmaskarray(z))])
+    x, y, z = _refined(x, y, z)
     figure = new_figure(SINGLE, 76.0)
     axes = figure.subplots()
     levels = _levels(z)
@@ -56,12 +63,33 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
     bar.ax.minorticks_off()
     bar.set_label(shown_figure(results, name).label)
     curves = family(results, layout, chosen, None, name)
-    found = _optima(axes, results, layout, chosen, name)
+    if len(points) <= _POINTS_SHOWN:
+        axes.plot(*points.T, ".", color="black", markersize=1.6, clip_on=False, in_layout=False)
+    found = _optima(axes, results, layout, chosen, name) if HAS_OPTIMUM in name else 0
     for axis, set_label, place in ((axes.xaxis, axes.set_xlabel, layout.x), (axes.yaxis, axes.set_ylabel, _y(layout))):
         set_label(shown_axis(results.axis_list[place]).label)
         _scale(axes, axis, shown_axis(results.axis_list[place]).of(results.axis_list[place].values))
-    note(figure, constant, *remarks([], found), left_out(results, layout, chosen, curves))
+    optima = "○ optimum of a row, by a parabola through three points" if found else ""
+    note(figure, constant, optima, *remarks(curves, 0), left_out(results, layout, chosen, curves))
     return figure
+
+
+def _refined(x: np.ndarray, y: np.ndarray, z: Any) -> tuple[np.ndarray, np.ndarray, Any]:
+    """Return the surface on more places, by the smooth bicubic through its values: a ridge stays one between them.
+
+    A surface with gaps, or with many values, stays as it is.
+    """
+    from scipy.interpolate import RectBivariateSpline
+
+    if np.ma.getmaskarray(z).any() or max(len(x), len(y)) > _FINE:
+        return x, y, z
+    logs = is_log(x), is_log(y)
+    u, v = (np.log(values) if log else values for values, log in zip((x, y), logs, strict=True))
+    spline = RectBivariateSpline(v, u, np.asarray(z), kx=min(3, len(v) - 1), ky=min(3, len(u) - 1))
+    fine_u, fine_v = (np.unique(np.concatenate([np.linspace(w[0], w[-1], _FINE), w])) for w in (u, v))
+    surface = spline(fine_v, fine_u)
+    fine_x, fine_y = (np.exp(w) if log else w for w, log in zip((fine_u, fine_v), logs, strict=True))
+    return fine_x, fine_y, surface
 
 
 def _surface(results: Results, layout: Layout, chosen: dict[int, int], name: str) -> tuple[Any, Any, Any]:

@@ -46,7 +46,7 @@ class Shown(NamedTuple):
 
     def value(self, number: float) -> str:
         """Return a value [SI] with symbol and unit: 'n = 3000 rpm'."""
-        unit = f" {self.unit}" if self.unit not in ("", "kg/kg") else ""
+        unit = f" {self.unit}" if self.unit not in ("", "kg/kg", "W/W") else ""
         return f"{self.symbol or self.words} = {short(self.of(number))}{unit}"
 
 
@@ -67,6 +67,7 @@ GAS_MASS = Shown("gas mass", "$m$", "g", 1e3)
 MASS_FLOW = Shown("mass flow into the chamber", r"$\dot m$", "g/s", 1e3)
 SPEED = Shown("male-rotor speed", "$n$", "rpm", RPM)
 RATIO = Shown("oil-to-gas mass ratio", "$d$", "kg/kg", 1.0)
+_RATIOS = {"oil_ratio": RATIO, "cop": Shown("COP", "", "W/W", 1.0)}  # the quotient is their unit
 
 EFFICIENCIES = ("isothermal_efficiency", "isentropic_efficiency")  # the first with most values is the one to show
 _SYMBOLS = {
@@ -119,8 +120,8 @@ def shown_axis(axis: Axis) -> Shown:
 
 def shown_figure(results: Results, name: str) -> Shown:
     """Return how a performance figure is shown over all cases of a file: one unit, that of the largest."""
-    if name == "oil_ratio":
-        return RATIO
+    if name in _RATIOS:
+        return _RATIOS[name]
     words, symbol = shown_name(name), _SYMBOLS.get(name, "")
     if PERFORMANCE[name].units == "K":
         return celsius(words, symbol)

@@ -76,25 +76,34 @@ def page(laid: Laid, title: str) -> str:
 _PAGE = """\
 <!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
 <title>@TITLE@</title>
 <style>
-body { font: 15px/1.4 system-ui, sans-serif; margin: 1em auto; max-width: 60em; padding: 0 1em; color: #111; }
+:root { color-scheme: light dark; --page: #fff; --text: #111; --soft: #6e6e6e; --mark: #aaa; --male: #e4e4e4;
+  --female: #f4efe6; --contact: #a01f62; --suction: #3b2a8c; --discharge: #c2561a; }
+@media screen and (prefers-color-scheme: dark) { :root { --page: #14171b; --text: #e6e9ed; --soft: #a5aeb9;
+  --mark: #6a7480; --male: #363d46; --female: #2a2620; --contact: #f08bbd; --suction: #a99cff; --discharge: #f2a06a; } }
+body { background: var(--page); color: var(--text); font: 15px/1.4 system-ui, sans-serif; margin: 1em auto;
+  max-width: 60em; padding: 0 1em; }
 h1 { font-size: 1.2em; } svg { width: 100%; height: auto; display: block; }
 label { display: grid; grid-template-columns: 17em 1fr; align-items: center; margin: .3em 0; }
-input { width: 100%; } #graph text { font-size: 11px; } p { margin: .4em 0; }
+input { width: 100%; } #graph text { font-size: 11px; fill: var(--text); }
+@media (max-width: 40em) { label { grid-template-columns: 1fr; } #graph text { font-size: 18px; } }
+p { margin: .4em 0; }
 </style></head><body>
 <h1>@TITLE@</h1>
 <svg id="mesh" role="img" aria-label="section through both rotors"><g transform="scale(1,-1)">
-<path id="bores" fill="none" stroke="#6e6e6e" stroke-width="0.8"/>
-<path id="male" d="@MALE@" fill="#e4e4e4" stroke="#000" stroke-width="0.3"/>
-<path id="female" d="@FEMALE@" fill="#f4efe6" stroke="#000" stroke-width="0.3"/>
-<path id="line" fill="none" stroke="#a01f62" stroke-width="0.4"/><g id="contacts" fill="#a01f62"></g></g></svg>
+<path id="bores" fill="none" stroke="var(--soft)" stroke-width="0.8"/>
+<path id="male" d="@MALE@" fill="var(--male)" stroke="var(--text)" stroke-width="0.3"/>
+<path id="female" d="@FEMALE@" fill="var(--female)" stroke="var(--text)" stroke-width="0.3"/>
+<path id="line" fill="none" stroke="var(--contact)" stroke-width="0.4"/>
+<g id="contacts" fill="var(--contact)"></g></g></svg>
 <label><span id="phi-text"></span><input id="phi" type="range" min="0" step="0.5"></label>
 <label><span id="z-text"></span><input id="z" type="range" min="0" max="1" step="0.01" value="0"></label>
 <p id="state"></p>
-<svg id="graph" viewBox="0 0 720 210" role="img" aria-label="volume and port areas over the angle"></svg>
-<p>Black: volume of the chamber; violet: suction port; orange: discharge port, each over its largest value. Red in the
-upper picture: where the rotors touch in this section, and the line on which they do.</p>
+<svg id="graph" viewBox="0 -22 720 232" role="img" aria-label="volume and port areas over the angle"></svg>
+<p>Solid: volume of the chamber; dashed, violet: suction port; dotted, orange: discharge port, each over its largest
+value. Red in the upper picture: where the rotors touch in this section, and the line on which they do.</p>
 <script>
 const d = @DATA@, at = id => document.getElementById(id), rad = Math.PI / 180;
 const phi = at("phi"), z = at("z"), box = 1.04;
@@ -106,16 +115,18 @@ at("line").setAttribute("d", "M" + d.chain.map(c => c[1] + "," + c[2]).join("L")
 phi.max = d.life; phi.value = d.closes;
 const X = a => 40 + 660 * a / d.life, Y = v => 180 - 150 * v;
 const top_of = c => Math.max(...c.map(p => p[1]));
-const draw = (c, colour) => `<polyline fill="none" stroke="${colour}" stroke-width="1.5" points="` +
+const draw = (c, colour, dash) => `<polyline fill="none" stroke="var(--${colour})" stroke-width="1.5" ` +
+  `stroke-dasharray="${dash}" points="` +
   c.map(p => X(p[0]) + "," + Y(p[1] / top_of(c))).join(" ") + `"/>`;
-const mark = (a, text, anchor) => `<line x1="${X(a)}" x2="${X(a)}" y1="26" y2="180" stroke="#aaa" ` +
-  `stroke-dasharray="2 3"/><text x="${X(a)}" y="18" text-anchor="${anchor}">${text} ${a.toFixed(1)}°</text>`;
+const mark = (a, text, y) => `<line x1="${X(a)}" x2="${X(a)}" y1="${y + 6}" y2="180" stroke="var(--mark)" ` +
+  `stroke-dasharray="2 3"/><text x="${X(a)}" y="${y}" text-anchor="middle">${text} ${a.toFixed(1)}°</text>`;
 let ticks = "";
 for (let a = 0; a <= d.life; a += 90) ticks += `<text x="${X(a)}" y="198" text-anchor="middle">${a}°</text>`;
-at("graph").innerHTML = `<line x1="40" x2="700" y1="180" y2="180" stroke="#000"/>` + ticks +
-  mark(d.born, "born", "middle") + mark(d.closes, "closes", "middle") + mark(d.opens, "opens", "middle") +
-  mark(d.ends, "ends", "middle") + draw(d.suction, "#3b2a8c") + draw(d.discharge, "#c2561a") +
-  draw(d.volume, "#000") + `<line id="now" y1="26" y2="180" stroke="#a01f62"/>`;
+at("graph").innerHTML = `<line x1="40" x2="700" y1="180" y2="180" stroke="var(--text)"/>` + ticks +
+  mark(d.born, "born", 18) + mark(d.closes, "closes", 18) + mark(d.opens, "opens", -4) +
+  mark(d.ends, "ends", 18) + draw(d.suction, "suction", "7 3") +
+  draw(d.discharge, "discharge", "2 2") + draw(d.volume, "text", "none") +
+  `<line id="now" y1="26" y2="180" stroke="var(--contact)"/>`;
 function volume(a) {
   const c = d.volume;
   for (let i = 1; i < c.length; i++)

@@ -12,6 +12,7 @@ from screwsim.report.families import efficiency_name, is_design
 from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
 from screwsim.report.style import COLOURS, DOUBLE, new_figure, note
 from screwsim.report.sweeps import Plan, label_axes
+from screwsim.report.warned import warns
 from screwsim.results import Results
 from screwsim.results.schema import Axis
 
@@ -59,5 +60,7 @@ def _draw(results: Results, shown: list[tuple[Axis, np.ndarray]], name: str) -> 
         axes.autoscale(axis="x")
     missing = f"{len(y) - len(kept)} of {len(y)} cases without a result left out" if len(kept) < len(y) else ""
     thinned = f"{len(drawn)} of {len(kept)} points drawn" if len(drawn) < len(kept) else ""
-    note(figure, f"× not closed ({len(open_)})" if len(open_) else "", missing, thinned)
+    warned = int(np.count_nonzero(warns(results).reshape(-1)[kept]))
+    told = f"{warned} of {len(kept)} cases with warnings" if warned else ""
+    note(figure, f"× not closed ({len(open_)})" if len(open_) else "", told, missing, thinned)
     return figure

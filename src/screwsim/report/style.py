@@ -104,12 +104,12 @@ def write(figure: Any, folder: Path, name: str) -> list[str]:
     return written
 
 
-def note(figure: Any, *parts: str) -> None:
-    """Write the parts that are not empty above the figure, in lines that fit its width."""
+def note(figure: Any, *parts: str, share: float = 1.0) -> None:
+    """Write the parts that are not empty above the figure, in lines that fit a share of its width."""
     text = "; ".join(part for part in parts if part)
     if not text:
         return
-    columns = int(figure.get_figwidth() * 72.0 / (0.56 * SMALL)) - 2  # 0.56 em: mean width of a letter
+    columns = int(share * figure.get_figwidth() * 72.0 / (0.56 * SMALL)) - 2  # 0.56 em: mean width of a letter
     figure.suptitle("\n".join(textwrap.wrap(text, columns)), x=0.01, ha="left", linespacing=1.25)
 
 
@@ -138,7 +138,7 @@ def line_style(index: int, count: int) -> dict[str, Any]:
     """Return colour and dashes of one of several ordered curves: the first is the darkest."""
     from matplotlib import colormaps
 
-    if count < 2:
-        return {"color": COLOURS[0], "linestyle": DASHES[0]}
-    colour = colormaps["viridis"](0.80 * index / (count - 1))  # luminance grows evenly; the yellow end is too pale
+    if count <= len(COLOURS):
+        return {"color": COLOURS[index], "linestyle": DASHES[index]}
+    colour = colormaps["inferno"](0.05 + 0.75 * index / (count - 1))  # luminance grows evenly; the end is too pale
     return {"color": colour, "linestyle": DASHES[index % len(DASHES)]}

@@ -12,6 +12,7 @@ from screwsim.report.annotate import label_ends
 from screwsim.report.families import (
     Curve,
     Layout,
+    arc,
     curves_heading,
     efficiency_name,
     family,
@@ -22,13 +23,21 @@ from screwsim.report.families import (
     optimum,
     outcome_layout,
     slices,
+    with_warnings,
 )
 from screwsim.report.quantities import shown_axis, shown_figure
 from screwsim.report.style import DOUBLE, SINGLE, line_style, log_scale, new_figure, note, plain_ticks
 from screwsim.results import Results
 
 Plan = tuple[str, Callable[[], Any]]  # name of a figure, and what draws it
-_OTHERS = ("volumetric_efficiency", "shaft_power", "gas_mass_flow", "discharge_temperature")
+_OTHERS = (
+    "volumetric_efficiency",
+    "shaft_power",
+    "gas_mass_flow",
+    "discharge_temperature",
+    "cooling_capacity",
+    "cop",
+)
 _LEAST_SPAN = 0.01  # of an axis over its values: numerical noise is not blown up
 _POINTS_SHOWN = 60  # up to so many computed points in a panel they are marked
 
@@ -90,16 +99,23 @@ def _performance(results: Results, layout: Layout, chosen: dict[int, int], const
 
 
 def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
-    """Draw curves, crosses where a case did not close, and circles at optima; return how many optima there are."""
+    """Draw curves, crosses where a case did not close, triangles where it warns, circles at optima; count the optima.
+
+    The parabola that an optimum is the top of is drawn thin, as it may leave the lines between far points.
+    """
     found = 0
     marker = "." if sum(len(curve.x) for curve in curves) <= _POINTS_SHOWN else "None"
     for i, curve in enumerate(curves):
         style = line_style(i, len(curves))
         axes.plot(curve.x, curve.y, **style)
-        _mark(axes, curve.x[curve.closed], curve.y[curve.closed], marker, style["color"])
+        plain = curve.closed & ~curve.warned
+        _mark(axes, curve.x[plain], curve.y[plain], marker, style["color"])
+        _mark(axes, curve.x[curve.warned], curve.y[curve.warned], "^", style["color"])
         _mark(axes, curve.x[~curve.closed], curve.y[~curve.closed], "x", style["color"])
         best = optimum(curve.x, curve.y) if optima else None
-        if best is not None:
+        fitted = arc(curve.x, curve.y) if best is not None else None
+        if best is not None and fitted is not None:
+            axes.plot(*fitted, color=style["color"], linewidth=0.5, linestyle="-")
             axes.plot(*best, "o", color=style["color"], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
             found += 1
     return found
@@ -141,7 +157,11 @@ def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> No
         plain_ticks(axes.xaxis)
 
 
-def remarks(curves: list[Curve], optima: int) -> tuple[str, str]:
-    """Return what the circles and the crosses mean, where there are any."""
-    open_cases = not_closed(curves)
-    return "○ optimum" if optima else "", f"× not closed ({open_cases})" if open_cases else ""
+def remarks(curves: list[Curve], optima: int) -> tuple[str, str, str]:
+    """Return what circles, crosses and triangles mean, where there are any."""
+    open_cases, warned = not_closed(curves), with_warnings(curves)
+    return (
+        "○ optimum, top of a parabola (thin) through three points" if optima else "",
+        f"× not closed ({open_cases})" if open_cases else "",
+        f"△ with warnings ({warned})" if warned else "",
+    )

@@ -9,6 +9,7 @@ import numpy as np
 
 from screwsim.report.families import efficiency_name
 from screwsim.report.quantities import ANGLE, CRANK_ANGLE, DEGREE, Shown, value_of
+from screwsim.report.warned import caption, warnings_of
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
 
@@ -53,10 +54,11 @@ def chosen_trace(results: Results) -> Trace | None:
 
 
 def case_title(results: Results, index: tuple[int, ...]) -> str:
-    """Return what tells a case of a sweep, and whether it closed; '' for a run that did."""
+    """Return what tells a case of a sweep, whether it closed, what it warns of; '' for a run that did without."""
     title = ", ".join(value_of(axis, i) for axis, i in zip(results.axis_list, index, strict=True))
     status = "" if np.asarray(results.status)[index] == "ok" else "not closed"
-    return "; ".join(part for part in (f"best case: {title}" if title else "", status) if part)
+    told = (f"best case: {title}" if title else "", status, caption(warnings_of(results, index)))
+    return "; ".join(part for part in told if part)
 
 
 def best_case(results: Results) -> tuple[int, ...] | None:

@@ -64,6 +64,7 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
         quantities=sum(len(axis.joined) or 1 for axis in results.axis_list),
         axes=tables.axes(results),
         headline=tables.headline(results),
+        warnings=tables.warnings(results),
         notes=tables.notes(results, shown),
         figures=tables.figures(results, shown, document["start"]["case"]),
         ranges=tables.ranges(results) if results.axis_list else [],

@@ -36,19 +36,30 @@ function pick(number) {
     const selects = document.querySelectorAll("#picker select, #picker input");
     placesOf(number).forEach((place, i) => { selects[i].value = String(place); });
     document.getElementById("case-words").textContent = `${caseWords(number)}: ${statusOf(number)}`;
+    showText("case-warnings", data.warnings[number]);
     drawOverview();
   }
   drawCase();
 }
 
 function drawCase() {
-  const message = document.getElementById("case-message");
-  message.textContent = data.messages[picked] || "";
-  message.hidden = message.textContent === "";
+  showText("case-message", data.messages[picked]);
   fillFigures();
   document.getElementById("balance").textContent = balanceWords();
   if (data.cycle) drawCycle();
   if (data.ledger) drawLedger();
+  markCut();
+}
+
+function showText(id, text) {
+  const place = document.getElementById(id);
+  place.textContent = text || "";
+  place.hidden = !text;
+}
+
+// Tables that are wider than the screen say so.
+function markCut() {
+  for (const each of document.querySelectorAll(".scroll")) each.classList.toggle("cut", each.scrollWidth > each.clientWidth + 1);
 }
 
 function row(head, cells, total) {
@@ -126,7 +137,6 @@ function drawLoop() {
   const { angle, traces, top } = data.cycle;
   const [V, p] = [traceOf(traces.volume, picked), traceOf(traces.pressure, picked)];
   const loop = { ...lineTrace(V, p, "p–V", colour("c1"), "solid", "%{x:.4~g}, %{y:.4~g}, %{customdata}°"), customdata: angle.map((each) => general(each, 4)) };
-  const middle = Math.max(...V) / 2;
   const places = marksOf().map(([name, where]) => [at(angle, V, where), at(angle, p, where), `${name}, ${general(where, 4)}°`]);
   const marks = {
     type: "scatter",
@@ -136,18 +146,66 @@ function drawLoop() {
     hoverinfo: "skip",
     marker: { symbol: "circle-open", size: 9, color: colour("c1"), line: { width: 2 } },
   };
-  const names = places.map(([x, y, text]) => ({
-    x, y, text, ax: x > middle ? -44 : 60, ay: x > middle ? -40 : -16, arrowhead: 0, arrowwidth: 1, arrowcolor: colour("soft"), standoff: 5, bgcolor: colour("page"),
-  }));
   const levels = pressureLevels();
-  Plotly.react("loop", [loop, marks], layout({
+  const target = document.getElementById("loop");
+  Plotly.react(target, [loop, marks], layout({
     xaxis: { ...axisLook(traces.volume.label, false), rangemode: "tozero" },
     yaxis: { ...axisLook(traces.pressure.label, false), range: [0, top[picked]] },
     margin: { l: 54, r: 74, t: 30, b: 46 },
     shapes: levels.map((each) => each.shape),
-    annotations: [...levels.map((each) => each.annotation), ...names],
+    annotations: levels.map((each) => each.annotation),
     showlegend: false,
-  }), CONFIG);
+  }), CONFIG).then(() => Plotly.relayout(target, { annotations: [...levels.map((each) => each.annotation), ...clearNames(target, V, p, places)] }));
+}
+
+// Names of points where they cover neither the curve nor each other; a name without such a place is left out.
+function clearNames(target, x, y, places) {
+  const { xaxis, yaxis } = target._fullLayout;
+  const pixel = (a, b) => [xaxis.l2p(a), yaxis.l2p(b)];
+  const path = dense(x.map((each, i) => pixel(each, y[i])).filter((each) => each.every(Number.isFinite)));
+  const boxes = places.map(([a, b]) => around(...pixel(a, b), 6, 6));
+  const found = [];
+  for (const [a, b, text] of places) {
+    const [left, top] = pixel(a, b);
+    const half = [3.4 * text.length + 6, 11];
+    const free = OFFSETS.map(([dx, dy]) => [Math.sign(dx) * (Math.abs(dx) + half[0]), dy]).find(([dx, dy]) => {
+      const box = around(left + dx, top + dy, ...half);
+      return box[0] > 0 && box[1] < xaxis._length && box[2] > 0 && box[3] < yaxis._length
+        && !path.some(([u, v]) => inBox(box, u, v)) && !boxes.some((other) => overlap(box, other));
+    });
+    if (!free) continue;
+    boxes.push(around(left + free[0], top + free[1], ...half));
+    found.push({
+      x: a, y: b, text, ax: free[0], ay: free[1], arrowhead: 0, arrowwidth: 1, arrowcolor: colour("soft"), standoff: 5,
+    });
+  }
+  return found;
+}
+
+const OFFSETS = [12, 20, 28, 38, 50, 65, 80, 100, 125, 150].flatMap((d) => [
+  [d, -d], [-d, -d], [d, 0], [-d, 0], [0, -d - 8], [0, d + 8], [d, d], [-d, d], [12, -d], [-12, -d], [12, d], [-12, d],
+]);
+
+function around(x, y, halfWidth, halfHeight) {
+  return [x - halfWidth, x + halfWidth, y - halfHeight, y + halfHeight];
+}
+
+function inBox([left, right, top, bottom], x, y) {
+  return x > left - 3 && x < right + 3 && y > top - 2 && y < bottom + 2;
+}
+
+function overlap(a, b) {
+  return a[0] < b[1] && b[0] < a[1] && a[2] < b[3] && b[2] < a[3];
+}
+
+// Points of a polyline about every other pixel.
+function dense(points) {
+  return points.flatMap(([x, y], i) => {
+    if (i === 0) return [[x, y]];
+    const [u, v] = points[i - 1];
+    const count = Math.min(Math.ceil(Math.hypot(x - u, y - v) / 2), 2000) || 1;
+    return Array.from({ length: count }, (_, k) => [u + ((x - u) * (k + 1)) / count, v + ((y - v) * (k + 1)) / count]);
+  });
 }
 
 function angleAxis() {
@@ -176,7 +234,7 @@ function drawTemperatures() {
     shapes: angleMarks(),
     annotations: markNames(),
     showlegend: true,
-    legend: { x: 0.5, xanchor: "center", y: 0.98, yanchor: "top", orientation: "h", bgcolor: "rgba(0,0,0,0)" },
+    legend: { x: 0.5, xanchor: "center", y: 0.98, yanchor: "top", orientation: "h", bgcolor: colour("page") },
   }), CONFIG);
 }
 
@@ -212,22 +270,28 @@ function ledgerOf() {
 
 function drawLedger() {
   const ledger = ledgerOf();
-  const there = Number.isFinite(ledger.shaft_power) && ledger.shaft_power > 0;
+  const whole = spent(ledger);
+  const there = Number.isFinite(whole) && whole > 0;
   for (const id of ["ledger", "waterfall"]) document.getElementById(id).hidden = !there;
   document.getElementById("ledger-note").textContent = there ? "" : "This case has no ledger.";
   if (!there) return;
-  const [, factor, unit] = data.watts.find(([least]) => Math.abs(ledger.shaft_power) >= least);
+  const [, factor, unit] = data.watts.find(([least]) => whole >= least);
   fillLedger(ledger, factor, unit);
   drawWaterfall(ledger, factor, unit);
   const ambient = ledger.ambient_temperature;
   document.getElementById("ledger-note").textContent = `W/K: entropy generated; exergy at ${ambient.toFixed(2)} K (${(ambient - 273.15).toFixed(2)} °C).`;
 }
 
+// The exergy that is spent: the shaft power, or of an expander that which the gas gives.
+function spent(ledger) {
+  return ledger.shaft_power > 0 ? ledger.shaft_power : -ledger.gas_exergy_rise;
+}
+
 function fillLedger(ledger, factor, unit) {
   const heads = ["", unit, "%", "W/K", `moved ${unit}`, "kg/s"];
   const cells = (power, entry) => [
     [general(factor * power, 4), "n"],
-    [((100 * power) / ledger.shaft_power).toFixed(2), "n"],
+    [((100 * power) / spent(ledger)).toFixed(2), "n"],
     [general(entry.entropy_generated, 3), "n"],
     [general(factor * entry.energy_moved, 3), "n"],
     [general(entry.gas_moved, 3), "n"],
@@ -244,9 +308,12 @@ function fillLedger(ledger, factor, unit) {
   const top = document.createElement("thead");
   top.append(head);
   const body = document.createElement("tbody");
+  const ends = ledger.shaft_power > 0
+    ? [["all, at the shaft", ledger.shaft_power], ["exergy rise of the gas", ledger.gas_exergy_rise]]
+    : [["all, given by the gas", -ledger.gas_exergy_rise], ["power at the shaft", -ledger.shaft_power]];
   body.append(
-    ...line("all, at the shaft", ledger.shaft_power, {}, true),
-    ...line("exergy rise of the gas", ledger.gas_exergy_rise, {}),
+    ...line(...ends[0], {}, true),
+    ...line(...ends[1], {}),
     ...line("exergy rise of the oil", ledger.oil_exergy_rise, {}),
     ...ledger.entries.flatMap((entry) => line(entry.words, entry.exergy_destroyed, entry)),
     ...line("residue", ledger.residue, {}),
@@ -255,18 +322,21 @@ function fillLedger(ledger, factor, unit) {
 }
 
 function waterfallSteps(ledger) {
-  const least = LEAST * ledger.shaft_power;
+  const least = LEAST * spent(ledger);
   const losses = ledger.entries.filter((entry) => Number.isFinite(entry.exergy_destroyed));
   const large = losses.filter((entry) => Math.abs(entry.exergy_destroyed) >= least);
   const rest = losses.filter((entry) => !large.includes(entry));
   const others = rest.reduce((sum, entry) => sum + entry.exergy_destroyed, 0);
   const loss = (words, power) => ({ words, power, tint: power >= 0 ? "c2" : "c4" });
+  const ends = ledger.shaft_power > 0
+    ? [{ words: "shaft power", power: ledger.shaft_power, tint: "c0", total: true }, { words: "exergy rise of the gas", power: ledger.gas_exergy_rise, tint: "c1", total: true }]
+    : [{ words: "exergy that the gas gives", power: -ledger.gas_exergy_rise, tint: "c1", total: true }, { words: "power at the shaft", power: -ledger.shaft_power, tint: "c0", total: true }];
   return [
-    { words: "shaft power", power: ledger.shaft_power, tint: "c0", total: true },
+    ends[0],
     ...large.map((entry) => loss(entry.words, entry.exergy_destroyed)),
     ...(Math.abs(others) >= least ? [loss(`others (${rest.length})`, others)] : []),
     ...(Math.abs(ledger.oil_exergy_rise) >= least ? [{ words: "exergy rise of the oil", power: ledger.oil_exergy_rise, tint: "c3" }] : []),
-    { words: "exergy rise of the gas", power: ledger.gas_exergy_rise, tint: "c1", total: true },
+    ends[1],
   ];
 }
 
@@ -287,7 +357,7 @@ function drawWaterfall(ledger, factor, unit) {
     x: steps.map((step) => step.power * factor),
     base,
     marker: { color: steps.map((step) => colour(step.tint)) },
-    text: steps.map((step) => `${((100 * step.power) / ledger.shaft_power).toFixed(1)} %`),
+    text: steps.map((step) => `${((100 * step.power) / spent(ledger)).toFixed(1)} %`),
     textposition: "none",
     hovertemplate: `%{y}: %{x:.4~g} ${unit}, %{text}<extra></extra>`,
   }], layout({

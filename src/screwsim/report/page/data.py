@@ -23,6 +23,7 @@ from screwsim.report.quantities import (
     shown_figure,
 )
 from screwsim.report.trace import Trace, angle_axis, flow_paths, marks_of, pressure_limit
+from screwsim.report.warned import warns
 from screwsim.results import Results
 
 MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # shown; all are in the file
@@ -74,6 +75,7 @@ def document(results: Results, shown: Selection) -> dict[str, Any]:
         "status": bytes_of(shown.of(results.performance["status"])),
         "statuses": list(STATUSES),
         "messages": _messages(results, shown),
+        "warnings": _warnings(results, shown),
         "balance": {name: floats(shown.of(results.balance[name])) for name in _BALANCES if name in results.balance},
         "cycle": _cycle(results, shown),
         "ledger": _ledger(results, shown),
@@ -134,6 +136,14 @@ def _messages(results: Results, shown: Selection) -> dict[str, str]:
     """Return {number of the case: why it failed or did not close}."""
     texts = shown.of(results.messages)
     return {str(case): str(texts[case]) for case in np.flatnonzero(texts != "").tolist()}
+
+
+def _warnings(results: Results, shown: Selection) -> dict[str, str]:
+    """Return {number of the case: what it warns of, a line each}."""
+    found = np.flatnonzero(shown.of(warns(results)))
+    numbers = shown.of(np.arange(results.status.size).reshape(results.shape))[found]
+    texts = results.performance.texts_at("warnings", numbers) if found.size else []
+    return {str(case): text for case, text in zip(found.tolist(), texts, strict=True)}
 
 
 def _cycle(results: Results, shown: Selection) -> dict[str, Any] | None:

@@ -1,6 +1,8 @@
 // Look of the drawings: colours of the page's theme, axes, curves told apart without colour.
 
 const VIRIDIS = ["#440154", "#482878", "#3e4989", "#31688e", "#26828e", "#1f9e89", "#35b779", "#6ece58", "#b5de2b", "#fde725"];
+const INFERNO = ["#000004", "#1b0c41", "#4a0c6b", "#781c6d", "#a52c60", "#cf4446", "#ed6925", "#fb9b06", "#f7d13d", "#fcffa4"];
+const OWN = 6; // colours of the theme
 const DASHES = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"];
 const CONFIG = {
   responsive: true,
@@ -16,12 +18,14 @@ function isDark() {
   return window.matchMedia("screen and (prefers-color-scheme: dark)").matches;
 }
 
-// Colour of one of several ordered curves; the ends that the page's own colour would swallow are left out.
+// Colour of one of several ordered curves: those of the theme as long as they last, then a scale of even lightness; the
+// ends that the page's own colour would swallow are left out.
 function ordered(index, count) {
   if (count < 2) return colour("c1");
-  const share = (isDark() ? 0.3 : 0.0) + (0.7 * index) / (count - 1) + (isDark() ? 0.0 : 0.05);
-  const at = Math.min(share, 0.999) * (VIRIDIS.length - 1);
-  const [from, to] = [VIRIDIS[Math.floor(at)], VIRIDIS[Math.floor(at) + 1]];
+  if (count <= OWN) return colour(`c${index}`);
+  const share = (isDark() ? 0.3 : 0.05) + ((isDark() ? 0.69 : 0.75) * index) / (count - 1);
+  const at = Math.min(share, 0.999) * (INFERNO.length - 1);
+  const [from, to] = [INFERNO[Math.floor(at)], INFERNO[Math.floor(at) + 1]];
   const mixed = [1, 3, 5].map((i) => {
     const [a, b] = [parseInt(from.slice(i, i + 2), 16), parseInt(to.slice(i, i + 2), 16)];
     return Math.round(a + (b - a) * (at % 1));

@@ -3,6 +3,8 @@
 const MOST_CURVES = 12;
 const MOST_POINTS = 3000; // of one drawing: a browser stays quick
 const HAS_OPTIMUM = /(_efficiency|^cop)$/;
+const ARC = 31; // points that draw the parabola of an optimum
+const FINE = 41; // places along an axis of a map: straight lines between few values make corners
 const choice = {};
 
 function numericAxes(least) {
@@ -75,7 +77,8 @@ function curvePlaces() {
   return Array.from({ length: count }, (_, i) => i).filter((i) => i % stride === mine % stride);
 }
 
-// The top of a curve: a parabola in ln x through the highest point and its neighbours; null unless it is inside.
+// The top of a curve: a parabola in ln x through the highest point and its neighbours, with its course between them;
+// null unless it is inside.
 function optimumOf(points) {
   const sorted = [...points].sort((a, b) => a.x - b.x);
   const best = sorted.reduce((top, point, i) => (point.y > sorted[top].y ? i : top), 0);
@@ -87,10 +90,11 @@ function optimumOf(points) {
   if (u[1] <= u[0] || u[2] <= u[1]) return null;
   const [left, right] = [(v[1] - v[0]) / (u[1] - u[0]), (v[2] - v[1]) / (u[2] - u[1])];
   const curvature = (right - left) / (u[2] - u[0]);
-  if (curvature >= 0) return near[1];
+  if (curvature >= 0) return { ...near[1], arc: near };
   const slope = (left * (u[2] - u[1]) + right * (u[1] - u[0])) / (u[2] - u[0]);
   const step = -slope / (2 * curvature);
-  return { x: log ? Math.exp(u[1] + step) : u[1] + step, y: v[1] + slope * step + curvature * step * step };
+  const at = (way) => ({ x: log ? Math.exp(u[1] + way) : u[1] + way, y: v[1] + slope * way + curvature * way * way });
+  return { ...at(step), arc: Array.from({ length: ARC }, (_, i) => at(u[0] - u[1] + ((u[2] - u[0]) * i) / (ARC - 1))) };
 }
 
 function drawOverview() {
@@ -122,9 +126,12 @@ function curvesDrawing(notes) {
     const name = choice.by === null ? "" : nameOf(choice.by, place);
     traces.push(curveTrace(points, name, ordered(i, places.length), DASHES[i % DASHES.length]));
     const best = HAS_OPTIMUM.test(choice.figure.name) && points.length > 2 ? optimumOf(points) : null;
-    if (best) optima.push(best);
+    if (best) optima.push({ ...best, tint: ordered(i, places.length) });
   });
-  if (optima.length) traces.push(optimaTrace(optima));
+  if (optima.length) {
+    notes.push("○ top of a parabola (thin) through three points.");
+    traces.push(...optima.map(arcTrace), optimaTrace(optima));
+  }
   const all = traces.flatMap((trace) => trace.x);
   const xLog = choice.xFigure ? isLog(all) : data.axes[choice.along].log;
   const xTitle = choice.xFigure ? choice.xFigure.label : data.axes[choice.along].label;
@@ -155,7 +162,24 @@ function curveTrace(points, name, tint, dash) {
     text: points.map((point) => caseWords(point.number)),
     hovertemplate: `%{text}<br>%{y:.5~g} ${choice.figure.unit}<extra></extra>`,
     line: { color: tint, dash, width: 2 },
-    marker: { color: tint, size: 6, symbol: points.map((p) => (data.statusCodes[p.number] === 0 ? "circle" : "x")) },
+    marker: { color: tint, size: points.map((p) => (data.warnings[p.number] ? 10 : 6)), symbol: points.map((p) => symbolOf(p.number)) },
+  };
+}
+
+function symbolOf(number) {
+  if (data.statusCodes[number] !== 0) return "x";
+  return data.warnings[number] ? "triangle-up" : "circle";
+}
+
+function arcTrace(best) {
+  return {
+    type: "scatter",
+    mode: "lines",
+    x: best.arc.map((point) => point.x),
+    y: best.arc.map((point) => point.y),
+    hoverinfo: "skip",
+    showlegend: false,
+    line: { color: best.tint, width: 1 },
   };
 }
 
@@ -209,9 +233,7 @@ function mapDrawing(across, up, notes) {
   fixedWords(notes, [across, up]);
   const contours = {
     type: "contour",
-    x: x.values,
-    y: y.values,
-    z,
+    ...refined(x, y, z),
     colorscale: VIRIDIS.map((tint, i) => [i / (VIRIDIS.length - 1), tint]),
     ncontours: 18,
     line: { color: "rgba(0,0,0,0.55)", width: 0.7 },
@@ -235,6 +257,40 @@ function mapDrawing(across, up, notes) {
   }];
 }
 
+// A map on more places, by cubic splines along both axes; one with gaps or with many values stays as it is.
+function refined(x, y, z) {
+  if (z.some((row) => row.some((value) => value === null)) || Math.max(x.values.length, y.values.length) > FINE) return { x: x.values, y: y.values, z };
+  const [across, up] = [x, y].map((axis) => {
+    const u = axis.values.map((value, i) => [axis.log ? Math.log(value) : value, i]).sort((a, b) => a[0] - b[0]);
+    const from = u.map(([value]) => value);
+    const places = Array.from({ length: FINE }, (_, k) => from[0] + ((from.at(-1) - from[0]) * k) / (FINE - 1));
+    return { from, order: u.map(([, i]) => i), places, values: places.map((place) => (axis.log ? Math.exp(place) : place)) };
+  });
+  const rows = up.order.map((i) => splined(across.from, across.order.map((j) => z[i][j]), across.places));
+  const columns = across.places.map((_, j) => splined(up.from, rows.map((row) => row[j]), up.places));
+  return { x: across.values, y: up.values, z: up.places.map((_, i) => columns.map((column) => column[i])) };
+}
+
+// The natural cubic spline through (x, y) at some places.
+function splined(x, y, places) {
+  const n = x.length;
+  const [bend, slack] = [new Array(n).fill(0), new Array(n).fill(0)];
+  for (let i = 1; i < n - 1; i += 1) {
+    const share = (x[i] - x[i - 1]) / (x[i + 1] - x[i - 1]);
+    const pivot = share * bend[i - 1] + 2;
+    const rise = (y[i + 1] - y[i]) / (x[i + 1] - x[i]) - (y[i] - y[i - 1]) / (x[i] - x[i - 1]);
+    bend[i] = (share - 1) / pivot;
+    slack[i] = ((6 * rise) / (x[i + 1] - x[i - 1]) - share * slack[i - 1]) / pivot;
+  }
+  for (let i = n - 2; i > 0; i -= 1) slack[i] += bend[i] * slack[i + 1];
+  return places.map((place) => {
+    const i = Math.min(Math.max(x.findIndex((each) => each >= place), 1), n - 1);
+    const step = x[i] - x[i - 1];
+    const [a, b] = [(x[i] - place) / step, (place - x[i - 1]) / step];
+    return a * y[i - 1] + b * y[i] + (((a ** 3 - a) * slack[i - 1] + (b ** 3 - b) * slack[i]) * step ** 2) / 6;
+  });
+}
+
 function thinned(cases, notes) {
   const stride = Math.ceil(cases.length / MOST_POINTS);
   if (stride < 2) return cases;
@@ -253,6 +309,8 @@ function leftOut(notes, wanted, traces) {
   if (missing) notes.push(`${missing} of ${wanted} cases have no value here.`);
   const open = traces.reduce((sum, trace) => sum + trace.marker.symbol.filter((symbol) => symbol === "x").length, 0);
   if (open) notes.push(`× not closed (${open}).`);
+  const warned = traces.reduce((sum, trace) => sum + trace.marker.symbol.filter((symbol) => symbol === "triangle-up").length, 0);
+  if (warned) notes.push(`△ with warnings (${warned}).`);
 }
 
 function pickedMark(map) {

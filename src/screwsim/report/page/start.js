@@ -40,6 +40,8 @@ async function begin() {
   if (data.figures.length) drawAll();
   for (const query of ["(prefers-color-scheme: dark)", "print"]) window.matchMedia(query).addEventListener("change", drawAll);
   whenNarrowOrWide(drawAll);
+  markCut();
+  window.addEventListener("resize", markCut);
   document.documentElement.dataset.ready = "yes";
 }
 

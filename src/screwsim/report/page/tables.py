@@ -14,9 +14,11 @@ from screwsim.outputs import BALANCE, PERFORMANCE, STATUSES
 from screwsim.report.families import efficiency_name
 from screwsim.report.page.data import Selection
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
+from screwsim.report.warned import kinds, warns
 from screwsim.results import Results
 from screwsim.screen import printable
 
+MOST_KINDS = 8  # of warnings, listed of a sweep
 _CHUNK = 1 << 20  # [byte]
 _BALANCES = ("mass", "energy", "entropy", "oil_mass")
 _VERSIONS = ("python_version", "numpy_version", "scipy_version", "numba_version", "coolprop_version")
@@ -32,10 +34,28 @@ class Check(NamedTuple):
 
 
 def counts(results: Results) -> list[tuple[str, int]]:
-    """Return the number of cases by status, those that there are."""
+    """Return the number of cases by status, those that there are; what warns is apart from what is plainly ok."""
+    warned = int(np.count_nonzero(warns(results) & (results.status == "ok")))
     words = (*STATUSES, "not_computed")
-    found = [(word.replace("_", " "), int(np.count_nonzero(results.status == word))) for word in words]
-    return [(word, count) for word, count in found if count]
+    found = {word.replace("_", " "): int(np.count_nonzero(results.status == word)) for word in words}
+    found = {"ok": found.pop("ok") - warned, "ok with warnings": warned, **found}
+    return [(word, count) for word, count in found.items() if count]
+
+
+def warnings(results: Results) -> tuple[str, list[str]]:
+    """Return the heading of the warnings and a line a kind of them; both empty without any."""
+    found, cases = kinds(results), int(np.count_nonzero(warns(results)))
+    if not results.axis_list:
+        return (f"{len(found)} warnings" if len(found) > 1 else "Warning" if found else ""), [k.text for k in found]
+    lines = [f"{_cases(kind.cases)}: {kind.text}" for kind in found[:MOST_KINDS]]
+    if len(found) > MOST_KINDS:
+        lines.append(f"{len(found) - MOST_KINDS} other kinds of warnings, in the file")
+    whole = f"{cases} of {results.status.size} cases {'warns' if cases == 1 else 'warn'}"
+    return (whole if cases else ""), lines
+
+
+def _cases(count: int) -> str:
+    return "1 case" if count == 1 else f"{count} cases"
 
 
 def axes(results: Results) -> list[str]:

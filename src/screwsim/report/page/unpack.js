@@ -90,7 +90,8 @@ function caseWords(number) {
 }
 
 function statusOf(number) {
-  return (data.statuses[data.statusCodes[number]] || "not computed").replace("_", " ");
+  const status = (data.statuses[data.statusCodes[number]] || "not computed").replace("_", " ");
+  return data.warnings[number] ? `${status}, with warnings` : status;
 }
 
 function figureNamed(name) {
