@@ -29,6 +29,12 @@ def test_effects_are_counted_of_the_kind_and_in_all(folder):
     )
 
 
+def test_effects_of_your_own_are_counted_apart(folder, monkeypatch):
+    monkeypatch.syspath_prepend(str(CONFIGS.parent / "tests" / "laws"))
+    own = screwsim.load("oiled.yaml", ["oil.transport=carried", "effects={own_effects.warm_wall: {conductance: 5}}"])
+    assert "in all; 1 of your own)" in str(explain(own))
+
+
 def test_the_readme_counts_the_effects_as_explain_does():
     every = catalogue().values()
     screws = sum("twin_screw" in effect.machines for effect in every)
