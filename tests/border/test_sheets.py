@@ -100,5 +100,6 @@ def test_a_decimal_comma_in_a_swept_column_is_a_fault_at_the_axis(tmp_path):
 @pytest.mark.parametrize(("mark", "name"), [(";", "semicolons"), ("\t", "tabs")])
 def test_other_marks_between_cells_are_told(mark, name):
     """Not as decimal commas, which such files have as well."""
-    with pytest.raises(BadSheet, match=rf"^line 1: is divided by {name} \(save it with commas, and points before decimals\)$"):
+    told = rf"^line 1: is divided by {name} \(save it with commas, and points before decimals\)$"
+    with pytest.raises(BadSheet, match=told):
         sheet_of(f"angle{mark}volume\n0,5{mark}1,25\n")

@@ -153,7 +153,7 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
         ),
         (
             "{operation.speed: {file: semicolons.csv, column: speed}}",
-            "sweep.operation.speed: semicolons.csv line 1: is divided by semicolons (save it with commas, and points before",
+            "sweep.operation.speed: semicolons.csv line 1: is divided by semicolons (save it with commas, and",
         ),
         (
             "{operation.discharge.pressure: {file: map.csv, column: p_d}}",
