@@ -154,7 +154,9 @@ def sweep(
     ] = None,
     case_limit: Annotated[
         float | None,
-        typer.Option(metavar="SECONDS", help="Give up a case after that time (default: 300; with --jobs 1: never)."),
+        typer.Option(
+            min=0.001, metavar="SECONDS", help="Give up a case after that time (default: 300; with --jobs 1: never)."
+        ),
     ] = None,
     restart: Annotated[bool, typer.Option("--restart", help="Compute again what is there.")] = False,
     as_json: AsJson = False,
