@@ -163,3 +163,17 @@ def test_a_run_replaces_no_file_but_a_run_s(folder, command):
     assert command("sweep", "swept.yaml", "-o", "all.h5", "--jobs", "1").code == 0
     answer = command("run", "small.yaml", "-o", "all.h5")
     assert (answer.code, answer.err) == (2, "all.h5: holds results of a sweep (choose another -o, or remove it)\n")
+
+
+def test_a_file_that_comes_to_the_place_of_a_run_meanwhile_stays(folder, command, monkeypatch):
+    module = importlib.import_module("screwsim.simulate")
+    simulate = module.simulate
+
+    def simulated(scene):
+        (folder / "out.h5").write_text("my thesis")
+        return simulate(scene)
+
+    monkeypatch.setattr(module, "simulate", simulated)
+    answer = command("run", "small.yaml", "-o", "out.h5")
+    assert (answer.code, len(answer.err.splitlines())) == (2, 1)
+    assert (folder / "out.h5").read_text() == "my thesis"
