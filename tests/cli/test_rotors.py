@@ -151,6 +151,13 @@ def test_a_fault_of_the_rotors_is_one_line_at_its_place(capsys, override):
     assert len(err.splitlines()) == 1
 
 
+def test_rotors_of_another_size_than_their_profile_are_warned_of(capsys):
+    code, out, err = answer(capsys, B, "--set", "machine.rotor_diameter=140 mm", "--json")
+    assert code == 0
+    assert json.loads(out)
+    assert "warning: machine.profile.centre_distance: 128 mm is 0.914 rotor diameters (usual: at most 0.9)" in err
+
+
 def test_points_that_are_not_there_are_named(capsys):
     code, _, err = answer(capsys, B, "--set", "machine.profile.kind=points", "--set", "machine.profile.file=no.csv")
     assert code == 3

@@ -250,8 +250,11 @@ def rotors(
     scene = _base_point(_loaded(scene_file, overrides, None), scene_file)
     from screwsim.printing import print_json
     from screwsim.report.rotors_scene import document, table_text, write
+    from screwsim.scene.plausible import scene_warnings
 
     text = table_text(scene)
+    for warning in (each for each in scene_warnings(scene) if each.startswith("machine.")):
+        typer.echo(f"warning: {warning}", err=True)
     files = write(scene, folder) if folder is not None else []
     if as_json:
         print_json(document(scene, files))
