@@ -94,7 +94,7 @@ SIZES = {
             "machine.volume.max",
             _a_turn,
             _HOLDS,
-            1.0,
+            2.0,  # a female rotor larger than the male has more room
             (0.03, 0.6),
             "a smaller volume, or a larger rotor_diameter or rotor_length; is the unit right?",
         ),
