@@ -316,8 +316,9 @@ def test_figures_tell_of_warnings(tmp_path):
         caption = figure.get_suptitle().replace("\n", " ")
         assert "2 warnings, the first: the estimated error of shaft_power, 0.0012" in caption
     swept = drawn(file(tmp_path / "swept.h5", FIVE, some_warn))
-    for name in ("efficiency", "performance", "map"):
-        assert "△ with warnings (15)" in swept[name].get_suptitle().replace("\n", " "), name
+    marked = "△ with warnings (15)"
+    for name, told in (("efficiency", marked), ("performance", marked), ("map", "15 cases with warnings")):
+        assert told in swept[name].get_suptitle().replace("\n", " "), name
     triangles = [line for line in swept["efficiency"].axes[0].lines if line.get_marker() == "^"]
     assert sum(len(line.get_xdata()) for line in triangles) == 15  # three speeds of five ratios
 

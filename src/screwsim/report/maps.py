@@ -15,13 +15,15 @@ from screwsim.report.families import (
     is_log,
     layout_of,
     left_out,
+    not_closed,
     optimum,
     outcome_layout,
     slices,
+    with_warnings,
 )
 from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
 from screwsim.report.style import SINGLE, log_scale, new_figure, note, plain_ticks
-from screwsim.report.sweeps import Plan, remarks
+from screwsim.report.sweeps import Plan
 from screwsim.results import Results
 
 HAS_OPTIMUM = "efficiency"
@@ -70,7 +72,9 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
         set_label(shown_axis(results.axis_list[place]).label)
         _scale(axes, axis, shown_axis(results.axis_list[place]).of(results.axis_list[place].values))
     optima = "○ optimum of a row, by a parabola through three points" if found else ""
-    note(figure, constant, optima, *remarks(curves, 0), left_out(results, layout, chosen, curves))
+    counts = ((not_closed(curves), "not closed"), (with_warnings(curves), "with warnings"))
+    told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
+    note(figure, constant, optima, *told, left_out(results, layout, chosen, curves))
     return figure
 
 
