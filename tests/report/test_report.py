@@ -220,8 +220,9 @@ def test_the_optimum_of_a_parabola_in_ln_d_is_exact():
 
 def test_the_arc_of_an_optimum_goes_through_the_three_best_points():
     x, y = np.geomspace(0.5, 8.0, 5), np.array([3.0, 4.0, 3.7, 2.0, 1.0])
-    places, heights = arc(x, y)
-    top = optimum(x, y)
+    found, top = arc(x, y), optimum(x, y)
+    assert found is not None and top is not None
+    places, heights = found
     assert (places[0], places[-1]) == pytest.approx((x[0], x[2]), rel=1e-12)
     assert np.interp(np.log(x[:3]), np.log(places), heights) == pytest.approx(y[:3], rel=1e-12)
     assert heights.max() == pytest.approx(top[1], rel=1e-4)  # the nearest of its points

@@ -7,7 +7,9 @@ from fit_fakes import FIT, POINTS, write_fit
 from ruamel.yaml import YAML
 
 from screwsim.faults import SceneError
+from screwsim.outputs import PERFORMANCE
 from screwsim.study.calibration import read_fit
+from screwsim.study.calibration.data import UNITS
 from screwsim.study.calibration.schema import fit_schema
 
 
@@ -142,3 +144,8 @@ def test_an_empty_cell_is_not_measured(tmp_path):
     points = POINTS.replace("a,fit,1000,3.1,0.1", "a,fit,1000,,").replace("d,check", "d,fit")
     fit = read_fit(write_fit(tmp_path, points=points))
     assert fit.points[0].measured == {}
+
+
+def test_every_figure_has_units_in_which_it_can_be_measured():
+    assert {about.units for about in PERFORMANCE.values()} <= set(UNITS)
+    assert UNITS["m3 s-1"]["m^3/h"] * 3600.0 == pytest.approx(1.0, rel=1e-12)
