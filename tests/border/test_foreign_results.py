@@ -115,6 +115,10 @@ def test_a_size_that_the_file_cannot_hold_is_refused_before_it_is_made(name, kin
         getattr(open_results(run), group)[variable]
 
 
+def coordinate_of_another_group(file, path):
+    file.move("performance/shaft_power", "performance/angle")
+
+
 def truncated(file, path):
     file.close()
     path.write_bytes(path.read_bytes()[:3000])
@@ -193,6 +197,7 @@ def replaced(file, name, values):
 
 
 ODD = [
+    coordinate_of_another_group,
     truncated,
     statuses_out_of_range,
     statuses_nan,

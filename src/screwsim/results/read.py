@@ -56,7 +56,7 @@ class Group(Mapping[str, np.ndarray]):
         """Return a text of some cases, by their numbers (last axis fastest), without making those of all."""
         with opened(self._path) as file:
             group = stored.member(file, self.name, dataset=False)
-            if f"{name}_text" not in stored.names_of_links(group):
+            if not stored.has(group, f"{name}_text"):
                 return [str(_values(group, name))] * len(cases)
             words = _words(group, name)
             return [words[number] for number in _numbers(group, name, len(words)).ravel()[cases]]
@@ -170,7 +170,7 @@ def _results(path: Path, file: Any, attributes: Mapping[str, Any]) -> Results:
 
 
 def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
-    if name in _OPTIONAL and name not in stored.names_of_links(file):
+    if name in _OPTIONAL and not stored.has(file, name):
         return Group(path, name, {})
     group = stored.member(file, name, dataset=False)
     known = tuple(inner.name for axis in axes for inner in (axis, *axis.joined))
@@ -206,8 +206,8 @@ class _Shapes:
             fits = numbers and len(found) <= 1
         elif not numbers:  # one text
             fits = len(found) == 1 and not self.axes and not self.own
-        elif name == _OWN.get(self.group):
-            fits = found == self.own
+        elif name in _OWN.values():  # of another group it would be two things in one dataset
+            fits = name == _OWN.get(self.group) and found == self.own
         else:
             fits = found == (*self.axes, *self.own)
         if not fits:
@@ -266,7 +266,7 @@ def _values(group: Any, name: str) -> np.ndarray:
     data = stored.member(group, name)
     if stored.is_scale(data) and stored.has_attribute(data, "labels"):
         return _labelled(data)
-    if f"{name}_text" in stored.names_of_links(group):
+    if stored.has(group, f"{name}_text"):
         words = _words(group, name)
         values = _numbers(group, name, len(words))
         large = values.size * max(map(len, words)) > _LONG_TEXTS
@@ -279,15 +279,19 @@ def _values(group: Any, name: str) -> np.ndarray:
 
 def _numbers(group: Any, name: str, count: int, first: int = 0) -> np.ndarray:
     """Return a variable of numbers of words, from `first` to below `count`."""
-    values = stored.values(stored.member(group, name))
+    return _in_range(stored.member(group, name), count, first)
+
+
+def _in_range(data: Any, count: int, first: int = 0) -> np.ndarray:
+    values = stored.values(data)
     if values.dtype.kind not in "iu" or (values.size and not first <= values.min() <= values.max() < count):
-        raise Odd(f"is damaged: {group.name}/{name} has numbers of texts that are not there")
+        raise Odd(f"is damaged: {data.name} has numbers of texts that are not there")
     return values
 
 
 def _labelled(data: Any) -> np.ndarray:
     labels = np.array(stored.text_attribute(data, "labels").split("\n"))
-    return labels[_numbers(data.parent, data.name.rpartition("/")[2], len(labels))]
+    return labels[_in_range(data, len(labels))]
 
 
 def _words(group: Any, name: str) -> list[str]:

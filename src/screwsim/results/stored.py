@@ -83,12 +83,13 @@ def names(group: Any) -> list[str]:
 def member(group: Any, name: str, dataset: bool = True) -> Any:
     """Return a dataset, or a group, that lies in the group itself; raise Odd where it does not."""
     import h5py
+    from h5py import h5l  # pyright: ignore[reportAttributeAccessIssue] - compiled, without types
 
     where = f"{group.name.rstrip('/')}/{name}"
     with _told(where):
-        if name not in names_of_links(group):
+        if not has(group, name):
             raise Odd(f"is not a complete results file: {where} is missing")
-        if group.id.links.get_info(name.encode()).type != h5py.h5l.TYPE_HARD:
+        if group.id.links.get_info(name.encode()).type != h5l.TYPE_HARD:
             raise Odd(f"has a link at {where}, which may lead to other files")
         found = group[name]
     if not isinstance(found, h5py.Dataset if dataset else h5py.Group):
@@ -96,17 +97,10 @@ def member(group: Any, name: str, dataset: bool = True) -> Any:
     return found
 
 
-def names_of_links(group: Any) -> Any:
-    """Return what tells whether a group has a name, whatever the link leads to."""
-    return _Links(group.id.links)
-
-
-class _Links:
-    def __init__(self, links: Any) -> None:
-        self._links = links
-
-    def __contains__(self, name: str) -> bool:
-        return self._links.exists(name.encode())
+def has(group: Any, name: str) -> bool:
+    """Tell whether a group has a name, whatever the link there leads to."""
+    with _told(f"{group.name}/{name}"):
+        return bool(group.id.links.exists(name.encode()))
 
 
 def has_attribute(item: Any, name: str) -> bool:
