@@ -3,7 +3,8 @@
 Results files, scenes, fits, tables and parts of sweeps (tests/hard/mutate_space.py) are changed at random and read as
 the commands read them, each in a worker process with bounded memory and a limit of time. Required: an answer in one
 line, no internal error, no end of the process, no hang, no warning of a library, nothing executed and nothing told that
-the file does not hold. `--outcome FILE` stores the counts; `--only N` reads one mutant and prints how that ended.
+the file does not hold. `--rows FILE` keeps a line a mutant, and a run goes on where it holds some already; `--outcome
+FILE` stores the counts of all of them; `--only N` reads one mutant and prints how that ended.
 """
 
 from __future__ import annotations
@@ -157,17 +158,29 @@ def asked() -> argparse.Namespace:
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--limit", type=float, default=120.0, help="seconds that the reading of a file may take")
     parser.add_argument("--only", type=int, help="number of the one file to read")
+    parser.add_argument("--rows", type=Path, help="file of the rows (default: none is kept)")
     parser.add_argument("--outcome", type=Path, help="file of the summary")
     return parser.parse_args()
+
+
+def kept(path: Path | None) -> list[dict[str, Any]]:
+    """Return the rows of a file; none where there is none."""
+    if path is None or not path.exists():
+        return []
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
 
 
 def main() -> int:
     """Read the mutants and sum up; return 1 where anything is wrong."""
     options = asked()
     numbers = list(range(options.first, options.count)) if options.only is None else [options.only]
-    rows, started = [], time.monotonic()
+    rows, started = kept(options.rows), time.monotonic()
+    numbers = sorted(set(numbers).difference(row["number"] for row in rows))
     for row in rows_of(numbers, options.jobs, options.seed, options.limit):
         rows.append(row)
+        if options.rows is not None:
+            with options.rows.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(row) + "\n")
         if row["wrong"] or options.only is not None:
             print(json.dumps(row, indent=1))
         if len(rows) % 100 == 0:

@@ -142,11 +142,13 @@ def numbers(text: str, random: Random) -> str:
 def scaled(text: str, random: Random) -> str:
     """Multiply some numbers by as much as still may pass, so that what comes after reading is reached, too."""
     places = list(re.finditer(r"(?<![\w.])\d+(\.\d+)?(?![\w.])", text))
+    parts, end = [], len(text)
     for place in places[::-1]:
         if random.random() < 0.1:
             factor = float(_pick((0.0, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0, 10.0, 1e3, 1e-3), random))
-            text = f"{text[: place.start()]}{float(place[0]) * factor:.6g}{text[place.end() :]}"
-    return text
+            parts += [text[place.end() : end], f"{float(place[0]) * factor:.6g}"]
+            end = place.start()
+    return "".join([text[:end], *parts[::-1]])
 
 
 def swapped(text: str, random: Random) -> str:
