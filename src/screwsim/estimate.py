@@ -196,14 +196,14 @@ def _shown(found: Figures, finer: Sequence[Figures], least: tuple[float, float])
                 errors[name] = max(errors[name], size)
     if len(finer) > 1:
         steps = [relative_errors(old, new, *least) for old, new in pairwise([found, *finer])]
-        again = min(_again(steps), SLOWEST)
+        again = min(_repeated(steps), SLOWEST)
         for name, size in steps[-1].items():
             if size is not None and errors[name] is not None:
                 errors[name] += size * again / (1.0 - again)
     return errors
 
 
-def _again(steps: Sequence[Figures]) -> float:
+def _repeated(steps: Sequence[Figures]) -> float:
     """Return the share of a life's change that the last life made once more."""
     before, last = (worst(step)[1] for step in steps[-2:])
     return last / before if before > 0.0 else 0.0
@@ -246,7 +246,7 @@ def _finer(solution: Any, closed: closing.Closed, found: Figures) -> list[Figure
         return finer
     if len(finer) > 1:
         steps = [relative_errors(old, new, *solution.least(closed.q)) for old, new in pairwise([found, *finer])]
-        if _again(steps) < QUICK or worst(steps[-1])[1] < SMALL * solution.scene.numerics.accuracy:
+        if _repeated(steps) < QUICK or worst(steps[-1])[1] < SMALL * solution.scene.numerics.accuracy:
             return finer
     return _finer_cycle(solution, closed) or finer
 
@@ -274,10 +274,20 @@ def _finer_cycle(solution: Any, closed: closing.Closed) -> list[Figures]:
     wanted = solution.wanted
     solution.wanted = replace(wanted, rtol=FINER * closed.rtol, tolerance=FINER * wanted.tolerance)
     try:
-        finer = closing.again(solution, closed)
+        finer = _again(solution, closed)
     finally:
         solution.wanted = wanted
-    return [solution.figures(finer.q)[0]] if finer.status == "ok" else []
+    return [solution.figures(finer.q)[0]] if finer is not None and finer.status == "ok" else []
+
+
+def _again(solution: Any, closed: closing.Closed) -> closing.Closed | None:
+    """Close a closed cycle once more, the way that closed it; an estimate may cost as much as a further try."""
+    if closed.needed:
+        return closing.again(solution, closed)
+    if closed.how == "coupled":
+        return closing.by_coupling(solution, closed.y.copy(), most=tries.MOST_OF_A_TRY)
+    hope = closing.Hope(closing.seen_of(solution.machinery, closed), 0.0)
+    return closing.by_histories(solution, closed.y.copy(), last=True, hope=hope)
 
 
 class Snapshot:

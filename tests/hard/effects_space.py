@@ -273,9 +273,6 @@ STRUCTURES: dict[str, Structure] = {
         "",
     ),
     "expander": Structure(EXPANDER, (), (SPEED, PORTS, DEAD), (), "expander"),
-    "everything": Structure(
-        "everything.yaml", (), (SPEED, PORTS, {"oil_supply.ratio": Range(0.2, 2.0)}), ("slide_valve.closes",), ""
-    ),
     "reeds": Structure("slider_crank/air.yaml", (MOTOR,), (CRANK, AIR)),
     "check valves": Structure(
         "slider_crank/flexible_rod.yaml", ("effects.ring_leakage={gap: 1 um}", "gas.fluid=Air"), (CRANK,)

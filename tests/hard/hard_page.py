@@ -10,6 +10,7 @@ from case import Case
 from hard_cases import CASES
 
 OUTCOME = Path(__file__).parent / "fuzz_outcome.json"
+OF_EFFECTS = Path(__file__).parent / "fuzz_effects_outcome.json"
 RADAU = Path(__file__).parent / "against_radau.json"
 OF_STEPS = 1e-3  # tolerance of a step over the wanted accuracy
 COLD = "guess"  # from where Radau begins as the case does
@@ -85,6 +86,52 @@ RANDOM = """
   times. {unwarned} differ by more than the accuracy without a warning of it, the worst of these by {worst_unwarned:.2g}
   times. {no_answer} had no answer from Radau.
 {contradicted}"""
+
+
+WITH_EFFECTS = """
+## Random scenes with all effects
+
+`{command}` draws {scenes} scenes from the space of
+`tests/hard/effects_space.py`: few structures that hold all {effects} effects between them, and many numbers for each.
+What it made is in `tests/hard/fuzz_effects_outcome.json`, this section from it.
+
+| structure | {names} |
+|---|{lines}|
+{rows}
+
+- Worst balance of a scene that is ok: {over:.2g} of the wanted accuracy.
+- {warned} scenes that are ok warn that the estimated error of a figure is above the wanted accuracy.
+- {compared} scenes that are ok were solved again, by coupled chambers at a fiftieth of the wanted accuracy and finer:
+  in {within} the true error of every figure is within the wanted accuracy, or a warning says that it need not be; in
+  {three} it is within three times that, or a warning says so. Without a warning it is at most {worst:.2g} times the
+  accuracy. The largest true error is in the median {median:.2g} times the largest estimate, and in 95 % at most
+  {of_95:.2g} times. {no_answer} had no answer: the finer solutions did not close, or differed by more than a tenth of
+  the accuracy.
+"""
+
+
+def _with_effects() -> str:
+    """Return what random scenes with all effects made, in words."""
+    made = json.loads(OF_EFFECTS.read_text(encoding="utf-8"))
+    true, counts = made["true"], {**made["structure"], "all": made["status"]}
+    shown = [name for name in STATUSES if name in made["status"]]
+    return WITH_EFFECTS.format(
+        command=made["command"],
+        scenes=made["scenes"],
+        effects=len([name for name in made["effects"] if "." not in name]),
+        names=" | ".join(shown),
+        lines="|".join(["---"] * len(shown)),
+        rows="\n".join(_row(name, *(count.get(status, 0) for status in shown)) for name, count in counts.items()),
+        over=made["worst_balance_over_accuracy"]["value"],
+        warned=made["warned"],
+        compared=true["compared"],
+        within=true["within_or_warned"],
+        three=true["compared"] - len(true["beyond_three_times_unwarned"]),
+        worst=true["worst_unwarned_over_accuracy"]["value"],
+        median=true["true_over_estimate"]["median"],
+        of_95=true["true_over_estimate"]["of 95 %"],
+        no_answer=true["no_answer"],
+    )
 
 
 def _row(*cells: Any) -> str:
@@ -178,4 +225,4 @@ def page() -> str:
         f"{case.most if case.status != 'refused' else '–'} | {'yes' if case.radau else ''} | {case.why} |"
         for case in CASES
     ]
-    return HEAD + "\n".join(rows) + "\n" + _tight() + _random()
+    return HEAD + "\n".join(rows) + "\n" + _tight() + _random() + _with_effects()

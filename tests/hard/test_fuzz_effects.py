@@ -1,0 +1,65 @@
+"""The search over scenes of all effects: it draws every effect, and what it stored keeps its bounds."""
+
+import json
+import sys
+from pathlib import Path
+
+import pytest
+from effects_space import STRUCTURES, drawn, effects_drawn, ranges, scene_of
+from hard_page import OF_EFFECTS
+
+from screwsim.effects import catalogue
+
+sys.path.append(str(Path(__file__).parents[2] / "scripts"))
+import fuzz_effects
+
+MADE = json.loads(OF_EFFECTS.read_text(encoding="utf-8"))
+TRUE = MADE["true"]
+AGAIN = {  # scenes in which estimates did not hold
+    "plenums, valves": 39,  # discharge temperature 5.0e-4 off where 1.2e-4 was estimated, coupled
+    "displaced": 36,  # oil ratio 3.8e-4 where 3.0e-4 was, histories
+    "plenums": 25,  # least flow in the line 4.4e-4 where 5.8e-5 was, histories
+}
+
+
+def test_every_effect_is_drawn():
+    assert set(catalogue()) <= effects_drawn()
+    assert set(catalogue()) <= set(MADE["effects"])
+
+
+def test_effects_with_numbers_have_some_of_them_drawn():
+    """But ports, whose areas are the machine's, and what is simply there."""
+    without = {"suction_port", "discharge_port", "oil_volume"}
+    paths = {path for structure in STRUCTURES for path in ranges(structure)}
+    assert set(catalogue()) - without <= {path.split(".")[1] for path in paths if path.startswith("effects.")}
+
+
+def test_a_scene_is_drawn_by_its_number_alone():
+    assert drawn("plenums", 1, 3) == drawn("plenums", 1, 3)
+    assert drawn("plenums", 1, 3) != drawn("plenums", 1, 4)
+    assert scene_of("plenums", 1, 3) == scene_of("plenums", 1, 3)
+
+
+def test_the_stored_outcome_is_of_this_space_and_nothing_crashed_or_hung():
+    assert MADE["space"] == fuzz_effects.space()
+    assert set(MADE["structure"]) == set(STRUCTURES)
+    assert set(MADE["status"]) <= {"ok", "not_closed", "failed", "refused"}
+    assert MADE["status"]["ok"] >= 0.8 * MADE["scenes"]
+    assert MADE["worst_balance_over_accuracy"]["value"] <= 1.0
+
+
+def test_the_stored_estimates_hold():
+    """Within the wanted accuracy or warned in 98 % (of few: but one), within three times it or warned in all."""
+    assert TRUE["compared"] >= 20
+    assert TRUE["compared"] - TRUE["within_or_warned"] <= max(1, 0.02 * TRUE["compared"])
+    assert TRUE["beyond_three_times_unwarned"] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("structure", AGAIN)
+def test_an_estimate_holds_when_solved_again(structure):
+    index = list(STRUCTURES).index(structure) * fuzz_effects.effects_space.EACH + AGAIN[structure]
+    row, scene, result = fuzz_effects.one(index, 1)
+    assert row["status"] == "ok", row["message"]
+    _, true = fuzz_effects.true_error(scene, result)
+    assert true <= scene.numerics.accuracy
