@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
 from screwsim.machine.geometry import Geometry
-from screwsim.machine.settings import DischargePort
 from screwsim.machine.slider_crank.cylinder import Cylinder
-from screwsim.numerics.spline import read_curve
 
 
 def built_in_volume_ratio(geometry: Geometry | Cylinder, volume_at: Callable[[float], float]) -> float | None:
@@ -20,19 +16,7 @@ def built_in_volume_ratio(geometry: Geometry | Cylinder, volume_at: Callable[[fl
     """
     if isinstance(geometry, Cylinder) or geometry.settings.discharge_port is None:
         return None
-    machine, port = geometry.settings, geometry.settings.discharge_port
-    if port.law == "profile":
-        return machine.built_in_volume_ratio
-    opens = _opens(port)
-    if opens is None:
-        return None
-    return volume_at(geometry.injection_angle) / volume_at(geometry.life - opens if geometry.expands else opens)
-
-
-def _opens(port: DischargePort) -> float | None:
-    """Return the angle of a compressor at which its port opens [rad]; None where it is never shut before."""
-    if port.law == "paper":
-        return port.opens
-    angles, areas = read_curve(str(port.file), "area_m2")
-    shut = np.flatnonzero(areas[: int(np.argmax(areas))] == 0.0)
-    return float(angles[shut[-1]]) if len(shut) else None
+    if geometry.settings.discharge_port.law == "profile":
+        return geometry.settings.built_in_volume_ratio
+    opens = geometry.discharge_opens
+    return None if opens is None else volume_at(geometry.injection_angle) / volume_at(opens)

@@ -65,7 +65,7 @@ class Group(Mapping[str, np.ndarray]):
         """Return the different texts of a variable, and the number of each case's, last axis fastest (cases,)."""
         with opened(self._path) as file:
             group = stored.member(file, self.name, dataset=False)
-            if f"{name}_text" not in stored.names_of_links(group):
+            if not stored.has(group, f"{name}_text"):
                 return [str(_values(group, name))], np.zeros(1, np.int32)
             words = _words(group, name)
             return words, _numbers(group, name, len(words)).ravel()
