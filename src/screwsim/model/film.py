@@ -19,13 +19,10 @@ from screwsim.model.slots import (
     WIDTH,
     N,
     gap_film,
+    gap_film_slopes,
 )
 from screwsim.model.streams import category, gap_category
 from screwsim.numerics.kernel import kernel
-
-FILM_STEP = 1e-6  # relative step of the differences of a film's flux, which is smooth
-LEAST_DROP = 1.0  # [Pa] of that step
-LEAST_RATIO = 1e-3  # oil per gas of that step
 
 
 @kernel
@@ -42,12 +39,7 @@ def film_slopes(i, own, a, other, b, P):
     """Return the film's flow per unit area and its slopes by the pressure difference and both oil ratios."""
     drop = other[b + PRESSURE] - own[a + PRESSURE]
     ratio = other[b + OIL_RATIO] if drop >= 0.0 else own[a + OIL_RATIO]
-    size = abs(drop)
-    flux = gap_film(i, size, ratio, P)
-    step = FILM_STEP * (size + LEAST_DROP)
-    by_drop = (gap_film(i, size + step, ratio, P) - flux) / step
-    step = FILM_STEP * (ratio + LEAST_RATIO)
-    by_x = (gap_film(i, size, ratio + step, P) - flux) / step
+    flux, by_drop, by_x = gap_film_slopes(i, abs(drop), ratio, P)
     if drop >= 0.0:
         return flux, by_drop, 0.0, by_x
     return -flux, by_drop, -by_x, 0.0

@@ -56,6 +56,7 @@ OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "vo
 OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
 OWN += ("state_rate", "path_opening", "flash_terms", "stop_push", "restitution")
 OWN += ("gap_film", "release_terms", "held_gas", "solution_entropy")
+OWN += ("gap_share_slopes", "gap_film_slopes", "oil_inflow_slope", "path_opening_slope")
 
 
 @lru_cache(maxsize=64)

@@ -25,6 +25,7 @@ from screwsim.model.slots import (
     flash_terms,
     held_gas,
     oil_inflow,
+    oil_inflow_slope,
     release_terms,
 )
 from screwsim.numerics.kernel import kernel
@@ -34,8 +35,7 @@ from screwsim.numerics.kernel import kernel
 def oil_slopes(E, E_next, e, delta, place, row, P, TAB, work, at, d, ds, stride, over_phi):
     """Set the oil that comes through ports, work[at …], and its derivatives by the own states and by the angle."""
     p = place[row + PRESSURE]
-    oil = oil_inflow(E[e + E_ANGLE], p, P, TAB)
-    by_p = (oil_inflow(E[e + E_ANGLE], p * (1.0 + STEP), P, TAB) - oil) / (p * STEP)
+    oil, by_p = oil_inflow_slope(E[e + E_ANGLE], p, P, TAB)
     by_phi = (oil_inflow(E_next[e + E_ANGLE], p, P, TAB) - oil) / delta
     for i in range(2):
         factor = 1.0 if i == 0 else P[P_H_PORT]

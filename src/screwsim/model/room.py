@@ -23,6 +23,7 @@ from screwsim.model.slots import (
     gas_phase,
     phased_state,
 )
+from screwsim.numerics.derivative import tangent
 from screwsim.numerics.kernel import kernel
 
 FULL = 0.99  # share of a chamber's volume that oil may take: beyond it the chamber is locked
@@ -41,11 +42,14 @@ def gas_mass(V, rho, x, P):
     return V * rho * gas_share(rho, x, P)
 
 
+gas_mass_slopes = tangent(gas_mass, ("V", "rho", "x"))
+
+
 @kernel
 def gas_mass_slope(V, dV, rho, drho, x, dx, P):
-    """Return the derivative of `gas_mass`."""
-    share = gas_share(rho, x, P)
-    return share * (rho * dV + V * drho) - V * rho * share * share * P[P_ROOM] * (dx * rho + x * drho)
+    """Return the change of `gas_mass` with those of its arguments."""
+    _m, by_V, by_rho, by_x = gas_mass_slopes(V, rho, x, P)
+    return by_V * dV + by_rho * drho + by_x * dx
 
 
 @kernel

@@ -49,13 +49,12 @@ from screwsim.model.slots import (
     WIDTH,
     N,
     gap_share,
+    gap_share_slopes,
     heat_rates,
     state_rate,
     wall_state,
 )
 from screwsim.numerics.kernel import inlined, kernel
-
-FLUX_STEP = 1e-6  # relative step of the differences of a gap's share, which is smooth
 
 
 @kernel
@@ -122,11 +121,9 @@ def held_slopes(i, m, p_1, rho_1, p_2, rho_2, own, a, other, b, P):
     else:
         ratio = own[a + OIL_RATIO] if CARRIED == 1 else 0.0
         density = own[a + DENSITY]
-    share = gap_share(i, flux, density, ratio, P)
-    by_flux = (gap_share(i, flux + FLUX_STEP * (flux + 1.0), density, ratio, P) - share) / (FLUX_STEP * (flux + 1.0))
-    by_rho = m * (gap_share(i, flux, density * (1.0 + FLUX_STEP), ratio, P) - share) / (density * FLUX_STEP)
-    by_x = m * (gap_share(i, flux, density, ratio + FLUX_STEP * (ratio + 1e-3), P) - share)
-    by_x /= FLUX_STEP * (ratio + 1e-3)
+    share, by_flux, by_rho, by_x = gap_share_slopes(i, flux, density, ratio, P)
+    by_rho *= m
+    by_x *= m
     grown = share + flux * by_flux
     if m >= 0.0:
         return m * share, grown * p_1, grown * rho_1, grown * p_2, grown * rho_2 + by_rho, 0.0, by_x

@@ -20,11 +20,11 @@ from screwsim.model.slots import (
     N,
     gas_state,
     path_opening,
+    path_opening_slope,
 )
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_coefficients, dense_value
 
-OPENING_STEP = 1e-5  # of the width of the regularisation, for differences of an opening by the pressure difference
 SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
 SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
 
@@ -34,9 +34,7 @@ def opening_slope(i, drop, y, own, P):
     """Return the opening of plenum path i and its derivative by the pressure difference [1/Pa]."""
     width = P[P_PORT_WIDTH + PLENUM[i]]
     held = own[OPENING + N_PLENUM + i]
-    opened = path_opening(i, drop, width, held, y, 0, P)
-    step = OPENING_STEP * width
-    return opened, (path_opening(i, drop + step, width, held, y, 0, P) - opened) / step
+    return path_opening_slope(i, drop, width, held, y, 0, P)
 
 
 @kernel

@@ -20,6 +20,7 @@ from screwsim.model import pulsation
 from screwsim.model.parts import OilPart, Parts
 from screwsim.model.slots import P_DISCHARGE_WIDTH, P_OMEGA, P_PITCH
 from screwsim.model.speed import flat_curve, slowness
+from screwsim.numerics.derivative import tangent
 from screwsim.numerics.kernel import Kernel, decorate, kernel
 from screwsim.numerics.spline import pack_curve, table_value
 
@@ -99,6 +100,16 @@ class Writer:
                 known = ", ".join(sorted({*free, *values, *tables, *self.made, *self.symbols}))
                 raise TypeError(f"kernel {kernel.flat_name}: nothing is called {name!r}; known here: {known}")
         return f"{kernel.flat_name}({', '.join(arguments)})"
+
+    def slopes(self, kernel: Kernel, call: str, by: Sequence[str], factor: str = "") -> list[str]:
+        """Return statements that return a kernel's call and its derivatives by free names, times a factor."""
+        asked = tuple(name for name in by if name in kernel.arguments)
+        both = tangent(kernel, asked) if asked else kernel
+        self.kernels.append(both)
+        targets = ", ".join(["value", *(f"by_{name}" for name in asked)])
+        found = ["value", *(f"by_{name}" if name in asked else "0.0" for name in by)]
+        returned = ", ".join(factor + each if each != "0.0" else each for each in found)
+        return [f"{targets} = {both.flat_name}{call.removeprefix(kernel.flat_name)}", f"return {returned}"]
 
     def function(self, head: str, body: Sequence[str]) -> None:
         self.text.append(decorate("\n".join([f"def {head}:", *(f"    {line}" for line in body)])))
@@ -246,31 +257,42 @@ def write_ports(writer: Writer, parts: Parts, port: OilPort, trapped: int) -> No
         ratio = writer.numbers.add(parts.oil.supply["ratio"], SUPPLY + "ratio")
         call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
         slow = f"{writer.slow} * " if writer.slow else ""
-        writer.function("oil_inflow(phi, p, P, TAB)", [f"return {slow}P[{trapped}] * {ratio} * {call}"])
+        inflow = f"{slow}P[{trapped}] * {ratio} * {call}"
+        writer.function("oil_inflow(phi, p, P, TAB)", [f"return {inflow}"])
+        writer.function("oil_inflow_slope(phi, p, P, TAB)", [f"return {inflow}, 0.0"])
         return
-    call = writer.call(port.flow, port.values, {}, ("phi", "p", "width"))
+    call, width = writer.call(port.flow, port.values, {}, ("phi", "p", "width")), f"width = P[{P_DISCHARGE_WIDTH}]"
     slow = f"{writer.slow} * " if writer.slow else ""
-    writer.function("oil_inflow(phi, p, P, TAB)", [f"width = P[{P_DISCHARGE_WIDTH}]", f"return {slow}{call}"])
+    writer.function("oil_inflow(phi, p, P, TAB)", [width, f"return {slow}{call}"])
+    writer.function("oil_inflow_slope(phi, p, P, TAB)", [width, *writer.slopes(port.flow, call, ("p",), slow)])
 
 
 def write_shares(writer: Writer, gaps: Sequence[FlowPath]) -> None:
-    body = []
+    body, slopes, free = [], [], ("flux", "density", "oil_ratio")
     for index, path in enumerate(gaps):
         if path.resistance is not None:
             values = {**path.values, **path.resistance.values}
-            call = writer.call(path.resistance.share, values, {}, ("flux", "density", "oil_ratio"))
+            call = writer.call(path.resistance.share, values, {}, free)
             body += [f"if i == {index}:", f"    return {call}"]
+            slopes += [f"if i == {index}:", *_indented(writer.slopes(path.resistance.share, call, free))]
     writer.function("gap_share(i, flux, density, oil_ratio, P)", [*body, "return 1.0"])
+    writer.function("gap_share_slopes(i, flux, density, oil_ratio, P)", [*slopes, "return 1.0, 0.0, 0.0, 0.0"])
+
+
+def _indented(lines: Sequence[str]) -> list[str]:
+    return [f"    {line}" for line in lines]
 
 
 def write_films(writer: Writer, gaps: Sequence[FlowPath]) -> None:
-    body = []
+    body, slopes, free = [], [], ("drop", "oil_ratio")
     for index, path in enumerate(gaps):
         if path.resistance is not None and path.resistance.film is not None:
             values = {**path.values, **path.resistance.values}
-            call = writer.call(path.resistance.film, values, {}, ("drop", "oil_ratio"))
+            call = writer.call(path.resistance.film, values, {}, free)
             body += [f"if i == {index}:", f"    return {call}"]
+            slopes += [f"if i == {index}:", *_indented(writer.slopes(path.resistance.film, call, free))]
     writer.function("gap_film(i, drop, oil_ratio, P)", [*body, "return 0.0"])
+    writer.function("gap_film_slopes(i, drop, oil_ratio, P)", [*slopes, "return 0.0, 0.0, 0.0"])
 
 
 def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:
@@ -290,14 +312,16 @@ def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequen
 
 
 def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
-    body, asked = [], set()
+    body, slopes, asked = [], [], set()
     for index, path in enumerate(paths):
         if path.opening is not None:
             call = writer.call(path.opening, path.values, {}, (*OPENING_SYMBOLS, *states[2:]))
             body += [f"if i == {index}:", f"    return {call}"]
+            slopes += [f"if i == {index}:", *_indented(writer.slopes(path.opening, call, ("drop",)))]
             asked |= set(path.opening.arguments)
-    head = "path_opening(i, drop, width, held, y, at, P)"
-    writer.function(head, [*named_states(body, states, asked), "return 1.0"])
+    arguments = "(i, drop, width, held, y, at, P)"
+    writer.function(f"path_opening{arguments}", [*named_states(body, states, asked), "return 1.0"])
+    writer.function(f"path_opening_slope{arguments}", [*named_states(slopes, states, asked), "return 1.0, 0.0"])
 
 
 def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -> None:

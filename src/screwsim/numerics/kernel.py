@@ -121,7 +121,7 @@ def inlined(function: Callable[..., Any]) -> Kernel:
 _written: dict[str, Kernel] = {}
 
 
-def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kernel:
+def written(source: str, of: str, uses: Mapping[str, Any] | None = None, inlined: bool = False) -> Kernel:
     """Return the kernel of a generated function's text; one text is one kernel, however often it is asked for.
 
     `uses` holds the kernels and constants that the text names. The flat name is made of `of` (a fluid, say), a hash
@@ -138,7 +138,7 @@ def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kern
     if key not in _written:
         space: dict[str, Any] = {"math": math, "np": np, "__name__": module, **uses}
         exec(compile(source, f"<{key}>", "exec"), space)
-        _written.setdefault(key, Kernel(space[name], source))  # of two threads that write it, one is first
+        _written.setdefault(key, Kernel(space[name], source, inlined))  # of two threads that write it, one is first
     return _written[key]
 
 

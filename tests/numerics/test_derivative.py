@@ -1,0 +1,270 @@
+"""Derivatives made from a kernel's source are those of the kernel: against differences, for every kernel of scalars."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import math
+import pkgutil
+
+import numpy as np
+import pytest
+
+from screwsim.fluid.nozzle import choking, flow_slopes
+from screwsim.numerics.derivative import tangent
+from screwsim.numerics.kernel import Kernel, Slot, Structure, kernel
+
+DRAWS, ENOUGH = 400, 20
+STEP = 1e-6  # relative, of the differences: they err by its square and by rounding over it
+AGREE = 1e-5
+RANGES = {  # where a kernel has no meaning at numbers near one
+    "phi": (0.1, 12.0),
+    "p": (1e5, 2e6),
+    "p_1": (1e5, 2e6),
+    "p_2": (1e5, 2e6),
+    "p_s": (1e5, 5e5),
+    "drop": (-1e5, 1e5),
+    "dp": (-1e5, 1e6),
+    "width": (10.0, 1e4),
+    "T": (250.0, 450.0),
+    "T_oil": (270.0, 380.0),
+    "x": (0.0, 0.99),
+    "a": (0.55, 0.99),
+    "a_1": (0.55, 0.99),
+    "a_2": (0.55, 0.99),
+    "choke": (0.4, 0.5),
+    "choke_1": (0.4, 0.5),
+    "choke_2": (0.4, 0.5),
+    "y": (-0.3, 0.3),
+    "k": (1.02, 1.7),
+    "log_r": (-1.0, -0.01),
+    "reynolds": (20.0, 2e4),
+    "transition": (800.0, 6000.0),
+    "gap": (2e-5, 1e-4),
+    "length": (1e-3, 1e-2),
+    "passage": (1e-3, 1e-2),
+    "flux": (10.0, 3e3),
+    "oil_ratio": (-0.1, 5.0),
+    "oil_room": (9e-4, 1.1e-3),
+    "density": (2.0, 60.0),
+    "viscosity": (1e-5, 2e-2),
+    "gas_viscosity": (1e-5, 2e-5),
+    "oil_viscosity": (1e-3, 5e-2),
+    "oil_density": (800.0, 1100.0),
+    "phi_A": (0.5, 6.0),
+    "phi_B": (0.5, 3.0),
+    "phi_dis": (8.0, 9.0),
+    "phi_C": (9.2, 10.0),
+    "opens": (1.0, 2.0),
+    "full": (2.5, 3.0),
+    "falls": (4.0, 5.0),
+    "closes": (7.0, 8.0),
+    "start": (1.0, 2.0),
+    "fall": (4.0, 5.0),
+    "end": (7.0, 8.0),
+    "pitch": (1.5, 1.6),
+    "crank": (0.05, 0.1),
+    "rod": (0.3, 0.5),
+    "offset": (0.0, 0.02),
+    "held": (-1.0, -1.0),
+    "sign": (-1.0, 1.0),
+    "separator_pressure": (1e6, 2e6),
+    "upstream_pressure": (1e6, 2e6),
+    "pressure_loss": (0.0, 1e4),
+    "bore_diameter": (1e-3, 5e-3),
+    "bore_length": (4e-3, 2e-2),
+    "diameter": (1e-3, 5e-3),
+    "p_sat": (2e6, 3e6),
+    "r_A": (0.2, 0.22),
+    "r_B": (0.28, 0.3),
+    "lean": (0.45, 0.6),
+    "lean_plus": (0.45, 0.6),
+    "lean_minus": (0.45, 0.6),
+    "phi_0": (0.1, 0.3),
+    "theta": (-0.1, 0.1),
+    "eps": (-0.1, 0.3),
+    "slenderness": (2.0, 10.0),
+    "lambda_12": (0.5, 0.9),
+    "lambda_21": (0.5, 0.9),
+    "mass_ratio": (0.1, 0.3),
+}
+BY_DIFFERENCES = {"fluid.nozzle.expansion_with_slope", "fluid.nozzle.flow_slopes"}  # which take some themselves
+NO_LAWS = {"context", "dense", "which", "near"}  # arguments of what steps over arrays, or searches in a cubic
+
+
+def names_in(item: Kernel) -> set[str]:
+    return {node.id for node in ast.walk(ast.parse(item.source)) if isinstance(node, ast.Name)}
+
+
+def is_of_scalars(item: Kernel, seen: frozenset[str] = frozenset()) -> bool:
+    """Tell whether a kernel and all that it calls take and give numbers alone, as text that stands by itself."""
+    known = item.function.__globals__
+    if NO_LAWS & set(item.arguments):
+        return False
+    for node in ast.walk(ast.parse(item.source)):
+        if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and node.value.id in item.arguments:
+            return False
+        if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store):
+            return False
+    used = [known.get(name) for name in names_in(item) if name != item.__name__]
+    if any(isinstance(one, Slot | Structure) for one in used):
+        return False
+    inner = [one for one in used if isinstance(one, Kernel)]
+    return all(one.__name__ in seen or is_of_scalars(one, seen | {item.__name__}) for one in inner)
+
+
+def all_kernels() -> dict[str, Kernel]:
+    found = {}
+    for package in ("fluid", "machine", "effects", "model", "numerics"):
+        home = importlib.import_module(f"screwsim.{package}")
+        for info in pkgutil.walk_packages(home.__path__, f"{home.__name__}."):
+            module = importlib.import_module(info.name)
+            for name, item in vars(module).items():
+                if isinstance(item, Kernel) and item.function.__module__ == info.name and item.arguments:
+                    found[f"{info.name.removeprefix('screwsim.')}.{name}"] = item
+    return found
+
+
+KERNELS = {
+    name: item for name, item in all_kernels().items() if is_of_scalars(item) and name not in BY_DIFFERENCES
+}
+
+
+def values_of(answer) -> tuple[float, ...]:
+    return answer if isinstance(answer, tuple) else (answer,)
+
+
+def draw(item: Kernel, random: np.random.Generator) -> list[float]:
+    return [float(random.uniform(*RANGES.get(name, (0.5, 2.0)))) for name in item.arguments]
+
+
+def differences(item: Kernel, arguments: list[float], k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the differences to the right and to the left by argument k."""
+    step = STEP * max(abs(arguments[k]), 1e-3)
+    rows = []
+    for move in (-step, 0.0, step):
+        moved = list(arguments)
+        moved[k] += move
+        rows.append(np.array(values_of(item(*moved)), float))
+    return (rows[2] - rows[1]) / step, (rows[1] - rows[0]) / step
+
+
+@pytest.mark.parametrize("name", KERNELS)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_derivative_is_that_of_its_kernel(name):
+    """Where the differences to both sides agree; a kink between them has no derivative to be compared with."""
+    item, random = KERNELS[name], np.random.default_rng(7)
+    both = tangent(item, item.arguments)
+    compared = 0
+    for _ in range(DRAWS):
+        arguments = draw(item, random)
+        try:
+            plain = np.array(values_of(item(*arguments)), float)
+            found = np.array(values_of(both(*arguments)), float)
+            sides = [differences(item, arguments, k) for k in range(len(arguments))]
+        except (ValueError, ZeroDivisionError, OverflowError):
+            continue  # no number of the kernel's
+        if not np.isfinite(plain).all():
+            continue
+        count = len(plain)
+        assert found[:count].tolist() == plain.tolist()
+        for k, (right, left) in enumerate(sides):
+            slope = found[count * (k + 1) : count * (k + 2)]
+            size = np.maximum(np.abs(right), np.abs(left))
+            # what rounding makes of the value, over the step
+            noise = 1e-13 * np.abs(plain) / (STEP * max(abs(arguments[k]), 1e-3))
+            smooth = np.abs(right - left) <= AGREE * size + noise
+            middle = 0.5 * (right + left)
+            assert (np.abs(slope - middle)[smooth] <= (AGREE * size + noise)[smooth]).all(), item.arguments[k]
+        compared += 1
+    assert compared >= ENOUGH
+
+
+def test_most_laws_are_kernels_of_scalars():
+    """The test above would pass with none to be tested."""
+    assert len(KERNELS) > 90
+    for name in ("fluid.nozzle.flow", "fluid.gap_flow.mcadams_mixture", "model.balance.temperature_slope"):
+        assert name in KERNELS
+
+
+def test_the_slopes_of_the_nozzle_are_those_of_its_source():
+    """They are written by hand; of small drops by a difference over 1e-4, whose error is second derivatives' of 10."""
+    random, by = np.random.default_rng(3), ("p_1", "rho_1", "p_2", "rho_2")
+    flow = KERNELS["fluid.nozzle.flow"]
+    both, ways = tangent(flow, by), set()
+    for _ in range(DRAWS):
+        arguments = dict(zip(flow.arguments, draw(flow, random), strict=True))
+        arguments["p_2"] = arguments["p_1"] * (1.0 + float(10.0 ** random.uniform(-6.0, 1.0)))
+        if random.random() < 0.5:
+            arguments["p_1"], arguments["p_2"] = arguments["p_2"], arguments["p_1"]
+        for side in ("1", "2"):
+            arguments[f"choke_{side}"], arguments[f"choked_{side}"] = choking(1.0 / arguments[f"a_{side}"])
+        ways.add(arguments["p_1"] < arguments["p_2"])
+        found, known = (each(*arguments.values()) for each in (both, flow_slopes))
+        scale = max(abs(found[1]), abs(found[3]))
+        assert found[0] == pytest.approx(known[0], rel=1e-14)
+        assert found[1::2] == pytest.approx(known[1::2], abs=1e-4 * scale)
+        assert found[2::2] == pytest.approx(known[2::2], rel=1e-12)
+    assert len(ways) == 2
+
+
+def test_nothing_depends_on_what_is_not_named():
+    """A derivative by one argument costs no term of the others."""
+    both = tangent(KERNELS["fluid.nozzle.flow"], ("rho_1",))
+    assert "__p_1" not in both.source and "__rho_2" not in both.source
+
+
+@kernel
+def stepwise(x, y):
+    """Assigns to its arguments, loops, unpacks, and leaves early."""
+    y = max(y, 0.25)
+    if x < 0.0:
+        return -x, y
+    total = 0.0
+    for i in range(3):
+        total += math.sin(i * x) * y
+        if total > 2.0:
+            break
+    x, y = y, x
+    y *= x if x > 1.0 else 2.0
+    return total * x, abs(y - 1.0) ** 1.5
+
+
+@pytest.mark.parametrize("x", [-0.5, 0.3, 1.2, 2.7])
+@pytest.mark.parametrize("y", [0.1, 0.8, 1.9])
+def test_statements_of_all_kinds_are_differentiated(x, y):
+    found = tangent(stepwise, ("x", "y"))(x, y)
+    assert found[:2] == stepwise(x, y)
+    for k in range(2):
+        right, left = differences(stepwise, [x, y], k)
+        assert found[2 + 2 * k : 4 + 2 * k] == pytest.approx(0.5 * (right + left), rel=1e-8, abs=1e-9)
+
+
+def test_a_clip_at_its_end_has_the_slope_of_the_side_that_is_taken():
+    both = tangent(stepwise, ("y",))
+    assert both(-1.0, 0.1)[3] == 0.0
+    assert both(-1.0, 0.5)[3] == 1.0
+
+
+def test_a_root_of_nothing_has_no_infinite_slope():
+    """max(0, …) under a root: where it is held at nothing, nothing changes."""
+    value, by_ratio = tangent(KERNELS["fluid.gap_flow.volume_share"], ("oil_ratio",))(1e3, 5.0, 1e-3)
+    assert (value, by_ratio) == (0.5, 0.0)
+
+
+@kernel
+def writes(x, out):
+    out[0] = x
+    return x
+
+
+@kernel
+def formats(x):
+    return len(str(x)) * x
+
+
+def test_what_cannot_be_differentiated_is_named():
+    with pytest.raises(TypeError, match=r"kernel writes cannot be differentiated: it has 'out\[0\] = x'"):
+        tangent(writes, ("x",))
+    with pytest.raises(TypeError, match="kernel stepwise has no argument z"):
+        tangent(stepwise, ("z",))
