@@ -127,7 +127,8 @@ class _Forward:
         for node in ast.walk(function):
             if isinstance(node, ast.Name) and node.id in self.known and node.id not in self.uses:
                 self.uses[node.id] = self.known[node.id]
-        self.uses.pop("math", None), self.uses.pop("np", None)
+        for module in ("math", "np"):  # which every text has
+            self.uses.pop(module, None)
         return ast.unparse(ast.fix_missing_locations(function)) + "\n", self.uses
 
     def _fresh(self, stem: str) -> str:
