@@ -49,9 +49,9 @@ def test_the_stored_outcome_is_of_this_space_and_nothing_crashed_or_hung():
 
 
 def test_the_stored_estimates_hold():
-    """Within the wanted accuracy or warned in 98 % (of few: but one), within three times it or warned in all."""
-    assert TRUE["compared"] >= 20
-    assert TRUE["compared"] - TRUE["within_or_warned"] <= max(1, 0.02 * TRUE["compared"])
+    """Within the wanted accuracy or warned in 98 %, within three times it or warned in all."""
+    assert TRUE["compared"] >= 50
+    assert TRUE["within_or_warned"] >= 0.98 * TRUE["compared"]
     assert TRUE["beyond_three_times_unwarned"] == []
 
 
