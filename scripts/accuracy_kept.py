@@ -1,24 +1,35 @@
 """Draw scenes at random and tell whether the wanted accuracy is kept. Run: accuracy_kept.py [SCENES] [SEED] [-v].
 
-The scenes lie around configs/paper and configs/r134a; every tenth is judged by scipy's Radau. See docs/accuracy.md.
+The scenes are those of `tests/hard/effects_space.py`, all effects between them; with the word `paper` they lie around
+configs/paper and configs/r134a, whose accuracies are all drawn. Every tenth is judged by scipy's Radau. See
+docs/accuracy.md.
 """
 
 from __future__ import annotations
 
+import itertools
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from screwsim.scene import Scene, load, with_values
-from screwsim.simulate import simulate
-from screwsim.study.accuracy.kept import Kept, account, drawn, kept
-
 ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT / "tests" / "hard"), str(ROOT / "tests" / "laws")]
+import effects_space  # noqa: E402
+
+from screwsim.faults import SceneError  # noqa: E402
+from screwsim.scene import Scene, load, with_values  # noqa: E402
+from screwsim.simulate import simulate  # noqa: E402
+from screwsim.study.accuracy.kept import Kept, account, drawn, kept  # noqa: E402
+
 PAPER, REAL = str(ROOT / "configs" / "paper" / "point.yaml"), str(ROOT / "configs" / "r134a" / "point.yaml")
 DRY = ("oil_heat", "oil_pump", "hydromechanical", "end_face_leakage", "interlobe_leakage")
 RADAU_EVERY = 10
+BEYOND = 10**6  # numbers of a structure's scenes after which another is drawn for one that makes no sense
+
+Drawn = tuple[str, Scene, dict[str, Any]]  # structure, scene, and what was drawn of it
 
 
 def structures() -> dict[str, Scene]:
@@ -31,13 +42,36 @@ def structures() -> dict[str, Scene]:
     }
 
 
-def sample(scenes: int, seed: int, radau_every: int = RADAU_EVERY, verbose: bool = False) -> list[Kept]:
-    """Return the outcome of as many scenes, taken from the structures in turn."""
-    random, found = np.random.default_rng(seed), []
-    kinds = list(structures().items())
+def around_the_paper(scenes: int, seed: int) -> Iterator[Drawn]:
+    """Yield as many scenes, taken from the structures in turn."""
+    random, kinds = np.random.default_rng(seed), list(structures().items())
     for index in range(scenes):
         name, base = kinds[index % len(kinds)]
-        one = kept(*drawn(base, random), radau=index % radau_every == radau_every - 1)
+        yield name, *drawn(base, random)
+
+
+def of_all_effects(scenes: int, seed: int, names: Sequence[str] = tuple(effects_space.STRUCTURES)) -> Iterator[Drawn]:
+    """Yield as many scenes of all effects, taken from the structures of their space in turn."""
+    for index in range(scenes):
+        number, kind = divmod(index, len(names))
+        yield _that_makes_sense(names[kind], seed, number)
+
+
+def _that_makes_sense(name: str, seed: int, first: int) -> Drawn:
+    for number in itertools.count(first, BEYOND):
+        try:
+            scene = effects_space.scene_of(name, seed, number)
+        except SceneError:
+            continue
+        return name, scene, dict(text.split("=", 1) for text in effects_space.drawn(name, seed, number))
+    raise AssertionError("numbers do not end")
+
+
+def sample(scenes: Iterator[Drawn], radau_every: int = RADAU_EVERY, verbose: bool = False) -> list[Kept]:
+    """Return the outcome of scenes."""
+    found = []
+    for index, (name, scene, changes) in enumerate(scenes):
+        one = kept(scene, changes, radau=index % radau_every == radau_every - 1)
         found.append(one)
         if verbose:
             print(index, name, one, flush=True)
@@ -45,11 +79,9 @@ def sample(scenes: int, seed: int, radau_every: int = RADAU_EVERY, verbose: bool
 
 
 def work(accuracies: Sequence[float], scenes: int, seed: int) -> np.ndarray:
-    """Return evaluations of the right-hand side, a row a scene, a column an accuracy."""
-    random, rows = np.random.default_rng(seed), []
-    kinds = list(structures().values())
-    for index in range(scenes):
-        scene, _ = drawn(kinds[index % len(kinds)], random)
+    """Return evaluations of the right-hand side, a row a scene around the paper's, a column an accuracy."""
+    rows = []
+    for _, scene, _ in around_the_paper(scenes, seed):
         results = [simulate(with_values(scene, {"numerics.accuracy": each}), trace=False) for each in accuracies]
         rows.append([int(result.numerics.rhs_evaluations) for result in results])
     return np.array(rows)
@@ -58,4 +90,5 @@ def work(accuracies: Sequence[float], scenes: int, seed: int) -> np.ndarray:
 if __name__ == "__main__":
     numbers = [int(text) for text in sys.argv[1:] if text.isdigit()]
     count, seed = (*numbers, *(60, 1)[len(numbers) :])
-    print(account(sample(count, seed, verbose="-v" in sys.argv)))
+    drawing = around_the_paper if "paper" in sys.argv[1:] else of_all_effects
+    print(account(sample(drawing(count, seed), verbose="-v" in sys.argv)))

@@ -2,10 +2,10 @@
 
 The scenes are those of `tests/hard/effects_space.py`: few structures, as each is compiled, many numbers for each. It
 asks what `fuzz.py` asks of its own space: that nothing crashes or hangs, that figures are finite and balances close.
-And it asks whether estimates hold: every third scene that is ok (`--check`) is solved twice again, by coupled chambers
-at a fiftieth of the wanted accuracy and finer, and its figures are compared with the finer one; where these two differ
-by more than a tenth of the accuracy, nothing is known. Writes `fuzz-effects-SEED-SPACE.csv` and goes on where it holds
-scenes already; `--outcome FILE` sums up all its rows.
+And it asks whether estimates hold: the true error of every third scene that is ok (`--check`) is asked of the function
+that `accuracy_kept.py` asks, by coupled chambers at a fiftieth of the wanted accuracy and finer, until two solutions
+differ by at most a tenth of it; where none do, nothing is known. Writes `fuzz-effects-SEED-SPACE.csv` and goes on where
+it holds scenes already; `--outcome FILE` sums up all its rows.
 """
 
 from __future__ import annotations
@@ -20,7 +20,6 @@ import sys
 import time
 import traceback
 from collections import Counter, defaultdict
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -31,12 +30,12 @@ import effects_space  # noqa: E402
 import fuzz  # noqa: E402
 from judging import finite  # noqa: E402
 
-from screwsim.errors import relative_errors  # noqa: E402
 from screwsim.estimate import worst  # noqa: E402
 from screwsim.faults import SceneError  # noqa: E402
 from screwsim.outputs import Result  # noqa: E402
 from screwsim.scene import Scene  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
+from screwsim.study.accuracy.kept import true_error, warns  # noqa: E402
 
 COLUMNS = (
     "index",
@@ -56,22 +55,6 @@ COLUMNS = (
     "message",
 )
 NO_ANSWER = "no answer"  # of the finer solutions, or they differ
-FINE, FINEST = 2e-2, 5e-3  # accuracies of the two finer solutions over the wanted one
-KNOWN = 0.1  # of the wanted accuracy: the difference of these two up to which the true error is known
-
-
-def true_error(scene: Scene, result: Result) -> tuple[str, float | str]:
-    """Return the figure that differs most from a much finer solution, and by how much."""
-    accuracy, figures = scene.numerics.accuracy, []
-    for share in (FINE, FINEST):
-        finer = replace(scene.numerics, accuracy=share * accuracy, closing="coupled", error="none")
-        found = simulate(replace(scene, numerics=finer), trace=False)
-        if found.status != "ok":
-            return "", NO_ANSWER
-        figures.append(found.performance)
-    if worst(relative_errors(*figures))[1] > KNOWN * accuracy:
-        return "", NO_ANSWER
-    return worst(relative_errors(result.performance, figures[1]))
 
 
 def one(index: int, seed: int) -> tuple[dict[str, Any], Scene | None, Result | None]:
@@ -89,7 +72,7 @@ def one(index: int, seed: int) -> tuple[dict[str, Any], Scene | None, Result | N
         row["rhs_evaluations"] = result.numerics.rhs_evaluations
         row |= {name: result.balance.get(name) for name in ("mass", "energy")}
         row["error"] = worst(result.error)[1]
-        row["warned"] = int(any("estimated" in text for text in result.warnings))
+        row["warned"] = int(warns(result))
         if not finite(result):
             row["status"] = "not finite"
     except SceneError as fault:
@@ -111,7 +94,8 @@ def work(pipe: Any, indices: list[int], seed: int, check: int) -> None:
         row, scene, result = one(index, seed)
         if checked(index, check) and row["status"] == "ok" and scene and result:
             pipe.send((index, row | {"true": NO_ANSWER}))  # what is known, should the finer ones not come back
-            row["true_figure"], row["true"] = true_error(scene, result)
+            known, row["true_figure"], true = true_error(scene, result)
+            row["true"] = true if known == "ok" else NO_ANSWER
         pipe.send((index, row))
     pipe.close()
 

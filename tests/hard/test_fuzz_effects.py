@@ -9,6 +9,7 @@ from effects_space import STRUCTURES, drawn, effects_drawn, ranges, scene_of
 from hard_page import OF_EFFECTS
 
 from screwsim.effects import catalogue
+from screwsim.study.accuracy.kept import true_error
 
 sys.path.append(str(Path(__file__).parents[2] / "scripts"))
 import fuzz_effects
@@ -61,5 +62,5 @@ def test_an_estimate_holds_when_solved_again(structure):
     index = list(STRUCTURES).index(structure) * fuzz_effects.effects_space.EACH + AGAIN[structure]
     row, scene, result = fuzz_effects.one(index, 1)
     assert row["status"] == "ok", row["message"]
-    _, true = fuzz_effects.true_error(scene, result)
+    _, _, true = true_error(scene, result)
     assert true <= scene.numerics.accuracy

@@ -4,14 +4,18 @@ import csv
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import h5py
 import pytest
 
+from screwsim.errors import relative_errors
+from screwsim.estimate import worst
 from screwsim.outputs import Figures, Result
 from screwsim.printing import accuracy_drawing
 from screwsim.report.accuracy import draw
-from screwsim.scene import Scene, loads
+from screwsim.scene import Scene, load, loads
+from screwsim.simulate import simulate
 from screwsim.study.accuracy import QUICK, Study, effects, files, study, words
 from screwsim.study.accuracy.cases import SCIPY, all_cases
 from screwsim.study.accuracy.solving import WorkLimit, solve, way
@@ -192,3 +196,12 @@ def test_what_is_next_to_nothing_without_an_effect_is_not_divided_by(scene, monk
     assert found.shaft_power == pytest.approx(0.1)
     assert found.discharge_temperature == pytest.approx(0.1)
     assert math.isnan(found.cop) and math.isnan(found.cooling_capacity)
+
+
+@pytest.mark.slow
+def test_a_driven_scene_is_solved_at_the_speed_at_which_it_runs():
+    driven = load(str(Path(__file__).parents[2] / "configs" / "drive" / "induction.yaml"))
+    wanted = driven.numerics.accuracy
+    finer = solve(driven, way(0.1 * wanted))
+    assert finer.closed.status == "ok"
+    assert worst(relative_errors(simulate(driven, trace=False).performance, finer.figures()))[1] <= wanted

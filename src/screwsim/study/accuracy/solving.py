@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim import shaft
 from screwsim.build import WIDTH
 from screwsim.estimate import Watch
 from screwsim.model import close as closing
@@ -98,7 +99,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, solution: Solution | 
     scipy's integrators start from a loose cycle (`START`) of our own, whose cost is counted; so does ours when it is
     `closing: coupled`, for which that is the rule.
     """
-    solution = solution or Solution(scene)
+    solution = solution or shaft.at_its_speed(Solution(scene))
     machinery = solution.machinery
     machinery.warm_up(solution.rehearse)
     composition = machinery.composition
@@ -115,12 +116,13 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, solution: Solution | 
     with limited(machinery, limit), warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # explicit methods overflow on their way to a shorter step
         try:
-            closed = closing.close(solution, solution.start())
+            closed = shaft.settled(solution, closing.close(solution, solution.start()))
             if scipys and closed.status != "failed":
                 solution.wanted = wanted
                 machinery.composition.P[composition.widths] = widths
                 machinery.integrator = how.integrator
                 closed = closing.by_coupling(solution, closing.chambers_at_pitches(machinery))
+                closed = shaft.settled(solution, closed)
         finally:
             watch.lap("closing")
     counts = watch.counts["closing"]
