@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from fuzz_space import RANGES, STRUCTURES, changes, is_real
+from fuzz_space import RANGES, STRUCTURES, changes, drawn, is_real
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from scenes import make
@@ -65,3 +65,11 @@ def test_random_scenes(structure):
 
     check()
     assert seen["ok"] >= (LEAST_OK_REAL if is_real(structure) else LEAST_OK) * seen.total(), seen
+
+
+def test_a_machine_that_moves_much_and_works_little_closes():
+    """At 12 rpm and a pressure ratio of 1.002: half a watt at the shaft, 86 W of enthalpy to and fro."""
+    result = simulate(make(changes(*drawn(1, 9554))))
+    assert result.status == "ok"
+    assert result.performance.shaft_power < 1.0
+    assert max(result.balance[name] for name in ("mass", "energy", "entropy")) <= result.balance.bound

@@ -11,6 +11,7 @@ from vessel import plain
 
 import screwsim
 from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.ledger.book import Entry
 from screwsim.ledger.total import Ledger
 from screwsim.model import ledger as kernels
 from screwsim.model.run import Machinery
@@ -259,6 +260,14 @@ def test_an_entropy_balance_above_its_bound_is_not_closed(monkeypatch):
     result = simulate(make())
     assert result.status == "not_closed"
     assert "entropy 0.0004 against the bound 0.0003" in result.message
+
+
+def test_what_is_open_of_energy_counts_against_no_less_in_the_entropy_balance():
+    """The residue holds what the energy balance leaves open, which M38 measures by the energies that are moved."""
+    moved = Entry(gas_moved=1.0, energy_moved=80.0, exergy_destroyed=0.8)
+    book = Ledger({"discharge_port": moved, "tip_leakage": Entry(energy_moved=-6.0)}, 298.0, 0.5, -0.3 - 1e-3, None)
+    assert book.residue == pytest.approx(1e-3)
+    assert book.entropy_residue() == pytest.approx(1e-3 / (0.5 + 0.8 + 80.0 + 6.0))
 
 
 def test_a_sweep_that_keeps_the_cycle_keeps_the_ledger(tmp_path):

@@ -49,13 +49,16 @@ class Ledger:
         return math.isfinite(self.residue) and all(map(math.isfinite, values))
 
     def entropy_residue(self, least_power: float = 0.0) -> float:
-        """Return the residue over the shaft power and all that is destroyed.
+        """Return the residue over the shaft power, all that is destroyed, and all energy that is moved to and fro.
 
-        Given that energy closes, it is the residue of the entropy balance times T_0 (docs/model.md M59). Powers [W]
-        below the least one are rounding, as in the energy balance.
+        Given that energy closes, it is the residue of the entropy balance times T_0 (docs/model.md M59); what is left
+        open of energy is in it, and so it counts against no less than that does. Powers [W] below the least one are
+        rounding, as in the energy balance.
         """
-        destroyed = sum([abs(entry.exergy_destroyed) for entry in self.entries.values()])
-        return abs(self.residue) / max(abs(self.shaft_power) + destroyed, least_power, 1e-300)
+        size = abs(self.shaft_power)
+        for entry in self.entries.values():
+            size += abs(entry.exergy_destroyed) + abs(entry.energy_moved or 0.0)
+        return abs(self.residue) / max(size, least_power, 1e-300)
 
     def figures(self) -> Figures:
         """Return the totals, and the entries as `<quantity>_<effect>` (outputs.LEDGER)."""
