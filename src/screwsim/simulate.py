@@ -7,38 +7,18 @@ import operator
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-import numpy as np
-
-from screwsim import own, plausible, settling, shaft
+from screwsim import own, plausible, settling, shaft, verdict
 from screwsim.build import blamed, faults_of_own, own_effects, prepare
-from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter, worst
+from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter
 from screwsim.faults import Impossible, UsageError
-from screwsim.fluid.orifice import outside_fit
 from screwsim.ledger.total import Ledger
-from screwsim.model import close as closing
 from screwsim.model import compiled
-from screwsim.model.pulsation import LOWEST
-from screwsim.model.residues import LEAST_OIL
-from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
-from screwsim.model.stops import MOST_IMPACTS
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
 from screwsim.prepared import Series
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
 from screwsim.solution import Solution
-
-DRAWN_TOO_MUCH = 0.02  # share of the vapour that an economizer makes
-ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integration that stops there shows a lock
-REMEDIES = {  # of the limits of an equation of state, by a word of what the gas says of them
-    "highest": "use more or cooler oil, a wider discharge port, a larger machine.volume.min or smaller leaks",
-    "lowest": "use warmer suction gas or oil, or a wider suction port",
-}
-
-HOT = 1000.0  # [K] beyond what a machine stands
-PHASES = 120  # of a pitch at which a plenum's pressure is looked at
-RESTLESS = 500  # impacts of a turn that does not settle, above which the reeds are why
-UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
 
 
 def _numerics(solution: Solution, accurate: Accurate) -> Figures:
@@ -54,203 +34,6 @@ def _numerics(solution: Solution, accurate: Accurate) -> Figures:
         wall_time=accurate.closing_time,
         estimating_time=accurate.estimating_time,
     )
-
-
-def _refused(solution: Solution) -> str:
-    """Return where and why the closed cycle leaves what the gas's equation covers; empty when it does not."""
-    gas = solution.parts.gas
-    times, dense, _, steps = solution.machinery.last()
-    T, rho = (np.ascontiguousarray(dense[:steps, 1, column]) for column in (0, 1))
-    i = gas.first_outside(T, rho)
-    if i is None:
-        return ""
-    return f"at {math.degrees(times[i + 1]):.2f} deg {_remedied(gas.why_outside(float(T[i]), float(rho[i])))}"
-
-
-def _remedied(reason: str) -> str:
-    """Return what a gas says of its limits, with a remedy where it names none."""
-    remedy = next((remedy for word, remedy in REMEDIES.items() if word in reason), "")
-    return f"{reason}; {remedy}" if remedy else reason
-
-
-def _beyond_its_mean(solution: Solution) -> str:
-    """Return that a plenum's pressure swings beyond its mean, where no M186 holds; empty where none does."""
-    machinery, c = solution.machinery, solution.machinery.composition
-    for part in solution.parts.pulsations:
-        line = solution.parts.number(part.to)
-        angles = np.linspace(0.0, solution.parts.geometry.pitch, PHASES, endpoint=False)
-        pulses = np.array([machinery.module.line_pulse(line, angle, c.P) for angle in angles])
-        if np.min(1.0 + pulses[:, 1] / (1.0 + pulses[:, 0])) < LOWEST:
-            return (
-                f"the pressure of the {part.to} plenum would swing beyond its mean: a chamber moves more gas than the "
-                f"plenum holds (a larger effects.plenums.{part.to}_volume, or a higher speed)"
-            )
-    return ""
-
-
-def _unclosed(solution: Solution, closed: closing.Closed) -> str:
-    """Return what may help a cycle that did not close."""
-    numerics = solution.scene.numerics
-    if solution.machinery.impacts > RESTLESS:
-        return f"its turns do not settle, with {_restless(solution.machinery.impacts)}"
-    if any(part.shut is not None and part.shut(solution.turn(closed.q)) for part in solution.parts.pulsations):
-        return (
-            "a check valve of effects.plenums stays shut and the turns do not settle: the machine leaks more than it "
-            "takes in and delivers nothing (leave the valve out, or smaller leaks or a higher speed)"
-        )
-    if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
-        coupled = "numerics.closing: coupled, or " if closed.how != "coupled" else ""
-        return f"try {coupled}a tighter numerics.accuracy"
-    if closed.change < UNSETTLED:
-        return "no further try closed it either: the accuracy may be too fine (a larger numerics.accuracy)"
-    _, dense, _, steps = solution.machinery.last()
-    hottest = dense[:steps, 1, 0].max()
-    if hottest < HOT:
-        return "no further try closed it either: its turns do not settle (smaller leaks, or another speed)"
-    return (
-        f"no further try closed it either: its turns do not settle, with gas at up to {hottest:.2g} "
-        "K; gas that all but cannot get out heats, empties and fills the chambers anew without end (a wider discharge "
-        "port, smaller leaks or a lower speed)"
-    )
-
-
-def _restless(impacts: int) -> str:
-    """Return what to do about reeds that hardly come to rest."""
-    return (
-        f"{impacts} impacts of its reeds in a turn; reeds that lose so little at an impact bounce on and on (a smaller "
-        "effects.reed_valves.seat_restitution or stop_restitution)"
-    )
-
-
-def _failure(solution: Solution, closed: closing.Closed) -> str:
-    y = ", ".join(
-        f"{name} = {value:.6g}" for name, value in zip(solution.machinery.composition.states, closed.y, strict=False)
-    )
-    lock = _hydraulic_lock(solution, closed)
-    if lock:
-        return lock
-    if solution.machinery.impacts > MOST_IMPACTS:
-        return (
-            f"the turn was left at {math.degrees(closed.angle):.2f} deg after {_restless(solution.machinery.impacts)}"
-        )
-    reason = solution.parts.gas.why_outside(float(closed.y[0]), float(closed.y[1]))
-    if reason is not None:
-        return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {_remedied(reason)}"
-    return (
-        f"the integration stopped at {math.degrees(closed.angle):.2f} deg ({y}); "
-        "check port areas, clearances and pressures, or ask for a tighter numerics.accuracy"
-    )
-
-
-def _hydraulic_lock(solution: Solution, closed: closing.Closed) -> str:
-    """Return that and where the oil fills the chamber; empty where it does not, or takes no room (M111)."""
-    parts, R, n = solution.parts, solution.machinery.R, solution.machinery.n
-    if not parts.oil_room or parts.oil is None:
-        return ""
-    angle = closed.angle
-    rho, x = closed.y[1::n], closed.y[3::n]
-    shares = 1.0 - 1.0 / (1.0 + x * rho / parts.oil.density)
-    if R[R_LOCK] > 0.0:
-        angle, share = parts.geometry.injection_angle, 1.0
-    else:
-        fullest = int(np.argmax(np.nan_to_num(shares)))
-        angle, share = closed.angle + fullest * parts.geometry.pitch, float(shares[fullest])
-    if not share >= ALL_BUT_LOCKED:
-        return ""
-    return (
-        f"hydraulic lock at {math.degrees(angle):.2f} deg: the oil fills the chamber ({share:.1%} of its volume where "
-        "the integration stopped); use less oil (a lower oil_supply.ratio or a smaller orifice), open the discharge "
-        "port earlier or wider, or leave out effects.oil_volume"
-    )
-
-
-def _warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
-    R, supply = solution.machinery.R, solution.scene.oil_supply
-    warnings = []
-    if (
-        supply is not None
-        and supply.kind == "pump"
-        and solution.parts.oil_port is None
-        and found.oil_ratio
-        and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL
-    ):
-        warnings.append(
-            f"leaks bring more oil ({float(R[R_OIL_BEFORE]):.3g} kg) into the chamber than oil_supply.ratio asks for; "
-            f"nothing is injected and the ratio is {found.oil_ratio:.4g}"
-        )
-    warnings += _drowned(solution, found)
-    warnings += _unfitted_bore(solution, found)
-    if (found.economizer_draw_ratio or 0.0) > 1.0 + DRAWN_TOO_MUCH:
-        warnings.append(
-            f"the economizer's port draws {found.economizer_draw_ratio:.3g} times the vapour that the liquid makes: "
-            "its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
-        )
-    if (found.discharge_line_least_flow or 0.0) < 0.0 < (found.gas_mass_flow or 0.0):
-        warnings.append(
-            "the pulsation turns the flow in the discharge line round: a check valve would shut (name "
-            "effects.plenums.discharge_valve, a larger discharge_volume or a smaller discharge_area)"
-        )
-    if found.gas_mass_flow == 0.0 and any(part.shut is not None for part in solution.parts.pulsations):
-        nothing = "takes nothing in" if solution.parts.plenums else "delivers nothing"
-        warnings.append(
-            f"a check valve of effects.plenums stays shut: against the line's pressure the machine {nothing}"
-        )
-    elif found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
-        warnings.append(
-            "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
-            "operation.discharge.temperature, or where that is not given the temperature of isentropic compression"
-        )
-    return tuple(warnings)
-
-
-def _doubts(solution: Solution, found: Figures, error: Figures) -> tuple[str, ...]:
-    """Return what of the scene, and of the figures of its cycle, can be and hardly is."""
-    scene, parts = solution.scene, solution.parts
-    told = plausible.Told(scene, parts, solution.lines, found, error)
-    return (*scene_warnings(scene), *plausible.shut_ways(scene, parts), *plausible.doubts(told))
-
-
-def _drowned(solution: Solution, found: Figures) -> list[str]:
-    """Return a warning where the oil of a chamber is more than its volume holds when the discharge port opens.
-
-    An expander's chamber has that volume when its inlet closes.
-    """
-    oil, geometry = solution.parts.oil, solution.parts.geometry
-    opens = geometry.discharge_opens
-    if oil is None or opens is None or not found.oil_ratio or not found.trapped_mass or solution.parts.oil_room:
-        return []
-    c = solution.machinery.composition
-    share = found.oil_ratio * found.trapped_mass / oil.density / solution.machinery.module.volume_at(opens, c.P, c.TAB)
-    if share < 1.0:
-        return []
-    when = "inlet closes" if geometry.expands else "discharge port opens"
-    return [
-        f"the oil would fill {share:.0%} of the chamber when the {when}; oil takes no room in this model "
-        "(lower oil_supply.ratio, or take the result as a limit)"
-    ]
-
-
-def _unfitted_bore(solution: Solution, found: Figures) -> list[str]:
-    """Return a warning where the bore that lets the oil in lies outside what the formula of its flow was fitted to."""
-    oil, port = solution.parts.oil, solution.parts.oil_port
-    if oil is None or "diameter" not in oil.supply:
-        return []
-    bore, source = oil.supply, oil.supply["separator_pressure"]
-    before = source - (0.0 if port is None else port.loss(source))
-    drop = max(before - (found.injection_pressure or 0.0), 0.0)
-    reynolds = bore["diameter"] * math.sqrt(2.0 * drop * bore["density"]) / bore["viscosity"]
-    why = outside_fit(bore["length"] / bore["diameter"], reynolds)
-    return [f"the formula of the oil's flow is stretched beyond its range: {why}"] if why else []
-
-
-def _inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
-    """Return a warning when the estimated error of a figure stayed above the wanted accuracy, or when there is none."""
-    if error and all(size is None for size in error.values()):
-        return ("the errors could not be estimated: the finer solution did not reach its end",)
-    name, size = worst(error)
-    if size <= scene.numerics.accuracy:
-        return ()
-    return (f"the estimated error of {name}, {size:.2g}, is above the wanted accuracy {scene.numerics.accuracy:.2g}",)
 
 
 def _finite(table: Figures) -> bool:
@@ -351,8 +134,8 @@ def _solved(solution: Solution, trace: bool) -> Result:
     effects, states = tuple(scene.effects), machinery.composition.states
     refused = own.impossible(solution, closed)
     if not refused and closed.status == "failed":
-        refused = _failure(solution, closed)
-    refused = refused or _refused(solution) or solution.beyond()
+        refused = verdict.failure(solution, closed)
+    refused = refused or verdict.refused(solution) or solution.beyond()
     if refused:
         shut = "".join(f"; {words}" for words in plausible.shut_ways(scene, solution.parts))
         return Result("failed", refused + shut, scene_warnings(scene), effects, states, numerics=numerics)
@@ -381,13 +164,13 @@ def _solved(solution: Solution, trace: bool) -> Result:
         status = "not_closed"
         message = (
             f"{shown} against the bound {balance.bound:.2g}, last change {closed.change:.2g}; "
-            f"{_unclosed(solution, closed)}"
+            f"{verdict.unclosed(solution, closed)}"
         )
     unknown = solution.open_question(closed.q, status == "ok")
     if unknown:
         unsettled = f"; their cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
         status, message = "failed", unknown + unsettled
-    swings = "" if status == "ok" or unknown else _beyond_its_mean(solution)
+    swings = "" if status == "ok" or unknown else verdict.beyond_its_mean(solution)
     if swings:
         status, message = "failed", f"{swings}; its cycle does not close: {shown}, bound {balance.bound:.2g}"
     if forbidden:
@@ -396,13 +179,13 @@ def _solved(solution: Solution, trace: bool) -> Result:
     tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()
     of_turns = settling.warnings(solution, closed)
     warnings = (
-        *_doubts(solution, found if status == "ok" else Figures(), accurate.errors),
+        *verdict.doubts(solution, found if status == "ok" else Figures(), accurate.errors),
         *of_loads,
         *tried,
         *of_drive,
         *of_turns,
-        *_warnings(solution, found),
-        *_inaccurate(scene, accurate.errors),
+        *verdict.warnings(solution, found),
+        *verdict.inaccurate(scene, accurate.errors),
     )
     errors = accurate.errors
     return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, kept)
