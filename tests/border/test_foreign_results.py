@@ -224,7 +224,7 @@ def test_an_odd_file_is_told_in_one_line(change, verb, swept, command, tmp_path)
     with h5py.File(swept, "r+") as file:
         change(file, swept)
     good = report_fakes.file(tmp_path / "good.h5", SCENE + SHORT)
-    more = {"compare": [good], "map": []}.get(verb, ["-o", tmp_path / "out.html"])
+    more = {"compare": [good], "map": [], "plot": ["-o", tmp_path / "figures"]}.get(verb, ["-o", tmp_path / "out.html"])
     answer = command(verb, swept, *more)
     assert "internal" not in answer.err
     assert answer.code in ((0, 2) if change is numbers_of_no_texts else (2,))

@@ -191,7 +191,7 @@ def test_a_table_of_the_formula_is_the_formula(tmp_path):
         ([(0.5, 90), (1.0, 95)], "load,efficiency", "shares, not percent"),
         ([(0.5, 0.9), (math.nan, 0.9), (1.0, 0.9)], "load,efficiency", "increasing"),
         ([(0.5, 0.9), (math.inf, 0.9)], "load,efficiency", "increasing"),
-        ([(0.5, 0.9), (1.0, 0.9)], "load,eta", "columns load, efficiency"),
+        ([(0.5, 0.9), (1.0, 0.9)], "load,eta", "columns load and efficiency"),
     ],
 )
 def test_a_table_that_is_none_is_said(tmp_path, rows, head, words):

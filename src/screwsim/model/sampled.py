@@ -39,7 +39,15 @@ def _areas(path: FlowPath, symbols: Mapping[str, float], angles: Array) -> Array
     if not set(path.area.arguments) <= {*known, "phi", "TAB"}:
         return None
     at = angles if path.mirror is None else path.mirror - angles
-    return np.array([path.area(*_called(path.area.arguments, known, phi, TAB)) for phi in at.tolist()], float)
+    return np.array([_area(path, _called(path.area.arguments, known, phi, TAB)) for phi in at.tolist()], float)
+
+
+def _area(path: FlowPath, arguments: Sequence[float | Array]) -> float:
+    """Return an area [m²]; NaN where Python raises what compiled code goes on with."""
+    try:
+        return path.area(*arguments)
+    except (ArithmeticError, ValueError):
+        return math.nan
 
 
 def _called(names: Sequence[str], known: Mapping[str, float], phi: float, TAB: Array) -> list[float | Array]:
