@@ -370,6 +370,7 @@ def exit_code(arguments: Sequence[str]) -> int:
     try:
         # typer's own handling of errors would end with other exit codes
         outcome = typer.main.get_command(app).main(list(arguments), "screwsim", standalone_mode=False)
+        sys.stdout.flush()  # what finds no room is told here, and not at Python's end
     except KeyboardInterrupt:
         outcome = INTERRUPTED
     except Exception as error:  # noqa: BLE001 - whatever it is, the user gets one line
