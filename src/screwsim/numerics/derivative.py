@@ -37,7 +37,7 @@ from screwsim.numerics.expressions import (
     read,
     targets,
 )
-from screwsim.numerics.kernel import Kernel, Slot, written
+from screwsim.numerics.kernel import Kernel, Slot, parsed, written
 
 
 @lru_cache(maxsize=256)
@@ -51,7 +51,7 @@ def tangent(item: Kernel, by: tuple[str, ...], inlined: bool = False) -> Kernel:
     missing = [name for name in by if name not in item.arguments]
     if missing or not by:
         raise TypeError(f"kernel {item.__name__} has no argument {', '.join(missing) or 'to be differentiated by'}")
-    function = ast.parse(item.source).body[0]
+    function = parsed(item.source).body[0]
     assert isinstance(function, ast.FunctionDef)
     text, uses = _Forward(item, function, by).written()
     return written(text, f"slopes_of_{item.__name__}", uses, inlined or item.inlined)
@@ -388,5 +388,5 @@ class _Forward:
         called = self.known.get(node.func.id) if isinstance(node.func, ast.Name) else None
         if not isinstance(called, Kernel):
             return 1
-        returns = [one.value for one in ast.walk(ast.parse(called.source)) if isinstance(one, ast.Return)]
+        returns = [one.value for one in ast.walk(parsed(called.source)) if isinstance(one, ast.Return)]
         return len(returns[0].elts) if returns and isinstance(returns[0], ast.Tuple) else 1

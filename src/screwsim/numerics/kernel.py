@@ -16,6 +16,7 @@ import linecache
 import math
 import re
 import textwrap
+import threading
 import types
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -142,6 +143,15 @@ def written(source: str, of: str, uses: Mapping[str, Any] | None = None, inlined
     return _written[key]
 
 
+_parsing = threading.RLock()  # Python 3.11 counts the depth of all threads' texts together and takes that for an error
+
+
+def parsed(source: str) -> ast.Module:
+    """Return the tree of a text; one thread after the other."""
+    with _parsing:
+        return ast.parse(source)
+
+
 def constant_text(value: Any) -> str | None:
     if isinstance(value, bool | int | float):
         return repr(value)
@@ -209,7 +219,7 @@ class _Prune:
 
 def _pruned(item: Kernel, numbers: Mapping[str, int]) -> tuple[ast.Module, list[ast.Name], list[str]]:
     """Return a kernel's text without what cannot run, the names in it, and those that are global, in a fixed order."""
-    tree, known, used = ast.parse(item.source), item.function.__globals__, item.function.__code__.co_names
+    tree, known, used = parsed(item.source), item.function.__globals__, item.function.__code__.co_names
     if any(isinstance(known.get(name), Structure) for name in used):
         _Prune(known, numbers).prune(tree.body[0])
     found = _named(tree)
