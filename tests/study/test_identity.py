@@ -46,7 +46,7 @@ from sweep_fakes import StopAfter
 from screwsim.faults import UsageError
 from screwsim.scene import loads
 from screwsim.study.sweep import run_sweep
-scene = loads(SCENE + "  own_effects.mine:\\n" + GRID)
+scene = loads(SCENE + "  identity_effects.mine:\\n" + GRID)
 try:
     print(run_sweep(scene, "out.h5", jobs=1, simulate=fake_simulate, progress=StopAfter({chunks})).reused)
 except (KeyboardInterrupt, UsageError) as error:
@@ -57,11 +57,11 @@ except (KeyboardInterrupt, UsageError) as error:
 @pytest.fixture
 def package(tmp_path, monkeypatch) -> Path:
     """Make a package of own effects in the working folder."""
-    folder = tmp_path / "own_effects"
+    folder = tmp_path / "identity_effects"
     folder.mkdir()
     (folder / "__init__.py").write_text("")
     (folder / "shared.py").write_text("FACTOR = 1.0\n")
-    (folder / "mine.py").write_text(EFFECT.format(package="own_effects"))
+    (folder / "mine.py").write_text(EFFECT.format(package="identity_effects"))
     monkeypatch.chdir(tmp_path)
     return folder
 
@@ -85,24 +85,24 @@ def test_an_edited_effect_of_ones_own_is_refused_until_it_is_as_before(file, pac
     before = (package / file).read_text()
     (package / file).write_text(before + "# other\n")
     told = swept(tmp_path, 99)
-    assert f"out.h5.parts: holds results of this scene, but own_effects/{file} has changed since; choose" in told
+    assert f"out.h5.parts: holds results of this scene, but identity_effects/{file} has changed since; choose" in told
     assert told.endswith("another -o to keep them (--restart computes them again)") and "\n" not in told
     (package / file).write_text(before)
     assert int(swept(tmp_path, 99)) > 0
     (package / file).write_text(before + "# other\n")
-    assert swept(tmp_path, 99).startswith("out.h5: holds results of this scene, but own_effects/")
+    assert swept(tmp_path, 99).startswith("out.h5: holds results of this scene, but identity_effects/")
 
 
 def test_an_effect_that_another_import_made_anew_is_noted_anew(package, monkeypatch):
     monkeypatch.syspath_prepend(str(package.parent))
     monkeypatch.setattr(sys, "dont_write_bytecode", True)  # a cache of the second's resolution would hide the edit
-    own = loads(SCENE + "  own_effects.mine:\n" + GRID)
+    own = loads(SCENE + "  identity_effects.mine:\n" + GRID)
     first = identity_of(own)
-    (package / "mine.py").write_text(EFFECT.format(package="own_effects") + "OTHER = 1\n")
+    (package / "mine.py").write_text(EFFECT.format(package="identity_effects") + "OTHER = 1\n")
     assert identity_of(own) == first  # it goes on with what it has imported
-    importlib.reload(sys.modules["own_effects.mine"])
-    assert identity.differences(first, identity_of(own)) == "own_effects/mine.py has changed since"
-    for name in ("own_effects.mine", "own_effects.shared", "own_effects"):
+    importlib.reload(sys.modules["identity_effects.mine"])
+    assert identity.differences(first, identity_of(own)) == "identity_effects/mine.py has changed since"
+    for name in ("identity_effects.mine", "identity_effects.shared", "identity_effects"):
         del sys.modules[name]
 
 
@@ -111,11 +111,11 @@ def test_only_modules_of_the_users_own_are_noted(package, monkeypatch):
     (package.parent / "helpers.py").write_text("import json, numpy.linalg\n")
     (package / "mine.py").write_text("import helpers\nfrom . import shared\nimport screwsim.faults, scipy.optimize\n")
     importlib.invalidate_caches()
-    importlib.import_module("own_effects.mine")
-    sources.note("own_effects.mine", object())
-    found = set(sources.of_module("own_effects.mine"))
-    assert found == {"own_effects/__init__.py", "own_effects/mine.py", "own_effects/shared.py", "helpers.py"}
-    for name in ("own_effects.mine", "own_effects.shared", "own_effects", "helpers"):
+    importlib.import_module("identity_effects.mine")
+    sources.note("identity_effects.mine", object())
+    found = set(sources.of_module("identity_effects.mine"))
+    assert found == {"identity_effects/__init__.py", "identity_effects/mine.py", "identity_effects/shared.py", "helpers.py"}
+    for name in ("identity_effects.mine", "identity_effects.shared", "identity_effects", "helpers"):
         del sys.modules[name]
 
 
