@@ -86,7 +86,7 @@ _WALL = "of the area of both bores and their ends"
 _LOBE = "of the height of a lobe"
 _D, _DD, _LINE = "rotor diameters", "of the rotor diameter's square", "of rotor diameter and length together"
 _AREA, _BORE = "of the piston's area", "of the bore"
-_ANY, WIDEST = 0.0, 10.0
+_ANY, WIDEST = 0.0, 350.0  # an ideal machine has ports some hundred times too wide to throttle
 SIZES = {
     TWIN_SCREW: (
         Size("machine.rotor_length", _diameter, _D, 30.0, (0.4, 4.0), "shorter rotors, or a larger rotor_diameter"),
