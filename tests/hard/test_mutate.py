@@ -25,6 +25,19 @@ mutate = loaded()
 space = mutate.mutate_space
 
 
+@pytest.fixture(autouse=True, scope="module")
+def put_back():
+    """Leave pages and figures to the tests that follow as they were: the tool makes them light."""
+    import plotly.offline
+
+    from screwsim.report import style
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "_FORMATS", style._FORMATS)
+        patch.setattr(plotly.offline, "get_plotlyjs", plotly.offline.get_plotlyjs)
+        yield
+
+
 def test_the_stored_outcome_is_of_these_mutants_and_none_is_wrong():
     assert STORED["space"] == mutate.digest()
     assert STORED["files"] >= 2000
