@@ -21,7 +21,7 @@ import sys
 import time
 import traceback
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -276,6 +276,21 @@ def asked() -> argparse.Namespace:
     return parser.parse_args()
 
 
+def append(table: Path, columns: Sequence[str], rows: Iterable[dict[str, Any]], begun: bool, every: int) -> None:
+    """Append rows to a table, begun or not, as they come; tell on stderr what came after each so many."""
+    with table.open("a", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, columns)
+        if not begun:
+            writer.writeheader()
+        seen, started = Counter(), time.monotonic()
+        for row in rows:
+            writer.writerow(row)
+            file.flush()
+            seen[row["status"]] += 1
+            if seen.total() % every == 0:
+                print(f"{seen.total()} scenes, {time.monotonic() - started:.0f} s: {dict(seen)}", file=sys.stderr)
+
+
 def main() -> None:
     """Solve the scenes that the table lacks and sum it up."""
     options = asked()
@@ -283,17 +298,8 @@ def main() -> None:
     table = options.output / f"fuzz-{options.seed}-{space()}.csv"
     there = {row["index"] for row in read(table)}
     todo = [index for index in range(options.count) if index not in there]
-    with table.open("a", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        if not there:
-            writer.writeheader()
-        seen, started = Counter(), time.monotonic()
-        for row in rows_of(todo, options.jobs, options.seed, options.check, options.limit):
-            writer.writerow(row)
-            file.flush()
-            seen[row["status"]] += 1
-            if seen.total() % 100 == 0:
-                print(f"{seen.total()} scenes, {time.monotonic() - started:.0f} s: {dict(seen)}", file=sys.stderr)
+    found = rows_of(todo, options.jobs, options.seed, options.check, options.limit)
+    append(table, COLUMNS, found, begun=bool(there), every=100)
     rows = sorted((row for row in read(table) if row["index"] < options.count), key=lambda row: row["index"])
     summary = outcome(rows, options.seed, options.check)
     if options.outcome:

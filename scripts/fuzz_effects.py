@@ -11,7 +11,6 @@ it holds scenes already; `--outcome FILE` sums up all its rows.
 from __future__ import annotations
 
 import argparse
-import csv
 import hashlib
 import importlib.metadata
 import json
@@ -187,18 +186,9 @@ def main() -> None:
         if effects_space.structure_of(i)[1] < options.each
     ]
     todo = sorted((i for i in wanted if i not in there), key=lambda i: _turn(i, options.jobs))
-    with table.open("a", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        if not there:
-            writer.writeheader()
-        seen, started = Counter(), time.monotonic()
-        search = sys.modules[__name__]
-        for row in fuzz.rows_of(todo, options.jobs, options.seed, options.check, options.limit, search):
-            writer.writerow(row)
-            file.flush()
-            seen[row["status"]] += 1
-            if seen.total() % effects_space.EACH == 0:
-                print(f"{seen.total()} scenes, {time.monotonic() - started:.0f} s: {dict(seen)}", file=sys.stderr)
+    search = sys.modules[__name__]
+    found = fuzz.rows_of(todo, options.jobs, options.seed, options.check, options.limit, search)
+    fuzz.append(table, COLUMNS, found, begun=bool(there), every=effects_space.EACH)
     rows = sorted((row for row in fuzz.read(table) if row["index"] in set(wanted)), key=lambda row: row["index"])
     summary = outcome(rows, options.seed, options.each, options.check)
     if options.outcome:
