@@ -18,16 +18,15 @@ import CoolProp.CoolProp as coolprop
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from screwsim.codegen.modules import load
 from screwsim.fluid.nozzle import flow
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import saturation
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
-from screwsim.numerics.modules import load
 
 FLUIDS = ("R134a", "R1234yf", "R1234ze(E)", "R32", "Ammonia", "CarbonDioxide", "n-Propane", "Nitrogen", "Air")
 RUNS = 9
 LOOP = """
-@njit(error_model='numpy')
 def loop(n, T, rho):
     total = 0.0
     for _ in range(n):

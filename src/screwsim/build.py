@@ -63,8 +63,7 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
         if not own:
             raise
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-        # numba's own lines lead with where it was, and end with what it found
-        text = next((line for line in lines if "Error" in line or "rror:" in line), lines[0] if lines else "")
+        text = lines[0] if lines else ""
         what = f"cannot be built or compiled ({type(error).__name__}: {text}); mend that module"
         raise UsageError(f"{', '.join(own)}: {what}") from error
 

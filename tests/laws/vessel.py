@@ -52,8 +52,8 @@ def vessel(folder: Path) -> Vessel:
 @cache
 def plain(text: str) -> dict[str, Any]:
     """Return the names of a generated module, run as plain Python."""
-    names: dict[str, Any] = {"njit": lambda **_: lambda function: function}
-    exec(text.replace("from numba import njit", ""), names)
+    names: dict[str, Any] = {}
+    exec(text, names)
     return names
 
 

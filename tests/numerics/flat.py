@@ -70,7 +70,7 @@ def emitted(problem: Problem) -> dict[str, Any]:
     def share_in_phase(y: Array, y1: Array, u: Array, rtol: float, context: Any) -> float:
         return problem.share(y, y1, u, rtol)
 
-    names: dict[str, Any] = {"np": np, "math": __import__("math"), "njit": lambda **_: lambda function: function}
+    names: dict[str, Any] = {"np": np, "math": __import__("math")}
     names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian, "p_at_knot": at_knot}
     names |= {"p_error_size": error_size, "p_conserve": conserve, "p_keep_places": lambda step, dense, context: None}
     names["p_share_in_phase"], names["p_lands"] = share_in_phase, lambda h, J, *_: problem.lands(h, J)

@@ -1,8 +1,4 @@
-"""What is compiled is announced when something is missing; Ctrl-C ends it whatever the compiler made of it."""
-
-import gc
-import signal
-import sys
+"""What is compiled is announced when something is missing."""
 
 import pytest
 
@@ -14,41 +10,15 @@ def _cache(tmp_path, monkeypatch):
     monkeypatch.setenv("SCREWSIM_CACHE", str(tmp_path / "cache"))
 
 
-def work(then=lambda: None):
-    """Begin to compile, be interrupted, and do with it what `then` does."""
-    with announced("kind", "a thing", "a moment"):
-        begins()
-        try:
-            signal.raise_signal(signal.SIGINT)
-        except KeyboardInterrupt:
-            then()
-
-
 def fail():
     raise KeyError("a signature")
 
 
-@pytest.mark.parametrize("then", [fail, begins, lambda: None])
-def test_an_interruption_stays_one(then, capsys):
-    with pytest.raises(KeyboardInterrupt):
-        work(then)
-    assert capsys.readouterr().err == "screwsim: compiling a thing, once (a moment) ...\n"
-
-
-def test_a_process_is_left_as_it_was():
-    before = signal.getsignal(signal.SIGINT), sys.unraisablehook, gc.isenabled()
-    with pytest.raises(KeyboardInterrupt):
-        work()
-    with announced("kind", "a thing", "a moment"):
-        begins()
-        assert not gc.isenabled() and signal.getsignal(signal.SIGINT) != before[0]
-    assert (signal.getsignal(signal.SIGINT), sys.unraisablehook, gc.isenabled()) == before
-
-
-def test_an_error_stays_one_too():
+def test_an_error_says_nothing_of_a_time(capsys):
     with pytest.raises(KeyError), announced("kind", "a thing", "a moment"):
         begins()
         fail()
+    assert capsys.readouterr().err == "screwsim: compiling a thing, once (a moment) ...\n"
 
 
 def test_nothing_is_said_where_nothing_is_missing(capsys):

@@ -216,7 +216,7 @@ def test_written_quantities_read_back_exactly(kind, value):
 
 
 def test_importing_the_layer_leaves_heavy_libraries_alone():
-    heavy = "('pint', 'CoolProp', 'numba', 'matplotlib', 'scipy', 'pydantic')"
+    heavy = "('pint', 'CoolProp', 'llvmlite', 'matplotlib', 'scipy', 'pydantic')"
     code = f"import sys, screwsim.scene; print([name for name in {heavy} if name in sys.modules])"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"

@@ -140,7 +140,7 @@ def test_a_file_counts_by_its_content_alone(tmp_path):
 @pytest.mark.parametrize(
     ("where", "what", "told"),
     [
-        ("screwsim.results.identity._library", lambda name: "7.2", r"CoolProp \S+ wrote it, this is 7\.2, numba"),
+        ("screwsim.results.identity._library", lambda name: "7.2", r"CoolProp \S+ wrote it, this is 7\.2, llvmlite"),
         ("screwsim.numerics.sources.of_package", lambda: "other", r"of other sources of screwsim 0\.1\.0;"),
     ],
 )
@@ -198,7 +198,7 @@ def test_a_file_says_what_it_depends_on(tmp_path):
     run_sweep(scene(SCENE + GRID), tmp_path / "out.h5", jobs=1, simulate=fake_simulate)
     found = identity.unpacked(open_results(tmp_path / "out.h5").attributes["screwsim_identity"])
     assert found == identity_of(scene(SCENE + GRID))
-    assert {"screwsim", "screwsim sources", "CoolProp", "numba", "numpy"} <= set(found)
+    assert {"screwsim", "screwsim sources", "CoolProp", "llvmlite", "numpy"} <= set(found)
 
 
 def test_a_profile_file_that_keeps_its_date_is_read_again(tmp_path):
@@ -271,7 +271,7 @@ def test_a_worker_that_differs_refuses_its_cases(tmp_path, monkeypatch):
     wanted = wanted_of(loads(AREA_SCENE, folder=str(tmp_path)))
     assert what_differs(wanted) == ""
     monkeypatch.setattr(identity, "_library", lambda name: "7.2")
-    with pytest.raises(UsageError, match=rf"worker {os.getpid()} has CoolProp 7\.2, not \S+, has numba 7\.2, not "):
+    with pytest.raises(UsageError, match=rf"worker {os.getpid()} has CoolProp 7\.2, not \S+, has llvmlite 7\.2, not "):
         run_packed(b"", wanted, [])
     monkeypatch.undo()
     (tmp_path / "area.csv").unlink()

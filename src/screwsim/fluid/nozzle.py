@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from screwsim.numerics.kernel import inlined, kernel
+from screwsim.numerics.kernel import kernel
 
 HALF, THIRD, FOURTH, FIFTH, SIXTH, SEVENTH, EIGHTH = (1.0 / i for i in range(2, 9))
 SMALL = 0.02  # relative pressure drop below which ψ²/x is summed as a series (truncation below 1e-15)
@@ -45,7 +45,7 @@ def expansion_near_one(log_r, a):
     return 1.0 + grown, (grown / b if b != 0.0 else -log_r)
 
 
-@inlined
+@kernel
 def expansion(x, a, choke, choked):
     """Return ψ²/x by the relative pressure drop x = 1 − p_d/p_u (M12, M13).
 
@@ -144,7 +144,7 @@ def expansion_with_slope(x, a, choke, choked):
     return value, -(value + f * (2.0 * a * e / r - (1.0 + a))) * over
 
 
-@inlined
+@kernel
 def flow_slopes(area, p_1, rho_1, a_1, choke_1, choked_1, p_2, rho_2, a_2, choke_2, choked_2, width):
     """Return (ṁ, ∂ṁ/∂p_1, ∂ṁ/∂ρ_1, ∂ṁ/∂p_2, ∂ṁ/∂ρ_2) of `flow`; the exponent is held."""
     dp = p_2 - p_1

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.codegen.modules import load
 from screwsim.faults import UsageError
 from screwsim.fluid import isobar, limits
 from screwsim.fluid.description import Description, describe
@@ -25,7 +26,6 @@ from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
-from screwsim.numerics.modules import load
 
 AT_SATURATION = 1e-9  # relative excess of p over p_sat(T) that still counts as saturated vapour
 LIQUID = 1e-6  # relative deficit of density at which a liquid still counts as saturated

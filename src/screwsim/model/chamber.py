@@ -60,12 +60,12 @@ from screwsim.model.slots import (
 )
 from screwsim.model.stops import keep_at_rest, note_end
 from screwsim.model.streams import add_stream, category, finish, gap_category, held_back, place_flow
-from screwsim.numerics.kernel import inlined, kernel
+from screwsim.numerics.kernel import kernel
 
 SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
 
 
-@inlined
+@kernel
 def surroundings(phi, middle, context, E):
     """Fill E for a chamber at phi: own angle terms, areas of all gaps on both sides, places of the neighbours."""
     P, TAB, R, t_old, d_old, t_new, d_new, kept, hints, state, _own, _work = context
@@ -107,7 +107,7 @@ def surroundings(phi, middle, context, E):
                 with_room(E, at, P)
 
 
-@inlined
+@kernel
 def rates(y, E, context, f, g):
     """Fill f = dy/dφ and the quadrature rates g of one chamber."""
     P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, work = context

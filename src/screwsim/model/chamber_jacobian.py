@@ -63,10 +63,10 @@ from screwsim.model.streams import (
     place_slopes,
 )
 from screwsim.model.valve import opening_by_state, opening_slope
-from screwsim.numerics.kernel import inlined
+from screwsim.numerics.kernel import kernel
 
 
-@inlined
+@kernel
 def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     """Fill f, g and their derivatives by y and by φ: flows by their analytic slopes, smooth functions by differences.
 
@@ -189,7 +189,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
         note_start(E, own)
 
 
-@inlined
+@kernel
 def change_of_place(E, E_next, b, per_delta, d, at):
     """Fill d[at …] with the derivative by the angle of the place at E[b …], as far as streams from there ask for it."""
     d[at + PRESSURE] = (E_next[b + PRESSURE] - E[b + PRESSURE]) * per_delta
@@ -202,7 +202,7 @@ def change_of_place(E, E_next, b, per_delta, d, at):
         d[at + DISSOLVED] = (E_next[b + DISSOLVED] - E[b + DISSOLVED]) * per_delta
 
 
-@inlined
+@kernel
 def own_column(y, j, E, own, state, work, d, place, n_sums, per_omega, P, R, f, g, J, Jq):
     """Fill column j of J and Jq: change one state, its place and (linearly) its streams; difference the first law."""
     ds = d + (N + 1) * PLACE
@@ -230,7 +230,7 @@ def own_column(y, j, E, own, state, work, d, place, n_sums, per_omega, P, R, f, 
         Jq[i, j] = (work[changed + N + i] - g[i]) * per_delta
 
 
-@inlined
+@kernel
 def angle_column(y, E_next, delta, per_delta, own, work, sums, n_sums, per_omega, P, R, f, g, f_phi, g_phi):
     """Fill ∂f/∂φ and ∂g/∂φ in the same way, from the surroundings at φ + delta."""
     for i in range(n_sums):

@@ -6,7 +6,8 @@ import threading
 from contextlib import AbstractContextManager
 from types import ModuleType
 
-from screwsim.numerics import compiling, modules
+from screwsim.codegen import modules
+from screwsim.numerics import compiling
 
 COMPILED = {  # what each driver is, and about how long its compilation takes: on an idle machine, on a crowded one
     "one": ("this combination of effects", "ten seconds to a minute"),

@@ -26,7 +26,8 @@ def first_guess(
     d = (oil.supply.get("ratio", 3.0) if oil is not None else 0.0) if heated else 0.0
     n = 1.0 + (gas.c_p - gas.c_v) / (gas.c_v + d * (oil.heat_capacity if oil is not None else 0.0))
     grid = np.linspace(0.0, geometry.life, 97)
-    V = np.array([machinery.module.volume_at(phi, composition.P, composition.TAB) for phi in grid])
+    V = np.empty(len(grid))
+    machinery.module.trace__volumes(grid, composition.P, composition.TAB, V)
     closes = geometry.injection_angle if not geometry.expands else geometry.inlet_closes or geometry.injection_angle
     closed = grid > closes
     V_closed = machinery.module.volume_at(closes, composition.P, composition.TAB)

@@ -19,13 +19,7 @@ from screwsim.model import (
     trace,
 )
 from screwsim.numerics import history, rodas
-from screwsim.numerics.kernel import HEADER, Kernel, flatten, without_wrapper
-
-# what is called from Python; a wrapper for every small kernel would cost a sixth of the compilation
-CALLED = ("own ", "rodas__integrate", "coupled__all", "coupled_jacobian__all", "trace__", "history__")
-CALLED += ("chamber__surroundings", "chamber__rates", "chamber__path_flows", "chamber_jacobian__jacobian")
-CALLED += ("chamber_steps__inject", "places__places_along", "ledger__account", "line_flow__into_lines")
-CALLED += ("stops__begin", "stops__push_on", "stops__take_event")
+from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
 # what the integrator calls of both drivers: by its slot (rodas.py)
 ONE = {
@@ -74,7 +68,8 @@ def module_text(
     rooms = *ONE.values(), *ALL.values(), chamber_steps.inject, places.places_along
     model = flatten(rooms, own, numbers=numbers)
     model |= flatten((history.add_history, history.states_at))
-    model |= flatten((trace.peak_pressure, trace.sample, trace.work_along, ledger.account), own, numbers=numbers)
+    model |= flatten((trace.peak_pressure, trace.volumes, trace.sample, trace.work_along), own, numbers=numbers)
+    model |= flatten((ledger.account,), own, numbers=numbers)
     if constants["HEATED"] and not constants["CARRIED"]:
         model |= flatten((trace.oil_with_outflow,), own, numbers=numbers)
     if numbers["PULSATING"]:
@@ -96,5 +91,4 @@ def module_text(
         sizes = {"STATES": chambers * constants["N"], "QUADRATURES": quadratures + more}
         driver = flatten((rodas.integrate,), slots, kind, {"JUMPS": jumps, **sizes})
         blocks |= {name: text for name, text in driver.items() if name not in blocks}
-    texts = [text if name.startswith(CALLED) else without_wrapper(text) for name, text in blocks.items()]
-    return "\n\n".join(["\n".join(lines), *texts]) + "\n"
+    return "\n\n".join(["\n".join(lines), *blocks.values()]) + "\n"

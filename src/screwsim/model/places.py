@@ -47,7 +47,7 @@ from screwsim.model.slots import (
     volume_slope_at,
 )
 from screwsim.numerics.history import cubic, locate, read
-from screwsim.numerics.kernel import inlined, kernel
+from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_coefficients, dense_value
 
 STEP = 1e-7  # relative step of the differences of smooth state functions
@@ -88,7 +88,7 @@ def fill_place(held, y, at, P, TAB, place, row):
         with_room(place, row, P)
 
 
-@inlined
+@kernel
 def angle_terms(phi, middle, P, TAB, E, at):
     """Fill what depends on the chamber's own angle: volume, slope, oil present, plenum areas."""
     E[at + E_VOLUME] = volume_at(phi, P, TAB)
@@ -99,7 +99,7 @@ def angle_terms(phi, middle, P, TAB, E, at):
         E[at + E_AREAS + i] = plenum_area(i, phi, P, TAB)
 
 
-@inlined
+@kernel
 def neighbour(phi, middle, times, dense, steps, hints, side, R, columns, E, at):
     """Fill a neighbour's place from a history; `columns` is room for what it stores."""
     i = locate(phi, middle, times, steps, hints[side])
@@ -119,7 +119,7 @@ def neighbour(phi, middle, times, dense, steps, hints, side, R, columns, E, at):
     E[at + PLACE] = 0.0
 
 
-@inlined
+@kernel
 def places_of_step(step, dense, P, TAB, own):
     """Do it for one step; the gas does not jump between steps, so the first value is the last of the step before."""
     extra = 5 if VARIES == 1 else 2

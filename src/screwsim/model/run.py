@@ -13,12 +13,14 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.codegen.calls import Context
 from screwsim.model import compiled, ledger, under_scipy
 from screwsim.model.compose import Composition
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
 from screwsim.numerics.scipy_integrators import METHODS
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
+MOST_CONTEXTS = 6  # remembered
 KEPT_IMAGES = 7  # histories kept for acceleration, one more than Anderson's depth + 1
 Array = np.ndarray
 
@@ -48,6 +50,7 @@ class Machinery:
         self._at_first = own.copy()
         self.spaces = (np.zeros(self.columns), own, work)
         self.counts = np.zeros(4, np.int64)
+        self._contexts: dict[tuple[int, ...], Context] = {}  # by the arrays that change; it holds them
         self._together: dict[str, Any] = {}
         self.compile_time = 0.0
         self.integrator = "rodas4"
@@ -57,6 +60,7 @@ class Machinery:
     def begin(self, composition: Composition) -> None:
         """Take on another composition of the same structure; of the one before nothing stays."""
         self.composition = composition
+        self._contexts.clear()
         self.reset()
         self.counts[:] = 0
         self.compile_time, self.integrator = 0.0, "rodas4"
@@ -68,10 +72,16 @@ class Machinery:
         return np.zeros(steps + 1), np.zeros((steps, 4, n)), np.zeros((steps, nq))
 
     @property
-    def context(self) -> tuple[Any, ...]:
+    def context(self) -> Context:
         """The context of one chamber: histories[0] is the last turn's, histories[1] the one being written."""
         c, (old, new) = self.composition, self.histories
-        return (c.P, c.TAB, self.R, old[0], old[1], new[0], new[1], self.kept, self.hints, *self.spaces)
+        key = id(c.P), id(c.TAB), id(old[1]), id(new[1])
+        if key not in self._contexts:
+            if len(self._contexts) >= MOST_CONTEXTS:
+                self._contexts.clear()
+            arrays = c.P, c.TAB, self.R, old[0], old[1], new[0], new[1], self.kept, self.hints, *self.spaces
+            self._contexts[key] = Context(arrays)
+        return self._contexts[key]
 
     def reset(self) -> None:
         """Forget the last scene: run-time cells, search hints, histories."""

@@ -54,7 +54,7 @@ from screwsim.model.slots import (
     state_rate,
     wall_state,
 )
-from screwsim.numerics.kernel import inlined, kernel
+from screwsim.numerics.kernel import kernel
 
 
 @kernel
@@ -191,7 +191,7 @@ def from_walls(T, m, p, rho, V, phi, P, g):
     return total
 
 
-@inlined
+@kernel
 def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
     """Fill f (rates of one chamber, at `at`) and add work and heat to g from the summed streams; the first law."""
     T = y[at]

@@ -22,6 +22,7 @@ from screwsim.model.slots import (
     N,
     gas_state,
     oil_inflow,
+    volume_at,
     volume_slope_at,
 )
 from screwsim.model.within import NODES, POINTS, WEIGHTS, flows_within
@@ -88,6 +89,13 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
             out[a, 4 + j] = y[j]
         path_flows(y, E, context, flows[a])
         out[a, 3] -= given_off(y, phi, E, own, P, TAB) / P[P_OMEGA]
+
+
+@kernel
+def volumes(angles, P, TAB, out):
+    """Fill out[i] with the chamber's volume [m³] at the given angles [rad]."""
+    for a in range(angles.shape[0]):
+        out[a] = volume_at(angles[a], P, TAB)
 
 
 @kernel

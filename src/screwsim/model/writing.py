@@ -21,7 +21,7 @@ from screwsim.model.parts import OilPart, Parts
 from screwsim.model.slots import P_DISCHARGE_WIDTH, P_OMEGA, P_PITCH
 from screwsim.model.speed import flat_curve, slowness
 from screwsim.numerics.derivative import tangent
-from screwsim.numerics.kernel import Kernel, decorate, kernel
+from screwsim.numerics.kernel import Kernel, kernel
 from screwsim.numerics.spline import pack_curve, table_value
 
 # names that a kernel has for the numbers of the injection orifice
@@ -112,7 +112,7 @@ class Writer:
         return [f"{targets} = {both.flat_name}{call.removeprefix(kernel.flat_name)}", f"return {returned}"]
 
     def function(self, head: str, body: Sequence[str]) -> None:
-        self.text.append(decorate("\n".join([f"def {head}:", *(f"    {line}" for line in body)])))
+        self.text.append("\n".join([f"def {head}:", *(f"    {line}" for line in body)]))
 
 
 def symbols_of(parts: Parts) -> dict[str, float]:

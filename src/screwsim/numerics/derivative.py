@@ -41,7 +41,7 @@ from screwsim.numerics.kernel import Kernel, Slot, parsed, written
 
 
 @lru_cache(maxsize=256)
-def tangent(item: Kernel, by: tuple[str, ...], inlined: bool = False) -> Kernel:
+def tangent(item: Kernel, by: tuple[str, ...]) -> Kernel:
     """Return the kernel that returns a kernel's value and its derivatives by arguments of it.
 
     Of a kernel that returns several values: all of them, then their derivatives by the first argument named, then those
@@ -54,7 +54,7 @@ def tangent(item: Kernel, by: tuple[str, ...], inlined: bool = False) -> Kernel:
     function = parsed(item.source).body[0]
     assert isinstance(function, ast.FunctionDef)
     text, uses = _Forward(item, function, by).written()
-    return written(text, f"slopes_of_{item.__name__}", uses, inlined or item.inlined)
+    return written(text, f"slopes_of_{item.__name__}", uses)
 
 
 class _Forward:

@@ -5,7 +5,7 @@ A history is (times[0…n], dense[n, 4, states]) as `rodas.integrate` fills them
 
 from __future__ import annotations
 
-from screwsim.numerics.kernel import inlined, kernel
+from screwsim.numerics.kernel import kernel
 
 NUDGE = 1e-9  # rad: at a jump the side is chosen on which the middle of the caller's segment lies
 
@@ -24,7 +24,7 @@ def locate(phi, middle, times, steps, hint):
     return i
 
 
-@inlined
+@kernel
 def read(phi, times, dense, i, out):
     """Fill `out` with the state at phi inside step i."""
     theta = (phi - times[i]) / (times[i + 1] - times[i])

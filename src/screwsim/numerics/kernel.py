@@ -23,18 +23,14 @@ from typing import Any
 
 import numpy as np
 
-HEADER = "import math\nimport numpy as np\nfrom numba import njit\n"
+HEADER = "import math\nimport numpy as np\n"
 
 
 class Kernel:
-    """A function that can be called as it is, and whose source can be pasted into a compiled module.
+    """A function that can be called as it is, and whose source can be pasted into a compiled module."""
 
-    An `inlined` one is compiled into each of its callers.
-    """
-
-    def __init__(self, function: Callable[..., Any], source: str | None = None, inlined: bool = False) -> None:
+    def __init__(self, function: Callable[..., Any], source: str | None = None) -> None:
         self.function = function
-        self.inlined = inlined
         self.__doc__ = function.__doc__
         self.__name__ = function.__name__
         code = function.__code__
@@ -110,19 +106,10 @@ def kernel(function: Callable[..., Any]) -> Kernel:
     return Kernel(function)
 
 
-def inlined(function: Callable[..., Any]) -> Kernel:
-    """Mark a function as a kernel that is compiled into its callers.
-
-    For what an integration calls at every stage with many arrays: an array is passed as seven to eleven numbers, a
-    context as ninety.
-    """
-    return Kernel(function, inlined=True)
-
-
 _written: dict[str, Kernel] = {}
 
 
-def written(source: str, of: str, uses: Mapping[str, Any] | None = None, inlined: bool = False) -> Kernel:
+def written(source: str, of: str, uses: Mapping[str, Any] | None = None) -> Kernel:
     """Return the kernel of a generated function's text; one text is one kernel, however often it is asked for.
 
     `uses` holds the kernels and constants that the text names. The flat name is made of `of` (a fluid, say), a hash
@@ -139,7 +126,7 @@ def written(source: str, of: str, uses: Mapping[str, Any] | None = None, inlined
     if key not in _written:
         space: dict[str, Any] = {"math": math, "np": np, "__name__": module, **uses}
         exec(compile(source, f"<{key}>", "exec"), space)
-        _written.setdefault(key, Kernel(space[name], source, inlined))  # of two threads that write it, one is first
+        _written.setdefault(key, Kernel(space[name], source))  # of two threads that write it, one is first
     return _written[key]
 
 
@@ -286,24 +273,8 @@ def flatten(
                 renames[used] = constant
         _rename(tree, found_names, renames)
         del found[name]
-        found[name] = decorate(ast.unparse(tree), item.inlined)
+        found[name] = ast.unparse(tree)
 
     for each in kernels:
         visit(each)
     return found
-
-
-def decorate(source: str, inlined: bool = False) -> str:
-    """Return a function's source with the compiler's decorator.
-
-    No `fastmath`: where rounding depends on what is compiled together, a module gives other bits when it was compiled
-    in this process than when it was loaded. No wrapper for C, which nothing here calls: each takes compilation time.
-    """
-    counting = "" if "np.empty" in source else ", _nrt=False"  # arrays are borrowed: counting references costs 5x
-    inside = ", forceinline=True" if inlined else ""
-    return f"@njit(error_model='numpy', no_cfunc_wrapper=True{counting}{inside})\n{source}"
-
-
-def without_wrapper(source: str) -> str:
-    """Return a decorated function's source for one that only compiled code calls."""
-    return source.replace("@njit(", "@njit(no_cpython_wrapper=True, ", 1)

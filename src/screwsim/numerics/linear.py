@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from screwsim.numerics.kernel import inlined
+from screwsim.numerics.kernel import kernel
 
 
-@inlined
+@kernel
 def lu_factor(M, pivots, n):
     """Factor the n×n matrix M in place, rows permuted by `pivots`, pivots inverted; one of zero leaves infinities."""
     for k in range(n):
@@ -27,7 +27,7 @@ def lu_factor(M, pivots, n):
                     M[i, j] -= factor * M[k, j]
 
 
-@inlined
+@kernel
 def lu_solve(M, pivots, b, n):
     """Solve with the factors of `lu_factor`, b in place."""
     for k in range(n):

@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.numerics.kernel import Slot, Structure, inlined, kernel
+from screwsim.numerics.kernel import Slot, Structure, kernel
 from screwsim.numerics.linear import lu_factor, lu_solve
 
 surroundings = Slot("surroundings")
@@ -103,7 +103,7 @@ LONGEST = math.pi / 3.0  # a step: a stiff one that a port closes along sees nei
 SMALLEST = 1e-13  # a step below this share of the angle means that the rates are not finite or not solvable
 
 
-@inlined
+@kernel
 def attempt(phi, h, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq):
     """Try one step from y; fill y1 (new state), dq (quadratures), u (stages; u[LAST] is the error), E_next."""
     n = y.shape[0]
@@ -162,7 +162,7 @@ def dense_coefficients(u, i):
     return c3, c4
 
 
-@inlined
+@kernel
 def keep(step, phi, h, n, nq, y, y1, q, u, times, dense, quads):
     """Store an accepted step: its end, (y0, y1, c3, c4) of the dense output, and the quadratures."""
     times[step + 1] = phi + h

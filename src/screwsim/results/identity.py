@@ -18,7 +18,7 @@ from screwsim.effects import find_effect
 from screwsim.numerics import sources
 from screwsim.results.table import FIGURES
 
-LIBRARIES = ("CoolProp", "numba", "numpy", "scipy")
+LIBRARIES = ("CoolProp", "llvmlite", "numpy", "scipy")
 Identity = Mapping[str, str]
 Files = Mapping[str, str]  # {file as the scene names it: its path}
 _FILE, _MODULE, _SOURCES, _NONE = "file ", "module ", "screwsim sources", "none"

@@ -25,7 +25,7 @@ from screwsim.results import identity
 from screwsim.scene.types import Scene
 
 SCHEMA = 1  # raise when a reader of the older files would misread a newer one
-_LIBRARIES = ("numpy", "scipy", "numba", "CoolProp")
+_LIBRARIES = ("numpy", "scipy", "llvmlite", "CoolProp")
 _NUMERIC = {"number": "1", "count": "1", **{name: kind.si for name, kind in KINDS.items()}}
 
 
@@ -187,5 +187,6 @@ def root_attributes(scene: Scene, command: str) -> dict[str, str | int]:
         "scene_yaml": scene.text,
         "scene_sha256": digest(scene.text),
         "python_version": platform.python_version(),
+        "numba_version": "not used",  # its compiler, LLVM, is, through llvmlite
     }
     return attributes | {f"{name.lower()}_version": _library_version(name) for name in _LIBRARIES}

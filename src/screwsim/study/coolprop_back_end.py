@@ -9,17 +9,16 @@ from __future__ import annotations
 import ctypes
 import math
 import re
-from types import ModuleType, SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
+from screwsim.codegen.modules import Module
 from screwsim.fluid.nozzle import choking
 from screwsim.scene.types import Scene
 from screwsim.solution import Solution
 
-STATE = """@njit(error_model='numpy')
-def phased_state(phase, T, rho, P, TAB):
+STATE = """def phased_state(phase, T, rho, P, TAB):
     found = np.empty(7)
-    coolprop_state(T, rho, found.ctypes)
+    coolprop_state(T, rho, found)
     return found[0], found[1], found[2], found[3], found[4], found[5], found[6]
 """
 
@@ -57,10 +56,12 @@ def solution_with_coolprop(scene: Scene) -> Solution:
         raise ValueError("gas.model: only a real gas can be asked of CoolProp")
     solution = Solution(scene)
     text = solution.machinery.composition.text
-    found = re.search(r"@njit\([^\n]*\)\ndef phased_state\(.*?\n\n", text, flags=re.DOTALL)
+    found = re.search(r"def phased_state\(.*?\n\n", text, flags=re.DOTALL)
     assert found is not None
-    text = text.replace(found.group(0), STATE + "\n\n").replace(", _nrt=False", "")
-    names: dict[str, Any] = {"coolprop_state": state_function(scene.gas.fluid)}
-    exec(compile(text, "<coolprop back end>", "exec"), names)
-    solution.machinery.module = cast(ModuleType, SimpleNamespace(**names))
+    state = state_function(scene.gas.fluid)
+    address = ctypes.cast(state, ctypes.c_void_p).value
+    assert address is not None
+    module = Module("coolprop back end", text.replace(found.group(0), STATE + "\n\n"), {"coolprop_state": address})
+    vars(module)["state of CoolProp"] = state  # kept as long as what calls it
+    solution.machinery.module = module
     return solution

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from screwsim.codegen.modules import load
 from screwsim.faults import UsageError
 from screwsim.machine.drive import rubber_cord_coupling as law
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling
 from screwsim.numerics.kernel import HEADER, flatten
-from screwsim.numerics.modules import load
 
 DATA = Path(__file__).parents[3] / "validation" / "rubber_cord_coupling" / "printed.csv"
 PRINTED = {

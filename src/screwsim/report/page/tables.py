@@ -21,7 +21,7 @@ from screwsim.screen import printable
 MOST_KINDS = 8  # of warnings, listed of a sweep
 _CHUNK = 1 << 20  # [byte]
 _BALANCES = ("mass", "energy", "entropy", "oil_mass")
-_VERSIONS = ("python_version", "numpy_version", "scipy_version", "numba_version", "coolprop_version")
+_VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_version", "coolprop_version")
 
 
 class Check(NamedTuple):

@@ -1,0 +1,128 @@
+"""Calls of machine code: arguments of Python as words of eight bytes, results back.
+
+A call takes microseconds as it is: where an array stands is remembered, and kinds are numbers here.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import struct
+import weakref
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from screwsim.codegen.kinds import FLOAT, INTEGER, TRUTH, Kind, array
+
+MOST_KNOWN = 512  # arrays
+MOST_AXES = 3
+KINDS: list[Kind] = [FLOAT, INTEGER, TRUTH]  # by number
+_FLOAT, _INTEGER, _TRUTH = range(3)
+_FLOATS, _INTEGERS = np.dtype(np.float64), np.dtype(np.int64)
+_known: dict[int, tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]] = {}  # by id: where an array stands
+_contexts: dict[tuple[int, ...], int] = {}
+for _of in (FLOAT, INTEGER):
+    KINDS += [array(_of, axes) for axes in range(1, MOST_AXES + 1)]
+
+
+class Context(tuple[Any, ...]):
+    """A tuple of arrays that many calls are given: looked at once."""
+
+    number: int
+    words: tuple[float, ...]
+
+    def __new__(cls, arrays: Iterable[Any]) -> Context:
+        found = super().__new__(cls, arrays)
+        kinds: list[int] = []
+        words: list[float] = []
+        take(tuple(found), kinds, words)
+        found.number, found.words = kinds[0], tuple(words)
+        return found
+
+
+def take(argument: Any, kinds: list[int], words: list[float]) -> None:
+    """Add the number of an argument's kind, and its words; raise TypeError for what compiled code cannot read."""
+    what = type(argument)
+    if what is np.ndarray:
+        known = _known.get(id(argument))
+        if known is None or known[0]() is not argument:
+            known = _look_at(argument)
+        kinds.append(known[1])
+        words.extend(known[2])
+    elif what is float:
+        kinds.append(_FLOAT)
+        words.append(argument)
+    elif what is int:
+        kinds.append(_INTEGER)
+        words.append(argument)
+    elif what is Context:
+        kinds.append(argument.number)
+        words.extend(argument.words)
+    elif isinstance(argument, tuple):
+        inner: list[int] = []
+        for each in argument:
+            take(each, inner, words)
+        key = tuple(inner)
+        if key not in _contexts:
+            KINDS.append(Kind("c", tuple(KINDS[one] for one in key)))
+            _contexts[key] = len(KINDS) - 1
+        kinds.append(_contexts[key])
+    else:
+        kinds.append(_number(argument))
+        words.append(float(argument) if kinds[-1] == _FLOAT else int(argument))
+
+
+def _number(argument: Any) -> int:
+    if isinstance(argument, bool | np.bool_):
+        return _TRUTH
+    if isinstance(argument, int | np.integer):
+        return _INTEGER
+    if isinstance(argument, float | np.floating):
+        return _FLOAT
+    raise TypeError(f"a compiled function takes numbers, arrays and tuples of arrays, not {type(argument).__name__}")
+
+
+def _look_at(table: np.ndarray) -> tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]:
+    of, axes, flags = table.dtype, table.ndim, table.flags
+    if of not in (_FLOATS, _INTEGERS) or not flags.c_contiguous or not flags.aligned or not 0 < axes <= MOST_AXES:
+        raise TypeError(f"a compiled function takes whole arrays of float64 or int64, not {of} of {table.shape}")
+    number = _TRUTH + axes + (0 if of == _FLOATS else MOST_AXES)
+    if flags.writeable and table.size:
+        address = ctypes.addressof(ctypes.c_char.from_buffer(table))  # type: ignore[arg-type]
+    else:
+        address = table.ctypes.data  # the same, slower
+    found = weakref.ref(table), number, (address, *table.shape)
+    if len(_known) >= MOST_KNOWN:
+        _known.clear()
+    _known[id(table)] = found
+    return found
+
+
+class Variant:
+    """A function compiled for kinds of arguments; called with their words."""
+
+    def __init__(self, entry: Callable[[Any, Any], int], kinds: Sequence[Kind], returned: str) -> None:
+        self._entry = entry
+        self._pack = struct.Struct("".join(_format(kind) for kind in kinds)).pack
+        self._letters = returned.removeprefix("t").strip("()").replace("n", "")
+        self._tuple = returned.startswith("t")
+        results = struct.Struct("".join("d" if letter == "f" else "q" for letter in self._letters))
+        self._unpack, self._room = results.unpack, ctypes.c_char * results.size
+
+    def __call__(self, words: Sequence[float]) -> Any:
+        out = self._room()
+        if self._entry(self._pack(*words), out):
+            raise IndexError("an index beyond its array")
+        if not self._letters:
+            return None
+        found = self._unpack(out)
+        if "b" in self._letters:
+            found = tuple(bool(one) if letter == "b" else one for one, letter in zip(found, self._letters, strict=True))
+        return found if self._tuple else found[0]
+
+
+def _format(kind: Kind) -> str:
+    if kind.name == "c":
+        return "".join(_format(inner) for inner in kind.of)
+    return "d" if kind == FLOAT else "q" * len(kind.parts)

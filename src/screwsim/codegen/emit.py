@@ -1,0 +1,457 @@
+"""One function of a text for given kinds of arguments, in LLVM's language.
+
+Variables stand in memory of the function; LLVM puts them into registers. A variable that is an integer here and a float
+there is a float: the function is written again until no kind widens.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from screwsim.codegen.kinds import FLOAT, INTEGER, NOTHING, NUMBERS, TRUTH, Kind, Value, array, joined, row_of
+from screwsim.codegen.operations import Operations
+from screwsim.codegen.program import CannotCompile, constant
+
+if TYPE_CHECKING:
+    from screwsim.codegen.unit import Unit
+
+NONE = Value(NOTHING, ())
+EMPTY = {"np.empty": False, "np.zeros": True}
+
+
+class Emitter(Operations):
+    """Writes one function; `kinds` are those of its variables, as far as known."""
+
+    def __init__(self, unit: Unit, name: str, arguments: Sequence[Kind]) -> None:
+        self.unit, self.node, self.given = unit, unit.program.functions[name], tuple(arguments)
+        self.kinds: dict[str, Kind] = {}
+        self.wide: dict[str, Kind] = {}  # what a variable must hold at least
+        self.returns: Kind | None = None
+        names = [each.arg for each in self.node.args.args]
+        if len(names) != len(self.given):
+            raise self.fail(self.node, f"{name} takes {len(names)} arguments, not {len(self.given)}")
+        self.names = names
+        found = [each for each in ast.walk(self.node) if isinstance(each, ast.Name)]
+        self.assigned = {each.id for each in found if isinstance(each.ctx, ast.Store)}
+        self.asked = {each.id for each in found if isinstance(each.ctx, ast.Load)}
+
+    def fail(self, node: ast.AST, what: str) -> CannotCompile:
+        line = ast.unparse(node).splitlines()[0]
+        return CannotCompile(f"{self.node.name}: {what}, in {line[:90]!r}")
+
+    def written(self, symbol: str) -> str:
+        """Return the function's text."""
+        parameters = self._write()
+        while self.again:
+            parameters = self._write()
+        returned = self.returns or NOTHING
+        if not self.closed:
+            self.add("ret void" if returned == NOTHING else f"ret {returned.returned} zeroinitializer")
+        head = f"define internal {returned.returned} @{symbol}({parameters}) nounwind {{\nentry:"
+        return "\n".join([head, *self.slots, "  br label %start", "start:", *self.lines, "}"])
+
+    def _write(self) -> str:
+        self.lines: list[str] = []
+        self.slots: list[str] = []
+        self.places: dict[str, tuple[str, ...]] = {}
+        self.count = 0
+        self.block, self.closed = "start", False
+        self.loops: list[tuple[str, str]] = []
+        self.again, self.depth = False, 0
+        self.last, self.kinds = self.kinds, {}
+        parameters = self._parameters()
+        self.body(self.node.body)
+        return parameters
+
+    def _parameters(self) -> str:
+        found = []
+        for k, (name, kind) in enumerate(zip(self.names, self.given, strict=True)):
+            parts = [f"%a{k}.{i}" for i in range(len(kind.parts))]
+            found += [f"{part} {one}" for part, one in zip(kind.parts, parts, strict=True)]
+            self.store(name, Value(kind, tuple(parts)), self.node)
+        return ", ".join(found)
+
+    # ---- variables -------------------------------------------------------------------------------------------------
+
+    def store(self, name: str, value: Value, node: ast.AST) -> None:
+        """Give a variable a value."""
+        if value.kind == NOTHING:
+            raise self.fail(node, f"{name} is given nothing")
+        known = self.wide.get(name) if not self.depth else self.kinds.get(name)  # outside of branches it may change
+        kind = joined(known or value.kind, value.kind)
+        if kind is None:
+            raise self.fail(node, f"{name} is {known} here and {value.kind} there")
+        if kind != self.kinds.get(name):
+            if self.depth and name in self.kinds:
+                self.wide[name], self.again = kind, True
+            self.kinds[name] = kind
+            self.places.pop(name, None)
+        value = self.as_kind(value, kind)
+        for part, register, place in zip(kind.parts, value.parts, self._place(name), strict=True):
+            self.add(f"store {part} {register}, ptr {place}")
+
+    def _place(self, name: str) -> tuple[str, ...]:
+        if name not in self.places:
+            self.places[name] = tuple(self.slot(part) for part in self.kinds[name].parts)
+        return self.places[name]
+
+    def slot(self, part: str) -> str:
+        """Return memory of the function for one register."""
+        place = f"%s{len(self.slots)}"
+        self.slots.append(f"  {place} = alloca {part}")
+        return place
+
+    def load(self, name: str, node: ast.AST) -> Value:
+        """Return a variable's or a constant's value."""
+        if name in self.kinds or name in self.last:
+            kind = self.kinds.setdefault(name, self.last.get(name, FLOAT))
+            parts = zip(kind.parts, self._place(name), strict=True)
+            return Value(kind, tuple(self.new(f"load {part}, ptr {place}") for part, place in parts))
+        if name in self.assigned and not self.again:  # in a loop, before it is written
+            self.again = True
+            return constant(0.0)
+        found = self.unit.constant(name)
+        if found is None or name in self.assigned:
+            raise self.fail(node, f"{name} is not known")
+        return found
+
+    # ---- statements ------------------------------------------------------------------------------------------------
+
+    def body(self, statements: Sequence[ast.stmt]) -> None:
+        for each in statements:
+            if self.closed:
+                return  # what follows is never reached
+            self.statement(each)
+
+    def inside(self, statements: Sequence[ast.stmt]) -> None:
+        """Write what may run, or not, or again."""
+        self.depth += 1
+        self.body(statements)
+        self.depth -= 1
+
+    def statement(self, node: ast.stmt) -> None:
+        match node:
+            case ast.Assign(targets=targets, value=value):
+                found = self.expression(value)
+                for target in targets:
+                    self.assign(target, found)
+            case ast.AugAssign(target=target, op=op, value=value):
+                self.assign(target, self.operation(op, self.expression(target), self.expression(value), node))
+            case ast.Expr(value=ast.Constant()) | ast.Pass():
+                pass
+            case ast.Expr(value=value):
+                self.expression(value)
+            case ast.If(test=test, body=body, orelse=orelse):
+                self._if(self.truth(test), body, orelse)
+            case ast.For(target=ast.Name(id=name), iter=ast.Call(func=ast.Name(id="range"), args=bounds), orelse=[]):
+                self._for(name, bounds, node)
+            case ast.For(target=target, iter=ast.Tuple(elts=elements), orelse=[]):
+                self._for_each(target, elements, node)
+            case ast.While(test=test, body=body, orelse=[]):
+                self._while(test, body)
+            case ast.Return(value=value):
+                self._return(NONE if value is None else self.expression(value), node)
+            case ast.Break() | ast.Continue():
+                self.jump(self.loops[-1][isinstance(node, ast.Continue)])
+            case _:
+                raise self.fail(node, "this is not compiled")
+
+    def assign(self, target: ast.expr, value: Value) -> None:
+        match target:
+            case ast.Name(id=name):
+                self.store(name, value, target)
+            case ast.Tuple(elts=targets):
+                if value.kind.name not in "tc" or len(value.kind.of) != len(targets):
+                    raise self.fail(target, f"{len(targets)} names are given {value.kind}")
+                items = self.of_context(value) if value.kind.name == "c" else value.items()
+                for one, item in zip(targets, items, strict=True):
+                    if not isinstance(one, ast.Name) or one.id in self.asked:
+                        self.assign(one, item)
+            case ast.Subscript(value=of, slice=index):
+                place, kind = self.element(self.expression(of), index, target)
+                self.add(f"store {kind.parts[0]} {self.as_kind(value, kind).parts[0]}, ptr {place}")
+            case _:
+                raise self.fail(target, "this cannot be given a value")
+
+    def _if(self, test: Value, body: Sequence[ast.stmt], orelse: Sequence[ast.stmt]) -> None:
+        if test.known is not None:
+            self.body(body if test.known else orelse)
+            return
+        then, other, after = self.labels("then", "else", "after")
+        self.branch(test, then, other if orelse else after)
+        self.start(then)
+        self.inside(body)
+        self.jump(after)
+        if orelse:
+            self.start(other)
+            self.inside(orelse)
+            self.jump(after)
+        self.start(after)
+
+    def _for(self, name: str, bounds: Sequence[ast.expr], node: ast.For) -> None:
+        values = [self.whole(self.expression(each), each) for each in bounds]
+        first = values[0] if len(values) > 1 else constant(0)
+        last = values[0] if len(values) == 1 else values[1]
+        step = values[2].known if len(values) == 3 else 1
+        if not step:
+            raise self.fail(node, "the step of range must be a number of the text")
+        counter = self.slot("i64")
+        self.add(f"store i64 {first.parts[0]}, ptr {counter}")
+        head, inside, following, after = self.labels("head", "inside", "next", "after")
+        self.jump(head)
+        self.start(head)
+        now = self.new(f"load i64, ptr {counter}")
+        more = self.new(f"icmp {'slt' if step > 0 else 'sgt'} i64 {now}, {last.parts[0]}")
+        self.branch(Value(TRUTH, (more,)), inside, after)
+        self.start(inside)
+        self.store(name, Value(INTEGER, (now,)), node)
+        self.loops.append((after, following))
+        self.inside(node.body)
+        self.loops.pop()
+        self.jump(following)
+        self.start(following)
+        now = self.new(f"load i64, ptr {counter}")
+        self.add(f"store i64 {self.new(f'add nsw i64 {now}, {step}')}, ptr {counter}")
+        self.jump(head)
+        self.start(after)
+
+    def _for_each(self, target: ast.expr, elements: Sequence[ast.expr], node: ast.For) -> None:
+        after = self.labels("after")[0]
+        for each in elements:
+            following = self.labels("next")[0]
+            self.depth += 1
+            self.assign(target, self.expression(each))
+            self.loops.append((after, following))
+            self.inside(node.body)
+            self.depth -= 1
+            self.loops.pop()
+            self.jump(following)
+            self.start(following)
+        self.jump(after)
+        self.start(after)
+
+    def _while(self, test: ast.expr, body: Sequence[ast.stmt]) -> None:
+        head, inside, after = self.labels("head", "inside", "after")
+        self.jump(head)
+        self.start(head)
+        self.branch(self.truth(test), inside, after)
+        self.start(inside)
+        self.loops.append((after, head))
+        self.inside(body)
+        self.loops.pop()
+        self.jump(head)
+        self.start(after)
+
+    def _return(self, value: Value, node: ast.Return) -> None:
+        kind = joined(self.returns or value.kind, value.kind)
+        if kind is None or any(each.name in "ac" for each in (kind, *kind.of)):
+            raise self.fail(node, f"{value.kind} cannot be returned beside {self.returns}")
+        self.again |= kind != (self.returns or kind)
+        self.returns = kind
+        value = self.as_kind(value, kind)
+        whole = ""
+        if kind.name == "t":
+            whole = "undef"
+            for i, (part, register) in enumerate(zip(kind.parts, value.parts, strict=True)):
+                whole = self.new(f"insertvalue {kind.returned} {whole}, {part} {register}, {i}")
+        elif kind != NOTHING:
+            whole = value.parts[0]
+        self.add(f"ret {kind.returned} {whole}".rstrip())
+        self.closed = True
+
+    # ---- expressions -----------------------------------------------------------------------------------------------
+
+    def expression(self, node: ast.expr) -> Value:
+        match node:
+            case ast.Constant(value=bool() | int() | float() as value):
+                return constant(value)
+            case ast.Name(id=name):
+                return self.load(name, node)
+            case ast.BinOp(left=left, op=op, right=right):
+                return self.operation(op, self.expression(left), self.expression(right), node)
+            case ast.UnaryOp(op=ast.Not(), operand=operand):
+                return self.negated(self.truth(operand))
+            case ast.UnaryOp(op=op, operand=operand):
+                return self.signed(op, self.expression(operand), node)
+            case ast.BoolOp(op=op, values=values):
+                return self._both(isinstance(op, ast.And), values)
+            case ast.Compare(left=left, ops=ops, comparators=others):
+                return self._compared(left, ops, others, node)
+            case ast.IfExp(test=test, body=body, orelse=orelse):
+                return self._choice(test, body, orelse, node)
+            case ast.Tuple(elts=elements):
+                found = [self.expression(each) for each in elements]
+                kind = Kind("t", tuple(each.kind for each in found))
+                return Value(kind, tuple(part for each in found for part in each.parts))
+            case ast.Subscript(value=of, slice=index):
+                return self._subscript(self.expression(of), index, node)
+            case ast.Attribute(value=ast.Name(id="math"), attr="inf" | "pi" | "e" | "nan" as name):
+                return constant(getattr(__import__("math"), name))
+            case ast.Attribute(value=of, attr="shape"):
+                parts = self.expression(of).parts[1:]
+                return Value(Kind("t", (INTEGER,) * len(parts)), parts)
+            case ast.Call():
+                return self._call(node)
+        raise self.fail(node, "this is not compiled")
+
+    def truth(self, node: ast.expr) -> Value:
+        value = self.expression(node)
+        if value.kind == TRUTH:
+            return value
+        if value.kind not in NUMBERS:
+            raise self.fail(node, f"{value.kind} is no condition")
+        return self.compare(ast.NotEq(), value, constant(0), node)
+
+    def _both(self, every: bool, nodes: Sequence[ast.expr]) -> Value:
+        """Return whether all hold, or any; what decides is the last that is evaluated."""
+        after, met = self.labels("after")[0], []
+        for k, node in enumerate(nodes):
+            value = self.truth(node)
+            if value.known is not None and k < len(nodes) - 1:
+                if bool(value.known) is every:
+                    continue
+                nodes, k = nodes[: k + 1], k
+            if k == len(nodes) - 1:
+                if not met:
+                    return value
+                met.append((value.parts[0], self.block))
+                self.jump(after)
+                break
+            following = self.labels("more")[0]
+            met.append(("false" if every else "true", self.block))
+            self.branch(value, *((following, after) if every else (after, following)))
+            self.start(following)
+        self.start(after)
+        return Value(TRUTH, (self.new("phi i1 " + ", ".join(f"[{one}, %{block}]" for one, block in met)),))
+
+    def _compared(self, left: ast.expr, ops: Sequence[ast.cmpop], others: Sequence[ast.expr], node: ast.expr) -> Value:
+        values = [self.expression(each) for each in (left, *others)]
+        found = [self.compare(op, a, b, node) for op, a, b in zip(ops, values, values[1:], strict=False)]
+        whole = found[0]
+        for each in found[1:]:
+            whole = Value(TRUTH, (self.new(f"and i1 {whole.parts[0]}, {each.parts[0]}"),))
+        return whole
+
+    def _choice(self, test: ast.expr, body: ast.expr, orelse: ast.expr, node: ast.expr) -> Value:
+        decided = self.truth(test)
+        if decided.known is not None:
+            return self.expression(body if decided.known else orelse)
+        then, other, after = self.labels("then", "else", "after")
+        self.branch(decided, then, other)
+        before, ways = self.lines, []
+        for label, side in ((then, body), (other, orelse)):
+            self.lines = []
+            self.start(label)
+            value = self.expression(side)
+            ways.append((value, self.lines, self.block))
+        kind = joined(ways[0][0].kind, ways[1][0].kind)
+        if kind is None:
+            raise self.fail(node, f"it is {ways[0][0].kind} or {ways[1][0].kind}")
+        ends = []
+        for value, lines, block in ways:
+            self.lines, self.block, self.closed = lines, block, False
+            ends.append((self.as_kind(value, kind).parts, block))
+            self.jump(after)
+            before += self.lines
+        self.lines = before
+        self.start(after)
+        parts = []
+        for i, part in enumerate(kind.parts):
+            parts.append(self.new(f"phi {part} " + ", ".join(f"[{found[i]}, %{block}]" for found, block in ends)))
+        return Value(kind, tuple(parts))
+
+    def _subscript(self, of: Value, index: ast.expr, node: ast.expr) -> Value:
+        if of.kind.name in "tc":
+            k = self.expression(index).known
+            if not isinstance(k, int):
+                raise self.fail(node, "a tuple's index must be a number of the text")
+            return self.of_context(of)[k] if of.kind.name == "c" else of.items()[k]
+        if isinstance(index, ast.Slice):
+            return self._slice(of, index, node)
+        if self.count_of(index) < of.kind.axes:
+            return self._row(of, index, node)
+        place, kind = self.element(of, index, node)
+        return Value(kind, (self.new(f"load {kind.parts[0]}, ptr {place}"),))
+
+    @staticmethod
+    def count_of(index: ast.expr) -> int:
+        return len(index.elts) if isinstance(index, ast.Tuple) else 1
+
+    def _row(self, of: Value, index: ast.expr, node: ast.expr) -> Value:
+        if isinstance(index, ast.Tuple):
+            value = of
+            for each in index.elts:
+                value = self._row(value, each, node)
+            return value
+        at = self.whole(self.expression(index), node).parts[0]
+        skip = at
+        for size in of.parts[2:]:
+            skip = self.new(f"mul nsw i64 {skip}, {size}")
+        at = self.new(f"getelementptr inbounds {of.kind.of[0].parts[0]}, ptr {of.parts[0]}, i64 {skip}")
+        return Value(row_of(of.kind), (at, *of.parts[2:]))
+
+    def _slice(self, of: Value, index: ast.Slice, node: ast.expr) -> Value:
+        if index.step is not None or of.kind.name != "a":
+            raise self.fail(node, "this slice is not compiled")
+        first = constant(0) if index.lower is None else self.whole(self.expression(index.lower), node)
+        last = of.parts[1] if index.upper is None else self.whole(self.expression(index.upper), node).parts[0]
+        skip = first.parts[0]
+        for size in of.parts[2:]:
+            skip = self.new(f"mul nsw i64 {skip}, {size}")
+        at = self.new(f"getelementptr inbounds {of.kind.of[0].parts[0]}, ptr {of.parts[0]}, i64 {skip}")
+        return Value(of.kind, (at, self.new(f"sub nsw i64 {last}, {first.parts[0]}"), *of.parts[2:]))
+
+    # ---- calls -----------------------------------------------------------------------------------------------------
+
+    def _call(self, node: ast.Call) -> Value:
+        if node.keywords:
+            raise self.fail(node, "arguments by name are not compiled")
+        name = ast.unparse(node.func)
+        if name in EMPTY:
+            return self._room(node, EMPTY[name])
+        values = [self.expression(each) for each in node.args]
+        if name in self.unit.program.functions:
+            return self._kernel(name, values)
+        if name in self.unit.outside:
+            given = ", ".join(f"{value.kind.parts[0]} {value.parts[0]}" for value in values)
+            self.add(f"call void inttoptr (i64 {self.unit.outside[name]} to ptr)({given})")
+            return NONE
+        known: Callable[..., Value] | None = self.builtin(name)
+        if known is None:
+            raise self.fail(node, f"{name} is not compiled")
+        return known(values, node)
+
+    def _kernel(self, name: str, values: Sequence[Value]) -> Value:
+        symbol, returned = self.unit.function(name, tuple(value.kind for value in values))
+        given = ", ".join(
+            f"{part} {one}" for value in values for part, one in zip(value.kind.parts, value.parts, strict=True)
+        )
+        if returned == NOTHING:
+            self.add(f"call void @{symbol}({given})")
+            return NONE
+        found = self.new(f"call {returned.returned} @{symbol}({given})")
+        if returned.name != "t":
+            return Value(returned, (found,))
+        parts = range(len(returned.parts))
+        return Value(returned, tuple(self.new(f"extractvalue {returned.returned} {found}, {i}") for i in parts))
+
+    def _room(self, node: ast.Call, cleared: bool) -> Value:
+        """Return an array of the function's own, gone when it returns."""
+        shape = node.args[0].elts if isinstance(node.args[0], ast.Tuple) else [node.args[0]]
+        sizes = [self.whole(self.expression(each), each).parts[0] for each in shape]
+        whole = len(node.args) > 1 and ast.unparse(node.args[1]) == "np.int64"
+        kind = array(INTEGER if whole else FLOAT, len(sizes))
+        total = sizes[0]
+        for size in sizes[1:]:
+            total = self.new(f"mul nsw i64 {total}, {size}")
+        if total.isdigit():
+            at = self.slot(f"{kind.of[0].parts[0]}, i64 {total}")
+        else:
+            at = self.new(f"alloca {kind.of[0].parts[0]}, i64 {total}, align 16")
+        if cleared:
+            count = self.new(f"mul nsw i64 {total}, 8")
+            self.unit.declare("declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)")
+            self.add(f"call void @llvm.memset.p0.i64(ptr {at}, i8 0, i64 {count}, i1 false)")
+        return Value(kind, (at, *sizes))

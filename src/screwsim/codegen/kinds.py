@@ -1,0 +1,82 @@
+"""Kinds of values in compiled text: number, array, tuple; what each is made of in LLVM's language."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a value is: `f` float64, `i` int64, `b` bool, `n` nothing, `a` array, `t` tuple, `c` a context.
+
+    A context is a tuple that the caller keeps, in memory that does not change.
+    """
+
+    name: str
+    of: tuple[Kind, ...] = ()
+    axes: int = 0
+
+    def __str__(self) -> str:
+        inside = "".join(str(each) for each in self.of)
+        return f"{self.name}{self.axes or ''}{f'({inside})' if self.of else ''}"
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The types of the registers that hold a value, in LLVM's language."""
+        if self.name == "a":
+            return ("ptr", *("i64" for _ in range(self.axes)))
+        if self.name == "t":
+            return tuple(part for each in self.of for part in each.parts)
+        return (_REGISTERS[self.name],) if self.name != "n" else ()
+
+    @property
+    def returned(self) -> str:
+        """The type that a function returns."""
+        if self.name == "n":
+            return "void"
+        return self.parts[0] if self.name != "t" else "{" + ", ".join(self.parts) + "}"
+
+
+_REGISTERS = {"f": "double", "i": "i64", "b": "i1", "c": "ptr"}
+FLOAT, INTEGER, TRUTH, NOTHING = Kind("f"), Kind("i"), Kind("b"), Kind("n")
+NUMBERS = (TRUTH, INTEGER, FLOAT)  # each holds those before it
+
+
+def array(of: Kind, axes: int) -> Kind:
+    return Kind("a", (of,), axes)
+
+
+def row_of(kind: Kind) -> Kind:
+    """Return what an array holds along its first axis."""
+    return kind.of[0] if kind.axes == 1 else array(kind.of[0], kind.axes - 1)
+
+
+def joined(one: Kind, other: Kind) -> Kind | None:
+    """Return the kind that holds both; None where none does."""
+    if one == other:
+        return one
+    if one in NUMBERS and other in NUMBERS:
+        return max(one, other, key=NUMBERS.index)
+    if one.name == other.name == "t" and len(one.of) == len(other.of):
+        inner = [joined(a, b) for a, b in zip(one.of, other.of, strict=True)]
+        return None if None in inner else Kind("t", tuple(each for each in inner if each is not None))
+    return None
+
+
+@dataclass(frozen=True)
+class Value:
+    """A value in registers; `known` is that of a number that is the same in every run."""
+
+    kind: Kind
+    parts: tuple[str, ...]
+    known: Any = field(default=None)
+
+    def items(self) -> list[Value]:
+        """Return the values in a tuple."""
+        found, at = [], 0
+        for kind in self.kind.of:
+            count = len(kind.parts)
+            found.append(Value(kind, self.parts[at : at + count]))
+            at += count
+        return found

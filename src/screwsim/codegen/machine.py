@@ -1,0 +1,58 @@
+"""Machine code of a text in LLVM's language: optimised for this processor, loaded into this process."""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache
+from typing import Any
+
+import llvmlite.binding as llvm
+
+SPEED = 3
+
+
+@cache
+def _target() -> llvm.TargetMachine:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    features = llvm.get_host_cpu_features().flatten()
+    target = llvm.Target.from_triple(llvm.get_process_triple())
+    return target.create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=features, opt=SPEED, codemodel="jitdefault", jit=True
+    )
+
+
+def processor() -> str:
+    """Return what machine code depends on: LLVM's version and this processor."""
+    features = llvm.get_host_cpu_features().flatten()
+    return f"{llvm.llvm_version_info} {llvm.get_process_triple()} {llvm.get_host_cpu_name()} {features}"
+
+
+def compiled(text: str) -> bytes:
+    """Return the object code of a text."""
+    machine = _target()
+    module = llvm.parse_assembly(text, llvm.create_context())
+    module.triple = llvm.get_process_triple()
+    module.data_layout = str(machine.target_data)
+    tuning = llvm.create_pipeline_tuning_options(speed_level=SPEED)
+    tuning.slp_vectorization = False
+    builder = llvm.create_pass_builder(machine, tuning)
+    builder.getModulePassManager().run(module, builder)
+    return machine.emit_object(module)
+
+
+@cache
+def _linker() -> Any:
+    return llvm.create_lljit_compiler(_target())
+
+
+_kept: list[Any] = []  # what must live as long as its code
+CALL = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)
+
+
+def loaded(code: bytes, symbol: str) -> Any:
+    """Return the entry of object code, to be called with the addresses of arguments and results."""
+    library = llvm.JITLibraryBuilder().add_object_img(code).add_current_process().export_symbol(symbol)
+    tracker = library.link(_linker(), f"{symbol} {len(_kept)}")  # a name of its own
+    _kept.append(tracker)
+    return CALL(tracker[symbol])

@@ -1,0 +1,287 @@
+"""Arithmetic, comparisons, elements of arrays and functions of `math`, in LLVM's language."""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from screwsim.codegen.kinds import FLOAT, INTEGER, NUMBERS, TRUTH, Kind, Value
+from screwsim.codegen.program import constant
+
+if TYPE_CHECKING:
+    from screwsim.codegen.program import CannotCompile
+    from screwsim.codegen.unit import Unit
+
+BY_FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
+BY_INTEGERS = {ast.Add: "add nsw", ast.Sub: "sub nsw", ast.Mult: "mul nsw"}
+FOLDED: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+}
+COMPARED: dict[type, tuple[str, str, Callable[[Any, Any], bool]]] = {
+    ast.Eq: ("eq", "oeq", operator.eq),
+    ast.NotEq: ("ne", "une", operator.ne),
+    ast.Lt: ("slt", "olt", operator.lt),
+    ast.LtE: ("sle", "ole", operator.le),
+    ast.Gt: ("sgt", "ogt", operator.gt),
+    ast.GtE: ("sge", "oge", operator.ge),
+}
+LARGEST_POWER = 64  # multiplied out
+# functions of one or two floats: LLVM's own, and those of the C library
+OWN = {name: f"llvm.{name}.f64" for name in ("sqrt", "exp", "log", "log10", "log2", "sin", "cos", "pow", "copysign")}
+OWN |= {"fabs": "llvm.fabs.f64"}
+LIBRARY = ("expm1", "log1p", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "atan2", "hypot", "cbrt", "erf")
+LIBRARY += ("fmod",)
+ROUNDED = {"floor": "llvm.floor.f64", "ceil": "llvm.ceil.f64"}
+OF_TWO = ("pow", "copysign", "atan2", "hypot", "fmod")
+
+
+class Operations:
+    """What an emitter writes for operators and functions; `lines` of the block that is being written."""
+
+    unit: Unit
+    lines: list[str]
+    count: int
+    block: str
+    closed: bool
+
+    def fail(self, node: ast.AST, what: str) -> CannotCompile:
+        raise NotImplementedError
+
+    # ---- lines and blocks ------------------------------------------------------------------------------------------
+
+    def add(self, line: str) -> None:
+        self.lines.append("  " + line)
+
+    def new(self, operation: str) -> str:
+        """Write an operation; return the register that holds its result."""
+        self.count += 1
+        self.add(f"%v{self.count} = {operation}")
+        return f"%v{self.count}"
+
+    def labels(self, *stems: str) -> list[str]:
+        self.count += 1
+        return [f"{stem}{self.count}" for stem in stems]
+
+    def start(self, label: str) -> None:
+        self.lines.append(f"{label}:")
+        self.block, self.closed = label, False
+
+    def jump(self, label: str) -> None:
+        if not self.closed:
+            self.add(f"br label %{label}")
+        self.closed = True
+
+    def branch(self, test: Value, then: str, other: str) -> None:
+        self.add(f"br i1 {test.parts[0]}, label %{then}, label %{other}")
+        self.closed = True
+
+    # ---- kinds -----------------------------------------------------------------------------------------------------
+
+    def as_kind(self, value: Value, kind: Kind) -> Value:
+        """Return a value as one of a kind that holds it."""
+        if value.kind == kind:
+            return value
+        if kind.name == "t":
+            items = [self.as_kind(one, inner) for one, inner in zip(value.items(), kind.of, strict=True)]
+            return Value(kind, tuple(part for one in items for part in one.parts))
+        if value.known is not None:
+            return constant(float(value.known) if kind == FLOAT else int(value.known))
+        if value.kind == FLOAT:  # into an element of an array of integers
+            return Value(INTEGER, (self.new(f"fptosi double {value.parts[0]} to i64"),))
+        if value.kind == TRUTH:
+            how = "zext i1 {} to i64" if kind == INTEGER else "uitofp i1 {} to double"
+            return Value(kind, (self.new(how.format(value.parts[0])),))
+        return Value(FLOAT, (self.new(f"sitofp i64 {value.parts[0]} to double"),))
+
+    def as_float(self, value: Value) -> str:
+        return self.as_kind(value, FLOAT).parts[0]
+
+    def whole(self, value: Value, node: ast.AST) -> Value:
+        if value.kind not in (INTEGER, TRUTH):
+            raise self.fail(node, f"{value.kind} is no whole number")
+        return self.as_kind(value, INTEGER)
+
+    def of_context(self, value: Value) -> list[Value]:
+        """Return what a tuple of the caller's holds: read from memory that does not change."""
+        found, at = [], 0
+        for kind in value.kind.of:
+            parts = []
+            for part in kind.parts:
+                place = self.new(f"getelementptr inbounds i64, ptr {value.parts[0]}, i64 {at}")
+                parts.append(self.new(f"load {part}, ptr {place}, !invariant.load !0"))
+                at += 1
+            found.append(Value(kind, tuple(parts)))
+        return found
+
+    # ---- operators -------------------------------------------------------------------------------------------------
+
+    def operation(self, op: ast.operator, a: Value, b: Value, node: ast.AST) -> Value:
+        if a.kind not in NUMBERS or b.kind not in NUMBERS:
+            raise self.fail(node, f"{type(op).__name__} of {a.kind} and {b.kind} is not compiled")
+        if isinstance(op, ast.Pow):
+            return self._power(a, b, node)
+        both = FLOAT not in (a.kind, b.kind)
+        if both and a.known is not None and b.known is not None and type(op) in FOLDED:
+            return constant(int(FOLDED[type(op)](a.known, b.known)))
+        if isinstance(op, ast.FloorDiv | ast.Mod):
+            return self._divided(isinstance(op, ast.Mod), a, b, both, node)
+        if both and type(op) in BY_INTEGERS:
+            a, b = self.as_kind(a, INTEGER), self.as_kind(b, INTEGER)
+            return Value(INTEGER, (self.new(f"{BY_INTEGERS[type(op)]} i64 {a.parts[0]}, {b.parts[0]}"),))
+        if type(op) not in BY_FLOATS:
+            raise self.fail(node, f"{type(op).__name__} is not compiled")
+        return Value(FLOAT, (self.new(f"{BY_FLOATS[type(op)]} double {self.as_float(a)}, {self.as_float(b)}"),))
+
+    def _divided(self, rest: bool, a: Value, b: Value, both: bool, node: ast.AST) -> Value:
+        """Return quotient or rest as Python takes them: rounded down."""
+        if not both:
+            if not rest:
+                raise self.fail(node, "// of floats is not compiled; use math.floor")
+            x, y = self.as_float(a), self.as_float(b)
+            left = self.new(f"frem double {x}, {y}")
+            other = self.new(f"fcmp olt double {self.new(f'fmul double {left}, {y}')}, {constant(0.0).parts[0]}")
+            return Value(
+                FLOAT, (self.new(f"select i1 {other}, double {self.new(f'fadd double {left}, {y}')}, double {left}"),)
+            )
+        x, y = (self.as_kind(each, INTEGER).parts[0] for each in (a, b))
+        left = self.new(f"srem i64 {x}, {y}")
+        apart = self.new(f"icmp slt i64 {self.new(f'xor i64 {left}, {y}')}, 0")
+        other = self.new(f"and i1 {apart}, {self.new(f'icmp ne i64 {left}, 0')}")
+        if rest:
+            return Value(INTEGER, (self.new(f"select i1 {other}, i64 {self.new(f'add i64 {left}, {y}')}, i64 {left}"),))
+        quotient = self.new(f"sdiv i64 {x}, {y}")
+        return Value(INTEGER, (self.new(f"sub i64 {quotient}, {self.new(f'zext i1 {other} to i64')}"),))
+
+    def _power(self, a: Value, b: Value, node: ast.AST) -> Value:
+        if b.kind == INTEGER and isinstance(b.known, int) and abs(b.known) <= LARGEST_POWER:
+            return self._multiplied(a, b.known)
+        if FLOAT not in (a.kind, b.kind):
+            raise self.fail(node, "an integer to the power of another is not compiled")
+        return self.called("pow", [a, b])
+
+    def _multiplied(self, a: Value, exponent: int) -> Value:
+        left, square, whole = abs(exponent), a, None
+        while left:
+            if left & 1:
+                whole = square if whole is None else self.operation(ast.Mult(), whole, square, ast.Pass())
+            left >>= 1
+            if left:
+                square = self.operation(ast.Mult(), square, square, ast.Pass())
+        whole = whole or constant(1.0 if a.kind == FLOAT else 1)
+        return whole if exponent >= 0 else self.operation(ast.Div(), constant(1.0), whole, ast.Pass())
+
+    def signed(self, op: ast.unaryop, value: Value, node: ast.AST) -> Value:
+        if value.kind not in NUMBERS or not isinstance(op, ast.USub | ast.UAdd):
+            raise self.fail(node, f"{type(op).__name__} of {value.kind} is not compiled")
+        if value.kind == TRUTH:
+            value = self.as_kind(value, INTEGER)
+        if isinstance(op, ast.UAdd):
+            return value
+        if value.known is not None:
+            return constant(-value.known)
+        if value.kind == INTEGER:
+            return Value(INTEGER, (self.new(f"sub nsw i64 0, {value.parts[0]}"),))
+        return Value(FLOAT, (self.new(f"fneg double {value.parts[0]}"),))
+
+    def negated(self, value: Value) -> Value:
+        if value.known is not None:
+            return constant(not value.known)
+        return Value(TRUTH, (self.new(f"xor i1 {value.parts[0]}, true"),))
+
+    def compare(self, op: ast.cmpop, a: Value, b: Value, node: ast.AST) -> Value:
+        if a.kind not in NUMBERS or b.kind not in NUMBERS or type(op) not in COMPARED:
+            raise self.fail(node, f"{type(op).__name__} of {a.kind} and {b.kind} is not compiled")
+        whole, floating, known = COMPARED[type(op)]
+        if a.known is not None and b.known is not None:
+            return constant(bool(known(a.known, b.known)))
+        if FLOAT in (a.kind, b.kind):
+            return Value(TRUTH, (self.new(f"fcmp {floating} double {self.as_float(a)}, {self.as_float(b)}"),))
+        a, b = self.as_kind(a, INTEGER), self.as_kind(b, INTEGER)
+        return Value(TRUTH, (self.new(f"icmp {whole} i64 {a.parts[0]}, {b.parts[0]}"),))
+
+    # ---- elements --------------------------------------------------------------------------------------------------
+
+    def expression(self, node: ast.expr) -> Value:
+        raise NotImplementedError
+
+    def element(self, of: Value, index: ast.expr, node: ast.AST) -> tuple[str, Kind]:
+        """Return where an element of an array stands, and its kind."""
+        indices = index.elts if isinstance(index, ast.Tuple) else [index]
+        if of.kind.name != "a" or len(indices) != of.kind.axes:
+            raise self.fail(node, f"{len(indices)} indices of {of.kind} are not compiled")
+        at = ""
+        for each, size in zip(indices, of.parts[1:], strict=True):
+            k = self.whole(self.expression(each), node)
+            place = k.parts[0]
+            if k.known is not None and k.known < 0:
+                place = self.new(f"add nsw i64 {size}, {k.known}")
+            place = self.unit.checked(self, place, size, node)
+            at = place if not at else self.new(f"add nsw i64 {self.new(f'mul nsw i64 {at}, {size}')}, {place}")
+        kind = of.kind.of[0]
+        return self.new(f"getelementptr inbounds {kind.parts[0]}, ptr {of.parts[0]}, i64 {at}"), kind
+
+    # ---- functions -------------------------------------------------------------------------------------------------
+
+    def builtin(self, name: str) -> Callable[[Sequence[Value], ast.Call], Value] | None:
+        """Return what writes a call of a function that is not a kernel; None for what is not known."""
+        plain = {"abs": self._abs, "min": self._extreme, "max": self._extreme, "int": self._int, "float": self._float}
+        if name in plain or name == "len":
+            return plain.get(name, self._length)
+        function = name.removeprefix("math.")
+        if name == function or not (
+            function in OWN or function in LIBRARY or function in ROUNDED or function == "fmod"
+        ):
+            return None
+        if function in ROUNDED:
+            return lambda values, node: self._int([self.called(function, values)], node)
+        return lambda values, node: self.called(function, values)
+
+    def called(self, function: str, values: Sequence[Value]) -> Value:
+        """Return a function's value of one or two floats."""
+        name = OWN.get(function) or ROUNDED.get(function) or function
+        count = 2 if function in OF_TWO else 1
+        self.unit.declare(f"declare double @{name}({', '.join(['double'] * count)}) nounwind willreturn memory(none)")
+        given = ", ".join(f"double {self.as_float(value)}" for value in values)
+        return Value(FLOAT, (self.new(f"call double @{name}({given})"),))
+
+    def _abs(self, values: Sequence[Value], node: ast.Call) -> Value:
+        if values[0].kind == FLOAT:
+            return self.called("fabs", values)
+        value = self.whole(values[0], node)
+        below = self.compare(ast.Lt(), value, constant(0), node)
+        other = self.new(f"sub nsw i64 0, {value.parts[0]}")
+        return Value(INTEGER, (self.new(f"select i1 {below.parts[0]}, i64 {other}, i64 {value.parts[0]}"),))
+
+    def _extreme(self, values: Sequence[Value], node: ast.Call) -> Value:
+        """Return the least or largest, the first of equal ones."""
+        kind = FLOAT if any(value.kind == FLOAT for value in values) else INTEGER
+        op = ast.Gt() if ast.unparse(node.func) == "max" else ast.Lt()
+        best = self.as_kind(values[0], kind)
+        for value in values[1:]:
+            other = self.as_kind(value, kind)
+            better = self.compare(op, other, best, node)
+            if better.known is not None:
+                best = other if better.known else best
+                continue
+            part = kind.parts[0]
+            best = Value(
+                kind, (self.new(f"select i1 {better.parts[0]}, {part} {other.parts[0]}, {part} {best.parts[0]}"),)
+            )
+        return best
+
+    def _int(self, values: Sequence[Value], node: ast.Call) -> Value:
+        if values[0].kind == FLOAT:
+            return Value(INTEGER, (self.new(f"fptosi double {values[0].parts[0]} to i64"),))
+        return self.whole(values[0], node)
+
+    def _float(self, values: Sequence[Value], node: ast.Call) -> Value:
+        return self.as_kind(values[0], FLOAT)
+
+    def _length(self, values: Sequence[Value], node: ast.Call) -> Value:
+        return Value(INTEGER, (values[0].parts[1],))
