@@ -77,6 +77,12 @@ class Explanation:
         return "\n\n".join([self.title, *blocks] if self.title else blocks)
 
 
+def code(scene: Scene) -> str:
+    """Return the text that is compiled for a scene. Raises UsageError for a fluid that is not there."""
+    with faults_of_own(scene):
+        return compose(build_parts(scene)).text
+
+
 def explain(scene: Scene) -> Explanation:
     """Return what a scene simulates, and what it leaves out. Raises UsageError for a fluid that is not there."""
     with faults_of_own(scene):

@@ -115,7 +115,8 @@ def _simulate(scene: Scene, trace: bool, series: Series) -> Result:
         with faults_of_own(scene):
             with compiled.equation_announced(scene.gas.fluid):
                 solution = Solution(scene, series)
-            solution.machinery.warm_up(solution.rehearse)
+            ledger = trace or scene.numerics.error == "estimate"
+            solution.machinery.warm_up(solution.rehearse, ledger, trace)
         solution = shaft.at_its_speed(solution)
         result = _solved(solution, trace)
         solution.release()

@@ -1,8 +1,10 @@
 """`explain` tells what is simulated and what is not."""
 
+import re
 from pathlib import Path
 
 import screwsim
+import screwsim.explain
 from screwsim.effects import catalogue
 from screwsim.explain import explain
 
@@ -80,3 +82,16 @@ def test_a_design_is_told_with_its_paths(folder):
     text = str(explain(screwsim.load("small.yaml", overrides=[sample])))
     told = [line.strip() for line in text.partition("Sweep (8 cases)")[2].splitlines() if line.strip()]
     assert told == ["sample: 8 values (sobol, seed 3) of", "operation.speed", "operation.suction.temperature"]
+
+
+def test_the_code_is_the_text_that_is_compiled_and_names_its_equations(command, folder):
+    """What an effect states is there with its equation where the scene names the effect, and not elsewhere."""
+    scene = screwsim.load("small.yaml")
+    answer = command("explain", "small.yaml", "--code")
+    assert answer.out.rstrip("\n") == screwsim.explain.code(scene).rstrip("\n")
+    names: dict[str, object] = {}
+    exec(answer.out, names)  # it runs as it is printed
+    assert callable(names["rodas__integrate_one"])
+    with_oil = command("explain", "oiled.yaml", "--code").out
+    assert {"M12", "M15"} <= set(re.findall(r"M\d+", answer.out))
+    assert "def oil_heat__" in with_oil and "def oil_heat__" not in answer.out

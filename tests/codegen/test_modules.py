@@ -55,10 +55,10 @@ def test_compiled_code_that_others_could_have_put_there_is_not_run(python, tmp_p
     [code] = cache.glob("*.code")
     module, function, kinds, _ = code.name.split(".")
     another = f"""
-from screwsim.codegen import kinds, machine, program, unit
-together = unit.Unit(program.read("def twice(x):\\n    return x + 100.0\\n"))
-returned = together.entry("twice", (kinds.FLOAT,), "{module}.{function}.{kinds}")
-open(r"{elsewhere}", "wb").write(str(returned).encode() + b"\\n" + machine.compiled(together.text()))
+from screwsim.codegen import kinds, library, machine, program
+together = library.Library(program.read("def twice(x):\\n    return x + 100.0\\n"))
+returned, text = together.entry("twice", (kinds.FLOAT,), "{module}.{function}.{kinds}")
+open(r"{elsewhere}", "wb").write(str(returned).encode() + b"\\n" + machine.compiled(text))
 """
     assert python(another, SCREWSIM_CACHE=str(cache)).returncode == 0
     content = elsewhere.read_bytes()

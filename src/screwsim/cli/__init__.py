@@ -185,19 +185,25 @@ def sweep(
 
 
 @app.command()
-def explain(scene_file: SceneFile, overrides: Overrides = None, without: Without = None) -> None:
+def explain(
+    scene_file: SceneFile,
+    overrides: Overrides = None,
+    without: Without = None,
+    code: Annotated[bool, typer.Option("--code", help="Print the text that is compiled for the scene.")] = False,
+) -> None:
     """Say what is simulated, and what is left out: of a scene, or of two stages in a row."""
     from screwsim.study.stages import explain_stages, is_stages, read_stages
 
     if is_stages(scene_file):
-        if without:
-            raise UsageError(f"{scene_file}: stages have no --without (explain one of the two scenes instead)")
+        if without or code:
+            option = "--without" if without else "--code"
+            raise UsageError(f"{scene_file}: stages have no {option} (explain one of the two scenes instead)")
         say(explain_stages(read_stages(scene_file, overrides or ())))
         return
     scene = _loaded(scene_file, overrides, without)
-    from screwsim.explain import explain as explained
+    import screwsim.explain as explained
 
-    say(str(explained(scene)))
+    say(explained.code(scene) if code else str(explained.explain(scene)))
 
 
 @app.command()

@@ -15,7 +15,7 @@ from screwsim.codegen.operations import Operations
 from screwsim.codegen.program import CannotCompile, constant
 
 if TYPE_CHECKING:
-    from screwsim.codegen.unit import Unit
+    from screwsim.codegen.library import Library
 
 NONE = Value(NOTHING, ())
 EMPTY = {"np.empty": False, "np.zeros": True}
@@ -24,8 +24,8 @@ EMPTY = {"np.empty": False, "np.zeros": True}
 class Emitter(Operations):
     """Writes one function; `kinds` are those of its variables, as far as known."""
 
-    def __init__(self, unit: Unit, name: str, arguments: Sequence[Kind]) -> None:
-        self.unit, self.node, self.given = unit, unit.program.functions[name], tuple(arguments)
+    def __init__(self, library: Library, name: str, arguments: Sequence[Kind]) -> None:
+        self.library, self.node, self.given = library, library.program.functions[name], tuple(arguments)
         self.kinds: dict[str, Kind] = {}
         self.wide: dict[str, Kind] = {}  # what a variable must hold at least
         self.returns: Kind | None = None
@@ -33,9 +33,7 @@ class Emitter(Operations):
         if len(names) != len(self.given):
             raise self.fail(self.node, f"{name} takes {len(names)} arguments, not {len(self.given)}")
         self.names = names
-        found = [each for each in ast.walk(self.node) if isinstance(each, ast.Name)]
-        self.assigned = {each.id for each in found if isinstance(each.ctx, ast.Store)}
-        self.asked = {each.id for each in found if isinstance(each.ctx, ast.Load)}
+        self.assigned, self.asked = library.program.names_in(name)
 
     def fail(self, node: ast.AST, what: str) -> CannotCompile:
         line = ast.unparse(node).splitlines()[0]
@@ -112,7 +110,7 @@ class Emitter(Operations):
         if name in self.assigned and not self.again:  # in a loop, before it is written
             self.again = True
             return constant(0.0)
-        found = self.unit.constant(name)
+        found = self.library.constant(name)
         if found is None or name in self.assigned:
             raise self.fail(node, f"{name} is not known")
         return found
@@ -412,11 +410,11 @@ class Emitter(Operations):
         if name in EMPTY:
             return self._room(node, EMPTY[name])
         values = [self.expression(each) for each in node.args]
-        if name in self.unit.program.functions:
+        if name in self.library.program.functions:
             return self._kernel(name, values)
-        if name in self.unit.outside:
+        if name in self.library.outside:
             given = ", ".join(f"{value.kind.parts[0]} {value.parts[0]}" for value in values)
-            self.add(f"call void inttoptr (i64 {self.unit.outside[name]} to ptr)({given})")
+            self.add(f"call void inttoptr (i64 {self.library.outside[name]} to ptr)({given})")
             return NONE
         known: Callable[..., Value] | None = self.builtin(name)
         if known is None:
@@ -424,7 +422,7 @@ class Emitter(Operations):
         return known(values, node)
 
     def _kernel(self, name: str, values: Sequence[Value]) -> Value:
-        symbol, returned = self.unit.function(name, tuple(value.kind for value in values))
+        symbol, returned = self.library.function(name, tuple(value.kind for value in values))
         given = ", ".join(
             f"{part} {one}" for value in values for part, one in zip(value.kind.parts, value.parts, strict=True)
         )
@@ -452,6 +450,6 @@ class Emitter(Operations):
             at = self.new(f"alloca {kind.of[0].parts[0]}, i64 {total}, align 16")
         if cleared:
             count = self.new(f"mul nsw i64 {total}, 8")
-            self.unit.declare("declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)")
+            self.library.declare("declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)")
             self.add(f"call void @llvm.memset.p0.i64(ptr {at}, i8 0, i64 {count}, i1 false)")
         return Value(kind, (at, *sizes))

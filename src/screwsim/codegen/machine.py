@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import threading
 from functools import cache
 from typing import Any
 
@@ -11,15 +12,22 @@ import llvmlite.binding as llvm
 SPEED = 3
 
 
-@cache
+_alone = threading.RLock()
+_own = threading.local()  # a thread's target
+
+
 def _target() -> llvm.TargetMachine:
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    features = llvm.get_host_cpu_features().flatten()
-    target = llvm.Target.from_triple(llvm.get_process_triple())
-    return target.create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=features, opt=SPEED, codemodel="jitdefault", jit=True
-    )
+    """Return this thread's idea of this processor."""
+    if not hasattr(_own, "target"):
+        with _alone:
+            llvm.initialize_native_target()
+            llvm.initialize_native_asmprinter()
+            features = llvm.get_host_cpu_features().flatten()
+            target = llvm.Target.from_triple(llvm.get_process_triple())
+            _own.target = target.create_target_machine(
+                cpu=llvm.get_host_cpu_name(), features=features, opt=SPEED, codemodel="jitdefault", jit=True
+            )
+    return _own.target
 
 
 def processor() -> str:
@@ -53,6 +61,7 @@ CALL = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)
 def loaded(code: bytes, symbol: str) -> Any:
     """Return the entry of object code, to be called with the addresses of arguments and results."""
     library = llvm.JITLibraryBuilder().add_object_img(code).add_current_process().export_symbol(symbol)
-    tracker = library.link(_linker(), f"{symbol} {len(_kept)}")  # a name of its own
-    _kept.append(tracker)
+    with _alone:
+        tracker = library.link(_linker(), f"{symbol} {len(_kept)}")  # a name of its own
+        _kept.append(tracker)
     return CALL(tracker[symbol])

@@ -20,7 +20,10 @@ from screwsim.codegen.kinds import Kind
 from screwsim.numerics import compiling, store
 
 _loaded: dict[str, Module] = {}
-_alone = threading.RLock()  # two threads would compile the same
+_alone = threading.RLock()  # two threads would make two modules of one text
+_libraries: dict[int, tuple[Module, Any]] = {}  # of the modules that were compiled last: a text read takes megabytes
+_writing = threading.RLock()
+MOST_LIBRARIES = 3
 
 
 @cache
@@ -53,41 +56,44 @@ class Module(ModuleType):
 
     def __init__(self, name: str, text: str, outside: Mapping[str, int] | None = None, checks: bool = False) -> None:
         super().__init__(name)
-        self._text, self._outside, self._checks = text, dict(outside or {}), checks
+        self.text, self._outside, self._checks = text, dict(outside or {}), checks
         self.made: list[str] = []  # functions that were compiled in this process, not found in the cache
-        self._program: Any = None
 
     def __getattr__(self, name: str) -> Function:
-        if name.startswith("__") or f"\ndef {name}(" not in f"\n{self._text}":
+        if name.startswith("__") or f"\ndef {name}(" not in f"\n{self.text}":
             raise AttributeError(f"{self.__name__} has no function {name!r}")
-        found = Function(self, name)
-        self.__dict__[name] = found
-        return found
+        return self.__dict__.setdefault(name, Function(self, name))
 
     def compiled(self, name: str, kinds: tuple[Kind, ...]) -> Variant:
         """Return a function for kinds of arguments: as it was kept, or compiled now."""
         from screwsim.codegen import machine
 
         of = hashlib.sha256(" ".join(map(str, kinds)).encode()).hexdigest()[:8]
-        symbol, file = f"{self.__name__}.{name}.{of}", f"{self.__name__}.{name}.{of}.code"
-        kept = None if self._outside or self._checks else store.read(file)
+        symbol, kept = f"{self.__name__}.{name}.{of}", None
+        lasting = not (self._outside or self._checks)
+        if lasting:
+            kept = store.read(f"{symbol}.code")
         if kept is None:
             compiling.begins()
-            kept = self._compile(name, kinds, symbol)
+            returned, text = self._written(name, kinds, symbol)
+            kept = b"\n".join([str(returned).encode(), machine.compiled(text)])
             self.made.append(name)
-            if not (self._outside or self._checks):
-                store.keep(file, kept)
+            if lasting:
+                store.keep(f"{symbol}.code", kept)
         returned, _, code = kept.partition(b"\n")
         return Variant(machine.loaded(code, symbol), kinds, returned.decode())
 
-    def _compile(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> bytes:
-        from screwsim.codegen import machine, program, unit
+    def _written(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
+        from screwsim.codegen import library, program
 
-        if self._program is None:
-            self._program = program.read(self._text)
-        together = unit.Unit(self._program, self._outside, self._checks)
-        returned = together.entry(name, kinds, symbol)
-        return str(returned).encode() + b"\n" + machine.compiled(together.text())
+        with _writing:
+            found = _libraries.pop(id(self), None)
+            if found is None or found[0] is not self:
+                found = self, library.Library(program.read(self.text), self._outside, self._checks)
+            if len(_libraries) >= MOST_LIBRARIES:
+                _libraries.pop(next(iter(_libraries)))
+            _libraries[id(self)] = found  # the last one
+            return found[1].entry(name, kinds, symbol)
 
 
 class Function:
@@ -95,7 +101,8 @@ class Function:
 
     def __init__(self, module: Module, name: str) -> None:
         self._module, self._name = module, name
-        self.variants: dict[tuple[int, ...], Variant] = {}
+        self._variants: dict[tuple[int, ...], Variant] = {}
+        self._alone = threading.Lock()
 
     def __call__(self, *arguments: Any) -> Any:
         kinds: list[int] = []
@@ -103,9 +110,18 @@ class Function:
         for each in arguments:
             take(each, kinds, words)
         key = tuple(kinds)
-        variant = self.variants.get(key)
-        if variant is None:
-            with _alone:
-                variant = self.variants.get(key) or self._module.compiled(self._name, tuple(KINDS[k] for k in key))
-                self.variants[key] = variant
-        return variant(words)
+        variant = self._variants.get(key)
+        return (variant or self._made(key))(words)
+
+    def _made(self, key: tuple[int, ...]) -> Variant:
+        with self._alone:
+            if key not in self._variants:
+                self._variants[key] = self._module.compiled(self._name, tuple(KINDS[kind] for kind in key))
+            return self._variants[key]
+
+    def prepare(self, *arguments: Any) -> None:
+        """Be ready for a call with such arguments."""
+        kinds: list[int] = []
+        for each in arguments:
+            take(each, kinds, [])
+        self._made(tuple(kinds))

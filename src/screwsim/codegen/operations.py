@@ -11,8 +11,8 @@ from screwsim.codegen.kinds import FLOAT, INTEGER, NUMBERS, TRUTH, Kind, Value
 from screwsim.codegen.program import constant
 
 if TYPE_CHECKING:
+    from screwsim.codegen.library import Library
     from screwsim.codegen.program import CannotCompile
-    from screwsim.codegen.unit import Unit
 
 BY_FLOATS = {ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv"}
 BY_INTEGERS = {ast.Add: "add nsw", ast.Sub: "sub nsw", ast.Mult: "mul nsw"}
@@ -44,7 +44,7 @@ OF_TWO = ("pow", "copysign", "atan2", "hypot", "fmod")
 class Operations:
     """What an emitter writes for operators and functions; `lines` of the block that is being written."""
 
-    unit: Unit
+    library: Library
     lines: list[str]
     count: int
     block: str
@@ -221,7 +221,7 @@ class Operations:
             place = k.parts[0]
             if k.known is not None and k.known < 0:
                 place = self.new(f"add nsw i64 {size}, {k.known}")
-            place = self.unit.checked(self, place, size, node)
+            place = self.library.checked(self, place, size, node)
             at = place if not at else self.new(f"add nsw i64 {self.new(f'mul nsw i64 {at}, {size}')}, {place}")
         kind = of.kind.of[0]
         return self.new(f"getelementptr inbounds {kind.parts[0]}, ptr {of.parts[0]}, i64 {at}"), kind
@@ -246,7 +246,9 @@ class Operations:
         """Return a function's value of one or two floats."""
         name = OWN.get(function) or ROUNDED.get(function) or function
         count = 2 if function in OF_TWO else 1
-        self.unit.declare(f"declare double @{name}({', '.join(['double'] * count)}) nounwind willreturn memory(none)")
+        self.library.declare(
+            f"declare double @{name}({', '.join(['double'] * count)}) nounwind willreturn memory(none)"
+        )
         given = ", ".join(f"double {self.as_float(value)}" for value in values)
         return Value(FLOAT, (self.new(f"call double @{name}({given})"),))
 

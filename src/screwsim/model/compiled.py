@@ -9,10 +9,10 @@ from types import ModuleType
 from screwsim.codegen import modules
 from screwsim.numerics import compiling
 
-COMPILED = {  # what each driver is, and about how long its compilation takes: on an idle machine, on a crowded one
-    "one": ("this combination of effects", "ten seconds to a minute"),
-    "all": ("coupled chambers of this combination", "ten seconds to a minute"),
-    "ledger": ("the ledger of this combination", "some seconds"),
+COMPILED = {  # what each driver is, and about how long its compilation takes
+    "one": ("this combination of effects", "a second or two"),
+    "all": ("coupled chambers of this combination", "a second or two"),
+    "ledger": ("the ledger of this combination", "a second"),
 }
 
 alone = threading.RLock()  # held while compiling: another thread that needs the same finds it ready

@@ -1,8 +1,9 @@
-"""Functions of a text that are compiled together, because one calls the other, in LLVM's language."""
+"""Functions of a text in LLVM's language, and which are compiled together because one calls the other."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,23 +18,35 @@ if TYPE_CHECKING:
     from screwsim.codegen.operations import Operations
 
 FAULT = "@fault = internal global i64 0"
+_Key = tuple[str, tuple[Kind, ...]]  # a function, the kinds of its arguments
 
 
-class Unit:
-    """Collects what functions of a program become; with `checks` every index is held within its array.
+@dataclass
+class _Written:
+    """A function for kinds of arguments, and what it asks for: functions, constants, declarations."""
+
+    symbol: str
+    text: str = ""
+    returned: Kind | None = None  # None while it is written
+    calls: dict[_Key, None] = field(default_factory=dict)
+    arrays: dict[str, None] = field(default_factory=dict)
+    declared: dict[str, None] = field(default_factory=dict)
+
+
+class Library:
+    """What functions of a program become, each written once; with `checks` every index is held within its array.
 
     `outside` are addresses of functions of this process that the program calls, with numbers and arrays, for nothing.
     """
 
     def __init__(self, program: Program, outside: Mapping[str, int] | None = None, checks: bool = False) -> None:
         self.program, self.outside, self.checks = program, outside or {}, checks
-        self._functions: dict[tuple[str, tuple[Kind, ...]], tuple[str, Kind] | None] = {}
-        self._texts: list[str] = []
+        self._functions: dict[_Key, _Written] = {}
+        self._open: list[_Written] = []  # those that are being written, each called by the one before
         self._arrays: dict[str, tuple[Value, str]] = {}
-        self._declared: dict[str, None] = {}
 
     def declare(self, line: str) -> None:
-        self._declared[line] = None
+        self._open[-1].declared[line] = None
 
     def constant(self, name: str) -> Value | None:
         """Return a constant of the text; None where none has this name."""
@@ -41,22 +54,41 @@ class Unit:
         if isinstance(value, np.ndarray):
             if name not in self._arrays:
                 self._arrays[name] = constant_array(name, value)
+            self._open[-1].arrays[name] = None
             return self._arrays[name][0]
         return None if value is None else constant(value)
 
     def function(self, name: str, kinds: tuple[Kind, ...]) -> tuple[str, Kind]:
         """Return the symbol of a function for kinds of arguments, and the kind of what it returns."""
         key = (name, kinds)
+        if self._open:
+            self._open[-1].calls[key] = None
         if key not in self._functions:
-            self._functions[key] = None
-            emitter = Emitter(self, name, kinds)
-            symbol = f"{name}.{len(self._functions)}"
-            self._texts.append(emitter.written(symbol))
-            self._functions[key] = symbol, emitter.returns or NOTHING
+            found = self._functions[key] = _Written(f"{name}.{len(self._functions)}")
+            self._open.append(found)
+            try:
+                emitter = Emitter(self, name, kinds)
+                found.text = emitter.written(found.symbol)
+                found.returned = emitter.returns or NOTHING
+            except CannotCompile:
+                del self._functions[key]
+                raise
+            finally:
+                self._open.pop()
         found = self._functions[key]
-        if found is None:
+        if found.returned is None:
             raise CannotCompile(f"{name} calls itself, which is not compiled")
-        return found
+        return found.symbol, found.returned
+
+    def _with_all_it_calls(self, key: _Key) -> list[_Written]:
+        found: dict[_Key, _Written] = {}
+        left = [key]
+        while left:
+            one = left.pop()
+            if one not in found:
+                found[one] = self._functions[one]
+                left += found[one].calls
+        return list(found.values())
 
     def checked(self, writer: Operations, place: str, size: str, node: ast.AST) -> str:
         """Return an index; with checks one that is within its array, and a note of one that was not."""
@@ -67,8 +99,11 @@ class Unit:
         writer.add(f"store i64 {writer.new(f'select i1 {bad}, i64 1, i64 {held}')}, ptr @fault")
         return writer.new(f"select i1 {bad}, i64 0, i64 {place}")
 
-    def entry(self, name: str, kinds: Sequence[Kind], symbol: str) -> Kind:
-        """Write what Python calls, `symbol(in, out)`: arguments and results are words of 8 bytes; return its kind."""
+    def entry(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
+        """Return the kind and the text of what Python calls, `symbol(in, out)`, with all that it calls.
+
+        Arguments and results are words of 8 bytes.
+        """
         given, lines, at = [], [], 0
         for k, kind in enumerate(kinds):
             if kind.name == "c":
@@ -81,7 +116,7 @@ class Unit:
                 lines.append(f"  %a{k}.{i} = load {part}, ptr %p{k}.{i}")
                 given.append(f"{part} %a{k}.{i}")
                 at += 1
-        called, returned = self.function(name, tuple(kinds))
+        called, returned = self.function(name, kinds)
         call = f"call {returned.returned} @{called}({', '.join(given)})"
         lines.append(f"  {call}" if returned == NOTHING else f"  %r = {call}")
         scalars = returned.of if returned.name == "t" else (returned,) if returned != NOTHING else ()
@@ -100,12 +135,10 @@ class Unit:
             lines += ["  %f = load i64, ptr @fault", "  store i64 0, ptr @fault", "  ret i64 %f"]
         else:
             lines.append("  ret i64 0")
-        self._texts.append("\n".join([f'define i64 @"{symbol}"(ptr %in, ptr %out) nounwind {{', *lines, "}"]))
         assert all(kind in (FLOAT, INTEGER, TRUTH) for kind in scalars)
-        return returned
-
-    def text(self) -> str:
-        """Return all that was written."""
-        fault = [FAULT] if self.checks else []
-        arrays = [text for _, text in self._arrays.values()]
-        return "\n".join([*fault, *arrays, *self._declared, *self._texts, "!0 = !{}"]) + "\n"
+        call = "\n".join([f'define i64 @"{symbol}"(ptr %in, ptr %out) nounwind {{', *lines, "}"])
+        used = self._with_all_it_calls((name, kinds))
+        arrays = {array: self._arrays[array][1] for one in used for array in one.arrays}
+        declared = {line: None for one in used for line in one.declared}
+        texts = [FAULT, *arrays.values(), *declared, *(one.text for one in used), call, "!0 = !{}"]
+        return returned, "\n".join(texts) + "\n"
