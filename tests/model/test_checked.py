@@ -6,6 +6,7 @@ import pytest
 
 import screwsim
 from screwsim.codegen import modules
+from screwsim.model import leases
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -20,6 +21,8 @@ def checked(monkeypatch):
 
     monkeypatch.setattr(modules, "Module", Checked)
     monkeypatch.setattr(modules, "_loaded", {})
+    monkeypatch.setattr(leases, "_free", {})
+    return modules._loaded
 
 
 @pytest.mark.parametrize("name", ["everything", "slider_crank/air", "expander/point"])
@@ -27,7 +30,8 @@ def checked(monkeypatch):
 def test_every_index_lies_within_its_array(request, name, closing):
     scene = screwsim.load(CONFIGS / f"{name}.yaml", [f"numerics.closing={closing}"])
     plain = screwsim.simulate(scene)
-    request.getfixturevalue("checked")
+    compiled = request.getfixturevalue("checked")
     found = screwsim.simulate(scene)
+    assert any("rodas__integrate_one" in module.made for module in compiled.values())
     assert found.status == "ok"
     assert (found.performance, found.numerics.rhs_evaluations) == (plain.performance, plain.numerics.rhs_evaluations)
