@@ -2,7 +2,7 @@
 
 The scenes are those of `tests/hard/effects_space.py`, all effects between them; with the word `paper` they lie around
 configs/paper and configs/r134a, whose accuracies are all drawn. Every tenth is judged by scipy's Radau. See
-docs/accuracy.md.
+docs/explanation/accuracy.md.
 """
 
 from __future__ import annotations

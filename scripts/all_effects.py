@@ -1,4 +1,4 @@
-"""Solve the scene with all effects on, and print how it closes and what a point costs (docs/effects.md).
+"""Solve the scene with all effects on, and print how it closes and what a point costs (docs/reference/effects.md).
 
 Run: .venv/bin/python scripts/all_effects.py [REPEATS]. The time is the processor's in a whole `simulate`, compiled and
 warm, without traces, as in a sweep; `near` takes it along a course of near speeds, as cases of a sweep do. The paper's

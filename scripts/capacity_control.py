@@ -66,7 +66,7 @@ def table(found: dict[tuple[str, str], dict[str, np.ndarray]], path: Path) -> No
 
 
 def pages(found: dict[tuple[str, str], dict[str, np.ndarray]]) -> None:
-    """Print a table of each figure at equal loads, as docs/effects-loads.md has them."""
+    """Print a table of each figure at equal loads, as docs/reference/effects-loads.md has them."""
     for name, (title, factor, offset) in FIGURES.items():
         print(f"| {title.replace('$', '')} at a load of | {' | '.join(f'{x:.0%}'.replace('%', ' %') for x in LOADS)} |")
         print(f"|{'---|' * (1 + len(LOADS))}")

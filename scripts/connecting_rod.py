@@ -4,7 +4,7 @@ Run: .venv/bin/python scripts/connecting_rod.py [FOLDER]   (default: results/rod
 cylinder pressure that a compressor on it has in our simulation (configs/slider_crank/flexible_rod.yaml).
 
 Sizes and load are the source's (validation/slider_crank/rod.csv); material and friction are not stated there and are
-assumptions, said so in the print. Equations and findings: docs/slider-crank.md.
+assumptions, said so in the print. Equations and findings: docs/reference/slider-crank.md.
 """
 
 from __future__ import annotations

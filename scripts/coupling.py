@@ -2,7 +2,7 @@
 
 Run: .venv/bin/python scripts/coupling.py [FOLDER]   (default: results/coupling)
 
-Printed values: validation/rubber_cord_coupling. Equations and findings: docs/coupling.md.
+Printed values: validation/rubber_cord_coupling. Equations and findings: docs/reference/coupling.md.
 """
 
 from __future__ import annotations

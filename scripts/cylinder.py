@@ -1,4 +1,4 @@
-"""Print the numbers of slider-crank machines that docs/slider-crank.md states.
+"""Print the numbers of slider-crank machines that docs/reference/slider-crank.md states.
 
 Run: .venv/bin/python scripts/cylinder.py
 """

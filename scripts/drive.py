@@ -1,4 +1,4 @@
-"""Draw the drives of configs/drive over the speed, and print what their ripple changes in the cycle (docs/drive.md).
+"""Draw the drives of configs/drive over the speed, and print what their ripple changes (docs/reference/drive.md).
 
 scripts/drive.py [-o FOLDER]      writes drive_campbell.png and .pdf, drive.csv (default: results/drive)
 """

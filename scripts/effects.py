@@ -1,4 +1,4 @@
-"""Print what effects change on a shipped machine, beside what their sources say (docs/effects.md).
+"""Print what effects change on a shipped machine, beside what their sources say (docs/reference/effects.md).
 
 Run: .venv/bin/python scripts/effects.py [NAME]… Each entry is a scene with the effect and the same without it.
 """

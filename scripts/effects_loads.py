@@ -1,4 +1,4 @@
-"""Print what each effect on shaft, droplets and capacity changes on the paper's machine (docs/effects-loads.md).
+"""Print what effects on shaft, droplets and capacity change on the paper's machine (docs/reference/effects-loads.md).
 
 Each effect alone is added to configs/paper/point.yaml (1000 rpm, d = 3); the droplets replace its oil heat.
 

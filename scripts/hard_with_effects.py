@@ -1,4 +1,4 @@
-"""Solve the hard cases with each effect alone added, and store what became of them (docs/effects.md).
+"""Solve the hard cases with each effect alone added, and store what became of them (docs/reference/effects.md).
 
 Run: hard_with_effects.py [EFFECT …] solves them with the effects named (default: those not stored yet) and stores the
 outcome in tests/hard/with_effects.json; hard_with_effects.py --table prints the table of what is stored.

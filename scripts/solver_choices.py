@@ -2,7 +2,7 @@
 
 Run: .venv/bin/python scripts/solver_choices.py [SCENE.yaml]. The scene is closed as usual; then one life among its
 closed neighbours, a system of ordinary equations with given surroundings, is integrated again by each method. Counts
-are the same everywhere. docs/numerics.md says what follows.
+are the same everywhere. docs/explanation/numerics.md says what follows.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Measure the parts of a step of one chamber, and what unrolled systems, a faster nozzle or points in lanes would save.
 
 Run: .venv/bin/python scripts/step_times.py [SCENE.yaml]. Times are the least of several on one core of this machine.
-docs/numerics.md says what follows.
+docs/explanation/numerics.md says what follows.
 """
 
 from __future__ import annotations

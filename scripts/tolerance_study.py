@@ -2,7 +2,7 @@
 
 Run: .venv/bin/python scripts/tolerance_study.py [FOLDER]   (default: results/tolerance)
 
-Printed values: validation/slider_crank. Equations and findings: docs/slider-crank.md.
+Printed values: validation/slider_crank. Equations and findings: docs/reference/slider-crank.md.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Write docs/validation.md and its figures from the stored results of `screwsim validate`.
+"""Write docs/explanation/validation.md and its figures from the stored results of `screwsim validate`.
 
     screwsim validate -o results/validation
     python scripts/validation_page.py results/validation     keeps its results as validation/results.json, then the page
@@ -21,7 +21,8 @@ from screwsim.study.validation.record import KINDS
 from screwsim.study.validation.words import summary
 
 ROOT = Path(__file__).resolve().parent.parent
-KEPT, PAGE, FIGURES = ROOT / "validation" / "results.json", ROOT / "docs" / "validation.md", ROOT / "docs" / "figures"
+KEPT, DOCS = ROOT / "validation" / "results.json", ROOT / "docs"
+PAGE, FIGURES = DOCS / "explanation" / "validation.md", DOCS / "figures"
 ORDER = ("exact", "plain", "cross_code", "paper", "bitzer", "giuffrida", "he2018", "droplets", "limits")
 HEAD = """\
 # How far from the world
@@ -131,7 +132,7 @@ def section(name: str, source: Mapping[str, Any]) -> str:
         return "\n\n".join([*parts, f"Not run: {source['reason']}."])
     parts += [f"`validation/{name}`. Source: {cell(source['citation'])}.", cell(source["about"])]
     if source["panels"]:
-        parts.append(f"![{source['title']}](figures/validation_{name}.png)")
+        parts.append(f"![{source['title']}](../figures/validation_{name}.png)")
     return "\n\n".join([*parts, table(source["rows"])])
 
 

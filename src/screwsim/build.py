@@ -259,7 +259,7 @@ def regularisation(scene: Scene) -> tuple[float, float, float]:
 
     ε is `WIDTH` of the wanted accuracy times the pressure. The error control lets the pressure err by about as much; a
     narrower ε would let that error jump across the flow law's steep middle, a wider one costs accuracy that no step
-    can regain (docs/numerics.md).
+    can regain (docs/explanation/numerics.md).
     """
     return _widths(scene, lines(scene))
 
@@ -270,7 +270,7 @@ def _widths(scene: Scene, at: Lines) -> tuple[float, float, float]:
 
 
 def wanted_of(scene: Scene) -> closing.Wanted:
-    """Return tolerances from the wanted accuracy (docs/numerics.md)."""
+    """Return tolerances from the wanted accuracy (docs/explanation/numerics.md)."""
     numerics = scene.numerics
     rtol = numerics.rtol or 0.3 * numerics.accuracy
     of_histories = 1.0 if numerics.rtol else max(HISTORIES_FINEST, min(1.0, numerics.accuracy / HISTORIES_FINER))

@@ -100,7 +100,7 @@ def explain(scene: Scene) -> Explanation:
         ("Flow paths", _paths(parts)),
         ("Gas", _gas(scene, parts)),
         ("Oil", _oil(scene, parts)),
-        ("Numerics (docs/numerics.md)", _numerics(scene)),
+        ("Numerics (docs/explanation/numerics.md)", _numerics(scene)),
         ("Compiled model", _size(model)),
     ]
     if scene.sweep:
@@ -157,7 +157,7 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     numbers = {"volume": "M16", "suction_port": "M17", "discharge_port": "M18"}
     for name, law in laws.items():
         if law is not None:
-            equation = {"table": "M14", "profile": "docs/rotors.md"}.get(law.law, numbers[name])
+            equation = {"table": "M14", "profile": "docs/reference/rotors.md"}.get(law.law, numbers[name])
             yield _row(name, ", ".join(filter(None, (f"law: {law.law} ({equation})", _parameters(law)))))
     yield from _rotors(machine, parts)
 
@@ -353,9 +353,8 @@ def _size(model: Composition) -> Iterator[str]:
     n = len(model.states)
     yield _row("one chamber", f"{n} states, {len(model.plenum_paths) + len(model.gap_paths)} flow paths")
     if model.made:
-        yield _row(
-            "the cycle makes", f"{len(model.made)} numbers of effects beside the discharge line (docs/numerics.md)"
-        )
+        beside = f"{len(model.made)} numbers of effects beside the discharge line (docs/explanation/numerics.md)"
+        yield _row("the cycle makes", beside)
     yield _row("coupled", f"{n} states x {model.chambers} chambers = {n * model.chambers}")
     yield _row("knots", f"{len(model.knots)} angles of one life at which a law is not smooth; steps end there")
 

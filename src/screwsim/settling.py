@@ -3,7 +3,7 @@
 A periodic state is a fixed point of the turn; what finds it need not care whether the machine's own turns lead to it.
 Those of heavy reeds on soft springs may not: then several cycles exist, and none of them lasts.
 
-Source: docs/slider-crank.md S35.
+Source: docs/reference/slider-crank.md S35.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A speed that changes over the pitch: the chambers and the drive closed by turns until they agree (docs/drive.md).
+"""A speed that changes over the pitch: chambers and drive closed by turns until they agree (docs/reference/drive.md).
 
 The chambers are closed under the speed's course of the drive, the drive moves under the torque of the chambers
 (docs/model.md M214, M217). A ripple changes the torque by much less than itself, so that two or three turns do.

@@ -7,7 +7,7 @@ from screwsim.scene.yaml_tree import MOST_LEVELS, MOST_NODES
 from screwsim.sheets import MOST_ROWS
 from screwsim.textfiles import MOST_TABLE, MOST_YAML
 
-PAGE = Path(__file__).parents[2] / "docs" / "sweeps.md"
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "sweeps.md"
 
 
 def test_the_page_states_the_limits_of_files():

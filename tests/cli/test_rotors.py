@@ -30,7 +30,7 @@ def test_coefficients_are_printed(capsys):
 def test_the_blow_holes_of_the_docs_are_those_that_are_printed(capsys, scene):
     _, out, _ = answer(capsys, CONFIGS / "rotors" / f"{scene}.yaml")
     printed = {line[:26].strip(): line[26:37].strip() for line in out.splitlines()}
-    page = (CONFIGS.parent / "docs" / "rotors.md").read_text(encoding="utf-8")
+    page = (CONFIGS.parent / "docs" / "reference" / "rotors.md").read_text(encoding="utf-8")
     told = page[page.index("1.6 times as large") :].partition("\n\n")[0]
     assert printed["blow hole area"] in told and printed["suction blow hole area"] in told
 
@@ -85,7 +85,7 @@ def test_every_pair_of_lobes_gives_its_figures(capsys, name):
 
 @pytest.mark.parametrize(("scene", "at_100_mm"), [("a", 102.9e-3), ("b", 114.7e-3), ("c", 109.0e-3)])
 def test_the_longest_contact_line_is_that_of_the_whole_chamber(capsys, scene, at_100_mm):
-    """Both branches are whole at once on rotors of this length: the sealing line of docs/rotors.md, at 160 mm."""
+    """Both branches are whole at once on rotors so long: the sealing line of docs/reference/rotors.md, at 160 mm."""
     _, out, _ = answer(capsys, CONFIGS / "rotors" / f"{scene}.yaml", "--json")
     assert lengths_of(json.loads(out))["sealing_line_length"] == pytest.approx(1.6 * at_100_mm, rel=6e-4)
 

@@ -13,7 +13,7 @@ from screwsim.explain import explain
 from screwsim.model.compose import compose
 from screwsim.simulate import simulate
 
-PAGE = (Path(__file__).parents[2] / "docs" / "adding-an-effect.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "adding-an-effect.md").read_text(encoding="utf-8")
 NAME = "my_effects.suction_leak"
 MACHINE = """\
 machine:

@@ -1,4 +1,4 @@
-"""The numbers of docs/slider-crank.md and docs/coupling.md are those that the scripts print."""
+"""The numbers of docs/reference/slider-crank.md and docs/reference/coupling.md are those that the scripts print."""
 
 import importlib.util
 import math
@@ -14,7 +14,8 @@ from screwsim.machine.slider_crank import tolerance as law
 
 ROOT = Path(__file__).parents[2]
 CRANK, COUPLING = (
-    (ROOT / "docs" / name).read_text(encoding="utf-8").replace("−", "-") for name in ("slider-crank.md", "coupling.md")
+    (ROOT / "docs" / "reference" / f"{name}.md").read_text(encoding="utf-8").replace("−", "-")
+    for name in ("slider-crank", "coupling")
 )
 
 

@@ -10,7 +10,7 @@ from screwsim.effects import catalogue
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "model.md").read_text(encoding="utf-8")
-CRANK = (ROOT / "docs" / "slider-crank.md").read_text(encoding="utf-8")
+CRANK = (ROOT / "docs" / "reference" / "slider-crank.md").read_text(encoding="utf-8")
 
 
 def sections(page: str, letter: str) -> dict[str, str]:
@@ -20,7 +20,7 @@ def sections(page: str, letter: str) -> dict[str, str]:
 
 
 SECTIONS = sections(PAGE, "M") | sections(CRANK, "S")
-PAGES = sorted((ROOT / "docs").glob("*.md"))
+PAGES = sorted((ROOT / "docs").glob("**/*.md"))
 
 
 def cited(text: str) -> set[str]:

@@ -17,8 +17,8 @@ from screwsim.performance import CycleFigures
 from screwsim.scene import loads
 
 DOCS = Path(__file__).parents[2] / "docs"
-NUMERICS = (DOCS / "numerics.md").read_text(encoding="utf-8")
-NOMENCLATURE = (DOCS / "nomenclature.md").read_text(encoding="utf-8")
+NUMERICS = (DOCS / "explanation" / "numerics.md").read_text(encoding="utf-8")
+NOMENCLATURE = (DOCS / "reference" / "nomenclature.md").read_text(encoding="utf-8")
 CONSTANTS = re.findall(r"^\| `([\w.]+)\.([A-Z_]+)` \| ([\d.e-]+) \|", NUMERICS, flags=re.MULTILINE)
 SCENE = """\
 machine: {rotor_diameter: 160 mm, rotor_length: 176 mm, volume: {max: 600 cm^3, phi_A: 60 deg}}

@@ -13,7 +13,7 @@ SERIES = {
 
 
 def page(letter: str) -> str:
-    return (ROOT / "docs" / SERIES[letter][0]).read_text(encoding="utf-8")
+    return (ROOT / "docs" / "reference" / SERIES[letter][0]).read_text(encoding="utf-8")
 
 
 def sections(letter: str) -> dict[str, str]:

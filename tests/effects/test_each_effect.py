@@ -30,7 +30,7 @@ def script():
 
 each = script()
 LIMITS = [name for name, row in each.ROWS.items() if not row.whole]
-PAGE = (ROOT / "docs" / "effects.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "effects.md").read_text(encoding="utf-8")
 
 
 @cache

@@ -1,7 +1,8 @@
 """The hard cases: scenes that a user could write, the status that each deserves, and why.
 
 Each case is a set of changes (dotted paths) of the scene of `tests/laws/scenes.py`. Cases share few structures, since
-each new combination of effects is compiled anew. `docs/hard-cases.md` shows this table; a test holds the two together.
+each new combination of effects is compiled anew. `docs/explanation/hard-cases.md` shows this table; a test holds the
+two together.
 """
 
 from __future__ import annotations

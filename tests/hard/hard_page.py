@@ -219,7 +219,7 @@ def to_compare() -> list[Case]:
 
 
 def page() -> str:
-    """Return the text of docs/hard-cases.md."""
+    """Return the text of docs/explanation/hard-cases.md."""
     rows = [
         f"| {case.name} | {case.status}{f' ({case.deserves})' if case.deserves else ''} | "
         f"{case.most if case.status != 'refused' else '–'} | {'yes' if case.radau else ''} | {case.why} |"

@@ -13,8 +13,8 @@ from scenes import scene_dict
 from screwsim.effects import catalogue
 from screwsim.machine.kinds import TWIN_SCREW
 
-UNCLOSED = {("plenums, discharge valve", "paper, 10 rpm")}  # docs/effects.md: it leaks far more than it moves
-PAGE = Path(__file__).parents[2] / "docs" / "effects.md"
+UNCLOSED = {("plenums, discharge valve", "paper, 10 rpm")}  # docs/reference/effects.md: it leaks far more than it moves
+PAGE = Path(__file__).parents[2] / "docs" / "reference" / "effects.md"
 STORED = hard_with_effects.stored()
 CASES = {case.name: case for case in hard_with_effects.chosen()}
 

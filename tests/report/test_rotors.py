@@ -13,7 +13,7 @@ from screwsim.report.style import journal
 
 @pytest.fixture(scope="module")
 def pair() -> Rotors:
-    """Return the asymmetric 4/6 pair (b) of docs/rotors.md."""
+    """Return the asymmetric 4/6 pair (b) of docs/reference/rotors.md."""
     profile = Profile(
         kind="rack",
         centre_distance=0.08,

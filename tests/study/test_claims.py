@@ -1,4 +1,4 @@
-"""The paper's sweeps: every point closes, and the claims come out as docs/paper.md says."""
+"""The paper's sweeps: every point closes, and the claims come out as docs/explanation/paper.md says."""
 
 from __future__ import annotations
 

@@ -150,7 +150,7 @@ def test_a_worker_with_other_sources_is_refused_by_its_name_whenever_it_comes(la
 
 @pytest.mark.skipif(shutil.which("openssl") is None, reason="makes certificates with openssl")
 def test_the_tls_example_of_the_docs_lets_in_only_who_has_the_certificate(reference, tmp_path):
-    text = (Path(__file__).parents[2] / "docs/clusters.md").read_text()
+    text = (Path(__file__).parents[2] / "docs/how-to/clusters.md").read_text()
     make, run = re.findall(r"```bash\n(.*?)```", text.partition("## SLURM")[0], re.DOTALL)[:2]
     (tmp_path / "study.yaml").write_text(SCENE + GRID)
     (tmp_path / "sweep.py").write_text(SWEPT)

@@ -1,4 +1,4 @@
-"""The claims A1–A7 of the source paper on the machine chosen for them; docs/paper.md says how each is measured."""
+"""The claims A1–A7 of the source paper on the machine chosen for them, measured as docs/explanation/paper.md says."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def reading_rows(here: Path, pump_file: Path) -> list[Row]:
             100.0 * A6_UNCERTAINTY,
             "published",
             unit="%",
-            basis="the paper gives two digits; 2 points as in docs/paper.md",
+            basis="the paper gives two digits; 2 points as in docs/explanation/paper.md",
             note=f"bore {1e3 * bore:.2f} mm",
         ),
         Row(

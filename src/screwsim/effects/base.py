@@ -2,9 +2,9 @@
 
 An effect adds to the rates of a chamber and never assigns. It is one file of this package, or of a user's own,
 with a module variable `EFFECT`. A kernel's argument names say what it needs: a parameter of the effect itself,
-or one of the symbols of docs/nomenclature.md (`phi`, `T`, `m`, `T_oil`, `omega`, `rotor_diameter` …).
+or one of the symbols of docs/reference/nomenclature.md (`phi`, `T`, `m`, `T_oil`, `omega`, `rotor_diameter` …).
 
-Source: screwsim, docs/adding-an-effect.md.
+Source: screwsim, docs/how-to/adding-an-effect.md.
 """
 
 from __future__ import annotations
@@ -323,7 +323,7 @@ class Turn(NamedTuple):
 
 @dataclass(frozen=True)
 class Made:
-    """A number that the cycle makes and that acts back on it, found together with it (docs/numerics.md).
+    """A number that the cycle makes and that acts back on it, found together with it (docs/explanation/numerics.md).
 
     Any kernel of the scene can ask for it by the name of its `entry`. `guess` is where it begins; `image` returns what
     a turn makes of it, in plain Python; its fixed point is the answer. It is held at `least`; a cycle that closes there

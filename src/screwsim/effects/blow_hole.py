@@ -4,7 +4,7 @@ What: nozzle flow through a constant area while the separating lobe crosses the 
 Source: ours. By geometry (4/6 asymmetric profile, 300° wrap) the lobe behind a chamber crosses the cusp from about
 383° to 683° of that chamber's angle; the area is constant between, with cubic ramps of 20° at both ends.
 With machine.volume.law: profile the area by angle is the profile's; a given `area` scales its largest value to that.
-There the blow-hole at the suction cusp counts, too: it is still open when suction closes (docs/rotors.md).
+There the blow-hole at the suction cusp counts, too: it is still open when suction closes (docs/reference/rotors.md).
 Assumptions: quasi-steady nozzle; without a profile the compression-side blow-hole only.
 Parameters: area (one blow-hole), opens, closes (angles of the leading chamber, not with a profile), flow_coefficient;
 area_file.

@@ -1,13 +1,14 @@
 """Drive: motor, coupling and rotors as two masses with a spring; the speed is no longer constant over a lobe pitch.
 
 What: two inertias on a shaft (M210), the coupling between them (M211: a linear spring, or the rubber-cord coupling of
-docs/coupling.md; viscous damping), the motor's line (M212), the gas torque M144 and the torque of the losses (M213) on
-the rotors; their periodic motion (M214), closed together with the chambers (M217), its energies (M215) and the
-torsional frequency (M216).
+docs/reference/coupling.md; viscous damping), the motor's line (M212), the gas torque M144 and the torque of the losses
+(M213) on the rotors; their periodic motion (M214), closed together with the chambers (M217), its energies (M215) and
+the torsional frequency (M216).
 Source: two-mass oscillator (textbook); V. A. Ilyichev, V. S. Korneev, S. A. Korneev 2015 for the rubber cords; M. Kloss
 1916 for the induction motor.
 Assumptions: rotors without play, the female's inertia referred to the male shaft; losses are a constant torque of their
-mean power; damping is viscous; the motor's torque follows its speed at once. docs/drive.md says when it matters.
+mean power; damping is viscous; the motor's torque follows its speed at once. docs/reference/drive.md says when it
+matters.
 Parameters: motor_inertia, rotor_inertia, speed, coupling, motor.
 """
 

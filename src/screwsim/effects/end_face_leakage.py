@@ -4,7 +4,8 @@ What: nozzle flow through gap × length, M22: a share to the chamber filling in 
 line, z1 pitches behind), the rest to the chamber one pitch behind (across a lobe).
 Source: ours (the paper cites Amosov et al. 1977). Lengths are given by the user; the gap acts while the chamber
 lies against the discharge end face under pressure, 360° to 720° of its angle, with cubic ramps of 20°. With
-machine.volume.law: profile lengths and neighbours are those of the lobes by angle, on both faces (docs/rotors.md).
+machine.volume.law: profile lengths and neighbours are those of the lobes by angle, on both faces
+(docs/reference/rotors.md).
 Assumptions: quasi-steady nozzle with a flow coefficient; one mean clearance.
 Parameters: gap, length and suction_share (not with a profile), flow_coefficient; area_file (of the path to the next
 chamber).

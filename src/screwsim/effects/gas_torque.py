@@ -2,7 +2,8 @@
 
 What: M(φ) = −Σ (p − p_s) dV/dφ over the chambers alive (virtual work, M144), its share on each rotor (M145), its
 harmonics of the lobe frequency (M147); forces F = A Σ (p − p_s) on stated projected areas (M146).
-Source: virtual work (textbook); of rotors with a profile each rotor's part of dV/dφ is known (docs/rotors.md).
+Source: virtual work (textbook); of rotors with a profile each rotor's part of dV/dφ is known
+(docs/reference/rotors.md).
 Assumptions: quasi-steady, rigid rotors in phase; the lower line's pressure around the rotors; forces of all chambers in
 one direction, which makes them upper limits. It acts on nothing; with `drive` the torque moves the shaft.
 Parameters: male_share, axial_area, radial_area.

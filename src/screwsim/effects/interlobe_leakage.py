@@ -3,7 +3,7 @@
 What: nozzle flow through gap × sealing-line length, M20. Across the sealing line of a compressing groove pair lies
 the chamber that is filling in the same grooves, one revolution (z1 lobe pitches) behind it.
 With machine.volume.law: profile the length is that of the contact line by angle, and its part over the male tip leads
-to the chamber z1 + 1 pitches behind (docs/rotors.md).
+to the chamber z1 + 1 pitches behind (docs/reference/rotors.md).
 Source: ours. The length over the angle is a trapezium, full from 420° to 590° as is the sealing line computed from a
 4/6 asymmetric profile with 300° wrap; that line is already 0.18 of its length at 330° and still 0.24 at 710°, where
 the trapezium has 0 and 0.08. The paper cites Amosov et al. 1977.

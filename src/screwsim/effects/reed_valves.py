@@ -6,7 +6,7 @@ Source: one degree of freedom: M. Costagliola, J. Appl. Mech. 17 (1950) 415; imp
 Assumptions: one degree of freedom; the port's pressure difference acts on the port's area at every lift; quasi-steady
 flow; no sticking, no gas spring, no flow when shut; seat and stop are rigid. The restitution of a reed is seldom known:
 0.3 is assumed of both. What the gas does on the reed is not taken from the gas: damping and impacts turn it into heat
-within the turn, which the gas would get back (docs/slider-crank.md says how much it is).
+within the turn, which the gas would get back (docs/reference/slider-crank.md says how much it is).
 Parameters: of each valve port_area, perimeter, stop, mass, stiffness, preload; damping_ratio, seat_restitution,
 stop_restitution, force_coefficient, flow_coefficient.
 """

@@ -4,7 +4,7 @@ What: nozzle flow through S_tip(φ) = 9.83 h D (φ/360° up to 360°, then 2 −
 of the trailing chamber's angle is its leading tip; its trailing tip is the next interface.
 Source: Chernov et al. 2015, eq. (19). The length 9.83 D is the paper's, empirical: the tip helices of both rotors
 together are 11.8 D at L/D = 1.1 by geometry. With machine.volume.law: profile the length is that of the male and the
-female tip that seal on the bores at an angle (docs/rotors.md).
+female tip that seal on the bores at an angle (docs/reference/rotors.md).
 Assumptions: quasi-steady nozzle with a flow coefficient; no oil film in the gap.
 Parameters: gap, flow_coefficient; area_file.
 """

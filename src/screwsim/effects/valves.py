@@ -1,6 +1,6 @@
 """What valves of a cylinder share: their names, and the work that pressure beyond the lines costs.
 
-Source: ours; docs/slider-crank.md S24.
+Source: ours; docs/reference/slider-crank.md S24.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 A chamber's true life is no whole number of lobe pitches, nor is the angle at which its suction closes; the solver meets
 neighbours a whole number of pitches apart. So suction closes at k pitches, and the life is as much longer as makes it
 whole. Before its birth and after its end a chamber is idle: it keeps its dead volume, nothing is open, and its charge
-waits for the next life. That is exact, not an approximation (docs/rotors.md). Units SI.
+waits for the next life. That is exact, not an approximation (docs/reference/rotors.md). Units SI.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 V is the cubic that has V and dV/dφ of the rotors at its rows; an area has differences of its rows on each side of a
 kink. So what the integrator meets between two knots is smooth, and dV/dφ is the derivative of V. A step ends at each
-knot where a curve bends enough to be seen (docs/rotors.md). Units SI, angles in rad.
+knot where a curve bends enough to be seen (docs/reference/rotors.md). Units SI, angles in rad.
 """
 
 from __future__ import annotations

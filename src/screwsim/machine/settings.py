@@ -102,7 +102,7 @@ class TwinScrew:
         return TURN / self.male_lobes
 
     def symbols(self) -> dict[str, float]:
-        """Return the numbers [SI] that a kernel can ask for by name (docs/nomenclature.md)."""
+        """Return the numbers [SI] that a kernel can ask for by name (docs/reference/nomenclature.md)."""
         return {
             "rotor_diameter": self.rotor_diameter,
             "rotor_length": self.rotor_length,

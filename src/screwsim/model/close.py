@@ -1,9 +1,9 @@
 """Closing the cycle: the periodic state of a chamber among neighbours that live the same life, a pitch apart.
 
-Two ways (docs/numerics.md). *Histories*: integrate one chamber's life, reading the neighbours ahead from the last turn
-and those behind from this one; repeat until the trapped mass, the work and the balances stand. *Coupled*: integrate
-all chambers over one pitch, accelerated by Anderson's method; conserves exactly, and converges where leakage rules.
-`auto` takes histories as long as they have not cost as much as coupled chambers would.
+Two ways (docs/explanation/numerics.md). *Histories*: integrate one chamber's life, reading the neighbours ahead from
+the last turn and those behind from this one; repeat until the trapped mass, the work and the balances stand. *Coupled*:
+integrate all chambers over one pitch, accelerated by Anderson's method; conserves exactly, and converges where leakage
+rules. `auto` takes histories as long as they have not cost as much as coupled chambers would.
 """
 
 from __future__ import annotations

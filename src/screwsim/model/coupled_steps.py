@@ -1,6 +1,6 @@
 """What the integrator asks of all chambers at once between its steps: errors, phases, the mass balance.
 
-Source: docs/model.md M24; docs/numerics.md.
+Source: docs/model.md M24; docs/explanation/numerics.md.
 """
 
 from __future__ import annotations

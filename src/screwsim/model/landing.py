@@ -1,9 +1,9 @@
 """Where a port closes: whether one step may take all that is left of it.
 
-Source: docs/numerics.md. A wide port holds p to its plenum's, and lets go only in the last degrees before it closes.
-A step over all of that, made with the Jacobian of its start, sees the wide port at its early stages and no flow at its
-end: neither its result nor its error estimate knows what was shut in. Such a step is halved until the port is no
-longer stiff for what is left.
+Source: docs/explanation/numerics.md. A wide port holds p to its plenum's, and lets go only in the last degrees before
+it closes. A step over all of that, made with the Jacobian of its start, sees the wide port at its early stages and no
+flow at its end: neither its result nor its error estimate knows what was shut in. Such a step is halved until the port
+is no longer stiff for what is left.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Meetings of seat and stop under scipy's integrators, which find them as terminal events of their own.
 
-Source: docs/slider-crank.md S32, S33. What happens there is that of `model.stops`: only the place is found otherwise.
+Source: docs/reference/slider-crank.md S32, S33. What happens there is that of `model.stops`: only the place is found
+otherwise.
 """
 
 from __future__ import annotations

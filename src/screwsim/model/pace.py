@@ -1,6 +1,6 @@
 """How closing of coupled chambers goes on from one pitch to the next: its acceleration, the tolerance of its steps.
 
-Source: docs/numerics.md, closing the cycle.
+Source: docs/explanation/numerics.md, closing the cycle.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ In a chamber's own place stand, of each pair k of position and speed, its mode (
 is due at the end of the step, then the number of impacts of the turn and the angles where the step tried begins and
 ends.
 
-Source: docs/slider-crank.md S26, S32, S33; docs/numerics.md.
+Source: docs/reference/slider-crank.md S26, S32, S33; docs/explanation/numerics.md.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Lives and pitches integrated by scipy's methods on our right-hand side and Jacobian: an independent check.
 
-Source: docs/numerics.md, "Independent check".
+Source: docs/explanation/numerics.md, "Independent check".
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Openings that depend on a chamber's state (`FlowPath.opening`): their derivatives, and where a one-way path switches.
 
-Source: docs/slider-crank.md S22, S25–S27; docs/numerics.md.
+Source: docs/reference/slider-crank.md S22, S25–S27; docs/explanation/numerics.md.
 """
 
 from __future__ import annotations

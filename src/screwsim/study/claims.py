@@ -1,4 +1,4 @@
-"""The claims A1–A7 of Chernov et al. 2015, measured on stored sweeps (docs/paper.md says what each means).
+"""The claims A1–A7 of Chernov et al. 2015, measured on stored sweeps (docs/explanation/paper.md says what each means).
 
 `python -m screwsim.study.claims FIG1.h5 FIG2.h5` prints the table. A verdict is `holds`, `in part`, `fails` or, for a
 number to which the machine was fitted, `calibrated`: that is no evidence.

@@ -1,4 +1,4 @@
-"""Workers of a dask scheduler as the pool of a sweep (docs/clusters.md); an extra: `pip install screwsim[dask]`."""
+"""Workers of a dask scheduler as the pool of a sweep (docs/how-to/clusters.md); extra: `pip install screwsim[dask]`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures as a person names them: in any case or by their symbols (docs/nomenclature.md); else those there are."""
+"""Figures as a person names them: in any case or by symbols (docs/reference/nomenclature.md); else those there are."""
 
 from __future__ import annotations
 

@@ -102,9 +102,9 @@ def sweep(scene: Scene, jobs: int | None = None, **options: Any) -> Any:
         data = screwsim.sweep(screwsim.load("study.yaml"))
         data.shaft_power.sel(operation_speed=314.159, method="nearest")
 
-    Dimensions are those of the sweep (docs/sweeps.md), named by their paths with `_` for each dot, values in SI; `case`
-    and `sample` where paths vary together. Names of balance, error, numerics, cycle and ledger carry their group as
-    prefix. `jobs` workers (default: all cores); `options` as of `run_sweep`, e.g. `scheduler="tcp://…"`. For results
+    Dimensions are those of the sweep (docs/how-to/sweeps.md), named by their paths with `_` for each dot, values in SI;
+    `case` and `sample` where paths vary together. Names of balance, error, numerics, cycle and ledger carry their group
+    as prefix. `jobs` workers (default: all cores); `options` as of `run_sweep`, e.g. `scheduler="tcp://…"`. For results
     that do not fit into memory sweep into a file and open that lazily.
     """
     try:

@@ -1,6 +1,6 @@
 """What errors of a slider-crank's lengths do to a compressor: Monte Carlo over tolerances through the cycle.
 
-Source: ISO 286-1 grades (S10), lengths drawn as in S31; docs/slider-crank.md.
+Source: ISO 286-1 grades (S10), lengths drawn as in S31; docs/reference/slider-crank.md.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The three reference pairs of docs/rotors.md: (a) symmetric 4/6, (b) asymmetric 4/6, (c) asymmetric 5/6."""
+"""The three reference pairs of docs/reference/rotors.md: (a) symmetric 4/6, (b) asymmetric 4/6, (c) asymmetric 5/6."""
 
 import math
 import sys

@@ -1,4 +1,4 @@
-"""The reference numbers of docs/rotors.md, each to the last digit that is printed there (half a unit, or as stated)."""
+"""The numbers of docs/reference/rotors.md, each to the last digit printed there (half a unit, or as stated)."""
 
 import math
 from dataclasses import replace

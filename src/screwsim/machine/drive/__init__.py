@@ -1,1 +1,1 @@
-"""The drive between motor and rotors (docs/coupling.md)."""
+"""The drive between motor and rotors (docs/reference/coupling.md)."""

@@ -4,7 +4,7 @@ Cords of each of k layers run from the inner radius r_A to the outer r_B; those 
 the radius at r_A, those of the direction − by −β. The rubber carries nothing, a cord deforms by the way of its ends
 alone. A twist Θ > 0 turns the outer half towards + and stretches the cords +.
 Source: V. A. Ilyichev, V. S. Korneev, S. A. Korneev, "Discrete mathematical model of a rubber-cord flat coupling", Omsk
-Scientific Bulletin, 2015 (in Russian). Angles in rad, lengths in m, forces in N. Equations: docs/coupling.md.
+Scientific Bulletin, 2015 (in Russian). Angles in rad, lengths in m, forces in N. Equations: docs/reference/coupling.md.
 """
 
 from __future__ import annotations

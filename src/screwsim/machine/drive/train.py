@@ -1,8 +1,8 @@
-"""The drive train: motor inertia – coupling – inertia of the rotors, on the male rotor's shaft (docs/drive.md).
+"""The drive train: motor, coupling and rotors as inertias on the male rotor's shaft (docs/reference/drive.md).
 
 What: two masses, a spring with a damper between them, the motor's torque on one, gas and losses on the other
 (M210–M213); its torsional frequency and the speeds at which a lobe harmonic meets it (M216).
-Source: textbook dynamics of two masses (M210); the spring may be the rubber-cord coupling (docs/coupling.md).
+Source: textbook dynamics of two masses (M210); the spring may be the rubber-cord coupling (docs/reference/coupling.md).
 Assumptions: no gear, or inertias and motor referred to the male rotor; rotors without play, the female's inertia
 referred to the male shaft; viscous damping.
 """

@@ -1,1 +1,1 @@
-"""Rotor geometry: from a profile to V(φ), ports and leakage paths, as pure geometry (docs/rotors.md)."""
+"""Rotor geometry: from a profile to V(φ), ports and leakage paths, as pure geometry (docs/reference/rotors.md)."""

@@ -2,7 +2,8 @@
 
 In the plane through the cusp line and S, a point of the line H→S at distance s is free from ψ_m(s), when the male
 trailing flank leaves it, to ψ_f(s), when the female flank arrives. The suction side is the same in a mirror (y → −y,
-ψ → −ψ): S becomes S', the flanks are those ahead of the lobe. Source: docs/rotors.md. Lengths in m, angles in rad.
+ψ → −ψ): S becomes S', the flanks are those ahead of the lobe. Source: docs/reference/rotors.md. Lengths in m, angles in
+rad.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 
 Source: theory of gearing (the common normal at a contact passes through the pitch point; Litvin & Fuentes 2004,
 ch. 6); the two profiles are composed here of its textbook cases: circle about the pitch point, rack of arcs and a
-straight line (Stosic, Smith & Kovacevic 2005), circular tips. Formulas: docs/rotors.md. Lengths in m, angles in rad.
+straight line (Stosic, Smith & Kovacevic 2005), circular tips. Formulas: docs/reference/rotors.md. Lengths in m, angles
+in rad.
 """
 
 from __future__ import annotations

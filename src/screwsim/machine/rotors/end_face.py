@@ -3,7 +3,8 @@
 At each radius a lobe's arc lies between its two flanks. A length is the radial extent over which one flank bounds one
 chamber and the other flank the other chamber; the contact points, at radii known from the chain, divide the flanks.
 Between the male tip's departure from the cusp and the new contact at S the division moves linearly (as R does).
-Source: ours (docs/rotors.md). ψ is the section at the face [rad], lengths in m. A length and a clearance make an area.
+Source: ours (docs/reference/rotors.md). ψ is the section at the face [rad], lengths in m. A length and a clearance make
+an area.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Lengths of the leakage paths of a chamber over the male angle: sealing line and tip helices.
 
 φ [rad] is zero when the tip of the chamber's trailing lobe lies on the centre line at the inlet plane; the section at
-z stands at ψ = φ − τ z/L. h = L/τ [m/rad]. A length becomes an area with a clearance. Source: docs/rotors.md.
+z stands at ψ = φ − τ z/L. h = L/τ [m/rad]. A length becomes an area with a clearance. Source: docs/reference/rotors.md.
 """
 
 from __future__ import annotations

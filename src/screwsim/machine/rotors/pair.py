@@ -1,4 +1,4 @@
-"""A rotor pair and its contact points: the kinematics on which all geometry of the rotors rests (docs/rotors.md).
+"""A rotor pair and its contact points: the kinematics under all geometry of the rotors (docs/reference/rotors.md).
 
 Frame: O1 = (0, 0) male centre, O2 = (A, 0) female centre, P = (r1, 0) pitch point. The male turns clockwise by ψ, the
 female counter-clockwise by kψ. At ψ = 0 the tip of lobe 0 lies on the centre line; lobes go into mesh at Y > 0.

@@ -1,8 +1,8 @@
 """Ports that belong to a built-in volume ratio: axial (on the end faces) and radial (on the bores).
 
 The edges of a port are the flanks and tip helices of the chamber at the angle at which it opens (discharge) or closes
-(suction); the port reaches up to the contact line, to the cusp, and over the whole bore. Source: docs/rotors.md.
-φ and ψ as in `leakage`; areas in m², lengths in m, angles in rad; h = L/τ [m/rad].
+(suction); the port reaches up to the contact line, to the cusp, and over the whole bore. Source:
+docs/reference/rotors.md. φ and ψ as in `leakage`; areas in m², lengths in m, angles in rad; h = L/τ [m/rad].
 """
 
 from __future__ import annotations

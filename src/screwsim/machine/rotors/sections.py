@@ -3,7 +3,7 @@
 A rotating rigid curve sweeps ½ρ² a radian, so only the contact radii matter: dA = ½[(R1² − ρ1²) + k(R2² − ρ2²)] dψ
 along the chain; over one pitch it sums to A01 + A02 exactly. Between the points of the chain the section area a(ψ) is
 linear and its integral quadratic, so V and dV/dφ belong to each other exactly, whatever length and wrap.
-Source: docs/rotors.md. Lengths in m, angles in rad.
+Source: docs/reference/rotors.md. Lengths in m, angles in rad.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Slider-crank machines: motion of the piston, its tolerances, the flexible connecting rod (docs/slider-crank.md)."""
+"""Slider-crank machines: motion, tolerances, the flexible connecting rod (docs/reference/slider-crank.md)."""

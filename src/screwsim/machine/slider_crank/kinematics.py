@@ -3,7 +3,7 @@
 x is counted from the crankshaft's axis towards the cylinder head, α from the direction of the cylinder, e from the
 crankshaft's axis to the cylinder's. The chamber's angle φ begins at the top dead centre: V(0) is the clearance.
 Source: loop of vectors; V. V. Solovyova, "Optimization of the transfer function of a piston compressor", 2019 (in
-Russian), for x(α) and the signs. Needs rod > crank + |offset|. Equations: docs/slider-crank.md.
+Russian), for x(α) and the signs. Needs rod > crank + |offset|. Equations: docs/reference/slider-crank.md.
 """
 
 from __future__ import annotations

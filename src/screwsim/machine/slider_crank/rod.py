@@ -5,7 +5,7 @@ The axial load enters as q = −P/(E I) [1/m²], positive in compression: one fa
 compression, none and tension, so that nothing jumps at P = 0. Inertia of the rod is left out, deflections are small
 (V below 0.15 l: the source measured an error of the stress below 5 %).
 Source: T. A. Obolenskaya, A. S. Klochko, "The application of the crank-slider mechanism for small machines", 2014 (in
-Russian), with its misprints mended (docs/slider-crank.md).
+Russian), with its misprints mended (docs/reference/slider-crank.md).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Load, fatigue and friction of a flexible connecting rod over a turn (docs/slider-crank.md).
+"""Load, fatigue and friction of a flexible connecting rod over a turn (docs/reference/slider-crank.md).
 
 Source: T. A. Obolenskaya, A. S. Klochko, 2014 (in Russian); its force formula lacks a power. For fatigue and friction
 it refers to another book: both are stated here from textbooks.

@@ -53,7 +53,7 @@ class SliderCrank:
         return self.clearance / self.swept_volume
 
     def symbols(self) -> dict[str, float]:
-        """Return the numbers [SI] that a kernel can ask for by name (docs/nomenclature.md)."""
+        """Return the numbers [SI] that a kernel can ask for by name (docs/reference/nomenclature.md)."""
         return {
             "bore": self.bore,
             "stroke": self.stroke,

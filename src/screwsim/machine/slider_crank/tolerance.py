@@ -2,7 +2,7 @@
 
 Source: V. V. Solovyova, "Optimization of the transfer function of a piston compressor by technological criteria",
 2019 (in Russian). Its printed function is not the derivative of its x(α), and its table is that of a third function;
-all three are here (docs/slider-crank.md). Angles in rad, lengths in m; deviations in m/rad.
+all three are here (docs/reference/slider-crank.md). Angles in rad, lengths in m; deviations in m/rad.
 """
 
 from __future__ import annotations
