@@ -1,4 +1,4 @@
-"""Failures that random scenes found (`scripts/fuzz.py`), one of each kind."""
+"""Failures that random scenes found (`tests/tools/fuzz.py`), one of each kind."""
 
 from __future__ import annotations
 

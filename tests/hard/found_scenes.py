@@ -1,4 +1,4 @@
-"""Random scenes that failed once (`scripts/fuzz.py`), in fewer digits."""
+"""Random scenes that failed once (`tests/tools/fuzz.py`), in fewer digits."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ This page is `hard_page.page()`; a test compares the two.
 """
 STATUSES = ("ok", "not_closed", "failed", "refused", "not finite", "crashed", "hung")
 TIGHT = """
-`scripts/hard_against_radau.py` solves the other cases that are ok by coupled chambers under scipy's Radau, at a
+`tests/tools/hard_against_radau.py` solves the other cases that are ok by coupled chambers under scipy's Radau, at a
 hundredth of the wanted accuracy and a thousandth a step, and keeps in `tests/hard/against_radau.json` how far work and
 trapped mass differ: {agree} of {count} by less than the wanted accuracy, the worst by {worst:.2g} times it
 ({name}).
@@ -69,7 +69,7 @@ REASONS = {
 RANDOM = """
 ## Random scenes
 
-`{command}` draws {scenes} scenes from the space of `tests/hard/fuzz_space.py` (numpy {numpy}, numba {numba}, scipy
+`{command}` draws {scenes} scenes from the space of `tests/tools/fuzz_space.py` (numpy {numpy}, numba {numba}, scipy
 {scipy}): {ok:.1%} are ok. What it made is in `tests/hard/fuzz_outcome.json`, this section from it; the tests draw some
 500 others by hypothesis. Of a real gas many scenes fail since it condenses, or gets hotter than its equation goes.
 
@@ -92,7 +92,7 @@ WITH_EFFECTS = """
 ## Random scenes with all effects
 
 `{command}` draws {scenes} scenes from the space of
-`tests/hard/effects_space.py`: few structures that hold all {effects} effects between them, and many numbers for each.
+`tests/tools/effects_space.py`: few structures that hold all {effects} effects between them, and many numbers for each.
 What it made is in `tests/hard/fuzz_effects_outcome.json`, this section from it.
 
 | structure | {names} |

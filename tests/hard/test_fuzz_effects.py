@@ -1,18 +1,14 @@
 """The search over scenes of all effects: it draws every effect, and what it stored keeps its bounds."""
 
 import json
-import sys
-from pathlib import Path
 
+import fuzz_effects
 import pytest
 from effects_space import STRUCTURES, drawn, effects_drawn, ranges, scene_of
 from hard_page import OF_EFFECTS
 
 from screwsim.effects import catalogue
 from screwsim.study.accuracy.kept import true_error
-
-sys.path.append(str(Path(__file__).parents[2] / "scripts"))
-import fuzz_effects
 
 MADE = json.loads(OF_EFFECTS.read_text(encoding="utf-8"))
 TRUE = MADE["true"]

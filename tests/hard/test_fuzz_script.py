@@ -2,15 +2,11 @@
 
 import json
 import os
-import sys
 import time
-from pathlib import Path
 
+import fuzz
 import pytest
 from hard_page import OUTCOME
-
-sys.path.append(str(Path(__file__).parents[2] / "scripts"))
-import fuzz
 
 DIES, HANGS = 1, 3
 

@@ -1,28 +1,16 @@
 """Mutated files: the stored outcome of the tool is of these mutants and none of it is wrong; a sample still holds."""
 
-import importlib.util
 import json
 import sys
 from pathlib import Path
 
+import mutate
+import mutate_space as space
 import pytest
 
-ROOT = Path(__file__).parents[2]
 OUTCOME = Path(__file__).parent / "mutate_outcome.json"
 STORED = json.loads(OUTCOME.read_text(encoding="utf-8"))
 SAMPLE = range(7, 2000, 19)  # numbers of mutants, of every kind
-
-
-def loaded():
-    spec = importlib.util.spec_from_file_location("mutate", ROOT / "scripts" / "mutate.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["mutate"] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-mutate = loaded()
-space = mutate.mutate_space
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -1,13 +1,10 @@
 """What is stored of the hard cases with each effect added: no case is lost, and the page shows the table."""
 
 import json
-import sys
 from pathlib import Path
 
-import pytest
-
-sys.path.append(str(Path(__file__).parents[2] / "scripts"))
 import hard_with_effects
+import pytest
 from scenes import scene_dict
 
 from screwsim.effects import catalogue

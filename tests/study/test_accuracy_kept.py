@@ -1,4 +1,4 @@
-"""The true error against the wanted accuracy, over scenes drawn at random (scripts/accuracy_kept.py draws more)."""
+"""The true error against the wanted accuracy, over scenes drawn at random (tests/tools/accuracy_kept.py draws more)."""
 
 import importlib.util
 from pathlib import Path
@@ -9,7 +9,7 @@ import pytest
 from screwsim.effects import catalogue
 from screwsim.study.accuracy.kept import Kept, account, estimates_over_errors, shares_within_or_warned
 
-SCRIPT = Path(__file__).parents[2] / "scripts" / "accuracy_kept.py"
+SCRIPT = Path(__file__).parents[1] / "tools" / "accuracy_kept.py"
 SCENES, SEED, RADAU_EVERY = 60, 1, 20
 FEW = "plenums", "displaced through a port", "tables", "drive", "reeds", "own effect"  # motors in most of them
 

@@ -1,6 +1,6 @@
 """Print what the gas properties cost and how far they are off: per fluid, beside CoolProp; and the nozzle's error.
 
-Run: .venv/bin/python scripts/properties.py [FLUID ...]. Times are medians of several runs on one core of this machine,
+Run: python benchmarks/properties.py [FLUID ...]. Times are medians of several runs on one core of this machine,
 compiled and warm, in a loop over slowly changing states; compare ratios. Errors are the largest over 0.5-40 bar from
 saturation to 150 C, at the same temperature and density.
 """

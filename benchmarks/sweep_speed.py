@@ -1,6 +1,6 @@
 """Print what a sweep costs beside its solutions, and what a second worker brings.
 
-Run: .venv/bin/python scripts/sweep_speed.py [SCENE.yaml] [REPEATS]. Overhead: processor time of a sweep in this
+Run: python benchmarks/sweep_speed.py [SCENE.yaml] [REPEATS]. Overhead: processor time of a sweep in this
 process, its parts included, over that of the same blocks simulated alone; the file that joins the parts is told apart.
 Workers: wall time of whole sweeps, best of the repeats; it needs idle cores. What the machine itself gives is told
 beside it: the same blocks without a sweep in one process, and in two at once.

@@ -1,6 +1,6 @@
 """Print what rotors cost: processor time from a profile to all tables of a scene's machine, checks included.
 
-Run: .venv/bin/python scripts/rotor_times.py. Least and median of some runs, nothing kept between them; then a machine
+Run: python benchmarks/rotor_times.py. Least and median of some runs, nothing kept between them; then a machine
 with the same profile and another built-in ratio, which finds the rotors again.
 """
 

@@ -22,9 +22,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 STORED = ROOT / "tests" / "hard" / "with_effects.json"
-sys.path[:0] = [str(ROOT / "tests" / "hard"), str(ROOT / "tests" / "laws")]
+sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 from case import CARRIED  # noqa: E402
 from hard_cases import CASES  # noqa: E402
 from judging import Stopped, finite, limited  # noqa: E402

@@ -1,6 +1,6 @@
 """Read mutated files and store what became of them. Run: mutate.py [--count 2400] [--seed 1] [--jobs 2].
 
-Results files, scenes, fits, tables and parts of sweeps (tests/hard/mutate_space.py) are changed at random and read as
+Results files, scenes, fits, tables and parts of sweeps (tests/tools/mutate_space.py) are changed at random and read as
 the commands read them, each in a worker process with bounded memory and a limit of time. Required: an answer in one
 line, no internal error, no end of the process, no hang, no warning of a library, nothing executed and nothing told that
 the file does not hold. `--rows FILE` keeps a line a mutant, and a run goes on where it holds some already; `--outcome
@@ -26,10 +26,10 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parent.parent
-HARD = ROOT / "tests" / "hard"
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).parent
 SPACE = ("mutate_space.py", "mutate_hdf5.py", "mutate_text.py")
-sys.path.insert(0, str(HARD))
+sys.path.insert(0, str(HERE))
 import mutate_space  # noqa: E402
 
 MEMORY = 1_500_000_000  # [byte] that a worker may take beside what it has when it begins
@@ -126,7 +126,7 @@ def rows_of(numbers: list[int], jobs: int, seed: int, limit: float) -> Iterator[
 
 def digest() -> str:
     """Return the digest of what makes and reads the mutants."""
-    return hashlib.sha256(b"".join((HARD / name).read_bytes() for name in SPACE)).hexdigest()[:12]
+    return hashlib.sha256(b"".join((HERE / name).read_bytes() for name in SPACE)).hexdigest()[:12]
 
 
 def outcome(rows: list[dict[str, Any]], seed: int) -> dict[str, Any]:
@@ -135,7 +135,7 @@ def outcome(rows: list[dict[str, Any]], seed: int) -> dict[str, Any]:
     answers = Counter(f"{row['kind']}: {answer}" for row in rows for answer in row["answers"])
     made = Counter(row["how"].rpartition(" ")[2] for row in rows)
     return {
-        "command": f"scripts/mutate.py --seed {seed} --count {len(rows)}",
+        "command": f"tests/tools/mutate.py --seed {seed} --count {len(rows)}",
         "seed": seed,
         "space": digest(),
         "versions": {name: importlib.metadata.version(name) for name in ("screwsim", *PACKAGES)}

@@ -1,6 +1,6 @@
 """Solve random scenes that hold all effects between them, and store what became of them. Run: fuzz_effects.py.
 
-The scenes are those of `tests/hard/effects_space.py`: few structures, as each is compiled, many numbers for each. It
+The scenes are those of `tests/tools/effects_space.py`: few structures, as each is compiled, many numbers for each. It
 asks what `fuzz.py` asks of its own space: that nothing crashes or hangs, that figures are finite and balances close.
 And it asks whether estimates hold: the true error of every third scene that is ok (`--check`) is asked of the function
 that `accuracy_kept.py` asks, by coupled chambers at a fiftieth of the wanted accuracy and finer, until two solutions
@@ -22,9 +22,9 @@ from collections import Counter, defaultdict
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parent.parent
-SPACE = ROOT / "tests" / "hard" / "effects_space.py"
-sys.path[:0] = [str(Path(__file__).parent), str(ROOT / "tests" / "hard"), str(ROOT / "tests" / "laws")]
+ROOT = Path(__file__).resolve().parents[2]
+SPACE = Path(__file__).with_name("effects_space.py")
+sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 import effects_space  # noqa: E402
 import fuzz  # noqa: E402
 from judging import finite  # noqa: E402
@@ -114,7 +114,7 @@ def outcome(rows: list[dict[str, Any]], seed: int, each: int, check: int) -> dic
     told = [row for row in compared if row["share"] <= 1.0 or row["warned"]]
     unwarned = [row for row in compared if not row["warned"]]
     return {
-        "command": f"scripts/fuzz_effects.py --seed {seed} --each {each} --check {check}",
+        "command": f"tests/tools/fuzz_effects.py --seed {seed} --each {each} --check {check}",
         "seed": seed,
         "space": space(),
         "versions": {name: importlib.metadata.version(name) for name in ("screwsim", *fuzz.PACKAGES)}

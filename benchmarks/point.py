@@ -1,6 +1,6 @@
 """Print what a point costs: by accuracy, by effect, by speed, and the start-up of the commands.
 
-Run: .venv/bin/python scripts/benchmark.py [SCENE.yaml]. Times are medians on one core of this machine, compiled and
+Run: python benchmarks/point.py [SCENE.yaml]. Times are medians on one core of this machine, compiled and
 warm unless they say otherwise; compare ratios, and the counts of evaluations, which do not depend on the machine.
 """
 

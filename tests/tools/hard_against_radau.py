@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "tests" / "hard"), str(ROOT / "tests" / "laws")]
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 from case import Case  # noqa: E402
 from hard_page import COLD, OF_STEPS, RADAU, to_compare  # noqa: E402
 from judging import Stopped, limited  # noqa: E402

@@ -1,6 +1,6 @@
 """Solve the scene with all effects on, and print how it closes and what a point costs (docs/reference/effects.md).
 
-Run: .venv/bin/python scripts/all_effects.py [REPEATS]. The time is the processor's in a whole `simulate`, compiled and
+Run: python benchmarks/all_effects.py [REPEATS]. The time is the processor's in a whole `simulate`, compiled and
 warm, without traces, as in a sweep; `near` takes it along a course of near speeds, as cases of a sweep do. The paper's
 point is solved between them, each after each, so that what else the machine does weighs on both; its accuracy is the
 same. Medians, with the least in brackets: a busy machine lengthens the processor's times, too, and the least tells

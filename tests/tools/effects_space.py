@@ -2,7 +2,7 @@
 
 A structure is a shipped scene, what is set in it, and the groups of numbers that are drawn. Beside a structure's own
 group are drawn what every machine has (`SCREW`, `CRANK`), and the numbers of those effects that the scene names.
-`scripts/fuzz_effects.py` solves them; `fuzz_space.py` is the first space, whose few effects have the widest ranges.
+`tests/tools/fuzz_effects.py` solves them; `fuzz_space.py` is the first space, whose few effects have the widest ranges.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from screwsim.scene import Scene, load
 
 ROOT = Path(__file__).resolve().parents[2]
-HERE = Path(__file__).parent
+TABLES = ROOT / "tests" / "hard"
 PAPER, REAL, EXPANDER = "paper/point.yaml", "r134a/point.yaml", "expander/point.yaml"
 CARRIED = "oil.transport=carried"
 OFF = {name: f"effects.{name}=off" for name in ("oil_heat", "oil_pump", "hydromechanical")}
@@ -46,10 +46,10 @@ READINGS = (
     "effects.oil_drag={tip_gap: 0.1 mm, tip_land: 3 mm, end_gap: 0.1 mm, end_solidity: 0.6}",
 )
 TABLES = (
-    f"machine.volume={{law: table, max: 528 cm^3, phi_A: null, file: {HERE / 'rough_volume.csv'}}}",
-    f"machine.suction_port={{law: table, area: null, phi_B: null, file: {HERE / 'rough_suction.csv'}}}",
+    f"machine.volume={{law: table, max: 528 cm^3, phi_A: null, file: {TABLES / 'rough_volume.csv'}}}",
+    f"machine.suction_port={{law: table, area: null, phi_B: null, file: {TABLES / 'rough_suction.csv'}}}",
     "machine.discharge_port={law: table, area: null, opens: null, phi_C: null, "
-    f"file: {HERE / 'rough_discharge.csv'}}}",
+    f"file: {TABLES / 'rough_discharge.csv'}}}",
 )
 
 

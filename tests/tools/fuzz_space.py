@@ -2,7 +2,7 @@
 
 A scene is a structure and one number in [0, 1] for each of `RANGES`; most ranges are logarithmic, and their ends are
 those of the hard cases. Real gases have narrower ones (`REAL`), since most of that space lies outside their equation.
-Used by the tests and by `scripts/fuzz.py`.
+Used by the tests and by `tests/tools/fuzz.py`.
 """
 
 from __future__ import annotations

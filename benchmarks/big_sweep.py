@@ -1,6 +1,6 @@
 """Sweep a million points of a cheap scene, and print time, rate, memory and size.
 
-Run: .venv/bin/python scripts/big_sweep.py [--points 1000000] [--jobs N] [--engine-alone] [-o OUT.h5]. The scene is the
+Run: python benchmarks/big_sweep.py [--points 1000000] [--jobs N] [--engine-alone] [-o OUT.h5]. The scene is the
 paper's point with its ports alone and no error estimate, over speeds and pressures; `--engine-alone` simulates
 one point and gives its result to all, which leaves what the sweep itself costs.
 """

@@ -1,6 +1,6 @@
 """Draw scenes at random and tell whether the wanted accuracy is kept. Run: accuracy_kept.py [SCENES] [SEED] [-v].
 
-The scenes are those of `tests/hard/effects_space.py`, all effects between them; with the word `paper` they lie around
+The scenes are those of `tests/tools/effects_space.py`, all effects between them; with the word `paper` they lie around
 configs/paper and configs/r134a, whose accuracies are all drawn. Every tenth is judged by scipy's Radau. See
 docs/explanation/accuracy.md.
 """
@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path[:0] = [str(ROOT / "tests" / "hard"), str(ROOT / "tests" / "laws")]
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 import effects_space  # noqa: E402
 
 from screwsim.faults import SceneError  # noqa: E402

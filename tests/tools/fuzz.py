@@ -2,7 +2,7 @@
 
 Writes `fuzz-SEED-SPACE.csv`, one row a scene, and goes on where it holds scenes already; `--outcome FILE` sums up all
 its rows: counts per status and structure, the worst balances, errors and counts of evaluations, the scenes that are
-neither ok, refused nor failed. The scene space is that of `tests/hard/fuzz_space.py`. A share of the scenes that are ok
+neither ok, refused nor failed. The scene space is that of `fuzz_space.py`. A share of the scenes that are ok
 is solved again by coupled chambers under scipy's Radau. Each worker is a process: one that dies, or takes longer with a
 scene than `--limit`, costs that scene only.
 """
@@ -26,9 +26,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parent.parent
-SPACE = ROOT / "tests" / "hard" / "fuzz_space.py"
-sys.path[:0] = [str(ROOT / "tests" / "hard"), str(ROOT / "tests" / "laws")]
+ROOT = Path(__file__).resolve().parents[2]
+SPACE = Path(__file__).with_name("fuzz_space.py")
+sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 import fuzz_space  # noqa: E402
 import scenes  # noqa: E402
 from judging import finite  # noqa: E402
@@ -226,7 +226,7 @@ def outcome(rows: list[dict[str, Any]], seed: int, check: int) -> dict[str, Any]
     unwarned = [row for row in shares if row["error"] <= row["accuracy"]]
     balances = [row | {"over": max(row["mass"], row["energy"]) / row["accuracy"]} for row in closed]
     return {
-        "command": f"scripts/fuzz.py --seed {seed} --count {len(rows)} --check {check}",
+        "command": f"tests/tools/fuzz.py --seed {seed} --count {len(rows)} --check {check}",
         "seed": seed,
         "space": space(),
         "versions": {name: importlib.metadata.version(name) for name in ("screwsim", *PACKAGES)}

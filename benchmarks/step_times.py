@@ -1,0 +1,153 @@
+"""Print what a step of one chamber is made of, and what each part takes.
+
+Run: python benchmarks/step_times.py [SCENE.yaml]. The scene is closed as usual; parts are timed at states of its last
+life, the least of several times each, on one core of this machine. docs/explanation/numerics.md says what follows.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from screwsim.fluid import nozzle
+from screwsim.model import close as closing
+from screwsim.numerics.rodas import ANGLE_STEP
+from screwsim.scene import Scene, load
+from screwsim.solution import Solution
+
+POINT = Path(__file__).resolve().parent.parent / "configs" / "paper" / "point.yaml"
+MOMENTS = 100  # of a life, at which parts of a step are timed
+REPEATS, MANY = 15, 20_000
+STAGES = 5  # that need rates of their own
+SOLVES = 6  # with the factors of one step
+
+
+def nanoseconds(work: Callable[[int], object], times: int) -> float:
+    """Return the time [ns] of one of `times` repetitions inside `work`: the least of several."""
+    work(1)
+    found = []
+    for _ in range(REPEATS):
+        started = time.perf_counter()
+        work(times)
+        found.append((time.perf_counter() - started) / times)
+    return 1e9 * min(found)
+
+
+def closed(scene: Scene) -> tuple[Solution, Callable[[int], None]]:
+    """Return the solution of a scene, closed, and so many turns of its life among closed neighbours."""
+    solution = Solution(scene)
+    machinery = solution.machinery
+    machinery.warm_up(solution.rehearse)
+    rtol = solution.close().rtol
+    times, dense, quads, steps = machinery.last()
+    new = machinery.histories[1]  # neighbours behind are read from the turn being integrated: the same one
+    new[0][: steps + 1], new[1][:steps], new[2][:steps] = times[: steps + 1], dense[:steps], quads[:steps]
+    machinery.kept[0] = steps
+    start = closing.chambers_at_pitches(machinery)[: machinery.n]
+
+    def turns(times: int) -> None:
+        for _ in range(times):
+            machinery.turn(start.copy(), rtol, 1e-3)
+
+    return solution, turns
+
+
+def timers(solution: Solution) -> dict[str, Callable[[int], object]]:
+    """Return what is timed: the parts of a step, as compiled for the scene."""
+    machinery = solution.machinery
+    module, n, nq, context = machinery.module, machinery.n, machinery.nq, machinery.context
+    around, rate, derive = module.chamber__surroundings, module.chamber__rates, module.chamber_jacobian__jacobian
+    factor, solve, flow = module.linear__lu_factor, module.linear__lu_solve, module.nozzle__flow
+    at, dense, _, steps = machinery.last()
+    chosen = np.linspace(0, steps - 1, MOMENTS).astype(int)
+    angles, Y = at[chosen] + 1e-9, dense[chosen, 0, :n].copy()
+    middles = 0.5 * (at[chosen] + at[chosen + 1])
+    E, E_next = (np.empty((MOMENTS, machinery.composition.n_E)) for _ in range(2))
+    for i in range(MOMENTS):
+        around(angles[i], middles[i], context, E[i])
+        around(angles[i] + ANGLE_STEP, middles[i], context, E_next[i])
+    f, g, f_phi, g_phi = np.empty(n), np.empty(nq), np.empty(n), np.empty(nq)
+    J, Jq, matrix, pivots = np.empty((n, n)), np.empty((nq, n)), np.empty((n, n)), np.zeros(n, np.int64)
+    random = np.random.default_rng(1)
+    p, rho = 1e5 * random.uniform(1.0, 4.0, 1025), random.uniform(5.0, 20.0, 1025)
+    choke, choked = nozzle.choking(1.1)
+
+    @numba.njit
+    def surroundings(times, angles, middles, E, context):
+        for i in range(times):
+            j = i % len(angles)
+            around(angles[j], middles[j], context, E[j])
+
+    @numba.njit
+    def rates(times, Y, E, f, g, context):
+        for i in range(times):
+            j = i % len(Y)
+            rate(Y[j], E[j], context, f, g)
+
+    @numba.njit
+    def jacobian(times, Y, E, E_next, f, g, J, Jq, f_phi, g_phi, context):
+        for i in range(times):
+            j = i % len(Y)
+            derive(Y[j], E[j], E_next[j], ANGLE_STEP, context, f, g, J, Jq, f_phi, g_phi)
+
+    @numba.njit
+    def systems(times, matrix, pivots, f):
+        for _ in range(times):
+            for i in range(len(f)):
+                f[i] = 1.0
+                for j in range(len(f)):
+                    matrix[i, j] = (2.0 if i == j else 0.0) + 0.1 * (i + j)
+            factor(matrix, pivots, len(f))
+            for _ in range(SOLVES):
+                solve(matrix, pivots, f, len(f))
+
+    @numba.njit
+    def flows(times, p, rho):
+        total, a = 0.0, 1.0 / 1.1
+        for i in range(times):
+            j = i % (len(p) - 1)
+            total += flow(1.0, p[j], rho[j], a, choke, choked, p[j + 1], rho[j + 1], a, choke, choked, 10.0)
+        return total
+
+    return {
+        "surroundings": lambda times: surroundings(times, angles, middles, E, context),
+        "rates": lambda times: rates(times, Y, E, f, g, context),
+        "Jacobian": lambda times: jacobian(times, Y, E, E_next, f, g, J, Jq, f_phi, g_phi, context),
+        "systems": lambda times: systems(times, matrix, pivots, f),
+        "nozzle flow": lambda times: flows(times, p, rho),
+    }
+
+
+def main() -> None:
+    """Print the parts of a step, the nozzle flow among them, which is part of rates and Jacobian."""
+    solution, turns = closed(load(sys.argv[1] if len(sys.argv) > 1 else str(POINT)))
+    machinery = solution.machinery
+    work = timers(solution)
+    before = machinery.counts.copy()
+    turns(1)
+    counts = machinery.counts - before  # steps, rejected ones, evaluations, Jacobians
+    tries = int(counts[0] + counts[1])
+    step, jacobians = nanoseconds(turns, 20) / tries, counts[3] / tries
+    _, through = machinery.sample(np.linspace(0.0, float(machinery.composition.knots[-1]), 1025))
+    paths = float(np.count_nonzero(through, axis=1).mean())
+    calls = {
+        "surroundings": STAGES + jacobians,
+        "rates": STAGES,
+        "Jacobian": jacobians,
+        "systems": 1,
+        "nozzle flow": SOLVES * paths,
+    }
+    print(f"A step that is tried takes {step:.0f} ns")
+    print(f"{'part':>14} {'ns a call':>10} {'calls a step':>13} {'share':>7}")
+    for name, each in work.items():
+        ns = nanoseconds(each, MANY)
+        print(f"{name:>14} {ns:>10.1f} {calls[name]:>13.2f} {calls[name] * ns / step:>7.0%}")
+
+
+if __name__ == "__main__":
+    main()
