@@ -20,7 +20,7 @@ def sections(page: str, letter: str) -> dict[str, str]:
 
 
 SECTIONS = sections(PAGE, "M") | sections(CRANK, "S")
-PAGES = sorted((ROOT / "docs").glob("**/*.md"))
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
 
 
 def cited(text: str) -> set[str]:

@@ -1,0 +1,131 @@
+"""Write docs/reference/scene.md (all keys of a scene) and docs/reference/figures.md (all results) from the code.
+
+    python scripts/reference_pages.py
+
+A test holds both pages to what this writes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from screwsim import outputs
+from screwsim.effects import catalogue
+from screwsim.scene import schema
+
+FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
+SCENE_HEAD = """\
+# All keys of a scene
+
+Made by `scripts/reference_pages.py` from the declarations that read a scene; `screwsim schema` prints the same as JSON
+Schema for editors. Every quantity is written with its unit (`128 mm`, `20 degC`); a bare number for one is a fault. A
+key with a default, or a dash in its place, may be left out; *required* is what its section must have where it is named.
+M… are equations of [model.md](../model.md), S… of [slider-crank.md](slider-crank.md).
+
+Beside the sections below a scene may have `base: other.yaml`, whose paths it changes, a `title`, and a `sweep`, whose
+keys are paths of these tables ([sweeps.md](../how-to/sweeps.md)). `--set operation.speed="1000 rpm"` overrides one.
+`screwsim explain SCENE.yaml` says what of all this a scene calls for.
+"""
+EFFECTS_HEAD = """\
+## effects
+
+An effect that is named is simulated, with the keys under it; one that is not named is not simulated at all. `off` in
+place of the keys leaves an effect of the base out. An effect of one's own goes by the dotted name of its module
+([adding-an-effect.md](../how-to/adding-an-effect.md)).
+"""
+FIGURES_HEAD = """\
+# All results
+
+Made by `scripts/reference_pages.py` from the tables that name them: in the JSON of `screwsim run --json`, in
+`screwsim.simulate(scene)` and in HDF5 files, in SI units. A figure that the scene does not call for is null; where
+another one has no value, `notes` says why. `error` has the estimated relative error of the figures
+([model.md](../model.md), M41), `status` is one of {statuses}.
+"""
+TABLES = (
+    ("performance", "Figures of the closed cycle.", outputs.PERFORMANCE),
+    ("balance", "Residues of the balances; `bound` is what they are held to.", outputs.BALANCE),
+    ("numerics", "What the solution took.", outputs.NUMERICS),
+    ("cycle", "Traces over the angle; `mass_flow_<effect>` for each flow path.", outputs.CYCLE),
+    ("ledger", "Where the shaft power goes.", outputs.LEDGER),
+    ("ledger, of each effect", "`<name>_<effect>`.", outputs.LEDGER_ENTRY),
+    ("knock-out", "Of `run --knock-out`, for each effect.", outputs.KNOCK_OUT),
+    ("stages", "Of `screwsim run` of two stages.", outputs.STAGES),
+)
+
+
+def cell(text: Any) -> str:
+    """Return a text that a Markdown table takes."""
+    return str(text).replace("|", "\\|")
+
+
+def value(key: Mapping[str, Any]) -> str:
+    """Return how a value is written: one of several words, a quantity such as, or a kind of number."""
+    if "enum" in key:
+        return ", ".join(f"`{each}`" for each in key["enum"] if each is not None)
+    if "examples" in key:
+        return f"such as `{key['examples'][0]}`"
+    kind = key["type"] if isinstance(key["type"], str) else key["type"][0]
+    return {"number": "a number", "integer": "a whole number"}.get(kind, "a text")
+
+
+def default(key: Mapping[str, Any]) -> str:
+    """Return the default of a key, a dash where it may be absent, or that it is required."""
+    if "default" in key:
+        return f"`{key['default']}`"
+    absent = None in key["enum"] if "enum" in key else "null" in key["type"]
+    return "–" if absent else "required"
+
+
+def rows(section: Mapping[str, Any], before: str = "") -> Iterator[str]:
+    """Return a row for each key of a section, keys of inner sections by their paths."""
+    for name, key in section["properties"].items():
+        if "properties" in key:
+            yield from rows(key, f"{before}{name}.")
+        else:
+            yield f"| `{before}{name}` | {cell(value(key))} | {cell(default(key))} | {cell(key['description'])} |"
+
+
+def table(section: Mapping[str, Any]) -> str:
+    """Return the keys of a section as a table, or that it has none."""
+    found = list(rows(section))
+    return "\n".join(["| key | value | default | what |", "|---|---|---|---|", *found]) if found else "No keys."
+
+
+def effect_text(name: str, section: Mapping[str, Any]) -> str:
+    """Return one effect: what it is, its equations, for which machines, its keys."""
+    effect = catalogue()[name]
+    told = f"{effect.title[0].upper()}{effect.title[1:]}. {', '.join(effect.equations)}; {', '.join(effect.machines)}."
+    return f"### {name}\n\n{told}\n\n{table(section)}\n"
+
+
+def scene_page() -> str:
+    """Return the page of all keys."""
+    found = schema()["properties"]
+    parts = [SCENE_HEAD]
+    for machine in found["machine"]["anyOf"]:
+        kind = machine["properties"]["kind"]["default"]
+        parts.append(f"## machine, kind: {kind}\n\n{machine['description']}\n\n{table(machine)}\n")
+    for name in ("gas", "operation", "oil", "oil_supply", "numerics", "output"):
+        parts.append(f"## {name}\n\n{found[name]['description']}\n\n{table(found[name])}\n")
+    parts.append(EFFECTS_HEAD)
+    parts += [effect_text(name, section) for name, section in found["effects"]["properties"].items()]
+    return "\n".join(parts)
+
+
+def figures_page() -> str:
+    """Return the page of all results."""
+    parts = [FIGURES_HEAD.format(statuses=", ".join(f"`{each}`" for each in outputs.STATUSES))]
+    for name, told, variables in TABLES:
+        lines = [f"| `{key}` | {each.units} | {cell(each.long_name)} |" for key, each in variables.items()]
+        parts.append("\n".join([f"## {name}\n\n{told}\n", "| name | unit | what |", "|---|---|---|", *lines, ""]))
+    return "\n".join(parts)
+
+
+PAGES = {"scene.md": scene_page, "figures.md": figures_page}
+
+if __name__ == "__main__":
+    for file, page in PAGES.items():
+        (FOLDER / file).write_text(page(), encoding="utf-8")
+        print(FOLDER / file)
