@@ -1,6 +1,6 @@
 """What the integrator asks of one chamber between its steps: knots, errors, phases, the mass balance, jumps.
 
-Source: docs/model.md M9, M30; docs/numerics.md.
+Source: docs/model.md M9, M30; docs/explanation/numerics.md.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ def share_in_phase(y, y1, u, rtol, context):
 
 @kernel
 def conserve(y, y1, E, E_next, context, dq):
-    """Close the step's mass balance: by the flow through the widest open port, else by the density (docs/numerics.md).
+    """Close the step's mass balance: by the flow through the widest open port, else by the density.
 
     A wide port holds p to the plenum's by a tiny Δp, whose quadrature carries the error of the whole state; the change
     of ρV over the step does not. Where no port is open the flows are smooth, and it is ρV that follows them.

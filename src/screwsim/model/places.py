@@ -1,7 +1,7 @@
 """Places: the state of the gas (and oil) in a chamber, a plenum or a neighbour, as streams and balances need it.
 
-Source: docs/model.md M5, M6, M10. A place is the row of numbers that `slots.PRESSURE` … name. Neighbours are read from
-histories, whose columns beyond the states hold their places.
+Source: docs/model.md M5, M6, M10; errors: docs/explanation/numerics.md. A place is the row of numbers that
+`slots.PRESSURE` … name. Neighbours are read from histories, whose columns beyond the states hold their places.
 """
 
 from __future__ import annotations
@@ -174,7 +174,7 @@ def places_along(dense, steps, context):
 
 @kernel
 def relative_error(y0, y1, error, at, place, row):
-    """Return the largest relative error of one chamber's states (docs/numerics.md); huge for states that cannot be.
+    """Return the largest relative error of one chamber's states; huge for states that cannot be.
 
     Relative, but for next to no oil. In the dome p follows T by 7:1 and more, and flows follow p: the error of T counts
     as that of the pressure that it makes, at fixed density, where that is larger (for an ideal gas they are equal). A

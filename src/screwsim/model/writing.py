@@ -116,7 +116,7 @@ class Writer:
 
 
 def symbols_of(parts: Parts) -> dict[str, float]:
-    """Return the numbers of the scene that any kernel can ask for by name (docs/nomenclature.md)."""
+    """Return the numbers of the scene that any kernel can ask for by name (docs/reference/nomenclature.md)."""
     settings = parts.geometry.settings
     found = {"omega": parts.omega, "tip_speed": settings.surface_speed(parts.omega), "pitch": parts.geometry.pitch}
     found |= settings.symbols()
