@@ -5,9 +5,9 @@ with bounds and the reason for the bounds. A Sobol sequence (seed 1) over them i
 ratios at the five speeds of Fig. 1, accuracy 1e-4); A1-A4 are judged as in screwsim.study.claims, A5 by its value.
 
     python scripts/admissible.py sample 512       -> results/admissible.csv and a summary
-    python scripts/admissible.py refine 200       -> from the best row, a local search that also asks for A5; prints it
 
-The machine of configs/paper is the refined one, rounded; what was rounded off is fitted back with the tip clearance.
+The machine of configs/paper is the best of them, led by a local search (a script of an earlier version) to where A5 holds
+as well, and rounded; what was rounded off is fitted back with the tip clearance.
 """
 
 from __future__ import annotations
@@ -196,26 +196,7 @@ def sample(count: int) -> None:
     )
 
 
-def refine(count: int) -> None:
-    """Walk from the best row of the table to smaller misses; print the best machine."""
-    with TABLE.open() as stream:
-        row = next(csv.DictReader(stream))
-    u, best = to_unit(np.array([float(row[item.name]) for item in OPEN])), float(row["miss"])
-    random, width = np.random.default_rng(1), 0.1
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
-        for _ in range(count // 8):
-            trials = [np.clip(u + width * random.standard_normal(len(u)), 0.0, 1.0) for _ in range(8)]
-            verdicts = list(pool.map(judge, [from_unit(trial) for trial in trials]))
-            k = int(np.argmin([verdict.miss for verdict in verdicts]))
-            if verdicts[k].miss < best:
-                u, best = trials[k], verdicts[k].miss
-            else:
-                width *= 0.85
-    x = from_unit(u)
-    for item, value in zip(OPEN, x, strict=True):
-        print(f"{item.name:>22} {value:9.4g}   [{item.low:g}, {item.high:g}]  {item.reason}")
-    print(judge(x))
-
-
 if __name__ == "__main__":
-    {"sample": sample, "refine": refine}[sys.argv[1]](int(sys.argv[2]))
+    if len(sys.argv) != 3 or sys.argv[1] != "sample" or not sys.argv[2].isdigit():
+        raise SystemExit("admissible.py sample COUNT")
+    sample(int(sys.argv[2]))
