@@ -6,8 +6,8 @@ ratios at the five speeds of Fig. 1, accuracy 1e-4); A1-A4 are judged as in scre
 
     python scripts/admissible.py sample 512       -> results/admissible.csv and a summary
 
-The machine of configs/paper is the best of them, led by a local search (a script of an earlier version) to where A5 holds
-as well, and rounded; what was rounded off is fitted back with the tip clearance.
+The machine of configs/paper is the best of them, led by a local search (a script of an earlier version) to where A5
+holds as well, and rounded; what was rounded off is fitted back with the tip clearance.
 """
 
 from __future__ import annotations

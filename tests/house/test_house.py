@@ -1,6 +1,8 @@
 """What holds the house together: shipped scenes load, one version, names of results written once."""
 
+import importlib.util
 import re
+import sys
 import tomllib
 from pathlib import Path
 
@@ -12,6 +14,18 @@ from screwsim import outputs
 ROOT = Path(__file__).parents[2]
 NO_SCENES = (".fit.yaml", ".stages.yaml")
 CONFIGS = sorted(path for path in (ROOT / "configs").glob("**/*.yaml") if not path.name.endswith(NO_SCENES))
+
+PROGRAMS = sorted(path for folder in ("scripts", "benchmarks") for path in (ROOT / folder).glob("*.py"))
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.name)
+def test_what_a_program_asks_of_the_package_is_there(path, monkeypatch):
+    monkeypatch.syspath_prepend(str(path.parent))
+    spec = importlib.util.spec_from_file_location(f"program_{path.stem}", path)
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, spec.name, module)
+    spec.loader.exec_module(module)
+    assert module.__doc__
 
 
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: str(path.relative_to(ROOT)))
