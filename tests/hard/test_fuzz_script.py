@@ -6,6 +6,7 @@ import time
 
 import fuzz
 import pytest
+import search
 from hard_page import OUTCOME
 
 DIES, HANGS = 1, 3
@@ -29,15 +30,15 @@ def test_a_scene_that_dies_or_hangs_is_one_row(jobs, monkeypatch):
 
 def test_rows_come_back_as_they_were(tmp_path):
     (tmp_path / "rows.csv").write_text("index,status,mass,message\n7,ok,1.5e-06,\n", encoding="utf-8")
-    assert fuzz.read(tmp_path / "rows.csv") == [{"index": 7, "status": "ok", "mass": 1.5e-6, "message": None}]
-    assert fuzz.read(tmp_path / "none.csv") == []
+    assert search.read(tmp_path / "rows.csv") == [{"index": 7, "status": "ok", "mass": 1.5e-6, "message": None}]
+    assert search.read(tmp_path / "none.csv") == []
 
 
 def test_a_crash_is_a_status(monkeypatch):
     def broken(scene):
         raise ZeroDivisionError("what is looked for")
 
-    monkeypatch.setattr(fuzz, "simulate", broken)
+    monkeypatch.setattr(search, "simulate", broken)
     row, _, _ = fuzz.one(0, 1)
     assert row["status"] == "crashed"
     assert "what is looked for" in row["message"]

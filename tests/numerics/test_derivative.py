@@ -125,9 +125,7 @@ def all_kernels() -> dict[str, Kernel]:
     return found
 
 
-KERNELS = {
-    name: item for name, item in all_kernels().items() if is_of_scalars(item) and name not in BY_DIFFERENCES
-}
+KERNELS = {name: item for name, item in all_kernels().items() if is_of_scalars(item) and name not in BY_DIFFERENCES}
 
 
 def values_of(answer) -> tuple[float, ...]:

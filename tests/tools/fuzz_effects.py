@@ -11,14 +11,8 @@ it holds scenes already; `--outcome FILE` sums up all its rows.
 from __future__ import annotations
 
 import argparse
-import hashlib
-import importlib.metadata
-import json
-import platform
 import sys
-import time
-import traceback
-from collections import Counter, defaultdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -26,14 +20,12 @@ ROOT = Path(__file__).resolve().parents[2]
 SPACE = Path(__file__).with_name("effects_space.py")
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 import effects_space  # noqa: E402
-import fuzz  # noqa: E402
-from judging import finite  # noqa: E402
+import search  # noqa: E402
+from fuzz import PACKAGES  # noqa: E402
+from search import Row, largest  # noqa: E402
 
-from screwsim.estimate import worst  # noqa: E402
-from screwsim.faults import SceneError  # noqa: E402
 from screwsim.outputs import Result  # noqa: E402
 from screwsim.scene import Scene  # noqa: E402
-from screwsim.simulate import simulate  # noqa: E402
 from screwsim.study.accuracy.kept import true_error, warns  # noqa: E402
 
 COLUMNS = (
@@ -56,29 +48,12 @@ COLUMNS = (
 NO_ANSWER = "no answer"  # of the finer solutions, or they differ
 
 
-def one(index: int, seed: int) -> tuple[dict[str, Any], Scene | None, Result | None]:
-    """Return the row of one scene, and what it was; what crashes has the status `crashed`."""
+def one(index: int, seed: int) -> tuple[Row, Scene | None, Result | None]:
+    """Return the row of one scene, and what it was."""
     structure, number = effects_space.structure_of(index)
     row = dict.fromkeys(COLUMNS) | {"index": index, "structure": structure}
-    scene = result = None
-    started = time.monotonic()
-    try:
-        scene = effects_space.scene_of(structure, seed, number)
-        row["accuracy"] = scene.numerics.accuracy
-        result = simulate(scene)
-        row |= {"status": result.status, "message": result.message, "closing": result.numerics.get("closing")}
-        row["needed"] = "; ".join(text.removeprefix(fuzz.TRY) for text in result.warnings if text.startswith(fuzz.TRY))
-        row["rhs_evaluations"] = result.numerics.rhs_evaluations
-        row |= {name: result.balance.get(name) for name in ("mass", "energy")}
-        row["error"] = worst(result.error)[1]
-        row["warned"] = int(warns(result))
-        if not finite(result):
-            row["status"] = "not finite"
-    except SceneError as fault:
-        row |= {"status": "refused", "message": str(fault)}
-    except Exception:  # noqa: BLE001  what is looked for
-        row |= {"status": "crashed", "message": traceback.format_exc(limit=-2)}
-    return row | {"seconds": round(time.monotonic() - started, 3)}, scene, result
+    row, scene, result = search.solved(row, lambda: effects_space.scene_of(structure, seed, number))
+    return row | {"warned": None if result is None else int(warns(result))}, scene, result
 
 
 def checked(index: int, check: int) -> bool:
@@ -99,48 +74,37 @@ def work(pipe: Any, indices: list[int], seed: int, check: int) -> None:
     pipe.close()
 
 
-def structure_of(seed: int, index: int) -> str:
-    """Return the structure of a scene."""
-    return effects_space.structure_of(index)[0]
+def lost(index: int, status: str, message: str) -> Row:
+    """Return the row of a scene that ended its process or had no end."""
+    row = {"index": index, "structure": effects_space.structure_of(index)[0], "status": status, "message": message}
+    return dict.fromkeys(COLUMNS) | row
 
 
-def outcome(rows: list[dict[str, Any]], seed: int, each: int, check: int) -> dict[str, Any]:
+def outcome(rows: list[Row], seed: int, each: int, check: int) -> Row:
     """Return the summary of all rows."""
-    by_structure: dict[str, Counter[str]] = defaultdict(Counter)
-    for row in rows:
-        by_structure[row["structure"]][row["status"]] += 1
     closed = [row for row in rows if row["status"] == "ok"]
     compared = [row | {"share": row["true"] / row["accuracy"]} for row in rows if isinstance(row["true"], float)]
     told = [row for row in compared if row["share"] <= 1.0 or row["warned"]]
     unwarned = [row for row in compared if not row["warned"]]
     return {
-        "command": f"tests/tools/fuzz_effects.py --seed {seed} --each {each} --check {check}",
-        "seed": seed,
-        "space": space(),
-        "versions": {name: importlib.metadata.version(name) for name in ("screwsim", *fuzz.PACKAGES)}
-        | {"python": platform.python_version()},
+        **search.made(f"fuzz_effects.py --seed {seed} --each {each} --check {check}", seed, space(), PACKAGES),
         "effects": sorted(effects_space.effects_drawn()),
-        "scenes": len(rows),
-        "status": dict(Counter(row["status"] for row in rows)),
-        "structure": {name: dict(by_structure[name]) for name in effects_space.STRUCTURES if name in by_structure},
+        **search.statuses(rows, effects_space.STRUCTURES),
         "warned": sum(bool(row["warned"]) for row in closed),
-        "worst_balance_over_accuracy": fuzz.largest(
+        "worst_balance_over_accuracy": largest(
             [row | {"over": max(row["mass"], row["energy"]) / row["accuracy"]} for row in closed], "over"
         ),
-        "worst_rhs_evaluations": fuzz.largest(rows, "rhs_evaluations"),
+        "worst_rhs_evaluations": largest(rows, "rhs_evaluations"),
         "true": {
             "compared": len(compared),
             "no_answer": sum(row["true"] == NO_ANSWER for row in rows),
             "within_or_warned": len(told),
             "beyond_three_times_unwarned": [row["index"] for row in unwarned if row["share"] > 3.0],
             "beyond_accuracy_unwarned": [row["index"] for row in unwarned if row["share"] > 1.0],
-            "worst_unwarned_over_accuracy": fuzz.largest(unwarned, "share"),
+            "worst_unwarned_over_accuracy": largest(unwarned, "share"),
             "true_over_estimate": _quantiles([row["true"] / row["error"] for row in unwarned if row["error"]]),
         },
-        "not_ok": {
-            status: [row["index"] for row in rows if row["status"] == status]
-            for status in sorted({row["status"] for row in rows} - {"ok", "refused", "failed"})
-        },
+        "not_ok": search.not_ok(rows),
     }
 
 
@@ -152,7 +116,7 @@ def _quantiles(values: list[float]) -> dict[str, float]:
 
 def space() -> str:
     """Return the digest of the scene space, which tells tables of different spaces apart."""
-    return hashlib.sha256(SPACE.read_bytes()).hexdigest()[:12]
+    return search.digest(SPACE)
 
 
 def _turn(index: int, jobs: int) -> tuple[int, int, int]:
@@ -179,21 +143,19 @@ def main() -> None:
     options = asked()
     options.output.mkdir(parents=True, exist_ok=True)
     table = options.output / f"fuzz-effects-{options.seed}-{space()}.csv"
-    there = {row["index"] for row in fuzz.read(table)}
+    there = {row["index"] for row in search.read(table)}
     wanted = [
         i
         for i in range(effects_space.EACH * len(effects_space.STRUCTURES))
         if effects_space.structure_of(i)[1] < options.each
     ]
     todo = sorted((i for i in wanted if i not in there), key=lambda i: _turn(i, options.jobs))
-    search = sys.modules[__name__]
-    found = fuzz.rows_of(todo, options.jobs, options.seed, options.check, options.limit, search)
-    fuzz.append(table, COLUMNS, found, begun=bool(there), every=effects_space.EACH)
-    rows = sorted((row for row in fuzz.read(table) if row["index"] in set(wanted)), key=lambda row: row["index"])
+    work_on = partial(work, seed=options.seed, check=options.check)
+    found = search.rows_of(todo, options.jobs, options.limit, work_on, lost)
+    search.append(table, COLUMNS, found, begun=bool(there), every=effects_space.EACH)
+    rows = sorted((row for row in search.read(table) if row["index"] in set(wanted)), key=lambda row: row["index"])
     summary = outcome(rows, options.seed, options.each, options.check)
-    if options.outcome:
-        options.outcome.write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
-    print(json.dumps({name: summary[name] for name in ("scenes", "status", "true", "not_ok")}, indent=1))
+    search.tell(summary, options.outcome, ("scenes", "status", "true", "not_ok"))
 
 
 if __name__ == "__main__":

@@ -10,27 +10,23 @@ FILE` stores the counts of all of them; `--only N` reads one mutant and prints h
 from __future__ import annotations
 
 import argparse
-import hashlib
-import importlib.metadata
 import json
-import multiprocessing
-import multiprocessing.connection
 import os
-import platform
 import resource
 import sys
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent
 SPACE = ("mutate_space.py", "mutate_hdf5.py", "mutate_text.py")
 sys.path.insert(0, str(HERE))
 import mutate_space  # noqa: E402
+import search  # noqa: E402
 
 MEMORY = 1_500_000_000  # [byte] that a worker may take beside what it has when it begins
 PACKAGES = ("numpy", "h5py", "ruamel.yaml", "matplotlib")
@@ -41,7 +37,7 @@ def _size() -> int:
     return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
 
 
-def work(pipe: Any, folder: Path, numbers: list[int], seed: int) -> None:
+def work(pipe: Any, numbers: list[int], folder: Path, seed: int) -> None:
     """Read mutants and send (number, None) when one is begun, (number, row) when it is done."""
     place = folder / f"work-{os.getpid()}"
     place.mkdir()
@@ -62,45 +58,10 @@ def row_of(number: int, kind: str, how: str, answers: Iterable[str], wrong: Iter
     return {"number": number, "kind": kind, "how": how, "answers": list(answers), "wrong": list(wrong)}
 
 
-class Worker:
-    """One process that reads its mutants in turn, and is begun again where one of them ends it."""
-
-    def __init__(self, folder: Path, numbers: list[int], seed: int) -> None:
-        self.folder, self.left, self.seed = folder, numbers, seed
-        self._start()
-
-    def _start(self) -> None:
-        self.pipe, far = multiprocessing.Pipe(duplex=False)
-        self.began = time.monotonic()
-        self.at: int | None = None
-        arguments = (far, self.folder, self.left, self.seed)
-        self.process = multiprocessing.get_context("fork").Process(target=work, args=arguments, daemon=True)
-        self.process.start()
-        far.close()
-
-    def receive(self) -> dict[str, Any] | None:
-        """Return the row of a mutant that is done, or that ended the process."""
-        try:
-            number, row = self.pipe.recv()
-        except EOFError:
-            self.process.join()
-            return self.lost(f"the process ended with {self.process.exitcode}")
-        self.at, self.began = number, time.monotonic()
-        if row is not None:
-            self.left = self.left[1:]
-        return row
-
-    def lost(self, what: str) -> dict[str, Any]:
-        """Return the row of the mutant at hand, which has no answer, and go on with the next in a new process."""
-        self.process.kill()
-        self.process.join()
-        if self.at is None:
-            raise RuntimeError(f"a worker did not start: {what}")
-        number, self.left = self.left[0], self.left[1:]
-        kind = mutate_space.KINDS[number % len(mutate_space.KINDS)]
-        if self.left:
-            self._start()
-        return row_of(number, kind, f"{kind} ?", (), (what,)) | {"peak_MB": 0}
+def lost(number: int, status: str, what: str) -> dict[str, Any]:
+    """Return the row of a mutant that ended its process or had no end."""
+    kind = mutate_space.KINDS[number % len(mutate_space.KINDS)]
+    return row_of(number, kind, f"{kind} ?", (), (what,)) | {"peak_MB": 0}
 
 
 def rows_of(numbers: list[int], jobs: int, seed: int, limit: float) -> Iterator[dict[str, Any]]:
@@ -109,24 +70,12 @@ def rows_of(numbers: list[int], jobs: int, seed: int, limit: float) -> Iterator[
         folder = Path(name)
         mutate_space.furnish(folder / "files")
         mutate_space.make_light()
-        workers = [Worker(folder, numbers[i::jobs], seed) for i in range(min(jobs, len(numbers)))]
-        while workers:
-            pipes = {worker.pipe: worker for worker in workers}
-            ready = [pipes[pipe] for pipe in multiprocessing.connection.wait(list(pipes), timeout=1.0)]
-            for worker in workers:
-                row = None
-                if worker in ready:
-                    row = worker.receive()
-                elif time.monotonic() - worker.began > limit:
-                    row = worker.lost(f"no end within {limit:g} s")
-                if row is not None:
-                    yield row
-            workers = [worker for worker in workers if worker.left]
+        yield from search.rows_of(numbers, jobs, limit, partial(work, folder=folder, seed=seed), lost)
 
 
 def digest() -> str:
     """Return the digest of what makes and reads the mutants."""
-    return hashlib.sha256(b"".join((HERE / name).read_bytes() for name in SPACE)).hexdigest()[:12]
+    return search.digest(*(HERE / name for name in SPACE))
 
 
 def outcome(rows: list[dict[str, Any]], seed: int) -> dict[str, Any]:
@@ -135,11 +84,7 @@ def outcome(rows: list[dict[str, Any]], seed: int) -> dict[str, Any]:
     answers = Counter(f"{row['kind']}: {answer}" for row in rows for answer in row["answers"])
     made = Counter(row["how"].rpartition(" ")[2] for row in rows)
     return {
-        "command": f"tests/tools/mutate.py --seed {seed} --count {len(rows)}",
-        "seed": seed,
-        "space": digest(),
-        "versions": {name: importlib.metadata.version(name) for name in ("screwsim", *PACKAGES)}
-        | {"python": platform.python_version()},
+        **search.made(f"mutate.py --seed {seed} --count {len(rows)}", seed, digest(), PACKAGES),
         "files": len(rows),
         "kinds": dict(sorted(kinds.items())),
         "changes": dict(sorted(made.items())),
@@ -187,9 +132,7 @@ def main() -> int:
             bad = sum(bool(each["wrong"]) for each in rows)
             print(f"{len(rows)} files, {time.monotonic() - started:.0f} s, {bad} wrong", file=sys.stderr)
     summary = outcome(sorted(rows, key=lambda row: row["number"]), options.seed)
-    if options.outcome:
-        options.outcome.write_text(json.dumps(summary, indent=1) + "\n", encoding="utf-8")
-    print(json.dumps({name: summary[name] for name in ("files", "kinds", "answers")}, indent=1))
+    search.tell(summary, options.outcome, ("files", "kinds", "answers"))
     print(f"{len(summary['wrong'])} wrong; peak {max(row['peak_MB'] for row in rows)} MB", file=sys.stderr)
     return 1 if summary["wrong"] else 0
 
