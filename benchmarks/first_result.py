@@ -56,7 +56,8 @@ def main() -> None:
         first, effects = names[0], list(load(names[0]).effects)
         cache = Path(folder) / "0"
         alone = [run(cache, first, "--without", effect)[0] for effect in effects]
-        print(f"without one of {len(effects)} effects: median {statistics.median(alone):.2f}, largest {max(alone):.2f} s")
+        middle, largest = statistics.median(alone), max(alone)
+        print(f"without one of {len(effects)} effects: median {middle:.2f}, largest {largest:.2f} s")
         forget_models(cache)
         print(f"--knock-out of {len(effects)} effects: {run(cache, first, '--knock-out')[0]:.1f} s", flush=True)
 

@@ -11,9 +11,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import numba
 import numpy as np
 
+from screwsim.codegen.modules import load as compiled
 from screwsim.fluid import nozzle
 from screwsim.model import close as closing
 from screwsim.numerics.rodas import ANGLE_STEP
@@ -25,6 +25,43 @@ MOMENTS = 100  # of a life, at which parts of a step are timed
 REPEATS, MANY = 15, 20_000
 STAGES = 5  # that need rates of their own
 SOLVES = 6  # with the factors of one step
+LOOPS = """
+def many_surroundings(times, angles, middles, E, context):
+    for i in range(times):
+        j = i % len(angles)
+        chamber__surroundings(angles[j], middles[j], context, E[j])
+
+
+def many_rates(times, Y, E, f, g, context):
+    for i in range(times):
+        j = i % len(Y)
+        chamber__rates(Y[j], E[j], context, f, g)
+
+
+def many_jacobians(times, Y, E, E_next, step, f, g, J, Jq, f_phi, g_phi, context):
+    for i in range(times):
+        j = i % len(Y)
+        chamber_jacobian__jacobian(Y[j], E[j], E_next[j], step, context, f, g, J, Jq, f_phi, g_phi)
+
+
+def many_systems(times, matrix, pivots, f, solves):
+    for k in range(times):
+        for i in range(len(f)):
+            f[i] = 1.0
+            for j in range(len(f)):
+                matrix[i, j] = (2.0 if i == j else 0.0) + 0.1 * (i + j)
+        linear__lu_factor(matrix, pivots, len(f))
+        for k in range(solves):
+            linear__lu_solve(matrix, pivots, f, len(f))
+
+
+def many_flows(times, p, rho, choke, choked):
+    total, a = 0.0, 1.0 / 1.1
+    for i in range(times):
+        j = i % (len(p) - 1)
+        total += nozzle__flow(1.0, p[j], rho[j], a, choke, choked, p[j + 1], rho[j + 1], a, choke, choked, 10.0)
+    return total
+"""
 
 
 def nanoseconds(work: Callable[[int], object], times: int) -> float:
@@ -60,66 +97,30 @@ def closed(scene: Scene) -> tuple[Solution, Callable[[int], None]]:
 def timers(solution: Solution) -> dict[str, Callable[[int], object]]:
     """Return what is timed: the parts of a step, as compiled for the scene."""
     machinery = solution.machinery
-    module, n, nq, context = machinery.module, machinery.n, machinery.nq, machinery.context
-    around, rate, derive = module.chamber__surroundings, module.chamber__rates, module.chamber_jacobian__jacobian
-    factor, solve, flow = module.linear__lu_factor, module.linear__lu_solve, module.nozzle__flow
+    module = compiled(machinery.composition.text + LOOPS, "step_times")
+    n, nq, context = machinery.n, machinery.nq, machinery.context
     at, dense, _, steps = machinery.last()
     chosen = np.linspace(0, steps - 1, MOMENTS).astype(int)
     angles, Y = at[chosen] + 1e-9, dense[chosen, 0, :n].copy()
     middles = 0.5 * (at[chosen] + at[chosen + 1])
     E, E_next = (np.empty((MOMENTS, machinery.composition.n_E)) for _ in range(2))
     for i in range(MOMENTS):
-        around(angles[i], middles[i], context, E[i])
-        around(angles[i] + ANGLE_STEP, middles[i], context, E_next[i])
+        module.chamber__surroundings(angles[i], middles[i], context, E[i])
+        module.chamber__surroundings(angles[i] + ANGLE_STEP, middles[i], context, E_next[i])
     f, g, f_phi, g_phi = np.empty(n), np.empty(nq), np.empty(n), np.empty(nq)
     J, Jq, matrix, pivots = np.empty((n, n)), np.empty((nq, n)), np.empty((n, n)), np.zeros(n, np.int64)
     random = np.random.default_rng(1)
     p, rho = 1e5 * random.uniform(1.0, 4.0, 1025), random.uniform(5.0, 20.0, 1025)
     choke, choked = nozzle.choking(1.1)
 
-    @numba.njit
-    def surroundings(times, angles, middles, E, context):
-        for i in range(times):
-            j = i % len(angles)
-            around(angles[j], middles[j], context, E[j])
-
-    @numba.njit
-    def rates(times, Y, E, f, g, context):
-        for i in range(times):
-            j = i % len(Y)
-            rate(Y[j], E[j], context, f, g)
-
-    @numba.njit
-    def jacobian(times, Y, E, E_next, f, g, J, Jq, f_phi, g_phi, context):
-        for i in range(times):
-            j = i % len(Y)
-            derive(Y[j], E[j], E_next[j], ANGLE_STEP, context, f, g, J, Jq, f_phi, g_phi)
-
-    @numba.njit
-    def systems(times, matrix, pivots, f):
-        for _ in range(times):
-            for i in range(len(f)):
-                f[i] = 1.0
-                for j in range(len(f)):
-                    matrix[i, j] = (2.0 if i == j else 0.0) + 0.1 * (i + j)
-            factor(matrix, pivots, len(f))
-            for _ in range(SOLVES):
-                solve(matrix, pivots, f, len(f))
-
-    @numba.njit
-    def flows(times, p, rho):
-        total, a = 0.0, 1.0 / 1.1
-        for i in range(times):
-            j = i % (len(p) - 1)
-            total += flow(1.0, p[j], rho[j], a, choke, choked, p[j + 1], rho[j + 1], a, choke, choked, 10.0)
-        return total
-
     return {
-        "surroundings": lambda times: surroundings(times, angles, middles, E, context),
-        "rates": lambda times: rates(times, Y, E, f, g, context),
-        "Jacobian": lambda times: jacobian(times, Y, E, E_next, f, g, J, Jq, f_phi, g_phi, context),
-        "systems": lambda times: systems(times, matrix, pivots, f),
-        "nozzle flow": lambda times: flows(times, p, rho),
+        "surroundings": lambda times: module.many_surroundings(times, angles, middles, E, context),
+        "rates": lambda times: module.many_rates(times, Y, E, f, g, context),
+        "Jacobian": lambda times: module.many_jacobians(
+            times, Y, E, E_next, ANGLE_STEP, f, g, J, Jq, f_phi, g_phi, context
+        ),
+        "systems": lambda times: module.many_systems(times, matrix, pivots, f, SOLVES),
+        "nozzle flow": lambda times: module.many_flows(times, p, rho, choke, choked),
     }
 
 
