@@ -186,7 +186,7 @@ def _solved(solution: Solution, trace: bool) -> Result:
         *of_drive,
         *of_turns,
         *verdict.warnings(solution, found),
-        *verdict.inaccurate(scene, accurate.errors),
+        *verdict.inaccurate(scene.numerics.accuracy, accurate.errors),
     )
     errors = accurate.errors
     return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, kept)

@@ -8,6 +8,7 @@ import numpy as np
 
 from screwsim import plausible
 from screwsim.estimate import worst
+from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.orifice import outside_fit
 from screwsim.model import close as closing
 from screwsim.model.pulsation import LOWEST
@@ -16,14 +17,16 @@ from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
 from screwsim.model.stops import MOST_IMPACTS
 from screwsim.outputs import Figures
 from screwsim.scene.plausible import scene_warnings
-from screwsim.scene.types import Scene
 from screwsim.solution import Solution
 
 DRAWN_TOO_MUCH = 0.02  # share of the vapour that an economizer makes
 ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integration that stops there shows a lock
-REMEDIES = {  # of the limits of an equation of state, by a word of what the gas says of them
-    "highest": "use more or cooler oil, a wider discharge port, a larger machine.volume.min or smaller leaks",
-    "lowest": "use warmer suction gas or oil, or a wider suction port",
+LESS = "use more or cooler oil, a wider discharge port, a larger machine.volume.min or smaller leaks"
+REMEDIES = {  # of the limits of an equation of state
+    Limit.HOT: LESS,
+    Limit.PRESSED: LESS,
+    Limit.COLD: "use warmer suction gas or oil, or a wider suction port",
+    Limit.WET: "use warmer oil or gas, or gas.two_phase: equilibrium",
 }
 
 HOT = 1000.0  # [K] beyond what a machine stands
@@ -38,15 +41,13 @@ def refused(solution: Solution) -> str:
     times, dense, _, steps = solution.machinery.last()
     T, rho = (np.ascontiguousarray(dense[:steps, 1, column]) for column in (0, 1))
     i = gas.first_outside(T, rho)
-    if i is None:
-        return ""
-    return f"at {math.degrees(times[i + 1]):.2f} deg {_remedied(gas.why_outside(float(T[i]), float(rho[i])))}"
+    found = None if i is None else gas.why_outside(float(T[i]), float(rho[i]))
+    return "" if i is None or found is None else f"at {math.degrees(times[i + 1]):.2f} deg {_remedied(found)}"
 
 
-def _remedied(reason: str) -> str:
-    """Return what a gas says of its limits, with a remedy where it names none."""
-    remedy = next((remedy for word, remedy in REMEDIES.items() if word in reason), "")
-    return f"{reason}; {remedy}" if remedy else reason
+def _remedied(found: Outside) -> str:
+    """Return which limit of its gas a state violates, with the remedy."""
+    return f"{found.what}; {REMEDIES[found.limit]}"
 
 
 def beyond_its_mean(solution: Solution) -> str:
@@ -219,11 +220,11 @@ def _unfitted_bore(solution: Solution, found: Figures) -> list[str]:
     return [f"the formula of the oil's flow is stretched beyond its range: {why}"] if why else []
 
 
-def inaccurate(scene: Scene, error: Figures) -> tuple[str, ...]:
+def inaccurate(wanted: float, error: Figures) -> tuple[str, ...]:
     """Return a warning when the estimated error of a figure stayed above the wanted accuracy, or when there is none."""
     if error and all(size is None for size in error.values()):
         return ("the errors could not be estimated: the finer solution did not reach its end",)
     name, size = worst(error)
-    if size <= scene.numerics.accuracy:
+    if size <= wanted:
         return ()
-    return (f"the estimated error of {name}, {size:.2g}, is above the wanted accuracy {scene.numerics.accuracy:.2g}",)
+    return (f"the estimated error of {name}, {size:.2g}, is above the wanted accuracy {wanted:.2g}",)

@@ -10,6 +10,7 @@ import pytest
 from screwsim.faults import UsageError
 from screwsim.fluid import description, terms
 from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.limits import Limit
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import saturation
 from screwsim.numerics.kernel import Kernel
@@ -280,16 +281,20 @@ def test_the_margin_falls_through_zero_where_vapour_saturates():
     assert R134A.margin(T, 0.9 * saturated) == pytest.approx(-math.log(0.9), rel=1e-9)
     assert R134A.margin(T, saturated * (1 - 1e-9)) > 0.0 > R134A.margin(T, saturated * (1 + 1e-9))
     assert R134A.why_outside(T, 0.9 * saturated) is None
-    assert "condenses" in R134A.why_outside(T, 1.1 * saturated)
+    wet = R134A.why_outside(T, 1.1 * saturated)
+    assert wet.limit is Limit.WET and "condenses" in wet.what
 
 
 def test_the_margin_falls_through_zero_at_the_equations_limits():
     known = R134A.known
-    for T, words in ((known.T_min - 0.1, "lowest temperature"), (known.T_max + 0.1, "highest temperature")):
+    ends = (known.T_min - 0.1, Limit.COLD, "lowest temperature"), (known.T_max + 0.1, Limit.HOT, "highest temperature")
+    for T, limit, words in ends:
         assert R134A.margin(T, 1e-3) < 0.0
-        assert words in R134A.why_outside(T, 1e-3)
+        found = R134A.why_outside(T, 1e-3)
+        assert found.limit is limit and words in found.what
     assert R134A.margin(400.0, 1400.0) < 0.0
-    assert "highest pressure" in R134A.why_outside(400.0, 1400.0)
+    pressed = R134A.why_outside(400.0, 1400.0)
+    assert pressed.limit is Limit.PRESSED and "highest pressure" in pressed.what
 
 
 def test_a_liquid_is_refused_with_its_boiling_point():
@@ -323,7 +328,7 @@ def test_a_liquid_is_that_of_coolprop(T, p):
 
 def test_two_phases_are_outside_only_where_they_are_refused():
     rho = 1.5 * R134A.density(5e5, 290.0)
-    assert "condenses at 290 K" in R134A.why_outside(290.0, rho)
+    assert "condenses at 290 K" in R134A.why_outside(290.0, rho).what
     assert RealGas("R134a", "equilibrium").why_outside(290.0, rho) is None
 
 

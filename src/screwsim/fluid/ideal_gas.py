@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from screwsim.fluid.limits import Outside
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.kernel import kernel
@@ -109,7 +110,7 @@ class IdealGas:
         """Return None: no state is outside."""
         return None
 
-    def why_outside(self, T: float, rho: float) -> str | None:
+    def why_outside(self, T: float, rho: float) -> Outside | None:
         """Return None: an ideal gas has no limits."""
         return None
 

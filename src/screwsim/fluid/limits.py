@@ -1,15 +1,32 @@
-"""Where a history of states first leaves what a gas's equation covers; compiled, for many states at once.
+"""The limits of a gas's equation, and where a history of states first leaves them; compiled, for many at once.
 
 Source: the limits of the equation of state and of its vapour, as the kernel `margin` of the gas gives them.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from enum import Enum, auto
+from typing import Any, NamedTuple
 
 from screwsim.numerics.kernel import Slot, kernel
 
 margin: Any = Slot("margin")
+
+
+class Limit(Enum):
+    """Which limit of a gas's equation a state violates; what may help follows from it (`verdict.REMEDIES`)."""
+
+    HOT = auto()
+    COLD = auto()
+    PRESSED = auto()
+    WET = auto()
+
+
+class Outside(NamedTuple):
+    """A state that a gas's equation does not cover: which limit it violates, and that in words."""
+
+    limit: Limit
+    what: str
 
 
 @kernel

@@ -23,6 +23,7 @@ from screwsim.fluid import isobar, limits
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.dome import equilibrium_kernels, margin_kernel, saturation_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
+from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.saturation import saturation
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
@@ -270,26 +271,27 @@ class RealGas:
         extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
         return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
 
-    def why_outside(self, T: float, rho: float) -> str | None:
-        """Return in words which limit a state violates, with the remedy, or None.
+    def why_outside(self, T: float, rho: float) -> Outside | None:
+        """Return which limit a state violates, or None.
 
         Two phases are no violation in equilibrium.
         """
         known, found = self.known, saturation(self.fluid)
+        at = f"{known.name} at {T:.6g} K is"
         if T < found.T_low:
-            return f"{known.name} at {T:.6g} K is below the equation's lowest temperature, {found.T_low:.6g} K"
+            return Outside(Limit.COLD, f"{at} below the equation's lowest temperature, {found.T_low:.6g} K")
         if T < found.T_c and rho >= self._run("vapour")(T) * (1.0 + AT_SATURATION):
             if self.two_phase == "equilibrium":
                 return None
-            return (
-                f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {self._run('vapour')(T):.6g} "
-                f"kg/m3 at {self.saturation_pressure(T):.6g} Pa); use warmer oil or gas, or gas.two_phase: equilibrium"
-            )
+            saturated = f"{self._run('vapour')(T):.6g} kg/m3 at {self.saturation_pressure(T):.6g} Pa"
+            what = f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {saturated})"
+            return Outside(Limit.WET, what)
         if T > known.T_max:
-            return f"{known.name} at {T:.6g} K is above the equation's highest temperature, {known.T_max:.6g} K"
+            return Outside(Limit.HOT, f"{at} above the equation's highest temperature, {known.T_max:.6g} K")
         p = float(self._run("single state")(T, rho)[0])
         if p > known.p_max:
-            return f"{known.name} at {p:.6g} Pa is above the equation's highest pressure, {known.p_max:.6g} Pa"
+            what = f"{known.name} at {p:.6g} Pa is above the equation's highest pressure, {known.p_max:.6g} Pa"
+            return Outside(Limit.PRESSED, what)
         return None
 
 

@@ -20,6 +20,7 @@ CHOSEN = "SCREWSIM_CACHE"
 PRIVATE = "SCREWSIM_PRIVATE_CACHE"  # the private folder, for the processes that this one starts
 NOWHERE = "-"  # in its place: not even that could be made
 OTHERS = 0o022  # mode of what group or world may write
+SHARED = "others may write there"
 REMEDY = f"name a folder of your own with {CHOSEN}"
 
 _lock = threading.Lock()
@@ -45,7 +46,8 @@ def cache_folder() -> Path | None:
         return _private(f"no home folder is known, so nothing that is compiled stays (set HOME, or {REMEDY})")
     flaw = _made(folder) or _flaw(folder)
     if flaw:
-        return _private(f"{folder}: {flaw}, so nothing that is compiled stays ({_remedy(folder, flaw)})")
+        remedy = f"remove it, or {REMEDY}" if flaw == SHARED else REMEDY
+        return _private(f"{folder}: {flaw}, so nothing that is compiled stays ({remedy})")
     if not chosen:
         _close(folder)
     return folder
@@ -82,12 +84,8 @@ def _flaw(folder: Path) -> str:
     if not (own(link) and own(found)):
         return "belongs to another user"
     if os.name == "posix" and found.st_mode & OTHERS:
-        return "others may write there"
+        return SHARED
     return "" if os.access(folder, os.W_OK | os.X_OK) else "cannot be written"
-
-
-def _remedy(folder: Path, flaw: str) -> str:
-    return f"remove it, or {REMEDY}" if "others" in flaw else REMEDY
 
 
 def own(found: os.stat_result) -> bool:

@@ -78,6 +78,7 @@ class _Answer(NamedTuple):
     message: str
     values: tuple[float, ...] = ()
     errors: tuple[float, ...] = ()
+    lacks: bool = False  # is it a figure alone that the point has no value of?
 
 
 def read_ranges(scene: Scene, texts: Sequence[str]) -> tuple[Range, ...]:
@@ -143,11 +144,11 @@ def sensitivity(
         progress=progress,
     )
     head = (tuple(ranges), samples, seed, len(points))
-    bad = [answer.message for answer in answers if answer.message]
+    bad = [answer for answer in answers if answer.message]
     if bad:
         remedy = "every point is needed: narrow the ranges"
-        remedy += ", or choose another --figure" if bad[0].startswith("no ") else ""
-        return Sensitivity(*head, len(bad), (), f"{len(bad)} of {len(points)} solutions: {bad[0]} ({remedy})")
+        remedy += ", or choose another --figure" if bad[0].lacks else ""
+        return Sensitivity(*head, len(bad), (), f"{len(bad)} of {len(points)} solutions: {bad[0].message} ({remedy})")
     values, errors = (np.array([getattr(answer, name) for answer in answers]) for name in ("values", "errors"))
     shares = (_shares(figure, problem, values[:, i], errors[:, i], seed) for i, figure in enumerate(figures))
     return Sensitivity(*head, 0, tuple(shares))
@@ -169,7 +170,7 @@ def _answer(
     for figure in figures:
         if result.performance.get(figure) is None:
             reason = result.notes.get(figure, "it is not simulated")
-            return _Answer(f"no {figure}: {reason}")
+            return _Answer(f"no {figure}: {reason}", lacks=True)
     values = tuple(float(result.performance[figure]) for figure in figures)
     return _Answer("", values, tuple(absolute_error(result, figure, scene) for figure in figures))
 

@@ -25,7 +25,6 @@ from screwsim.study.progress import Progress
 FIGURES = ("gas_mass_flow", "cooling_capacity", "volumetric_efficiency", "shaft_power", "isentropic_efficiency")
 LENGTHS = ("crank_radius", "rod_length", "offset", "bore")
 LEAST_SIZE = 1e-3  # [m], from which on ISO 286 has tolerances: a smaller offset has that of this size
-HIT = "the piston reaches the head"
 TURN = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
 Simulate = Callable[[Scene], Result]
 
@@ -67,6 +66,7 @@ class Tolerances:
 class _Answer(NamedTuple):
     message: str
     values: tuple[float, ...] = ()
+    hits: bool = False  # the piston reaches the head
 
 
 def widths_of(machine: SliderCrank, grades: dict[str, int]) -> dict[str, float]:
@@ -132,18 +132,18 @@ def tolerances(
         count,
         died=lambda number: _Answer(DIED),
         jobs=jobs,
-        failed=lambda answer: bool(answer.message) and answer.message != HIT,
+        failed=lambda answer: bool(answer.message),
         progress=progress,
     )
-    good = [i for i, answer in enumerate(answers) if not answer.message]
-    bad = [answer.message for answer in answers if answer.message and answer.message != HIT]
+    good = [i for i, answer in enumerate(answers) if not (answer.message or answer.hits)]
+    bad = [answer.message for answer in answers if answer.message]
     links = Links(machine.crank_radius, machine.rod_length, machine.offset)
     table = tuple(grade(right, TURN, links, number, number) for number in GRADES)
     shifts = np.array([changed(scene, _at(lengths, i))[1] for i in range(count)])[good]
     values = {name: np.array([answers[i].values[k] for i in good]) for k, name in enumerate(figures)}
     kept = {name: values_of[good] for name, values_of in lengths.items()}
     spreads = tuple(_spread(name, float(nominal.performance[name]), values[name], kept) for name in figures if good)
-    hits = sum(answer.message == HIT for answer in answers)
+    hits = sum(answer.hits for answer in answers)
     message = bad[0] if bad else ""
     return Tolerances(grades, widths, links, table, seed, count, hits, len(bad), message, shifts, values, spreads)
 
@@ -159,7 +159,7 @@ def _answer(
     other, _ = changed(scene, _at(lengths, number))
     assert isinstance(other.machine, SliderCrank)
     if other.machine.clearance <= 0.0:
-        return _Answer(HIT)
+        return _Answer("", hits=True)
     result = simulate(other)
     if result.status != "ok":
         return _Answer(f"{result.status.replace('_', ' ')}: {result.message}")

@@ -19,6 +19,7 @@ from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
 from screwsim.study.accuracy.solving import WorkLimit, solve, way
+from screwsim.verdict import inaccurate
 
 RPM = 2.0 * math.pi / 60.0
 FINER = 2e-2, 5e-3, 1e-3  # accuracies of finer solutions over the wanted one: as many as it takes until two agree
@@ -156,12 +157,12 @@ def _outcome(
 ) -> Kept:
     estimated = worst(Figures(result.error))[1]
     evaluations = int(result.numerics.rhs_evaluations)
-    return Kept(status, wanted, estimated, true, name, kind, evaluations, warns(result), changes)
+    return Kept(status, wanted, estimated, true, name, kind, evaluations, warns(result, wanted), changes)
 
 
-def warns(result: Result) -> bool:
+def warns(result: Result, wanted: float) -> bool:
     """Tell whether a result warns that its errors are above the wanted accuracy, or that none could be estimated."""
-    return any("estimated" in text for text in result.warnings)
+    return bool(inaccurate(wanted, Figures(result.error)))
 
 
 def estimates_over_errors(found: list[Kept]) -> list[float]:
