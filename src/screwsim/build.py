@@ -28,7 +28,8 @@ from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.settings import GasSettings
-from screwsim.machine.kinds import Machine, geometry_of
+from screwsim.machine.kinds import kind_of
+from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model import close as closing
 from screwsim.model.parts import Effects, OilPart, Parts
 from screwsim.scene.checks import cross_check
@@ -37,13 +38,8 @@ from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_ent
 from screwsim.scene.types import ActiveEffect, Scene
 
 
-def own_effects(scene: Scene) -> tuple[str, ...]:
-    """Return the names of the effects of the user's own."""
-    return tuple(name for name in scene.effects if "." in name)
-
-
 def blamed(error: BaseException, own: Iterable[str]) -> str | None:
-    """Return in which of the user's own effects an error was raised; None in none of them."""
+    """Return in which of the user's own modules an error was raised; None in none of them."""
     modules = [frame.f_globals.get("__name__", "") for frame, _ in walk_tb(error.__traceback__)]
     tops = {module.partition(".")[0] for module in modules}
     exact = [name for name in own if name in modules]
@@ -53,13 +49,13 @@ def blamed(error: BaseException, own: Iterable[str]) -> str | None:
 
 @contextmanager
 def faults_of_own(scene: Scene) -> Iterator[None]:
-    """Raise UsageError, in one line, for what fails while effects of the user's own are built and compiled."""
+    """Raise UsageError, in one line, for what fails while modules of the user's own are built and compiled."""
     try:
         yield
     except UsageError:
         raise
     except (Exception, SystemExit) as error:
-        own = [f"effects.{name}" for name in own_effects(scene)]
+        own = scene.own.values()
         if not own:
             raise
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
@@ -140,10 +136,10 @@ class Stock:
             self._gas = settings, build_gas(scene)
         return self._gas[1]
 
-    def geometry(self, machine: Machine) -> Any:
+    def geometry(self, machine: MachineSettings) -> MachineGeometry:
         """Return the geometry of a machine."""
         if self._geometry is None or self._geometry.settings is not machine:
-            self._geometry = geometry_of(machine)
+            self._geometry = kind_of(machine).geometry(machine)
             self._built.clear()
         return self._geometry
 

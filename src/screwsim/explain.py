@@ -29,6 +29,8 @@ from screwsim.effects.base import (
     Shaft,
     Wall,
 )
+from screwsim.machine.kinds import kind_of
+from screwsim.machine.protocol import ROTORS
 from screwsim.machine.settings import TwinScrew
 from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.model.compose import HELD_GAS, Composition, compose
@@ -88,15 +90,13 @@ def explain(scene: Scene) -> Explanation:
     with faults_of_own(scene):
         parts = build_parts(scene)
         model = compose(parts)
-    kind = scene.machine.kind
-    left_out = tuple(
-        name for name, effect in catalogue().items() if name not in scene.effects and kind in effect.machines
-    )
+    kind = kind_of(scene.machine)
+    left_out = tuple(name for name, effect in catalogue().items() if name not in scene.effects and effect.fits(kind))
     sections = [
         ("Machine", _machine(scene, parts)),
         (f"Active effects ({_counted(scene, left_out)})", _effects(scene, parts)),
         ("Left out: no term, no state, no computing time", _left_out(left_out)),
-        ("Chamber", _chamber(parts, model)),
+        ("Chamber", _chamber(parts, model, "male rotor" if ROTORS in kind.offers else "shaft")),
         ("Flow paths", _paths(parts)),
         ("Gas", _gas(scene, parts)),
         ("Oil", _oil(scene, parts)),
@@ -128,8 +128,12 @@ def _row(name: str, text: str) -> str:
 def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
     if isinstance(scene.machine, SliderCrank):
         yield from _cylinder(scene.machine, scene.operation.speed)
-    else:
+    elif isinstance(scene.machine, TwinScrew):
         yield from _screws(scene.machine, parts)
+    else:
+        yield _row("kind", f"{scene.machine.kind}, {scene.machine.mode}")
+        swept = f"swept volume {parts.geometry.swept_volume * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
+        yield _row("parameters", f"{_parameters(scene.machine, skip=('kind', 'mode'))}; {swept}")
     speed = readable_quantity(KINDS["speed"], scene.operation.speed)
     yield _row("speed", f"{speed}, {parts.omega / parts.geometry.pitch:.5g} chamber lives/s")
 
@@ -255,7 +259,7 @@ def _left_out(names: tuple[str, ...]) -> Iterator[str]:
         yield _row("none", "every effect of the catalogue is active")
 
 
-def _chamber(parts: Parts, model: Composition) -> Iterator[str]:
+def _chamber(parts: Parts, model: Composition, axis: str) -> Iterator[str]:
     geometry = parts.geometry
     states = ", ".join(f"{name} {STATE_MEANINGS.get(name, '')}".strip() for name in model.states)
     yield _row("states", f"{states}; {BALANCES}")
@@ -263,7 +267,7 @@ def _chamber(parts: Parts, model: Composition) -> Iterator[str]:
         yield _row("life", f"{math.degrees(geometry.life):g} deg of the crank, from top dead centre; one chamber")
         yield _row("trapped mass", f"at the bottom dead centre, {math.degrees(geometry.injection_angle):.6g} deg")
         return
-    yield _row("life", f"{math.degrees(geometry.life):g} deg of the male rotor")
+    yield _row("life", f"{math.degrees(geometry.life):g} deg of the {axis}")
     pitch = math.degrees(geometry.pitch)
     yield _row("alive at once", f"{geometry.chambers} chambers, one lobe pitch of {pitch:.6g} deg apart")
     port = parts.oil_port

@@ -61,7 +61,10 @@ class Asked(NamedTuple):
 
 def impossible(solution: Solution, closed: closing.Closed) -> str:
     """Return which own effect returned what cannot be, where, in one line; empty where none did."""
-    own = {name for name in solution.scene.effects if "." in name}
+    scene = solution.scene
+    own = {name for name in scene.effects if "." in name}
+    if scene.machine.kind in scene.own:
+        own |= {"suction_port", "discharge_port"}  # whose areas are the machine's
     if not own:
         return ""
     wrong = next(_declared(solution, own), "")

@@ -8,11 +8,12 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from screwsim import own, plausible, settling, shaft, verdict
-from screwsim.build import blamed, faults_of_own, own_effects, prepare
+from screwsim.build import blamed, faults_of_own, prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter
 from screwsim.faults import Impossible, UsageError
 from screwsim.ledger.total import Ledger
 from screwsim.model import compiled
+from screwsim.numerics import sources
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
 from screwsim.prepared import Series
@@ -75,10 +76,10 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
 
 def _told(scene: Scene, trace: bool, series: Series) -> Result:
     """Return the result of a scene; what goes wrong inside an effect of the user's own is told as a fault of that."""
-    own = own_effects(scene)
+    own = scene.own
     if not own:
         return _simulate(scene, trace, series)
-    _survived(own, tuple(scene.effects), scene)
+    _survived(scene)
     try:
         return _simulate(scene, trace, series)
     except UsageError:
@@ -90,24 +91,25 @@ def _told(scene: Scene, trace: bool, series: Series) -> Result:
         series.course.forget()
         text = " ".join(f"{type(error).__name__}: {error}".split())
         what = "ends the program" if isinstance(error, SystemExit) else "fails"
-        return Result("failed", f"effects.{name}: {what} ({text}); mend that module", effects=tuple(scene.effects))
+        return Result("failed", f"{own[name]}: {what} ({text}); mend that module", effects=tuple(scene.effects))
 
 
-_tried: dict[tuple[str, ...], list[Any]] = {}  # effects that were tried, the user's own as they were imported
+_tried: dict[tuple[str, ...], list[Any]] = {}  # machines and effects that were tried, the user's own as imported
 
 
-def _survived(own: tuple[str, ...], effects: tuple[str, ...], scene: Scene) -> None:
-    """Raise UsageError where a process dies over effects of the user's own: a child is the first to try them."""
-    modules = [scene.effects[name].effect for name in own]
-    known = _tried.get(effects, [])
+def _survived(scene: Scene) -> None:
+    """Raise UsageError where a process dies over modules of the user's own: a child is the first to try them."""
+    names, modules = (scene.machine.kind, *scene.effects), [sources.made_of(name) for name in scene.own]
+    known = _tried.get(names, [])
     if len(known) == len(modules) and all(map(operator.is_, known, modules)):
         return
     how = how_it_died(lambda: _simulate(scene, False, Series()))
     if how:
-        names = ", ".join(f"effects.{name}" for name in own)
         what = f"a process that built, compiled and ran them died {how}"
-        raise UsageError(f"{names}: {what}; mend the module (they are the effects of your own here)")
-    _tried[effects] = modules
+        which = "the effects" if scene.machine.kind not in scene.own else "what is"
+        where = ", ".join(scene.own.values())
+        raise UsageError(f"{where}: {what}; mend the module (they are {which} of your own here)")
+    _tried[names] = modules
 
 
 def _simulate(scene: Scene, trace: bool, series: Series) -> Result:

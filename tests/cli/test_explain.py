@@ -7,13 +7,14 @@ import screwsim
 import screwsim.explain
 from screwsim.effects import catalogue
 from screwsim.explain import explain
+from screwsim.machine.kinds import MACHINES
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def test_active_and_left_out_are_the_effects_that_the_machine_can_have(folder):
     found = explain(screwsim.load("small.yaml"))
-    of_screws = {name for name, effect in catalogue().items() if "twin_screw" in effect.machines}
+    of_screws = {name for name, effect in catalogue().items() if effect.fits(MACHINES["twin_screw"])}
     assert set(found.active) | set(found.left_out) == of_screws
     assert not set(found.active) & set(found.left_out)
     assert "oil_heat" in found.left_out
@@ -21,7 +22,7 @@ def test_active_and_left_out_are_the_effects_that_the_machine_can_have(folder):
 
 def test_effects_are_counted_of_the_kind_and_in_all(folder):
     every = catalogue().values()
-    screws, cylinders = (sum(kind in effect.machines for effect in every) for kind in ("twin_screw", "slider_crank"))
+    screws, cylinders = (sum(effect.fits(kind) for effect in every) for kind in MACHINES.values())
     text = str(explain(screwsim.load("small.yaml")))
     assert f"Active effects (3 of the {screws} of a twin_screw; {len(every)} in all)" in text
     cylinder = screwsim.load(CONFIGS / "slider_crank" / "air.yaml")
@@ -39,7 +40,7 @@ def test_effects_of_your_own_are_counted_apart(folder, monkeypatch):
 
 def test_the_readme_counts_the_effects_as_explain_does():
     every = catalogue().values()
-    screws = sum("twin_screw" in effect.machines for effect in every)
+    screws = sum(effect.fits(MACHINES["twin_screw"]) for effect in every)
     readme = " ".join((CONFIGS.parent / "README.md").read_text(encoding="utf-8").split())
     assert f"({len(every)} in all, {screws} of them of twin screws)" in readme
 

@@ -9,7 +9,7 @@ import pytest
 
 from screwsim.build import regularisation, wanted_of
 from screwsim.machine.geometry import Geometry
-from screwsim.machine.kinds import geometry_of
+from screwsim.machine.kinds import kind_of
 from screwsim.model.parts import OilPart, Parts
 from screwsim.model.residues import LEAST_WORK
 from screwsim.model.writing import HEAT_SYMBOLS, OPENING_SYMBOLS, PUSH_SYMBOLS, STATE_SYMBOLS, symbols_of
@@ -74,7 +74,8 @@ def test_every_symbol_of_a_kernel_is_listed():
 
 def test_every_symbol_of_a_cylinder_is_listed():
     machine = "machine: {kind: slider_crank, bore: 5 cm, crank_radius: 2 cm, rod_length: 9 cm, clearance: 3 cm^3}\n"
-    geometry = geometry_of(loads(machine + SCENE.partition("\n")[2]).machine)
+    cylinder = loads(machine + SCENE.partition("\n")[2]).machine
+    geometry = kind_of(cylinder).geometry(cylinder)
     parts = Parts(geometry, None, omega=300.0, widths=(1.0, 1.0, 1.0), effects={}, oil=None)
     table = NOMENCLATURE.partition("## Names that a kernel may ask for")[2]
     for name in (*symbols_of(parts), *STATE_SYMBOLS, *OPENING_SYMBOLS, *PUSH_SYMBOLS):

@@ -8,7 +8,7 @@ import pytest
 from scenes import scene_dict
 
 from screwsim.effects import catalogue
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.kinds import MACHINES
 
 UNCLOSED = {("plenums, discharge valve", "paper, 10 rpm")}  # docs/reference/effects.md: it leaks far more than it moves
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "effects.md"
@@ -35,7 +35,7 @@ def test_every_effect_of_a_screw_machine_has_a_row():
     named = " ".join(json.dumps([name, effect], default=str) for name, effect in hard_with_effects.EFFECTS.items())
     on_base = set(scene_dict({})["effects"])
     for name, effect in catalogue().items():
-        if TWIN_SCREW in effect.machines and name not in on_base:
+        if effect.fits(MACHINES["twin_screw"]) and name not in on_base:
             assert f"effects.{name}" in named, name
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from screwsim.effects import catalogue
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.kinds import MACHINES
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate, simulate_many
 
@@ -14,7 +14,7 @@ LEFT_OUT = {"oil_heat"}  # droplets take its place
 
 
 def test_only_what_cannot_be_on_is_left_out():
-    of_screws = {name for name, effect in catalogue().items() if TWIN_SCREW in effect.machines}
+    of_screws = {name for name, effect in catalogue().items() if effect.fits(MACHINES["twin_screw"])}
     assert of_screws - set(load(SCENE).effects) == LEFT_OUT
 
 

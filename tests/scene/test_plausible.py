@@ -13,7 +13,6 @@ from screwsim.machine.rotors.export import lobe_csv
 from screwsim.scene import load
 from screwsim.scene.fields import leaf_paths
 from screwsim.scene.plausible import scene_warnings
-from screwsim.scene.sizes import SIZES
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 REAL = CONFIGS / "r134a" / "point.yaml"
@@ -110,7 +109,7 @@ def test_usual_bounds_lie_within_those_of_what_can_be_and_hold_the_default(kind)
 @pytest.mark.parametrize("kind", MACHINES)
 def test_the_table_of_sizes_names_paths_that_scenes_have(kind):
     leaves = leaf_paths(PARAMETERS, kind)
-    for size in SIZES[kind]:
+    for size in MACHINES[kind].sizes:
         assert leaves[size.path].kind in ("length", "area", "volume"), size.path
         assert size.usual[0] < size.usual[1] <= size.most, size.path
 

@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-import sys
 from functools import cache
 
 from screwsim.effects.base import Effect
-from screwsim.numerics import sources
-from screwsim.numerics.trial import how_it_died
+from screwsim.numerics.trial import own_module
 
 _NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "line_valve", "port_window", "valves"}
 _ORDER = (
@@ -59,15 +57,7 @@ def find_effect(name: str) -> Effect:
     """Return the effect of a name; raise KeyError when there is none, ImportError when a dotted one is not there."""
     if "." not in name:
         return catalogue()[name]
-    how = "" if name in sys.modules else how_it_died(lambda: importlib.import_module(name))
-    if how:
-        raise ImportError(f"a process that imported it died {how}")
-    try:
-        module = importlib.import_module(name)
-    except SystemExit as error:  # would end this program, too, and say nothing
-        raise ImportError(f"it ends the program, by SystemExit: {error}") from error
-    effect = getattr(module, "EFFECT", None)
+    effect = getattr(own_module(name), "EFFECT", None)
     if not isinstance(effect, Effect):
         raise ImportError(f"module {name} defines no EFFECT")
-    sources.note(name, effect)
     return effect

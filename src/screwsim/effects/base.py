@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from screwsim.faults import Fault
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.settings import OilProperties
-from screwsim.machine.kinds import SLIDER_CRANK, TWIN_SCREW
+from screwsim.machine.protocol import MachineKind
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.made import Entry
 
@@ -430,7 +430,7 @@ class Effect:
 
     `build(parameters, machine)` returns its parts; `check(parameters, facts)` returns faults that only the whole scene
     shows. `numbers(parameters, around)` returns numbers behind argument names of its kernels that follow from the
-    scene. `machines` are the kinds of machines that can have it.
+    scene. `needs` is what a machine must offer (`machine.protocol`), of all kinds by default.
     """
 
     name: str
@@ -443,4 +443,8 @@ class Effect:
     states: tuple[str, ...] = ()
     check: Callable[[Any, Any], list[Fault]] | None = None
     numbers: Callable[[Any, Around], Mapping[str, float]] | None = None
-    machines: tuple[str, ...] = (TWIN_SCREW, SLIDER_CRANK)
+    needs: frozenset[str] = frozenset()
+
+    def fits(self, kind: MachineKind) -> bool:
+        """Tell whether a kind of machine can have this effect."""
+        return self.needs <= kind.offers

@@ -18,7 +18,7 @@ from screwsim.declare import choice, count, number, quantity
 from screwsim.effects.base import Effect, PowerLoss
 from screwsim.effects.oil_drag import film_temperature
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import ROTORS
 
 LEAST_FILM = 2000.0  # ν n [mm²/s · 1/min] below which M_0 does not depend on it (Palmgren)
 _OF_FRICTION = {
@@ -148,5 +148,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({ROTORS}),
 )

@@ -19,7 +19,7 @@ from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import GapParameters, check_gap, gap_path, profile_paths, ramp
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import BLOW_HOLE
 from screwsim.numerics.kernel import kernel
 
 DEGREE = pi / 180.0
@@ -69,5 +69,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({BLOW_HOLE}),
 )

@@ -17,7 +17,7 @@ from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, FlowPath, Reading
 from screwsim.effects.valves import SIDES, port_area, valve_losses
 from screwsim.faults import Fault
-from screwsim.machine.kinds import SLIDER_CRANK
+from screwsim.machine.protocol import CYLINDER
 from screwsim.numerics.kernel import kernel
 
 LOOSE = -2.0  # of `held`: a stored cycle is read, whose pressure errs
@@ -76,5 +76,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(SLIDER_CRANK,),
+    needs=frozenset({CYLINDER}),
 )

@@ -20,7 +20,7 @@ from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Around, Effect, Wall
 from screwsim.faults import Fault, UsageError
 from screwsim.fluid.constants import transport
-from screwsim.machine.kinds import SLIDER_CRANK
+from screwsim.machine.protocol import CYLINDER
 from screwsim.numerics.kernel import kernel
 
 ADAIR = "adair"
@@ -96,5 +96,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     numbers=numbers,
-    machines=(SLIDER_CRANK,),
+    needs=frozenset({CYLINDER}),
 )

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import PortParameters, port_path
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import PORTS
 
 
 def build(parameters: PortParameters, machine) -> list[FlowPath]:
@@ -26,5 +26,5 @@ EFFECT = Effect(
     source="Chernov et al. 2015, eqs. (3), (4), (18)",
     parameters=PortParameters,
     build=build,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({PORTS}),
 )

@@ -20,7 +20,7 @@ from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Around, Effect, HeatRate, Reading
 from screwsim.effects.gas_transport import gas_faults, gas_numbers
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
 
 _OF_SIZE = {
@@ -147,5 +147,5 @@ EFFECT = Effect(
     states=("T_oil",),
     check=check,
     numbers=numbers,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({OIL}),
 )

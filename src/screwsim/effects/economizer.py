@@ -19,7 +19,7 @@ from screwsim.effects.port_window import WindowParameters, check_window, window_
 from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import HOLES
 
 NAME = "economizer"
 
@@ -152,5 +152,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({HOLES}),
 )

@@ -21,7 +21,7 @@ from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
 from screwsim.effects.gap_flow import numbers
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import END_GAP
 from screwsim.numerics.kernel import kernel
 
 TURN = 2.0 * pi
@@ -70,5 +70,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     numbers=numbers,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({END_GAP}),
 )

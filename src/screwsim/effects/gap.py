@@ -142,7 +142,7 @@ def check_gap(
     size: name of the length or area behind the built-in area; tabled: whether a table replaces all of it.
     """
     machine, path = facts.machine, f"effects.{name}"
-    profiled, given = machine.volume.law == "profile", getattr(parameters, size) if size else None
+    profiled, given = machine.finds_gaps, getattr(parameters, size) if size else None
     built_in = parameters.area_file is None or not tabled
     if built_in and not profiled and machine.counts_otherwise:
         what = "has a formula that counts a life of 720 deg, which the volume's table has not"
@@ -150,9 +150,7 @@ def check_gap(
     elif size and given is None and built_in and not profiled:
         yield Fault(f"{path}.{size}", f"is missing (write e.g. {size}: {example}; {what})")
     elif size == "length" and given is not None and profiled:
-        yield Fault(
-            f"{path}.length", "is given beside machine.volume.law: profile, which finds it by angle (remove it)"
-        )
+        yield Fault(f"{path}.length", f"is given beside {profiled}, which finds it by angle (remove it)")
     if isinstance(parameters, ClearanceParameters):
         yield from gap_flow.faults(name, parameters, facts)
 

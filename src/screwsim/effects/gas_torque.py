@@ -19,7 +19,7 @@ import numpy as np
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, Reading
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import ROTORS
 
 HARMONICS = 4  # that have a figure of their own
 FORCES = ("axial", "radial")
@@ -138,5 +138,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({ROTORS}),
 )

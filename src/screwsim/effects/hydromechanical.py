@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from screwsim.declare import number
 from screwsim.effects.base import Effect, PowerLoss
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import ROTORS
 
 GIUFFRIDA = 134.5  # coefficient of V_sw ω² μ
 
@@ -58,5 +58,5 @@ EFFECT = Effect(
     build=build,
     needs_oil=True,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({ROTORS}),
 )

@@ -17,7 +17,7 @@ from screwsim.effects.base import Drawn, Effect, FlowPath, Plenum, Site
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.faults import Fault
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import HOLES
 
 NAME = "liquid_injection"
 SHARP_EDGE = 0.61
@@ -62,5 +62,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({HOLES}),
 )

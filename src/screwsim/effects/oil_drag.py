@@ -16,7 +16,7 @@ from math import pi
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, PowerLoss
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import ROTORS
 
 
 @dataclass(frozen=True)
@@ -109,5 +109,5 @@ EFFECT = Effect(
     build=build,
     needs_oil=True,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({ROTORS}),
 )

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from screwsim.declare import choice, quantity
 from screwsim.effects.base import Effect, HeatRate
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
 
 
@@ -65,5 +65,5 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil",),
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({OIL}),
 )

@@ -21,7 +21,7 @@ from screwsim.effects.port_window import RAMP, WindowParameters, check_window, w
 from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
 
 NAME = "oil_injection"
@@ -143,5 +143,5 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil", "x_oil"),
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({OIL}),
 )

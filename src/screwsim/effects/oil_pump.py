@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, PowerLoss
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import OIL
 
 
 @dataclass(frozen=True)
@@ -57,5 +57,5 @@ EFFECT = Effect(
     build=build,
     needs_oil=True,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({OIL}),
 )

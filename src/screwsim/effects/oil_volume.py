@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, OilRoom
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import OIL
 
 
 @dataclass(frozen=True)
@@ -43,5 +43,5 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil", "x_oil"),
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({OIL}),
 )

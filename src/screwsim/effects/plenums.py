@@ -28,7 +28,7 @@ from screwsim.effects import line_valve
 from screwsim.effects.base import Effect, LineFlow, Made, Pulsation, Reading, Site, Turn
 from screwsim.effects.line_valve import Valve
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import PORTS
 from screwsim.numerics.made import Entry
 
 Array = np.ndarray
@@ -288,5 +288,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({PORTS}),
 )

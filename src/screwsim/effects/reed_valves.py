@@ -20,7 +20,7 @@ from screwsim.declare import number, quantity
 from screwsim.effects.base import ChamberState, Effect, FlowPath, Reading, Stops
 from screwsim.effects.valves import SIDES, port_area, valve_losses
 from screwsim.faults import Fault
-from screwsim.machine.kinds import SLIDER_CRANK
+from screwsim.machine.protocol import CYLINDER
 from screwsim.numerics.kernel import kernel
 
 
@@ -200,5 +200,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(SLIDER_CRANK,),
+    needs=frozenset({CYLINDER}),
 )

@@ -33,7 +33,7 @@ from screwsim.effects.base import Drawn, Effect, OilContent, OilGas, OilSolution
 from screwsim.faults import Fault
 from screwsim.fluid import constants, solubility
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import OIL
 
 NAME = "refrigerant_solubility"
 PLENUM = "oil_gas"
@@ -213,5 +213,5 @@ EFFECT = Effect(
     needs_oil=True,
     states=("T_oil", "x_oil"),
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({OIL}),
 )

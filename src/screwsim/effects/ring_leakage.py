@@ -17,7 +17,7 @@ from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import GAP_FLOW_COEFFICIENT
 from screwsim.effects.valves import port_area
 from screwsim.faults import Fault
-from screwsim.machine.kinds import SLIDER_CRANK
+from screwsim.machine.protocol import CYLINDER
 
 
 @dataclass(frozen=True)
@@ -56,5 +56,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(SLIDER_CRANK,),
+    needs=frozenset({CYLINDER}),
 )

@@ -18,7 +18,7 @@ from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
 from screwsim.faults import Fault, UsageError
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import ROTORS
 
 BEFORE = 60.0 * pi / 180.0  # the slot is reached this much before compression begins
 DEG = 180.0 / pi
@@ -95,5 +95,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({ROTORS}),
 )

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import PortParameters, port_path
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import PORTS
 
 
 def build(parameters: PortParameters, machine) -> list[FlowPath]:
@@ -25,5 +25,5 @@ EFFECT = Effect(
     source="Chernov et al. 2015, eqs. (3), (4), (17)",
     parameters=PortParameters,
     build=build,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({PORTS}),
 )

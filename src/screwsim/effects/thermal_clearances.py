@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from screwsim.declare import quantity
 from screwsim.effects.base import Effect, Made, Reading, Scaled, Site, Turn
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.made import Entry
 
 NAME, WALLS = "thermal_clearances", "wall_heat"
@@ -128,5 +128,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({ROTORS}),
 )

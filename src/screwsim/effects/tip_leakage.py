@@ -17,7 +17,7 @@ from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.effects.gap_flow import numbers
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import TIP_GAP
 from screwsim.numerics.kernel import kernel
 
 TIP_LENGTH = 9.83  # tip length over rotor diameter, eq. (19)
@@ -51,5 +51,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     numbers=numbers,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({TIP_GAP}),
 )

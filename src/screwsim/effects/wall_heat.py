@@ -21,7 +21,7 @@ from screwsim.declare import number, quantity
 from screwsim.effects.base import Around, Effect, Made, Reading, Site, Turn, Wall
 from screwsim.effects.gas_transport import gas_faults, gas_numbers
 from screwsim.faults import Fault
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.made import Entry
 
@@ -157,5 +157,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     numbers=numbers,
-    machines=(TWIN_SCREW,),
+    needs=frozenset({ROTORS}),
 )

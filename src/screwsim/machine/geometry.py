@@ -2,62 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from screwsim.machine import paper_law, table_law
 from screwsim.machine.profile_law import Interface, Laid, lay
 from screwsim.machine.profile_tables import Table
+from screwsim.machine.protocol import AreaLaw, MachineGeometry, VolumeKernels
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
-from screwsim.numerics.kernel import Kernel
-from screwsim.numerics.spline import features, read_curve, shut
+from screwsim.numerics.spline import features, read_curve
 
 KNOTTED_SPACING = np.radians(10.0)  # tables at least this coarse have a knot at every row; finer ones are smooth enough
-
-
-@dataclass(frozen=True)
-class AreaLaw:
-    """A port area: kernel, numbers behind its arguments [SI], knots [rad], tables (angle [rad], area [m²]).
-
-    `rows` are angles [rad] between which the area only rises or only falls, and the areas there: what a port does at
-    which angle is read from them, never from the knots, which tell no more than where steps end.
-    """
-
-    area: Kernel
-    values: Mapping[str, float]
-    knots: tuple[float, ...]
-    rows: tuple[Any, Any]
-    tables: Mapping[str, Any] = field(default_factory=dict)
-    own_knots: tuple[float, ...] = ()  # that the chambers beside this one do not feel
-
-    @property
-    def widest(self) -> float:
-        """Angle at which the port is widest [rad]."""
-        angles, areas = self.rows
-        return float(angles[int(np.argmax(areas))])
-
-    @property
-    def opens(self) -> float | None:
-        """Angle up to which the port is shut before it is widest [rad]; None where it is open from the start on."""
-        angles, areas = self.rows
-        before = np.flatnonzero(shut(areas)[: int(np.argmax(areas))])
-        return float(angles[before[-1]]) if len(before) else None
-
-
-@dataclass(frozen=True)
-class VolumeKernels:
-    """The volume law: V(φ) and dV/dφ from the same numbers; with `mirror` [rad] they are those at mirror − φ."""
-
-    volume: Kernel
-    slope: Kernel
-    values: Mapping[str, float]
-    knots: tuple[float, ...]
-    tables: Mapping[str, Any] = field(default_factory=dict)
-    own_knots: tuple[float, ...] = ()  # that the chambers beside this one do not feel
-    mirror: float | None = None
 
 
 def table_knots(angles: np.ndarray) -> tuple[float, ...]:
@@ -78,8 +34,8 @@ def _area(table: Table) -> AreaLaw:
 
 
 @dataclass(frozen=True)
-class Geometry:
-    """What the effects and the chamber model ask of a machine."""
+class Geometry(MachineGeometry):
+    """A pair of screw rotors: laws of the paper, of tables, or of a rotor profile."""
 
     settings: TwinScrew
 
@@ -124,14 +80,10 @@ class Geometry:
         return self.life - opens if self.expands and opens is not None else opens
 
     @property
-    def inlet_closes(self) -> float | None:
-        """Angle at which the inlet of an expander closes [rad]; None without that port, or where it never closes."""
-        return self.discharge_opens if self.expands else None
-
-    @property
-    def chambers(self) -> int:
-        """Number of chambers alive at once."""
-        return round(self.life / self.pitch)
+    def stated_volume_ratio(self) -> float | None:
+        """Built-in volume ratio that the scene states, where the discharge port follows from it."""
+        port = self.settings.discharge_port
+        return self.settings.built_in_volume_ratio if port is not None and port.law == "profile" else None
 
     @property
     def swept_volume(self) -> float:
@@ -144,8 +96,16 @@ class Geometry:
         return (self.profile.swept, self.profile.opens) if self.profile is not None else ()
 
     def interfaces(self, effect: str) -> tuple[Interface, ...] | None:
-        """Return the leakage paths of an effect from the profile; None where the machine has none."""
+        """Return the leakage paths of an effect from the profile; None where formulas of the effects give them."""
         return self.profile.interfaces[effect] if self.profile is not None else None
+
+    def male_slope(self, angle: np.ndarray) -> np.ndarray | None:
+        """Return the male rotor's part of dV/dφ [m³/rad] at angles [rad]; None where no profile is known."""
+        if self.profile is None:
+            return None
+        turned, rotors = self.life - angle if self.expands else angle, self.profile.rotors
+        slope = rotors.sections.male_slope(turned - self.profile.born + rotors.start, rotors.wrap, rotors.length)
+        return -slope if self.expands else slope
 
     def volume_law(self) -> VolumeKernels:
         """Return the volume law, of an expander mirrored (M150)."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from screwsim.declare import choice, count, file, number, quantity
 from screwsim.faults import Fault
+from screwsim.machine.protocol import MachineSettings
 from screwsim.machine.rotors.settings import Profile
 
 TURN = 2.0 * math.pi
@@ -74,7 +75,7 @@ class DischargePort:
 
 
 @dataclass(frozen=True)
-class TwinScrew:
+class TwinScrew(MachineSettings):
     """A twin-screw machine: one chamber per male lobe and revolution."""
 
     kind: str = choice("kind of machine", ("twin_screw",), "twin_screw")
@@ -113,6 +114,11 @@ class TwinScrew:
     def surface_speed(self, omega: float) -> float:
         """Return the speed that moves gas and oil [m/s]: that of the male rotor's tips."""
         return 0.5 * self.rotor_diameter * omega
+
+    @property
+    def finds_gaps(self) -> str:
+        """What finds lengths and neighbours of the gaps; empty where formulas of the effects do."""
+        return "machine.volume.law: profile" if self.volume.law == "profile" else ""
 
     @property
     def counts_otherwise(self) -> bool:

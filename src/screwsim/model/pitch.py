@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.model.run import Machinery
-from screwsim.numerics.spline import pack_curve
 
 Array = np.ndarray
 POINTS = 360  # of a pitch: 0.25° with four lobes
@@ -52,20 +51,5 @@ def pitch_of(
 @lru_cache(maxsize=16)
 def _slopes(geometry: Any) -> tuple[Array, Array | None]:
     """Return dV/dφ of all chambers over a pitch [m³/rad], and the male rotor's part of it where rotors are known."""
-    law = geometry.volume_law()
-    TAB, start = np.zeros(1), {}
-    for name, curve in law.tables.items():
-        start[name] = float(len(TAB))
-        TAB = np.concatenate([TAB, pack_curve(*curve)])
-    known: dict[str, Any] = {**law.values, **start, "TAB": TAB}
-    others = [known[name] for name in law.slope.arguments if name != "phi"]
     grid = np.arange(POINTS)[:, None] * (geometry.pitch / POINTS) + geometry.pitch * np.arange(geometry.chambers)
-    sign = 1.0
-    if law.mirror is not None:
-        grid, sign = law.mirror - grid, -1.0
-    slope = sign * np.array([law.slope(phi, *others) for phi in grid.ravel().tolist()]).reshape(grid.shape)
-    laid = geometry.profile
-    if laid is None:
-        return slope, None
-    rotors = laid.rotors
-    return slope, sign * rotors.sections.male_slope(grid - laid.born + rotors.start, rotors.wrap, rotors.length)
+    return geometry.volume_law().along(grid)[1], geometry.male_slope(grid)

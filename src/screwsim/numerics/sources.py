@@ -47,6 +47,11 @@ def note(name: str, made: Any) -> None:
         _noted[name] = made, _own_texts(name)
 
 
+def made_of(name: str) -> Any:
+    """Return what a user's module that is noted defines."""
+    return _noted[name][0]
+
+
 def of_module(name: str) -> Mapping[str, str]:
     """Return {file: digest} of a user's module as it was noted, and of what of the user's own it imports."""
     return _noted[name][1]

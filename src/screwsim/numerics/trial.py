@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import signal
 import sys
 import threading
 import warnings
 from collections.abc import Callable
+from types import ModuleType
 from typing import NoReturn
 
+from screwsim.numerics import sources
+
 _DONE = b"."
+
+
+def own_module(name: str) -> ModuleType:
+    """Return a module of the user's own, imported and noted; raise ImportError where that ends the process."""
+    how = "" if name in sys.modules else how_it_died(lambda: importlib.import_module(name))
+    if how:
+        raise ImportError(f"a process that imported it died {how}")
+    try:
+        module = importlib.import_module(name)
+    except SystemExit as error:  # would end this program, too, and say nothing
+        raise ImportError(f"it ends the program, by SystemExit: {error}") from error
+    sources.note(name, getattr(module, "EFFECT", None) or getattr(module, "MACHINE", None))
+    return module
 
 
 def how_it_died(call: Callable[[], object]) -> str:

@@ -14,8 +14,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from screwsim.effects import find_effect
 from screwsim.numerics import sources
+from screwsim.numerics.trial import own_module
 from screwsim.results.table import FIGURES
 
 LIBRARIES = ("CoolProp", "llvmlite", "numpy", "scipy")
@@ -26,11 +26,11 @@ _TOLD = 3  # differences that are told
 
 
 def code_identity(own: Iterable[str]) -> dict[str, str]:
-    """Return what this process computes with: this package, libraries, the modules of the user's own effects."""
+    """Return what this process computes with: this package, libraries, the modules of the user's own."""
     found = {"screwsim": _own_version(), _SOURCES: sources.of_package()}
     found |= {name: _library(name) for name in LIBRARIES}
     for name in own:
-        find_effect(name)  # imports it, where a worker has not
+        own_module(name)  # imports it, where a worker has not
         found |= {_MODULE + file: text for file, text in sources.of_module(name).items()}
     return found
 

@@ -121,11 +121,6 @@ def digest(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def own_modules(scene: Scene) -> list[str]:
-    """Return the names of the modules of the scene's own effects."""
-    return [name for name in scene.effects if "." in name]
-
-
 def named_files(scene: Scene) -> dict[str, str]:
     """Return {name relative to the scene: path} of the files that it names."""
     named = [entry.value for entry in inputs_of(scene) if entry.kind == "file" and entry.value]
@@ -148,7 +143,7 @@ def identity_of(scene: Scene) -> dict[str, str]:
     return {
         **found,
         **identity.figures_identity(),
-        **identity.code_identity(own_modules(scene)),
+        **identity.code_identity(scene.own),
         **identity.file_identity(named_files(scene)),
     }
 

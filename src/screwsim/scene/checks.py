@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from screwsim.faults import Fault, UsageError
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
-from screwsim.machine.kinds import SLIDER_CRANK, check_machine
+from screwsim.machine.kinds import check_machine, kind_of, offering
+from screwsim.machine.protocol import OIL
 from screwsim.scene.fields import leaf_paths, value_at
 from screwsim.scene.operation import check_operation
 from screwsim.scene.sizes import area_fault, size_faults
@@ -38,10 +39,11 @@ def cross_check(scene: Scene) -> list[Fault]:
 
 def _dry(scene: Scene) -> Iterator[Fault]:
     """Yield the oil of a machine into which none is injected."""
-    if scene.machine.kind == SLIDER_CRANK:
-        for name in ("oil", "oil_supply"):
-            if getattr(scene, name) is not None:
-                yield Fault(name, "belongs to machine.kind: twin_screw; no oil is injected into a cylinder (remove it)")
+    kind = kind_of(scene.machine)
+    for name in ("oil", "oil_supply") if OIL not in kind.offers else ():
+        if getattr(scene, name) is not None:
+            fitting = offering(frozenset({OIL}))
+            yield Fault(name, f"belongs to machine.kind: {fitting}; no oil is injected into {kind.chamber} (remove it)")
 
 
 def _expander(scene: Scene) -> Iterator[Fault]:
@@ -118,13 +120,15 @@ def _displacement(scene: Scene) -> Iterator[Fault]:
 
 def _effects(scene: Scene) -> Iterator[Fault]:
     lacking = [name for name in ("oil", "oil_supply") if getattr(scene, name) is None]
+    kind = kind_of(scene.machine)
     for name, active in scene.effects.items():
         path = f"effects.{name}"
-        if scene.machine.kind not in active.effect.machines:
-            fitting = " or ".join(active.effect.machines)
-            yield Fault(path, f"belongs to machine.kind: {fitting} (remove the effect, or change the machine)")
+        if not active.effect.fits(kind):
+            fitting = offering(active.effect.needs)
+            fitting = f"belongs to machine.kind: {fitting}" if fitting else f"is for no {scene.machine.kind}"
+            yield Fault(path, f"{fitting} (remove the effect, or change the machine)")
             continue
-        if name in ("suction_port", "discharge_port") and getattr(scene.machine, name) is None:
+        if name in ("suction_port", "discharge_port") and getattr(scene.machine, name, kind) is None:
             yield Fault(path, f"needs the section machine.{name} (write it, or remove the effect)")
         if active.effect.needs_oil and lacking:
             yield Fault(path, f"needs {' and '.join(lacking)}, absent here (write that, or remove the effect)")

@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any
 
 from screwsim.declare import ANY, KINDS, Bounds, Kind
-from screwsim.machine.kinds import MACHINES, TWIN_SCREW
+from screwsim.machine.kinds import MACHINES, TWIN_SCREW, find_machine
 from screwsim.near import containing, ending, nearest
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
@@ -59,7 +59,7 @@ class Section:
 @cache
 def section_of(cls: type, required: bool = True) -> Section:
     """Return the description of a dataclass whose fields are declared; raise TypeError for any that is not."""
-    hints = typing.get_type_hints(cls)
+    hints = typing.get_type_hints(cls) | ({"machine": MACHINES[TWIN_SCREW].settings} if cls is Scene else {})
     fields = {
         item.name: _describe(cls, item, hints[item.name])
         for item in dataclasses.fields(cls)
@@ -85,10 +85,11 @@ def _describe(cls: type, item: Any, hint: Any) -> Leaf | Section:
 @cache
 def scene_section(kind: str = TWIN_SCREW) -> Section:
     """Return the sections of a scene with that kind of machine, without `effects` and `sweep`."""
-    section, machine = section_of(Scene), section_of(MACHINES[kind])
+    section, machine = section_of(Scene), section_of(find_machine(kind).settings)
     named = machine.fields["kind"]
     assert isinstance(named, Leaf)
-    every = dataclasses.replace(named, limits={**named.limits, "options": tuple(MACHINES)})
+    options = (*MACHINES, kind) if "." in kind else tuple(MACHINES)
+    every = dataclasses.replace(named, limits={**named.limits, "options": options})
     machine = dataclasses.replace(machine, fields={**machine.fields, "kind": every})
     return dataclasses.replace(section, fields={**section.fields, "machine": machine})
 

@@ -14,9 +14,10 @@ from screwsim.near import nearest
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.files import other_file
-from screwsim.scene.sections import read_effects, read_section
+from screwsim.scene.sections import find_kind, read_effects, read_section
 from screwsim.scene.sweep import read_sweep
 from screwsim.scene.types import Scene
+from screwsim.scene.units import Refused
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer
@@ -233,11 +234,19 @@ def _not_active(name: str, named: list[str]) -> str:
     return f"that effect is not active in this scene{hint} (active: {active})"
 
 
-def _machine_kind(root: Node) -> str:
+def _machine_kind(root: Node, problems: list[Problem]) -> str:
     """Return the kind of machine that a tree names; the default where it names none, or none that there is."""
     machine = root.value.get("machine")
     named = machine.value.get("kind") if machine is not None and isinstance(machine.value, dict) else None
-    return named.value if named is not None and named.value in tuple(MACHINES) else TWIN_SCREW
+    name = named.value if named is not None else None
+    if named is None or not isinstance(name, str) or "." not in name:
+        return name if name in tuple(MACHINES) else TWIN_SCREW
+    try:
+        find_kind(name)
+    except Refused as refusal:
+        problems.append(Problem(named.place, "machine.kind", f"{shown(name)} {refusal}"))
+        return TWIN_SCREW
+    return name
 
 
 def _paths(root: Node, kind: str) -> list[str]:
@@ -252,13 +261,14 @@ def _paths(root: Node, kind: str) -> list[str]:
 
 def _keep_kind(problems: list[Problem]) -> None:
     """Remove what is said of a machine whose kind is none: it may be right for the kind that is meant."""
-    if any(problem.path == "machine.kind" for problem in problems):
-        problems[:] = [each for each in problems if not each.path.startswith("machine.") or each.path == "machine.kind"]
+    first = next((problem for problem in problems if problem.path == "machine.kind"), None)
+    if first is not None:
+        problems[:] = [each for each in problems if not each.path.startswith("machine.") or each is first]
 
 
 def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
-    kind = _machine_kind(root)
+    kind = _machine_kind(root, problems)
     paths = _paths(root, kind)
     scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep"), paths)
     _keep_kind(problems)

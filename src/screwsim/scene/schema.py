@@ -13,7 +13,7 @@ from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_se
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of
 
-OWN_EFFECT = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect
+OWN = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect, my_package.my_machine
 OWN_PARAMETER = r"^effects\.[^.]+(\.[^.]+){2,}$"
 _SPACING = {"enum": ["linear", "log"], "default": "linear"}
 _COLUMN = {
@@ -44,7 +44,7 @@ def schema() -> dict[str, Any]:
         "properties": {
             name: {**_section(part), **OFF, "description": catalogue()[name].title} for name, part in effects.items()
         },
-        "patternProperties": {OWN_EFFECT: {"type": ["object", "null"]}},
+        "patternProperties": {OWN: {"type": ["object", "null"]}},
         "additionalProperties": False,
     }
     properties["sweep"] = _sweep()
@@ -67,7 +67,8 @@ def _machine() -> dict[str, Any]:
     kinds = {kind: _section(_machine_section(kind)) for kind in MACHINES}
     for kind, part in kinds.items():
         part["properties"]["kind"] = {**part["properties"]["kind"], "enum": [kind, None], "default": kind}
-    return {"anyOf": list(kinds.values())}
+    own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": OWN}}, "required": ["kind"]}
+    return {"anyOf": [*kinds.values(), own]}
 
 
 def _machine_section(kind: str) -> Section:
@@ -84,6 +85,8 @@ def _complete(effects: dict[str, Section]) -> dict[str, Any]:
         if kind != TWIN_SCREW:
             named = {"properties": {"kind": {"const": kind}}, "required": ["kind"]}
             machine = {"if": named, "then": _demands(_machine_section(kind)), "else": machine}
+    own = {"properties": {"kind": {"type": "string", "pattern": OWN}}, "required": ["kind"]}
+    machine = {"if": own, "then": {}, "else": machine}
     return {**demands, "properties": {**demands["properties"], "machine": machine}}
 
 

@@ -9,7 +9,6 @@ from typing import Any
 from screwsim.declare import choice, number, quantity, word
 from screwsim.effects.base import Effect
 from screwsim.fluid.settings import GasSettings, OilSettings
-from screwsim.machine.kinds import Machine
 from screwsim.numerics.settings import NumericsSettings
 
 NO_SUPERHEAT = (
@@ -153,7 +152,7 @@ class Joint:
 class Scene:
     """One scene. `effects` keeps the order of the catalogue, whatever the order in the file."""
 
-    machine: Machine
+    machine: Any  # the settings of one kind (`machine.protocol.MachineSettings`)
     gas: GasSettings
     operation: Operation
     oil: OilSettings | None = None
@@ -166,3 +165,9 @@ class Scene:
     title: str = word("what is simulated", "")
     text: str = ""  # canonical YAML of the whole scene, overrides included
     folder: str = "."  # files are found relative to it
+
+    @property
+    def own(self) -> dict[str, str]:
+        """The modules of the user's own that this scene names, and where it names them."""
+        machine = {self.machine.kind: f"machine.kind: {self.machine.kind}"} if "." in self.machine.kind else {}
+        return machine | {name: f"effects.{name}" for name in self.effects if "." in name}

@@ -6,6 +6,7 @@ import os
 import re
 from typing import Any
 
+from screwsim.machine.kinds import MACHINES
 from screwsim.near import nearest
 from screwsim.scene.fields import Leaf
 from screwsim.scene.numerals import odd_number, told
@@ -84,14 +85,11 @@ def _count(leaf: Leaf, raw: Any, folder: str) -> int:
 
 
 _CALLED = {  # other words for an option
-    "piston": "slider_crank",
-    "reciprocating": "slider_crank",
-    "screw": "twin_screw",
-    "double_screw": "twin_screw",
     "perfect": "ideal",
     "ideal_gas": "ideal",
     "real_gas": "real",
 }
+_CALLED |= {word: name for name, kind in MACHINES.items() for word in kind.called}
 
 
 def _choice(leaf: Leaf, raw: Any, folder: str) -> str:

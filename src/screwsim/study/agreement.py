@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from screwsim.faults import UsageError
 from screwsim.results.identity import Files, Identity, code_identity, disagreement, file_identity, files_of
-from screwsim.results.schema import named_files, own_modules
+from screwsim.results.schema import named_files
 from screwsim.scene.types import Scene
 
 Wanted = Mapping[str, Any]  # of plain types: a worker of another version must be able to read it
@@ -18,7 +18,7 @@ REMEDY = "install and put there what runs here, and start it again; the sweep re
 
 def wanted_of(scene: Scene) -> Wanted:
     """Return what workers must have: names of own modules, paths of files, and the identity of all code and files."""
-    own, files = own_modules(scene), named_files(scene)
+    own, files = list(scene.own), named_files(scene)
     return {"own": own, "files": files, "identity": code_identity(own) | file_identity(files)}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.machine.geometry import VolumeKernels
+from screwsim.machine.protocol import MachineGeometry, VolumeKernels
 from screwsim.machine.slider_crank import kinematics
 from screwsim.machine.slider_crank.settings import SliderCrank
 
@@ -13,18 +13,20 @@ TURN = 2.0 * math.pi
 
 
 @dataclass(frozen=True)
-class Cylinder:
+class Cylinder(MachineGeometry):
     """One chamber without neighbours, from top dead centre to top dead centre (S5)."""
 
     settings: SliderCrank
 
-    pitch = TURN
-    life = TURN
-    chambers = 1
-    expands = False
-    discharge_opens = inlet_closes = None
-    profile = None
-    outcomes: tuple[float, ...] = ()
+    @property
+    def pitch(self) -> float:
+        """One turn of the crank [rad]: there is one chamber."""
+        return TURN
+
+    @property
+    def life(self) -> float:
+        """One turn of the crank [rad]."""
+        return TURN
 
     @property
     def injection_angle(self) -> float:
@@ -40,7 +42,3 @@ class Cylinder:
         """Return the volume law (S5)."""
         knots = self.settings.knots()
         return VolumeKernels(kinematics.volume, kinematics.volume_slope, self.settings.numbers(), knots)
-
-    def widest_discharge(self) -> float:
-        """Return the angle up to which the highest pressure is looked for [rad]: the end of the turn."""
-        return self.life

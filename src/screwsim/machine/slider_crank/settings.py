@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from screwsim.declare import choice, quantity
 from screwsim.faults import Fault
+from screwsim.machine.protocol import MachineSettings
 from screwsim.machine.slider_crank import kinematics
 
 
 @dataclass(frozen=True)
-class SliderCrank:
+class SliderCrank(MachineSettings):
     """One cylinder: a piston on an offset slider-crank; its chamber lives one turn of the crank."""
 
     kind: str = choice("kind of machine", ("slider_crank",), "slider_crank")

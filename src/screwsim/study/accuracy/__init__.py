@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from screwsim.faults import SceneError, UsageError
-from screwsim.machine.kinds import TWIN_SCREW
+from screwsim.machine.kinds import kind_of
+from screwsim.machine.protocol import ROTORS
 from screwsim.scene import Scene
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
@@ -39,7 +40,7 @@ def study(scene: Scene, extent: Extent | None = None, progress: Progress | None 
     """Return the study of a scene. Raises NoReference where no reference closes."""
     extent, progress = extent or Extent(), progress or Silent()
     cases, effects = all_cases(scene, extent), effect_names(scene)
-    lobe_counts = extent.lobes if scene.machine.kind == TWIN_SCREW else ()
+    lobe_counts = extent.lobes if ROTORS in kind_of(scene.machine).offers else ()
     jobs = 1 + len(cases) + len(extent.asked) + len(effects) + len(extent.points) + len(lobe_counts)
     progress.start(jobs, 0)
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.build import WIDTH
-from screwsim.machine.geometry import Geometry
-from screwsim.machine.kinds import SLIDER_CRANK
-from screwsim.machine.slider_crank.settings import SliderCrank
+from screwsim.machine.kinds import kind_of
+from screwsim.machine.protocol import ROTORS
 from screwsim.scene import Scene, with_values
 from screwsim.study.accuracy.solving import Way, way
 
@@ -128,20 +127,11 @@ def choices(scene: Scene, extent: Extent) -> Iterator[Case]:
     for factor in extent.closures:
         how = way(asked, closing="histories", tolerance=0.2 * asked * factor, bound=asked * max(factor, 1.0))
         yield Case("closure", f"histories, {_times(factor)}", asked, how, scene, gas, factor)
-    path, dead = _dead_volume(scene)
+    path, dead = kind_of(scene.machine).dead_volume(scene.machine)
     for factor in extent.dead_volumes if path else ():
         changed = with_values(scene, {path: factor * dead})
         how = way(asked, closing="histories")
         yield Case("dead volume", f"histories, {_times(factor)}", asked, how, changed, gas, factor, own_reference=True)
-
-
-def _dead_volume(scene: Scene) -> tuple[str, float]:
-    """Return path and size [m³] of what is left of the volume; no path where a table holds it."""
-    machine = scene.machine
-    if isinstance(machine, SliderCrank):
-        return "machine.clearance", machine.clearance
-    path = "machine.volume.min" if machine.volume.law != "table" else ""
-    return path, machine.volume.dead_of(Geometry(machine).swept_volume)
 
 
 def _times(factor: float) -> str:
@@ -156,10 +146,11 @@ def omitted(scene: Scene) -> Iterator[tuple[str, str]]:
         yield "CoolProp called directly", "the scene's gas is ideal, and CoolProp has none"
     else:
         yield "scipy on CoolProp", "thousands of calls back into Python, each for eight chambers: minutes a cycle"
-    if not _dead_volume(scene)[0]:
+    if not kind_of(scene.machine).dead_volume(scene.machine)[0]:
         yield "dead volume", "is part of the table of machine.volume.law: table"
-    if scene.machine.kind == SLIDER_CRANK:
-        yield "male lobes", "a cylinder has none"
+    kind = kind_of(scene.machine)
+    if ROTORS not in kind.offers:
+        yield "male lobes", f"{kind.chamber} has none"
 
 
 def all_cases(scene: Scene, extent: Extent) -> list[Case]:

@@ -1,0 +1,236 @@
+"""What a kind of machine brings: settings, geometry, what effects may ask of it, and sizes that can be.
+
+Source: screwsim, docs/adding-a-machine.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from screwsim.faults import Fault
+from screwsim.numerics.kernel import Kernel
+from screwsim.numerics.spline import pack_curve, shut
+
+# what a machine may offer, and what effects need of it
+PORTS = "ports"  # laws of their areas: `suction_law`, `discharge_law`
+TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP = "tip gap", "contact-line gap", "blow-hole", "end-face gap"
+OIL = "oil"  # is injected into the chambers
+HOLES = "holes"  # in the housing, which the chambers pass: lengths of life and angles of the twin screw's axis
+ROTORS = "screw rotors"  # a male and a female one, with their settings and symbols
+CYLINDER = "cylinder"  # one chamber with a bore, valves and rings
+
+
+@dataclass(frozen=True)
+class AreaLaw:
+    """A port area: kernel, numbers behind its arguments [SI], knots [rad], tables (angle [rad], area [m²]).
+
+    `rows` are angles [rad] between which the area only rises or only falls, and the areas there: what a port does at
+    which angle is read from them, never from the knots, which tell no more than where steps end.
+    """
+
+    area: Kernel
+    values: Mapping[str, float]
+    knots: tuple[float, ...]
+    rows: tuple[Any, Any]
+    tables: Mapping[str, Any] = field(default_factory=dict)
+    own_knots: tuple[float, ...] = ()  # that the chambers beside this one do not feel
+
+    @property
+    def widest(self) -> float:
+        """Angle at which the port is widest [rad]."""
+        angles, areas = self.rows
+        return float(angles[int(np.argmax(areas))])
+
+    @property
+    def opens(self) -> float | None:
+        """Angle up to which the port is shut before it is widest [rad]; None where it is open from the start on."""
+        angles, areas = self.rows
+        before = np.flatnonzero(shut(areas)[: int(np.argmax(areas))])
+        return float(angles[before[-1]]) if len(before) else None
+
+
+@dataclass(frozen=True)
+class VolumeKernels:
+    """The volume law: V(φ) and dV/dφ from the same numbers; with `mirror` [rad] they are those at mirror − φ."""
+
+    volume: Kernel
+    slope: Kernel
+    values: Mapping[str, float]
+    knots: tuple[float, ...]
+    tables: Mapping[str, Any] = field(default_factory=dict)
+    own_knots: tuple[float, ...] = ()  # that the chambers beside this one do not feel
+    mirror: float | None = None
+
+    def along(self, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return V [m³] and dV/dφ [m³/rad] at angles [rad], in plain Python."""
+        TAB, start = np.zeros(1), {}
+        for name, curve in self.tables.items():
+            start[name] = float(len(TAB))
+            TAB = np.concatenate([TAB, pack_curve(*curve)])
+        known: dict[str, Any] = {**self.values, **start, "TAB": TAB}
+        sign, at = (1.0, angle) if self.mirror is None else (-1.0, self.mirror - angle)
+        found = []
+        for law in (self.volume, self.slope):
+            others = [known[name] for name in law.arguments if name != "phi"]
+            found.append(np.array([law(phi, *others) for phi in at.ravel().tolist()]).reshape(at.shape))
+        return found[0], sign * found[1]
+
+
+class MachineSettings(Protocol):
+    """What a scene says of a machine: a frozen dataclass of `screwsim.declare` fields, in SI units.
+
+    `kind` is the name under which scenes ask for it, `mode` 'compressor' or 'expander'. `finds_gaps` says in words what
+    finds lengths and neighbours of the gaps, empty where formulas of the effects do; `counts_otherwise` tells whether
+    those formulas' angles mean nothing here.
+    """
+
+    kind: str
+    mode: str
+    finds_gaps = ""
+    counts_otherwise = False
+
+    def symbols(self) -> dict[str, float]:
+        """Return the numbers [SI] that a kernel can ask for by name (docs/nomenclature.md)."""
+        return {}
+
+    def surface_speed(self, omega: float) -> float:
+        """Return the speed that moves the gas [m/s] at a speed [rad/s]."""
+        raise NotImplementedError
+
+
+class MachineGeometry(Protocol):
+    """What model and effects ask of a machine. Angles [rad] are those of a chamber, from its birth at 0 to `life`.
+
+    A chamber is born every `pitch`, a whole share of the life; suction ends, and the trapped mass is taken, at
+    `injection_angle`, a whole number of pitches. `volume_law` gives V(φ) > 0 and its exact slope, and ends as it
+    begins. What has a default here a machine need not bring.
+    """
+
+    settings: Any
+
+    @property
+    def pitch(self) -> float:
+        """Angle between neighbouring chambers [rad]."""
+        raise NotImplementedError
+
+    @property
+    def life(self) -> float:
+        """Angle of a chamber's life [rad]."""
+        raise NotImplementedError
+
+    @property
+    def injection_angle(self) -> float:
+        """Angle at which suction ends, the trapped mass is taken and oil is injected [rad]."""
+        raise NotImplementedError
+
+    @property
+    def swept_volume(self) -> float:
+        """Swept volume of one chamber [m³]."""
+        raise NotImplementedError
+
+    def volume_law(self) -> VolumeKernels:
+        """Return the volume law."""
+        raise NotImplementedError
+
+    @property
+    def chambers(self) -> int:
+        """Number of chambers alive at once."""
+        return round(self.life / self.pitch)
+
+    @property
+    def expands(self) -> bool:
+        """Tell whether the machine runs backwards, as an expander (M150)."""
+        return False
+
+    @property
+    def discharge_opens(self) -> float | None:
+        """Angle at which the discharge port opens, or an expander's inlet closes [rad]; None without such."""
+        return None
+
+    @property
+    def inlet_closes(self) -> float | None:
+        """Angle at which the inlet of an expander closes [rad]; None without that port, or where it never closes."""
+        return self.discharge_opens if self.expands else None
+
+    def widest_discharge(self) -> float:
+        """Return the angle up to which the highest pressure is looked for [rad]."""
+        return self.life
+
+    def suction_law(self) -> AreaLaw:
+        """Return the area law of the suction port, where the machine offers ports."""
+        raise NotImplementedError
+
+    def discharge_law(self) -> AreaLaw:
+        """Return the area law of the discharge port, where the machine offers ports."""
+        raise NotImplementedError
+
+    def interfaces(self, effect: str) -> tuple[Any, ...] | None:
+        """Return the gaps (`profile_law.Interface`) that an effect of gaps has here; None: formulas of the effects."""
+        return None
+
+    @property
+    def profile(self) -> Any:
+        """What a profile of screw rotors gives by angle; None where there is none."""
+        return None
+
+    def male_slope(self, angle: np.ndarray) -> np.ndarray | None:
+        """Return the part of dV/dφ [m³/rad] that the male of two screw rotors displaces; None where it is not known."""
+        return None
+
+    @property
+    def stated_volume_ratio(self) -> float | None:
+        """Built-in volume ratio that the scene states; None where it follows from the laws."""
+        return None
+
+    @property
+    def outcomes(self) -> tuple[float, ...]:
+        """Numbers that tell machines apart whose laws are all in tables."""
+        return ()
+
+
+@dataclass(frozen=True)
+class Size:
+    """A size at a path of a scene: its share of `of` [SI] is at most `most`, and hardly outside `usual`."""
+
+    path: str
+    of: Callable[[Any], float]
+    what: str  # `of` is, in words
+    most: float
+    usual: tuple[float, float]
+    remedy: str = "a smaller one; is the unit right?"
+
+
+@dataclass(frozen=True)
+class Speed:
+    """What moves at `surface_speed`, in words; the speed [m/s] at most, the one that it hardly exceeds, and why."""
+
+    what: str
+    most: float
+    usual: float
+    why: str
+
+
+@dataclass(frozen=True)
+class MachineKind:
+    """One kind of machine: a module of its own with a variable MACHINE.
+
+    `settings` is the type of its settings, `geometry` makes a `MachineGeometry` of them, `check` returns their faults.
+    `offers` is what effects may ask of it. `sizes` and `speed` bound what can be, `tables` the largest area of a table.
+    `called` are other words for it, `chamber` is its chamber in words; `dead_volume` returns path and size [m³] of what
+    is left of a chamber, no path where a table holds it.
+    """
+
+    settings: type
+    geometry: Callable[[Any], MachineGeometry]
+    offers: frozenset[str]
+    check: Callable[[Any], list[Fault]] = lambda machine: []
+    sizes: tuple[Size, ...] = ()
+    speed: Speed | None = None
+    tables: Size | None = None
+    called: tuple[str, ...] = ()
+    chamber: str = "this machine"
+    dead_volume: Callable[[Any], tuple[str, float]] = lambda machine: ("", 0.0)

@@ -1,0 +1,128 @@
+"""Twin-screw machines: what they offer to effects, and what of their sizes can be."""
+
+from __future__ import annotations
+
+import math
+
+from screwsim.faults import Fault
+from screwsim.machine.geometry import Geometry
+from screwsim.machine.profile_law import check_profile_law
+from screwsim.machine.protocol import (
+    BLOW_HOLE,
+    CONTACT_GAP,
+    END_GAP,
+    HOLES,
+    OIL,
+    PORTS,
+    ROTORS,
+    TIP_GAP,
+    MachineKind,
+    Size,
+    Speed,
+)
+from screwsim.machine.settings import TwinScrew, check_twin_screw
+
+
+def _bores(machine: TwinScrew) -> float:
+    """Return the volume [m³] of both rotors' bores, of the male's size."""
+    return 0.5 * math.pi * machine.rotor_diameter**2 * machine.rotor_length
+
+
+def _a_turn(machine: TwinScrew) -> float:
+    """Return what one chamber [m³] can have of both bores: as many pass in a turn as there are male lobes."""
+    return _bores(machine) / machine.male_lobes
+
+
+def _shell(machine: TwinScrew) -> float:
+    """Return the area [m²] of both bores and their ends."""
+    D, L = machine.rotor_diameter, machine.rotor_length
+    return 2.0 * math.pi * D * L + math.pi * D**2
+
+
+def _diameter(machine: TwinScrew) -> float:
+    return machine.rotor_diameter
+
+
+def _square(machine: TwinScrew) -> float:
+    return machine.rotor_diameter**2
+
+
+def _lobe(machine: TwinScrew) -> float:
+    """Return about the height [m] of a lobe."""
+    return 0.2 * machine.rotor_diameter
+
+
+def _line(machine: TwinScrew) -> float:
+    return machine.rotor_diameter + machine.rotor_length
+
+
+_HOLDS = "of what a chamber can have of both rotors' bores"
+_WALL = "of the area of both bores and their ends"
+_LOBE = "of the height of a lobe"
+_D, _DD, _LINE = "rotor diameters", "of the rotor diameter's square", "of rotor diameter and length together"
+_ANY, WIDEST = 0.0, 350.0  # an ideal machine has ports some hundred times too wide to throttle
+_SIZES = (
+    Size("machine.rotor_length", _diameter, _D, 30.0, (0.4, 4.0), "shorter rotors, or a larger rotor_diameter"),
+    Size(
+        "machine.volume.max",
+        _a_turn,
+        _HOLDS,
+        2.0,  # a female rotor larger than the male has more room
+        (0.03, 0.6),
+        "a smaller volume, or a larger rotor_diameter or rotor_length; is the unit right?",
+    ),
+    Size("machine.volume.min", _a_turn, _HOLDS, 1.0, (_ANY, 0.1)),
+    Size("machine.profile.centre_distance", _diameter, _D, 5.0, (0.7, 0.9)),
+    Size("machine.profile.female_diameter", _diameter, _D, 5.0, (0.7, 1.1)),
+    Size("machine.suction_port.area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
+    Size("machine.discharge_port.area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
+    Size("oil_supply.orifice_diameter", _diameter, _D, 0.5, (_ANY, 0.2)),
+    Size("effects.tip_leakage.gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
+    Size("effects.interlobe_leakage.gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
+    Size("effects.end_face_leakage.gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
+    Size("effects.interlobe_leakage.length", _line, _LINE, 30.0, (0.05, 3.0)),
+    Size("effects.end_face_leakage.length", _line, _LINE, 30.0, (0.01, 3.0)),
+    Size("effects.blow_hole.area", _square, _DD, 0.2, (_ANY, 0.02)),
+    Size("effects.slide_valve.slot_area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
+    Size("effects.slide_valve.radial_area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
+    Size("effects.bypass.area", _shell, _WALL, WIDEST, (_ANY, 0.2)),
+    Size("effects.economizer.area", _shell, _WALL, WIDEST, (_ANY, 0.2)),
+    Size("effects.liquid_injection.area", _shell, _WALL, WIDEST, (_ANY, 0.05)),
+    Size("effects.oil_heat.droplet_radius", _lobe, _LOBE, 1e9, (_ANY, 0.2)),
+    Size("effects.droplets.diameter", _lobe, _LOBE, 1e9, (_ANY, 0.3)),  # none exchange heat in that limit
+    Size("effects.droplets.orifice_diameter", _diameter, _D, 1e9, (_ANY, 0.2)),
+    Size("effects.oil_drag.tip_gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
+    Size("effects.oil_drag.end_gap", _lobe, _LOBE, 1.0, (_ANY, 0.1)),
+    Size("effects.oil_drag.tip_land", _diameter, _D, 1.0, (_ANY, 0.2)),
+    Size("effects.oil_drag.female_diameter", _diameter, _D, 10.0, (0.5, 1.5)),
+    Size("effects.bearings.bore", _diameter, _D, 10.0, (0.05, 1.0)),
+    Size("effects.bearings.mean_diameter", _diameter, _D, 10.0, (0.05, 1.5)),
+    Size("effects.wall_heat.rotor_area", _shell, _WALL, 100.0, (_ANY, 2.0)),
+    Size("effects.wall_heat.housing_area", _shell, _WALL, 100.0, (_ANY, 2.0)),
+    Size("effects.wall_heat.characteristic_length", _diameter, _D, 30.0, (_ANY, 1.0)),
+    Size("effects.thermal_clearances.axis_distance", _diameter, _D, 10.0, (0.5, 1.2)),
+    Size("effects.thermal_clearances.bearing_distance", _line, _LINE, 100.0, (_ANY, 2.0)),
+)
+
+
+def _check(machine: TwinScrew) -> list[Fault]:
+    return [*check_twin_screw(machine), *check_profile_law(machine)]
+
+
+def _dead_volume(machine: TwinScrew) -> tuple[str, float]:
+    path = "machine.volume.min" if machine.volume.law != "table" else ""
+    return path, machine.volume.dead_of(Geometry(machine).swept_volume)
+
+
+MACHINE = MachineKind(
+    settings=TwinScrew,
+    geometry=Geometry,
+    offers=frozenset({PORTS, TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP, OIL, HOLES, ROTORS}),
+    check=_check,
+    sizes=_SIZES,
+    speed=Speed("moves the rotors' tips at", 1000.0, 150.0, "steel bursts at about 500 m/s"),
+    tables=Size("", _shell, _WALL, WIDEST, (_ANY, math.inf)),
+    called=("screw", "double_screw"),
+    chamber="a chamber",
+    dead_volume=_dead_volume,
+)

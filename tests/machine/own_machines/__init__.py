@@ -1,0 +1,1 @@
+"""Machines as users write them: each a module of its own with a variable MACHINE."""

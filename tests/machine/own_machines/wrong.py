@@ -1,0 +1,60 @@
+"""A blower that can be wrong in one way at a time, as a module of a user's may be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from own_machines.roots_blower import MACHINE as BLOWER
+from own_machines.roots_blower import Pockets, RootsBlower, pocket_volume, pocket_volume_slope
+from screwsim.declare import word
+from screwsim.machine.protocol import AreaLaw, VolumeKernels
+from screwsim.numerics.kernel import kernel
+
+
+@dataclass(frozen=True)
+class Settings(RootsBlower):
+    """The blower, and what is wrong of it."""
+
+    flaw: str = word("what is wrong", "nothing")
+
+
+@kernel
+def steep(phi, pocket, closes, life):
+    """Return a slope that is 1 % too steep."""
+    return 1.01 * pocket_volume_slope(phi, pocket, closes, life)
+
+
+@kernel
+def thin(phi, dead, pocket, closes, life):
+    """Return a volume that is less than nothing at both ends."""
+    return pocket_volume(phi, dead, pocket, closes, life) - 2.0 * dead
+
+
+class Wrong(Pockets):
+    """Pockets with a flaw."""
+
+    @property
+    def life(self) -> float:
+        return super().life * (1.1 if self.settings.flaw == "life" else 1.0)
+
+    @property
+    def injection_angle(self) -> float:
+        return super().injection_angle * (1.1 if self.settings.flaw == "injection" else 1.0)
+
+    @property
+    def swept_volume(self) -> float:
+        return super().swept_volume * (2.0 if self.settings.flaw == "swept" else 1.0)
+
+    def volume_law(self) -> VolumeKernels:
+        law, flaw = super().volume_law(), self.settings.flaw
+        if flaw == "raises":
+            raise ZeroDivisionError("no\nlaw")
+        changes = {"slope": {"slope": steep}, "thin": {"volume": thin}}
+        return replace(law, **changes.get(flaw, {}))
+
+    def suction_law(self) -> AreaLaw:
+        law = super().suction_law()
+        return replace(law, values={**law.values, "size": -1e-3}) if self.settings.flaw == "port" else law
+
+
+MACHINE = replace(BLOWER, settings=Settings, geometry=Wrong)
