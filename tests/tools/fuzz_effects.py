@@ -53,7 +53,7 @@ def one(index: int, seed: int) -> tuple[Row, Scene | None, Result | None]:
     structure, number = effects_space.structure_of(index)
     row = dict.fromkeys(COLUMNS) | {"index": index, "structure": structure}
     row, scene, result = search.solved(row, lambda: effects_space.scene_of(structure, seed, number))
-    return row | {"warned": None if result is None else int(warns(result, scene.numerics.accuracy))}, scene, result
+    return row | {"warned": int(warns(result, scene.numerics.accuracy)) if scene and result else None}, scene, result
 
 
 def checked(index: int, check: int) -> bool:
