@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 
-from screwsim.outputs import PERFORMANCE
+from screwsim.figures import declared
+from screwsim.outputs import EFFICIENCY, Figure
 from screwsim.scene.units import ZERO_CELSIUS
 
 # SI unit -> (from this size on, factor, unit), largest first
@@ -43,20 +44,20 @@ def scale(units: str, size: float) -> tuple[float, str]:
     return 1.0, units
 
 
-def figure_scales(name: str) -> tuple[tuple[float, float, str], ...]:
+def figure_scales(figure: Figure) -> tuple[tuple[float, float, str], ...]:
     """Return (from this size on, factor, unit) of a performance figure, largest first; K stays K."""
-    units = PERFORMANCE[name].units
-    if units == "1":
-        return ((0.0, 100.0, "%"),) if name.endswith("_efficiency") else ((0.0, 1.0, ""),)
-    return SCALES.get(units, ((0.0, 1.0, units),))
+    if figure.units == "1":
+        return ((0.0, 100.0, "%"),) if figure.scale == EFFICIENCY else ((0.0, 1.0, ""),)
+    return SCALES.get(figure.units, ((0.0, 1.0, figure.units),))
 
 
-def engineering(name: str, value: float) -> tuple[str, str]:
+def engineering(figure: Figure | str, value: float) -> tuple[str, str]:
     """Return a performance figure [SI] as number and unit for people: kW, bar, %, K with °C."""
-    if PERFORMANCE[name].units == "K":
+    about = declared(figure) if isinstance(figure, str) else figure
+    if about.units == "K":
         return f"{value:.2f}", f"K ({value - ZERO_CELSIUS:.2f} °C)"
-    scales = figure_scales(name)
-    factor, unit = next(((f, u) for least, f, u in scales if abs(value) >= least), (1.0, PERFORMANCE[name].units))
+    scales = figure_scales(about)
+    factor, unit = next(((f, u) for least, f, u in scales if abs(value) >= least), (1.0, about.units))
     return digits(factor * value), unit
 
 

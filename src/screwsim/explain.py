@@ -22,13 +22,12 @@ from screwsim.effects.base import (
     Made,
     OilGas,
     Plenum,
-    PowerLoss,
     Pulsation,
-    Reading,
     Scaled,
     Shaft,
     Wall,
 )
+from screwsim.figures import called_for
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
 from screwsim.machine.settings import TwinScrew
@@ -208,14 +207,16 @@ def _sections(values: Any, under: str = "") -> Iterator[str]:
 
 
 def _effects(scene: Scene, parts: Parts) -> Iterator[str]:
+    called = called_for(scene, parts)
     for name, active in scene.effects.items():
         yield _row(name, active.effect.title)
-        yield from (_row("", text) for text in _about(active, parts.effects[name], parts.dissolves))
+        given = [each.name for each in active.effect.figures if each.name in called]
+        yield from (_row("", text) for text in _about(active, parts.effects[name], parts.dissolves, given))
     if not scene.effects:
         yield _row("none", "a closed chamber: its gas is compressed and expands again")
 
 
-def _about(active: ActiveEffect, built: Any, dissolves: bool) -> Iterator[str]:
+def _about(active: ActiveEffect, built: Any, dissolves: bool, given: list[str]) -> Iterator[str]:
     effect = active.effect
     yield f"{', '.join(effect.equations)}; source: {effect.source}"
     parameters = _parameters(active.parameters, skip=())
@@ -226,8 +227,7 @@ def _about(active: ActiveEffect, built: Any, dissolves: bool) -> Iterator[str]:
     added += [f"state {part.name}" for part in built if isinstance(part, ChamberState)]
     added += [f"state {HELD_GAS}" for part in built if isinstance(part, OilGas) and dissolves]
     added += [f"plenum {part.name}" for part in built if isinstance(part, Plenum)]
-    added += [f"figure {part.figure}" for part in built if isinstance(part, PowerLoss)]
-    added += [f"figure {name}" for part in built if isinstance(part, Reading) for name in part.figures]
+    added += [f"figure {name}" for name in given]
     added += ["another state of what is sucked in" for part in built if isinstance(part, Intake)]
     added += [
         "speed, motor speed and twist over the pitch, closed with the chambers"

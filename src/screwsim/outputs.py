@@ -1,12 +1,13 @@
 """What a simulation gives: the names, units and meanings of all results, and the record that carries them.
 
-One table serves the JSON of `run`, the HDF5 file and the labels of figures. SI units; a figure of an effect that is
-not simulated is None (null in JSON, NaN with its fill value in HDF5).
+One table serves the JSON of `run`, the HDF5 file and the labels of figures. SI units. Figures are the core's own; what
+an effect gives it declares itself. A result has those that its scene calls for: one of them without a value is None
+(null in JSON, NaN with its fill value in HDF5).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -20,162 +21,185 @@ class Variable(NamedTuple):
     long_name: str
 
 
+TIMES = {"": "", "ideal": "ideal_isothermal_efficiency", "filling": "volumetric_efficiency"}  # figures of factors
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What the relative error of a figure is relative to: its size, at the least `least` times the figures `of`.
+
+    `alone`: that, whatever its size. It counts only where the figure `where` is there. `times` is a factor: 'ideal' the
+    larger of 1 and the ideal isothermal efficiency; 'filling', of what passes through zero with the net gas flow,
+    that by which the volumetric efficiency falls short of 0.1.
+    """
+
+    least: float = 0.0
+    of: tuple[str, ...] = ()
+    alone: bool = False
+    where: str = ""
+    times: str = ""
+
+
+ITSELF = Scale()
+
+
+def over(name: str, alone: bool = False) -> Scale:
+    """Return the scale of a figure whose mean may vanish: at the least, or alone, the figure of a name."""
+    return Scale(1.0, (name,), alone)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of a result: name, unit (SI, CF style), meaning, and what its estimated error is relative to.
+
+    `needs` are keys of a scene of which one has to be there for the figure to be called for, '.key' of the effect that
+    declares it, 'key: word' with that value; several joined by ' and '. `by_flow`: it errs as the net gas flow does.
+    """
+
+    name: str
+    units: str
+    long_name: str
+    scale: Scale = ITSELF
+    needs: tuple[str, ...] = ()
+    by_flow: bool = False
+
+
 STATUSES = ("ok", "not_closed", "failed")  # HDF5 stores the index
 
-PERFORMANCE = {
-    "isothermal_efficiency": Variable("1", "isothermal efficiency of the shaft power"),
-    "ideal_isothermal_efficiency": Variable("1", "ideal-gas isothermal power at suction temperature over shaft power"),
-    "isentropic_efficiency": Variable("1", "isentropic efficiency of the shaft power"),
-    "volumetric_efficiency": Variable("1", "volumetric efficiency"),
-    "gas_mass_flow": Variable("kg s-1", "net gas mass flow from the suction line"),
-    "oil_mass_flow": Variable("kg s-1", "injected oil mass flow"),
-    "oil_ratio": Variable(
+POWER = Scale(least=1.0, of=("shaft_power",), alone=True, times="ideal")
+EFFICIENCY = Scale(least=0.1)
+OIL_ALONE = Scale(least=1e-4)  # oil per gas below which its error is that of nothing
+
+
+def power_figure(name: str, long_name: str, **more: Any) -> Figure:
+    """Return the figure of a power [W]: its error counts over the shaft's power or the ideal one."""
+    return Figure(name, "W", long_name, POWER, **more)
+
+
+def efficiency(name: str, long_name: str, **more: Any) -> Figure:
+    """Return the figure of an efficiency, shown in percent: its error counts over at least 0.1."""
+    return Figure(name, "1", long_name, EFFICIENCY, **more)
+
+
+def names_of(figures: Iterable[Figure]) -> tuple[str, ...]:
+    """Return the names of figures."""
+    return tuple(each.name for each in figures)
+
+
+# what calls for a figure of the core, beside keys of a scene (`figures.called_for`)
+OILED, EXPANDED = ("oil_supply",), ("machine.mode: expander",)
+HEATED = ("an effect that gives the oil a temperature, such as effects.oil_heat",)
+COOLED = ("operation.condensing_temperature and machine.mode: compressor",)
+CHANGED = ("effects.suction_throttle", "effects.bypass.share", "another effect with an Intake")
+WALLED = ("effects.wall_heat", "effects.cylinder_heat", "another effect with a Wall")
+HELD = ("oil that gives its gas off over time, as effects.refrigerant_solubility.flash_time says",)
+
+_CORE = (
+    efficiency("isothermal_efficiency", "isothermal efficiency of the shaft power", by_flow=True),
+    efficiency(
+        "ideal_isothermal_efficiency",
+        "ideal-gas isothermal power at suction temperature over shaft power",
+        by_flow=True,
+    ),
+    efficiency("isentropic_efficiency", "isentropic efficiency of the shaft power", by_flow=True),
+    efficiency("volumetric_efficiency", "volumetric efficiency", by_flow=True),
+    Figure("gas_mass_flow", "kg s-1", "net gas mass flow from the suction line", Scale(times="filling"), by_flow=True),
+    Figure("oil_mass_flow", "kg s-1", "injected oil mass flow", Scale(1e-4, ("gas_mass_flow",)), OILED),
+    Figure(
+        "oil_ratio",
         "1",
         "oil to gas mass ratio in the chamber at 360 degrees (rotors: where suction closes; oil_injection: its end)",
+        OIL_ALONE,
+        OILED,
     ),
-    "oil_flow_ratio": Variable("1", "injected oil over net suction gas"),
-    "indicated_power": Variable("W", "indicated power"),
-    "oil_lift_power": Variable("W", "power that lifts the oil to discharge pressure"),
-    "oil_pump_power": Variable("W", "shaft power of the oil pump"),
-    "hydromechanical_power": Variable("W", "hydromechanical loss"),
-    "mechanical_power": Variable("W", "mechanical loss"),
-    "oil_drag_power": Variable("W", "drag of oil in tip and end gaps"),
-    "bearing_power": Variable("W", "friction of the bearings"),
-    "shaft_power": Variable("W", "shaft power"),
-    "shaft_torque": Variable("N m", "mean torque at the shaft: shaft power over speed"),
-    "discharge_temperature": Variable("K", "flow-weighted mean gas temperature at discharge"),
-    "oil_discharge_temperature": Variable("K", "flow-weighted mean oil temperature at discharge"),
-    "peak_pressure": Variable("Pa", "highest chamber pressure up to the widest opening of the discharge port"),
-    "work_per_cycle": Variable("J", "work on the gas of one chamber per cycle, minus the integral of p dV"),
-    "trapped_mass": Variable("kg", "gas mass in a chamber at 360 degrees (rotors: where suction closes)"),
-    "injection_pressure": Variable(
+    Figure(
+        "oil_flow_ratio", "1", "injected oil over net suction gas", Scale(1e-4, times="filling"), OILED, by_flow=True
+    ),
+    power_figure("indicated_power", "indicated power"),
+    power_figure("oil_lift_power", "power that lifts the oil to discharge pressure", needs=OILED),
+    power_figure("shaft_power", "shaft power"),
+    Figure("shaft_torque", "N m", "mean torque at the shaft: shaft power over speed", Scale(times="ideal")),
+    Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge"),
+    Figure("oil_discharge_temperature", "K", "flow-weighted mean oil temperature at discharge", needs=HEATED),
+    Figure("peak_pressure", "Pa", "highest chamber pressure up to the widest opening of the discharge port"),
+    Figure("work_per_cycle", "J", "work on the gas of one chamber per cycle, minus the integral of p dV"),
+    Figure("trapped_mass", "kg", "gas mass in a chamber at 360 degrees (rotors: where suction closes)"),
+    Figure(
+        "injection_pressure",
         "Pa",
         "chamber pressure where oil is injected: at 360 degrees (rotors: where suction closes; oil_injection: mean)",
+        needs=OILED,
     ),
-    "suction_pressure": Variable("Pa", "pressure of the suction line"),
-    "suction_temperature": Variable("K", "temperature of the suction line"),
-    "discharge_pressure": Variable("Pa", "pressure of the discharge line"),
-    "pressure_ratio": Variable("1", "pressure of the discharge line over that of the suction line (expander: inverse)"),
-    "displacement": Variable("m3", "swept volume of all chambers in a revolution of the male rotor or the crank"),
-    "displacement_flow": Variable("m3 s-1", "displacement times speed"),
-    "built_in_volume_ratio": Variable(
-        "1", "chamber volume where suction closes over that where the discharge port opens (profiles: as stated)"
+    Figure("suction_pressure", "Pa", "pressure of the suction line"),
+    Figure("suction_temperature", "K", "temperature of the suction line"),
+    Figure("discharge_pressure", "Pa", "pressure of the discharge line"),
+    Figure("pressure_ratio", "1", "pressure of the discharge line over that of the suction line (expander: inverse)"),
+    Figure("displacement", "m3", "swept volume of all chambers in a revolution of the male rotor or the crank"),
+    Figure("displacement_flow", "m3 s-1", "displacement times speed"),
+    Figure(
+        "built_in_volume_ratio",
+        "1",
+        "chamber volume where suction closes over that where the discharge port opens (profiles: as stated)",
+        needs=("machine.kind: twin_screw",),
     ),
-    "specific_power": Variable("W s m-3", "shaft power over the volume flow of suction gas"),
-    "cooling_capacity": Variable("W", "cooling capacity: net gas flow times the real fluid's refrigerating effect"),
-    "cop": Variable("1", "coefficient of performance: cooling capacity over shaft power"),
-    "volumetric_cooling_capacity": Variable("J m-3", "cooling capacity over the volume flow of suction gas"),
-    "intake_pressure": Variable("Pa", "pressure of the gas that the machine sucks, behind throttle and bypass"),
-    "intake_temperature": Variable("K", "temperature of the gas that the machine sucks, behind throttle and bypass"),
-    "droplet_diameter": Variable("m", "Sauter diameter of the droplets of oil"),
-    "output_power": Variable("W", "power that an expander gives at its shaft"),
-    "filling_factor": Variable(
-        "1", "net gas flow of an expander over that which fills its chambers at the inlet's closing"
+    Figure("specific_power", "W s m-3", "shaft power over the volume flow of suction gas", by_flow=True),
+    Figure(
+        "cooling_capacity",
+        "W",
+        "cooling capacity: net gas flow times the real fluid's refrigerating effect",
+        needs=COOLED,
+        by_flow=True,
     ),
-    "motor_loss": Variable("W", "loss of motor and inverter"),
-    "electrical_power": Variable("W", "electrical power"),
-    "motor_efficiency": Variable("1", "efficiency of motor and inverter"),
-    "electrical_isothermal_efficiency": Variable("1", "isothermal efficiency of the electrical power"),
-    "electrical_isentropic_efficiency": Variable("1", "isentropic efficiency of the electrical power"),
-    "electrical_cop": Variable("1", "coefficient of performance: cooling capacity over electrical power"),
-    "gas_torque_mean": Variable("N m", "mean torque of the gas on the male rotor's shaft, the female's included"),
-    "gas_torque_peak_to_peak": Variable("N m", "torque of the gas, from its lowest to its highest value"),
-    "gas_torque_harmonic_1": Variable("N m", "amplitude of the gas torque at the lobe frequency"),
-    "gas_torque_harmonic_2": Variable("N m", "amplitude of the gas torque at twice the lobe frequency"),
-    "gas_torque_harmonic_3": Variable("N m", "amplitude of the gas torque at three times the lobe frequency"),
-    "gas_torque_harmonic_4": Variable("N m", "amplitude of the gas torque at four times the lobe frequency"),
-    "male_gas_torque": Variable("N m", "mean torque of the gas on the male rotor itself"),
-    "female_gas_torque": Variable("N m", "mean torque of the gas on the female rotor itself, about its own axis"),
-    "axial_gas_force": Variable("N", "mean axial force of the gas on a rotor, by the stated area"),
-    "axial_gas_force_peak": Variable("N", "largest axial force of the gas on a rotor"),
-    "radial_gas_force": Variable("N", "mean radial force of the gas on a rotor, by the stated area"),
-    "radial_gas_force_peak": Variable("N", "largest radial force of the gas on a rotor"),
-    "mean_speed": Variable("rad s-1", "mean over time of the rotors' speed"),
-    "no_load_speed": Variable("rad s-1", "speed at which the motor's torque vanishes"),
-    "speed_ripple": Variable("1", "largest less smallest speed of the rotors over the mean"),
-    "motor_speed_ripple": Variable("1", "largest less smallest speed of the motor over the mean"),
-    "coupling_torque_mean": Variable("N m", "mean torque of the coupling over the rotors' angle"),
-    "coupling_torque_amplitude": Variable("N m", "half of the coupling torque's way from its lowest to its highest"),
-    "coupling_torque_peak": Variable("N m", "largest magnitude of the coupling torque"),
-    "twist_mean": Variable("rad", "mean twist of the coupling over the rotors' angle"),
-    "twist_amplitude": Variable("rad", "half of the twist's way from its lowest to its highest value"),
-    "torsional_frequency": Variable("Hz", "first torsional frequency of small motions about the mean twist, undamped"),
-    "resonance_speed": Variable("rad s-1", "speed at which the lobe frequency is the torsional frequency"),
-    "motor_power": Variable("W", "mean power that the motor gives to the coupling"),
-    "coupling_loss": Variable("W", "mean power that the damping of the coupling takes"),
-    "suction_valve_power": Variable("W", "power that cylinder pressure below the suction line costs"),
-    "discharge_valve_power": Variable("W", "power that cylinder pressure above the discharge line costs"),
-    "wall_heat": Variable("W", "net heat from walls into the gas"),
-    "economizer_mass_flow": Variable("kg s-1", "net mass flow from the economizer"),
-    "economizer_flow_ratio": Variable("1", "economizer flow over net suction flow"),
-    "economizer_draw_ratio": Variable("1", "vapour that the economizer's port draws over that which the liquid makes"),
-    "economizer_capacity_gain": Variable("1", "cooling capacity that the economizer adds, at the same suction flow"),
-    "dissolved_gas_ratio": Variable("1", "refrigerant dissolved in the injected oil, per oil"),
-    "discharge_dissolved_gas_ratio": Variable("1", "refrigerant dissolved in oil that leaves to discharge, per oil"),
-    "flash_mass_flow": Variable("kg s-1", "refrigerant that flashes out of the injected oil, less what it takes up"),
-    "flash_flow_ratio": Variable("1", "refrigerant that flashes out of the oil, over net suction flow"),
-    "liquid_injection_mass_flow": Variable("kg s-1", "net flow of injected liquid"),
-    "liquid_injection_flow_ratio": Variable("1", "injected liquid over net suction flow"),
-    "suction_plenum_pressure": Variable("Pa", "mean pressure in the suction plenum"),
-    "suction_pulsation_peak_to_peak": Variable(
-        "Pa", "pressure in the suction plenum, from its lowest to its highest value"
+    Figure("cop", "1", "coefficient of performance: cooling capacity over shaft power", needs=COOLED, by_flow=True),
+    Figure(
+        "volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas", needs=COOLED
     ),
-    "suction_pulsation_harmonic_1": Variable(
-        "Pa", "amplitude of the pressure in the suction plenum at the lobe frequency"
+    Figure(
+        "intake_pressure", "Pa", "pressure of the gas that the machine sucks, behind throttle and bypass", needs=CHANGED
     ),
-    "suction_pulsation_harmonic_2": Variable(
-        "Pa", "amplitude of the pressure in the suction plenum at twice the lobe frequency"
+    Figure(
+        "intake_temperature",
+        "K",
+        "temperature of the gas that the machine sucks, behind throttle and bypass",
+        needs=CHANGED,
     ),
-    "suction_pulsation_harmonic_3": Variable(
-        "Pa", "amplitude of the pressure in the suction plenum at three times the lobe frequency"
+    power_figure("output_power", "power that an expander gives at its shaft", needs=EXPANDED),
+    Figure(
+        "filling_factor",
+        "1",
+        "net gas flow of an expander over that which fills its chambers at the inlet's closing",
+        needs=EXPANDED,
     ),
-    "suction_pulsation_harmonic_4": Variable(
-        "Pa", "amplitude of the pressure in the suction plenum at four times the lobe frequency"
+    Figure("wall_heat", "W", "net heat from walls into the gas", POWER, WALLED),
+    Figure(
+        "discharge_dissolved_gas_ratio",
+        "1",
+        "refrigerant dissolved in oil that leaves to discharge, per oil",
+        needs=HELD,
     ),
-    "discharge_plenum_pressure": Variable("Pa", "mean pressure in the discharge plenum"),
-    "discharge_pulsation_peak_to_peak": Variable(
-        "Pa", "pressure in the discharge plenum, from its lowest to its highest value"
-    ),
-    "discharge_pulsation_harmonic_1": Variable(
-        "Pa", "amplitude of the pressure in the discharge plenum at the lobe frequency"
-    ),
-    "discharge_pulsation_harmonic_2": Variable(
-        "Pa", "amplitude of the pressure in the discharge plenum at twice the lobe frequency"
-    ),
-    "discharge_pulsation_harmonic_3": Variable(
-        "Pa", "amplitude of the pressure in the discharge plenum at three times the lobe frequency"
-    ),
-    "discharge_pulsation_harmonic_4": Variable(
-        "Pa", "amplitude of the pressure in the discharge plenum at four times the lobe frequency"
-    ),
-    "discharge_line_least_flow": Variable("kg s-1", "least mass flow from the discharge plenum into its line"),
-    "rotor_temperature": Variable("K", "temperature of the rotors"),
-    "housing_temperature": Variable("K", "temperature of the housing"),
-    "wall_heat_power": Variable("W", "net heat from walls to gas: what cools the walls outside, negative"),
-    "tip_gap": Variable("m", "clearance between tips and housing, warm"),
-    "interlobe_gap": Variable("m", "clearance between the rotors, warm"),
-    "end_face_gap": Variable("m", "clearance of the discharge end faces, warm"),
-}
+)
+PERFORMANCE = {figure.name: figure for figure in _CORE}  # the core's own; effects declare theirs
 
-STAGES = {  # of two stages in a row
-    "intermediate_pressure": Variable("Pa", "pressure between both stages, of the first one's discharge line"),
-    "second_suction_temperature": Variable("K", "temperature of what the second stage sucks"),
-    "intercooler_heat": Variable("W", "heat taken from the gas between both stages"),
-    "vapour_mass_flow": Variable("kg s-1", "vapour of the flash tank that mixes in between both stages"),
-    "gas_mass_flow": Variable("kg s-1", "net mass flow that the first stage sucks"),
-    "first_shaft_power": Variable("W", "shaft power of the first stage"),
-    "second_shaft_power": Variable("W", "shaft power of the second stage"),
-    "shaft_power": Variable("W", "shaft power of both stages"),
-    "first_pressure_ratio": Variable("1", "pressure ratio of the first stage"),
-    "second_pressure_ratio": Variable("1", "pressure ratio of the second stage"),
-    "discharge_temperature": Variable("K", "flow-weighted mean gas temperature at discharge of the second stage"),
-    "isothermal_efficiency": Variable("1", "isothermal efficiency of the whole"),
-    "ideal_isothermal_efficiency": Variable("1", "isothermal efficiency of the whole, with an ideal gas's work"),
-    "isentropic_efficiency": Variable("1", "isentropic efficiency of the whole, without cooling between the stages"),
-    "cooling_capacity": Variable("W", "cooling capacity of the whole"),
-    "cop": Variable("1", "coefficient of performance of the whole"),
-    "flow_mismatch": Variable("1", "what comes to the second stage against what it takes, relative difference"),
-}
+_STAGES = (  # of two stages in a row
+    Figure("intermediate_pressure", "Pa", "pressure between both stages, of the first one's discharge line"),
+    Figure("second_suction_temperature", "K", "temperature of what the second stage sucks"),
+    Figure("intercooler_heat", "W", "heat taken from the gas between both stages"),
+    Figure("vapour_mass_flow", "kg s-1", "vapour of the flash tank that mixes in between both stages"),
+    Figure("gas_mass_flow", "kg s-1", "net mass flow that the first stage sucks"),
+    Figure("first_shaft_power", "W", "shaft power of the first stage"),
+    Figure("second_shaft_power", "W", "shaft power of the second stage"),
+    Figure("shaft_power", "W", "shaft power of both stages"),
+    Figure("first_pressure_ratio", "1", "pressure ratio of the first stage"),
+    Figure("second_pressure_ratio", "1", "pressure ratio of the second stage"),
+    Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge of the second stage"),
+    efficiency("isothermal_efficiency", "isothermal efficiency of the whole"),
+    efficiency("ideal_isothermal_efficiency", "isothermal efficiency of the whole, with an ideal gas's work"),
+    efficiency("isentropic_efficiency", "isentropic efficiency of the whole, without cooling between the stages"),
+    Figure("cooling_capacity", "W", "cooling capacity of the whole"),
+    Figure("cop", "1", "coefficient of performance of the whole"),
+    Figure("flow_mismatch", "1", "what comes to the second stage against what it takes, relative difference"),
+)
+STAGES = {figure.name: figure for figure in _STAGES}
 
 BALANCE = {
     "mass": Variable("1", "relative residue of the gas mass balance"),

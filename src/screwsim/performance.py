@@ -9,14 +9,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects.base import Plenum, PowerLoss, Reading, Turn
+from screwsim.effects.base import Given, Plenum, PowerLoss, Reading, Turn
 from screwsim.faults import own_number
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.settings import TURN
 from screwsim.model.parts import Parts
 from screwsim.model.pitch import Pitch
 from screwsim.model.residues import Array, discharge_enthalpy
-from screwsim.outputs import PERFORMANCE, Figures
 from screwsim.scene.lines import Lines
 
 
@@ -47,8 +46,7 @@ class CycleFigures:
 
 
 MOTOR_POWER = "motor_power"
-PER_VOLUME = ("specific_power",)
-COOLING = ("cooling_capacity", "cop", "volumetric_cooling_capacity")
+NONE_DELIVERED = "no net gas is delivered: the machine leaks more than it takes in"
 
 
 def _quotient(a: float, b: float) -> float | None:
@@ -77,8 +75,7 @@ def efficiencies(
     """
     names = ("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency")
     if flow <= 0.0:
-        reason = "no net gas is delivered: the machine leaks more than it takes in"
-        return dict.fromkeys(names), dict.fromkeys(names, reason)
+        return dict.fromkeys(names), dict.fromkeys(names, NONE_DELIVERED)
     if shaft_power <= 0.0:
         reason = "the shaft power is not positive"
         return dict.fromkeys(names), dict.fromkeys(names, reason)
@@ -152,7 +149,7 @@ def figures(
     d: float,
     peak: float,
     delivered: float = 1.0,
-) -> tuple[Figures, dict[str, str]]:
+) -> tuple[dict[str, float | None], dict[str, str]]:
     """Return the performance figures of one closed cycle and why some are None.
 
     `streams` are the sums over one chamber's life (model.residues.Balances.streams), `work` [J] that of one life;
@@ -164,13 +161,12 @@ def figures(
     losses = _losses(parts, known)
     lift = oil_lift(parts, lines, known) if oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
-    found: dict[str, float | None] = dict.fromkeys(PERFORMANCE)
     etas, notes = efficiencies(gas, lines, inlet, flow, shaft, _drawn(parts, streams, rate))
     swept = inlet.density * geometry.swept_volume * rate
     mean = discharge_enthalpy(streams)
-    found |= etas
-    found |= losses
-    found |= {
+    found: dict[str, float | None] = {
+        **etas,
+        **losses,
         "volumetric_efficiency": flow / swept,
         "gas_mass_flow": flow,
         "indicated_power": known.indicated_power,
@@ -180,7 +176,6 @@ def figures(
         "peak_pressure": peak,
         "work_per_cycle": work,
         "trapped_mass": trapped,
-        "injection_pressure": known.injection_pressure,
         "suction_pressure": lines.p_s,
         "suction_temperature": lines.T_s,
         "discharge_pressure": lines.p_d,
@@ -197,10 +192,11 @@ def figures(
             "oil_flow_ratio": _quotient(known.oil_mass_flow, flow) if flow > 0.0 else None,
             "oil_lift_power": lift,
             "oil_discharge_temperature": known.oil_discharge_temperature,
+            "injection_pressure": known.injection_pressure,
         }
-        if flow <= 0.0:
-            notes["oil_flow_ratio"] = "no net gas is delivered"
-    return Figures(found), notes
+        notes["oil_flow_ratio"] = "no net gas is delivered"
+        notes["oil_discharge_temperature"] = "next to no oil flows out to the discharge line"
+    return found, notes
 
 
 def _drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
@@ -215,51 +211,56 @@ def refrigeration(
 ) -> tuple[dict[str, float | None], dict[str, str]]:
     """Return the figures per volume and of cooling (M43–M45), or None with the reason.
 
-    `rho_s` is the gas model's density in the suction line [kg/m³], `effect` the refrigerating effect [J/kg].
+    `rho_s` is the gas model's density in the suction line [kg/m³], `effect` the refrigerating effect [J/kg], None where
+    the scene calls for no figures of cooling.
     """
     flow, power = found["gas_mass_flow"], found["shaft_power"]
-    figures: dict[str, float | None] = dict.fromkeys(PER_VOLUME + COOLING)
+    names = ("specific_power", *(("cooling_capacity", "cop", "volumetric_cooling_capacity") if effect else ()))
     if flow <= 0.0:
-        return figures, dict.fromkeys(figures, "no net gas is delivered: the machine leaks more than it takes in")
-    figures["specific_power"] = power * rho_s / flow
+        return dict.fromkeys(names), dict.fromkeys(names, NONE_DELIVERED)
+    figures: dict[str, float | None] = {"specific_power": power * rho_s / flow}
     if effect is None:
-        return figures, dict.fromkeys(
-            COOLING, "known only of a compressor in a scene that states evaporating and condensing temperature"
-        )
-    figures["cooling_capacity"] = flow * effect
-    figures["volumetric_cooling_capacity"] = rho_s * effect
-    if power <= 0.0:
-        return figures, {"cop": "the shaft power is not positive"}
-    figures["cop"] = flow * effect / power
-    return figures, {}
+        return figures, {}
+    cop = flow * effect / power if power > 0.0 else None
+    figures |= {"cooling_capacity": flow * effect, "cop": cop, "volumetric_cooling_capacity": rho_s * effect}
+    return figures, {} if power > 0.0 else {"cop": "the shaft power is not positive"}
 
 
 def _losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
-    """Return the power losses [W]; raise Impossible where an own effect gives none, or a gain."""
+    """Return the power losses [W], of one name their sum; raise Impossible where an own effect gives none or a gain."""
     found = {}
     for name, part in parts.all(PowerLoss):
         power = part.power(known)
         if np.isfinite(known.indicated_power):
             own_number(name, f"its power {part.figure} [W]", power, 0.0)
-        found[part.figure] = float(power)
+        found[part.figure] = found.get(part.figure, 0.0) + float(power)
     return found
 
 
-def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> dict[str, float | None]:
-    """Return the figures that effects read from the closed cycle, all other figures known."""
+def valued(given: Given, effect: str, why: str = "", finite: bool = True) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the figures that an effect gives, and why some are None; raise Impossible of one that is no number."""
+    found = {name: None if isinstance(value, str) else value for name, value in given.items()}
+    for name, value in found.items():
+        if finite:
+            own_number(effect, f"its figure {name}", 0.0 if value is None else value)
+    reasons = {name: value if isinstance(value, str) else why for name, value in given.items()}
+    none = f"effects.{effect} finds none in this cycle"
+    return found, {name: reasons[name] or none for name, value in found.items() if value is None}
+
+
+def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the figures that effects read from the closed cycle, all other figures known, and why some are None."""
+    values: dict[str, Any] = {}
+    notes: dict[str, str] = {}
     reading = parts.all(Reading)
-    if not reading:
-        return {}
     names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop")
-    complete = replace(known, **{name: found[name] for name in names})
-    values: dict[str, float | None] = {}
+    complete = replace(known, **{name: found.get(name) for name in names}) if reading else known
     for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # which others may ask for
-        read = part.read(replace(complete, motor_power=values.get(MOTOR_POWER)))
-        if np.isfinite(known.indicated_power):
-            for figure, value in read.items():
-                own_number(name, f"its figure {figure}", 0.0 if value is None else value)
+        given = part.read(replace(complete, motor_power=values.get(MOTOR_POWER)))
+        read, reasons = valued(given, name, finite=bool(np.isfinite(known.indicated_power)))
         values |= read
-    return values
+        notes |= reasons
+    return values, notes
 
 
 def judged(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:

@@ -11,6 +11,7 @@ from screwsim import own, plausible, settling, shaft, verdict
 from screwsim.build import blamed, faults_of_own, prepare
 from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter
 from screwsim.faults import Impossible, UsageError
+from screwsim.figures import Performance
 from screwsim.ledger.total import Ledger
 from screwsim.model import compiled
 from screwsim.numerics import sources
@@ -141,7 +142,8 @@ def _solved(solution: Solution, trace: bool) -> Result:
     refused = refused or verdict.refused(solution) or solution.beyond()
     if refused:
         shut = "".join(f"; {words}" for words in plausible.shut_ways(scene, solution.parts))
-        return Result("failed", refused + shut, scene_warnings(scene), effects, states, numerics=numerics)
+        none = Performance({}, solution.called)
+        return Result("failed", refused + shut, scene_warnings(scene), effects, states, none, numerics=numerics)
     found, notes, balance, book = _judged(solution, accurate, trace)
     for _ in range(TRIES):
         if closed.status != "ok" or (balance.entropy or 0.0) <= balance.bound or scene.numerics.rtol is not None:
@@ -154,7 +156,8 @@ def _solved(solution: Solution, trace: bool) -> Result:
     sound = book is None or book.finite
     if not _finite(found) or (closed.status == "ok" and not sound):
         message = "a figure is not finite; ask for a tighter numerics.accuracy"
-        return Result("failed", message, effects=effects, states=states, numerics=numerics)
+        none = Performance({}, solution.called)
+        return Result("failed", message, (), effects, states, none, numerics=numerics)
     if not sound:  # of a cycle that is none, states between steps may be none of the gas
         book, balance["entropy"] = None, None
     forbidden, of_drive, balance["drive"] = shaft.judged(solution, closed)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from screwsim import expander, performance
 from screwsim.build import build_site
 from screwsim.effects.base import Drawn, OilSolution, Plenum, Reading, Site, Turn
-from screwsim.faults import own_number
+from screwsim.figures import Performance, borrowed, called_for
 from screwsim.ledger.book import Cycle
 from screwsim.ledger.total import Ledger, ledger
 from screwsim.machine.built_in import built_in_volume_ratio
@@ -39,11 +40,11 @@ from screwsim.model.slots import (
     R_SUCTION,
     R_TRAPPED,
 )
-from screwsim.outputs import PERFORMANCE, Figures
+from screwsim.outputs import Figure, Figures
 from screwsim.scene.lines import refrigerating_effect
 from screwsim.traces import traces
 
-NO_LIQUID = "known only where net gas is delivered in a scene that states evaporating and condensing temperature"
+NO_REASON = "this cycle has none"
 
 
 class Solution(Making):
@@ -186,12 +187,24 @@ class Solution(Making):
     def _effect(self) -> float | None:
         return refrigerating_effect(self.scene)
 
-    def figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
-        """Return performance figures of the last history, whose quadratures are q, and why some are None."""
-        found, notes = self.once("figures", q, lambda: self._new_figures(q))
-        return Figures(found), dict(notes)
+    @cached_property
+    def called(self) -> dict[str, Figure]:
+        """The figures that the scene calls for."""
+        return called_for(self.scene, self.parts)
 
-    def _new_figures(self, q: closing.Array) -> tuple[Figures, dict[str, str]]:
+    def figures(self, q: closing.Array) -> tuple[Performance, dict[str, str]]:
+        """Return performance figures of the last history, whose quadratures are q, and why some are None."""
+        found, notes = self.once("figures", q, lambda: self._called_figures(q))
+        return found.copy(), dict(notes)
+
+    def _called_figures(self, q: closing.Array) -> tuple[Performance, dict[str, str]]:
+        """Return those of the figures that the scene calls for."""
+        found, notes = self._new_figures(q)
+        values = {name: found.get(name) for name in self.called}
+        reasons = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
+        return Performance(values, self.called), reasons
+
+    def _new_figures(self, q: closing.Array) -> tuple[dict[str, Any], dict[str, str]]:
         m, geometry = self.machinery, self.parts.geometry
         R = m.R
         limit = geometry.life if geometry.expands else geometry.widest_discharge()
@@ -210,18 +223,18 @@ class Solution(Making):
             peak=float(m.module.trace__peak_pressure(times, dense, steps, limit, m.context)),
         )
         found["built_in_volume_ratio"] = self._built_in_volume_ratio
+        notes["built_in_volume_ratio"] = "the machine has no discharge port whose opening ends it"
         if self.parts.dissolves:
             found["discharge_dissolved_gas_ratio"] = residues.discharge_held(self.balances.streams(q))
-        own = self._own_figures(q)
-        if own:
-            found |= own
-            notes |= dict.fromkeys((name for name, value in own.items() if value is None), NO_LIQUID)
-        gain = own.get("economizer_capacity_gain") or 0.0
+        own, reasons = self._own_figures(q)
+        found |= own
+        notes |= reasons
+        gain = sum(own.get(part.gain) or 0.0 for _, part in self.parts.all(Plenum))
         effect = None if self._effect is None else self._effect * (1.0 + gain)
         cooling, reasons = performance.refrigeration(found, self.inlet.density, effect)
         found |= cooling
         notes |= reasons
-        if self.suction.changed:
+        if "intake_pressure" in self.called:
             place = self.suction.place(float(R[R_DISCHARGE + ENTHALPY]))
             found["intake_pressure"] = place[PRESSURE]
             found["intake_temperature"] = self.suction.temperature(place, self.lines.T_s)
@@ -233,8 +246,8 @@ class Solution(Making):
             found["wall_heat"] = (
                 float(q[Q_WALLS : Q_WALLS + 2 * len(m.composition.walls) : 2].sum()) * self.lives_per_second
             )
-        found |= performance.readings(self.parts, known, found)
-        return found, notes
+        read, reasons = performance.readings(self.parts, known, found)
+        return found | read, notes | reasons
 
     def open_question(self, q: closing.Array, closed: bool) -> str:
         """Return what the scene leaves open of a cycle, and what to do; empty where nothing is open."""
@@ -289,24 +302,22 @@ class Solution(Making):
             return float(self.machinery.R[R_RATIO])
         return float(self.machinery.states_at(np.array([port.closes]))[0, 3])
 
-    def _own_figures(self, q: closing.Array) -> dict[str, float | None]:
-        """Return what the effects say of the cycle by their own plenums."""
-        found: dict[str, float | None] = {}
-        if self.parts.plenums:
-            streams, rate = self.balances.streams(q)[:, 0], self.lives_per_second
-            site = self._site
-            suction = float(streams[0] + streams[1]) * rate * (1.0 - self.suction.returned)  # from the line alone
-            for name, plenum in self.parts.all(Plenum):
-                i = 2 * self.parts.number(plenum.name)
-                drawn = Drawn(float(streams[i] + streams[i + 1]) * rate, suction, self.parts.plenums[plenum.name], site)
-                given = plenum.figures(drawn) if plenum.figures is not None else {}
-                for figure, value in given.items():
-                    own_number(name, f"its figure {figure}", 0.0 if value is None else value)
-                found |= given
-        unknown = sorted(set(found) - set(PERFORMANCE))
-        if unknown:
-            raise TypeError(f"a plenum gives {', '.join(unknown)}, which outputs.PERFORMANCE does not list")
-        return found
+    def _own_figures(self, q: closing.Array) -> tuple[dict[str, Any], dict[str, str]]:
+        """Return what the effects say of the cycle by their own plenums, and why they do not say some."""
+        found, notes = {}, {}
+        streams, rate = self.balances.streams(q)[:, 0], self.lives_per_second
+        suction = float(streams[0] + streams[1]) * rate * (1.0 - self.suction.returned)  # from the line alone
+        why = "" if suction > 0.0 else performance.NONE_DELIVERED
+        for name, plenum in self.parts.all(Plenum):
+            if plenum.figures is None:
+                continue
+            i, state = 2 * self.parts.number(plenum.name), self.parts.plenums[plenum.name]
+            drawn = Drawn(float(streams[i] + streams[i + 1]) * rate, suction, state, self._site)
+            given, reasons = performance.valued(plenum.figures(drawn), name, why)
+            self.called.update(borrowed(name, self.scene.effects[name].effect, given))
+            found |= given
+            notes |= reasons
+        return found, notes
 
     def ledger(self, q: closing.Array, shaft_power: float) -> Ledger:
         """Return where the shaft power [W] goes (contract: ledger)."""

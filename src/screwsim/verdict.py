@@ -19,7 +19,6 @@ from screwsim.outputs import Figures
 from screwsim.scene.plausible import scene_warnings
 from screwsim.solution import Solution
 
-DRAWN_TOO_MUCH = 0.02  # share of the vapour that an economizer makes
 ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integration that stops there shows a lock
 LESS = "use more or cooler oil, a wider discharge port, a larger machine.volume.min or smaller leaks"
 REMEDIES = {  # of the limits of an equation of state
@@ -157,21 +156,11 @@ def warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
         )
     told += _drowned(solution, found)
     told += _unfitted_bore(solution, found)
-    if (found.economizer_draw_ratio or 0.0) > 1.0 + DRAWN_TOO_MUCH:
-        told.append(
-            f"the economizer's port draws {found.economizer_draw_ratio:.3g} times the vapour that the liquid makes: "
-            "its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
-        )
-    if (found.discharge_line_least_flow or 0.0) < 0.0 < (found.gas_mass_flow or 0.0):
-        told.append(
-            "the pulsation turns the flow in the discharge line round: a check valve would shut (name "
-            "effects.plenums.discharge_valve, a larger discharge_volume or a smaller discharge_area)"
-        )
+    asked = (active.effect.warnings for active in solution.scene.effects.values() if active.effect.warnings)
+    told += [words for warn in asked for words in warn(found)]
     if found.gas_mass_flow == 0.0 and any(part.shut is not None for part in solution.parts.pulsations):
         nothing = "takes nothing in" if solution.parts.plenums else "delivers nothing"
-        told.append(
-            f"a check valve of effects.plenums stays shut: against the line's pressure the machine {nothing}"
-        )
+        told.append(f"a check valve of effects.plenums stays shut: against the line's pressure the machine {nothing}")
     elif found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
         told.append(
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "

@@ -11,6 +11,7 @@ import pkgutil
 from functools import cache
 
 from screwsim.effects.base import Effect
+from screwsim.numerics import sources
 from screwsim.numerics.trial import own_module
 
 _NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "line_valve", "port_window", "valves"}
@@ -51,6 +52,11 @@ def catalogue() -> dict[str, Effect]:
     found = {name: importlib.import_module(f"{__name__}.{name}").EFFECT for name in names}
     rank = {name: index for index, name in enumerate(_ORDER)}
     return {name: found[name] for name in sorted(found, key=lambda name: (rank.get(name, len(rank)), name))}
+
+
+def imported() -> dict[str, Effect]:
+    """Return {name: effect} of the user's own that this program has imported."""
+    return {name: made for name, made in sources.noted().items() if isinstance(made, Effect)}
 
 
 def find_effect(name: str) -> Effect:

@@ -20,6 +20,7 @@ from screwsim.fluid.settings import OilProperties
 from screwsim.machine.protocol import MachineKind
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.made import Entry
+from screwsim.outputs import Figure
 
 
 @dataclass(frozen=True)
@@ -125,17 +126,21 @@ class Drawn:
         return self.flow / self.suction_flow if self.suction_flow > 0.0 else None
 
 
+Given = Mapping[str, float | str | None]  # figures by name; a text says why there is none
+
+
 @dataclass(frozen=True)
 class Plenum:
     """A reservoir of the working fluid beside the two lines; its state is held constant.
 
-    `state` makes that state, `figures` the effect's own figures of the closed cycle (names of `outputs.PERFORMANCE`),
-    both in plain Python, once a run.
+    `state` makes that state, `figures` the effect's own figures of the closed cycle (a text in place of one says why it
+    has none), both in plain Python, once a run. `gain` names the one of them by which the cooling capacity grows.
     """
 
     name: str
     state: Callable[[Site], Reservoir]
-    figures: Callable[[Drawn], Mapping[str, float | None]] | None = None
+    figures: Callable[[Drawn], Given] | None = None
+    gain: str = ""
     product: bool = True  # does what it gives count as gas that the machine compresses (M101)
 
 
@@ -269,13 +274,13 @@ class PowerLoss:
 class Reading:
     """Figures and traces [SI] read from a closed cycle and its powers; they change nothing of it (plain Python).
 
-    `read` returns the values of `figures`, all losses known; `traces` curves over the points of one pitch
-    (`model.pitch.POINTS`), which repeat every pitch. `judge` returns what forbids the point (it is `failed`), or an
-    empty text, and warnings of it.
+    `read` returns the values of `figures`, all losses known, or a text that says why there is none; `traces` curves
+    over the points of one pitch (`model.pitch.POINTS`), which repeat every pitch. `judge` returns what
+    forbids the point (it is `failed`), or an empty text, and warnings of it.
     """
 
     figures: tuple[str, ...]
-    read: Callable[[Any], Mapping[str, float | None]]
+    read: Callable[[Any], Given]
     traces: Callable[[Any], Mapping[str, Any]] | None = None
     judge: Callable[[Any], tuple[str, tuple[str, ...]]] | None = None
 
@@ -428,6 +433,9 @@ class Around(NamedTuple):
 class Effect:
     """One physical effect, named in a scene under `effects`.
 
+    `figures` are those that it gives where a scene calls for them; `warnings(found)` tells from the figures of a cycle
+    what of them hardly can be.
+
     `build(parameters, machine)` returns its parts; `check(parameters, facts)` returns faults that only the whole scene
     shows. `numbers(parameters, around)` returns numbers behind argument names of its kernels that follow from the
     scene. `needs` is what a machine must offer (`machine.protocol`), of all kinds by default.
@@ -444,6 +452,8 @@ class Effect:
     check: Callable[[Any, Any], list[Fault]] | None = None
     numbers: Callable[[Any, Around], Mapping[str, float]] | None = None
     needs: frozenset[str] = frozenset()
+    figures: tuple[Figure, ...] = ()
+    warnings: Callable[[Mapping[str, Any]], Sequence[str]] | None = None
 
     def fits(self, kind: MachineKind) -> bool:
         """Tell whether a kind of machine can have this effect."""

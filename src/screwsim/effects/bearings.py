@@ -19,6 +19,7 @@ from screwsim.effects.base import Effect, PowerLoss
 from screwsim.effects.oil_drag import film_temperature
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
+from screwsim.outputs import power_figure
 
 LEAST_FILM = 2000.0  # ν n [mm²/s · 1/min] below which M_0 does not depend on it (Palmgren)
 _OF_FRICTION = {
@@ -149,4 +150,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({ROTORS}),
+    figures=(power_figure("bearing_power", "friction of the bearings"),),
 )

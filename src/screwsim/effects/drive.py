@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.declare import choice, quantity
-from screwsim.effects.base import Effect, Reading, Shaft
+from screwsim.effects.base import Effect, Given, Reading, Shaft
 from screwsim.effects.gas_torque import torque as gas_torque
 from screwsim.faults import Fault
 from screwsim.machine.drive.linear_coupling import LinearCoupling
@@ -29,22 +29,23 @@ from screwsim.machine.drive.motor_line import Motor, check_motor
 from screwsim.machine.drive.response import NoMotion, Response, respond
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, check_coupling
 from screwsim.machine.drive.train import Train
+from screwsim.outputs import Figure, names_of, power_figure
 
 KEPT = 3  # motions: before and after a turn, and of the turn that estimates the error
 FIGURES = (
-    "mean_speed",
-    "no_load_speed",
-    "speed_ripple",
-    "motor_speed_ripple",
-    "coupling_torque_mean",
-    "coupling_torque_amplitude",
-    "coupling_torque_peak",
-    "twist_mean",
-    "twist_amplitude",
-    "torsional_frequency",
-    "resonance_speed",
-    "motor_power",
-    "coupling_loss",
+    Figure("mean_speed", "rad s-1", "mean over time of the rotors' speed"),
+    Figure("no_load_speed", "rad s-1", "speed at which the motor's torque vanishes"),
+    Figure("speed_ripple", "1", "largest less smallest speed of the rotors over the mean"),
+    Figure("motor_speed_ripple", "1", "largest less smallest speed of the motor over the mean"),
+    Figure("coupling_torque_mean", "N m", "mean torque of the coupling over the rotors' angle"),
+    Figure("coupling_torque_amplitude", "N m", "half of the coupling torque's way from its lowest to its highest"),
+    Figure("coupling_torque_peak", "N m", "largest magnitude of the coupling torque"),
+    Figure("twist_mean", "rad", "mean twist of the coupling over the rotors' angle"),
+    Figure("twist_amplitude", "rad", "half of the twist's way from its lowest to its highest value"),
+    Figure("torsional_frequency", "Hz", "first torsional frequency of small motions about the mean twist, undamped"),
+    Figure("resonance_speed", "rad s-1", "speed at which the lobe frequency is the torsional frequency"),
+    power_figure("motor_power", "mean power that the motor gives to the coupling"),
+    Figure("coupling_loss", "W", "mean power that the damping of the coupling takes"),
 )
 
 
@@ -151,12 +152,12 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
             raise found
         return found
 
-    def read(figures) -> dict[str, float | None]:
-        """Return the figures of the drive (M214–M216); None where it has no steady motion."""
+    def read(figures) -> Given:
+        """Return the figures of the drive (M214–M216), or why it has no steady motion."""
         try:
             found = motion(figures)
-        except NoMotion:
-            return dict.fromkeys(FIGURES)
+        except NoMotion as reason:
+            return dict.fromkeys(names_of(FIGURES), str(reason))
         train, torque, twist = found.train, found.coupling_torque, found.twist
         mean_twist = float(twist.mean())
         power, loss, _ = energies(found)
@@ -175,7 +176,7 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
             power,
             loss,
         )
-        return dict(zip(FIGURES, values, strict=True))
+        return dict(zip(names_of(FIGURES), values, strict=True))
 
     def traces(figures) -> dict[str, Any]:
         """Return speeds, twist and torques over a pitch."""
@@ -191,7 +192,7 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
             "motor_torque": found.motor_torque,
         }
 
-    return [Shaft(train, motion, judged), Reading(FIGURES, read, traces)]
+    return [Shaft(train, motion, judged), Reading(names_of(FIGURES), read, traces)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
@@ -213,4 +214,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    figures=FIGURES,
 )

@@ -22,6 +22,7 @@ from screwsim.effects.gas_transport import gas_faults, gas_numbers
 from screwsim.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
+from screwsim.outputs import Figure
 
 _OF_SIZE = {
     "fixed": ("diameter",),
@@ -148,4 +149,5 @@ EFFECT = Effect(
     check=check,
     numbers=numbers,
     needs=frozenset({OIL}),
+    figures=(Figure("droplet_diameter", "m", "Sauter diameter of the droplets of oil"),),
 )

@@ -11,17 +11,28 @@ Parameters: temperature (saturation) or pressure, superheat, opens, closes, area
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from screwsim.declare import choice, number, quantity
-from screwsim.effects.base import Drawn, Effect, FlowPath, Plenum, Site
+from screwsim.effects.base import Drawn, Effect, FlowPath, Given, Plenum, Site
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import HOLES
+from screwsim.outputs import COOLED, Figure
 
 NAME = "economizer"
+GAIN = "economizer_capacity_gain"
+DRAWN_TOO_MUCH = 0.02  # share of the vapour that it makes
+FIGURES = (
+    Figure("economizer_mass_flow", "kg s-1", "net mass flow from the economizer"),
+    Figure("economizer_flow_ratio", "1", "economizer flow over net suction flow"),
+    Figure("economizer_draw_ratio", "1", "vapour that its port draws over that which the liquid makes", needs=COOLED),
+    Figure(GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", needs=COOLED),
+)
 
 
 @dataclass(frozen=True)
@@ -59,31 +70,37 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
         p = parameters.pressure or constants.dew_pressure(site.fluid, T)
         return site.gas.vapour(p, T + parameters.superheat)
 
-    def figures(drawn: Drawn) -> dict[str, float | None]:
+    def figures(drawn: Drawn) -> Given:
         return economizer_figures(parameters, drawn)
 
-    return [window_path(NAME, parameters), Plenum(NAME, state, figures)]
+    return [window_path(NAME, parameters), Plenum(NAME, state, figures, GAIN)]
 
 
-def economizer_figures(parameters: Parameters, drawn: Drawn) -> dict[str, float | None]:
+def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     """Return the vapour drawn, and what it does for the cooling capacity (M102)."""
-    site = drawn.site
-    found: dict[str, float | None] = {
-        "economizer_mass_flow": drawn.flow,
-        "economizer_flow_ratio": drawn.ratio,
-        "economizer_draw_ratio": None,
-        "economizer_capacity_gain": None,
-    }
-    h_c, q_0, ratio = site.liquid_enthalpy, site.refrigerating_effect, found["economizer_flow_ratio"]
+    site, ratio = drawn.site, drawn.ratio
+    found: dict[str, float | str | None] = {"economizer_mass_flow": drawn.flow, "economizer_flow_ratio": ratio}
+    h_c, q_0 = site.liquid_enthalpy, site.refrigerating_effect
     if h_c is None or q_0 is None or ratio is None:
         return found
     wanted = h_c - _cold_liquid(parameters, site)
     p, T = drawn.reservoir.p, saturation(parameters, site.fluid) + parameters.superheat
     evaporating = max(ratio, 0.0) * (constants.vapour_enthalpy(site.fluid, p, T) - h_c)
-    if wanted > 0.0:
-        found["economizer_draw_ratio"] = evaporating / wanted
-    found["economizer_capacity_gain"] = max(0.0, min(evaporating, wanted)) / q_0
+    none = "the economizer cools no liquid"
+    found["economizer_draw_ratio"] = evaporating / wanted if wanted > 0.0 else none
+    found[GAIN] = max(0.0, min(evaporating, wanted)) / q_0
     return found
+
+
+def warnings(found: Mapping[str, Any]) -> list[str]:
+    """Return a warning where the port draws more vapour than the liquid makes."""
+    ratio = found.get("economizer_draw_ratio") or 0.0
+    if ratio <= 1.0 + DRAWN_TOO_MUCH:
+        return []
+    return [
+        f"the economizer's port draws {ratio:.3g} times the vapour that the liquid makes: "
+        "its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
+    ]
 
 
 def _cold_liquid(parameters: Parameters, site: Site) -> float:
@@ -153,4 +170,6 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({HOLES}),
+    figures=FIGURES,
+    warnings=warnings,
 )

@@ -20,16 +20,38 @@ from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, Reading
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
+from screwsim.outputs import Figure, names_of, over
 
-HARMONICS = 4  # that have a figure of their own
 FORCES = ("axial", "radial")
+SWING = over("gas_torque_peak_to_peak")  # what means that pass through zero err over
+SHARED = (".male_share", "machine.profile")
+WHICH = ("the", "twice the", "three times the", "four times the")
 FIGURES = (
-    "gas_torque_mean",
-    "gas_torque_peak_to_peak",
-    *(f"gas_torque_harmonic_{k}" for k in range(1, HARMONICS + 1)),
-    "male_gas_torque",
-    "female_gas_torque",
-    *(f"{way}_gas_force{what}" for way in FORCES for what in ("", "_peak")),
+    Figure("gas_torque_mean", "N m", "mean torque of the gas on the male rotor's shaft, the female's included", SWING),
+    Figure("gas_torque_peak_to_peak", "N m", "torque of the gas, from its lowest to its highest value", SWING),
+    *(
+        Figure(f"gas_torque_harmonic_{k}", "N m", f"amplitude of the gas torque at {which} lobe frequency", SWING)
+        for k, which in enumerate(WHICH, 1)
+    ),
+    Figure("male_gas_torque", "N m", "mean torque of the gas on the male rotor itself", SWING, SHARED),
+    Figure(
+        "female_gas_torque",
+        "N m",
+        "mean torque of the gas on the female rotor itself, about its own axis",
+        SWING,
+        SHARED,
+    ),
+    *(
+        Figure(
+            f"{way}_gas_force{what}",
+            "N",
+            f"{of} {way} force of the gas on a rotor{by}",
+            over(f"{way}_gas_force_peak"),
+            (f".{way}_area",),
+        )
+        for way in FORCES
+        for what, of, by in (("", "mean", ", by the stated area"), ("_peak", "largest", ""))
+    ),
 )
 
 
@@ -104,12 +126,12 @@ def build(parameters: Parameters, machine) -> list[Reading]:
         """Return the figures of torque and forces (M144–M147)."""
         pitch = figures.pitch()
         curve = torque(pitch)
-        values: list[float | None] = [pitch.torque_mean, float(np.ptp(curve)), *harmonics(curve, HARMONICS)]
+        values: list[float | None] = [pitch.torque_mean, float(np.ptp(curve)), *harmonics(curve, len(WHICH))]
         values += on_rotors(parameters, pitch, ratio)
         for way in FORCES:
             pressed = force(areas[way], pitch)
             values += [None, None] if pressed is None else [float(pressed.mean()), float(pressed.max())]
-        return dict(zip(FIGURES, values, strict=True))
+        return dict(zip(names_of(FIGURES), values, strict=True))
 
     def traces(figures) -> dict[str, Any]:
         """Return torque and forces over a pitch."""
@@ -120,7 +142,7 @@ def build(parameters: Parameters, machine) -> list[Reading]:
         found |= {f"{way}_gas_force": force(areas[way], pitch) for way in FORCES if areas[way] is not None}
         return found
 
-    return [Reading(FIGURES, read, traces)]
+    return [Reading(names_of(FIGURES), read, traces)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
@@ -139,4 +161,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({ROTORS}),
+    figures=FIGURES,
 )

@@ -16,6 +16,7 @@ from screwsim.declare import number
 from screwsim.effects.base import Effect, PowerLoss
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
+from screwsim.outputs import power_figure
 
 GIUFFRIDA = 134.5  # coefficient of V_sw ω² μ
 
@@ -59,4 +60,5 @@ EFFECT = Effect(
     needs_oil=True,
     check=check,
     needs=frozenset({ROTORS}),
+    figures=(power_figure("hydromechanical_power", "hydromechanical loss"),),
 )

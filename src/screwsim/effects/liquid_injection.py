@@ -18,9 +18,14 @@ from screwsim.effects.port_window import WindowParameters, check_window, window_
 from screwsim.faults import Fault
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import HOLES
+from screwsim.outputs import Figure
 
 NAME = "liquid_injection"
 SHARP_EDGE = 0.61
+FIGURES = (
+    Figure("liquid_injection_mass_flow", "kg s-1", "net flow of injected liquid"),
+    Figure("liquid_injection_flow_ratio", "1", "injected liquid over net suction flow"),
+)
 
 
 @dataclass(frozen=True)
@@ -63,4 +68,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({HOLES}),
+    figures=FIGURES,
 )

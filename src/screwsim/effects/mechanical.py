@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from screwsim.declare import number
 from screwsim.effects.base import Effect, PowerLoss
+from screwsim.outputs import power_figure
 
 
 @dataclass(frozen=True)
@@ -39,4 +40,5 @@ EFFECT = Effect(
     source="Giuffrida 2016",
     parameters=Parameters,
     build=build,
+    figures=(power_figure("mechanical_power", "mechanical loss"),),
 )

@@ -22,12 +22,27 @@ from math import inf
 import numpy as np
 
 from screwsim.declare import file, number, quantity
-from screwsim.effects.base import Effect, Reading
+from screwsim.effects.base import Effect, Given, Reading
 from screwsim.faults import Fault, UsageError
+from screwsim.outputs import COOLED, Figure, efficiency, names_of, power_figure
 from screwsim.sheets import BadSheet, read_sheet
 from screwsim.textfiles import Unreadable
 
-FIGURES = ("motor_loss", "electrical_power", "motor_efficiency")
+FIGURES = (
+    Figure("motor_loss", "W", "loss of motor and inverter"),
+    power_figure("electrical_power", "electrical power"),
+    efficiency("motor_efficiency", "efficiency of motor and inverter"),
+    efficiency("electrical_isothermal_efficiency", "isothermal efficiency of the electrical power", by_flow=True),
+    efficiency("electrical_isentropic_efficiency", "isentropic efficiency of the electrical power", by_flow=True),
+    Figure(
+        "electrical_cop",
+        "1",
+        "coefficient of performance: cooling capacity over electrical power",
+        needs=COOLED,
+        by_flow=True,
+    ),
+)
+NEITHER = "shaft and electrical power are not of one sign: the motor's loss takes more than there is"
 OVERLOAD, BREAKDOWN = 1.25, 3.5  # of the rated power
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop")
 
@@ -118,21 +133,23 @@ def build(parameters: Parameters, machine) -> list[Reading]:
             return f"{what}: no motor turns beyond {BREAKDOWN:g} times (choose a larger one)", ()
         return "", (f"{what}: it would not last, and its losses are beyond what M148 knows (choose a larger one)",)
 
-    def read(figures) -> dict[str, float | None]:
+    def read(figures) -> Given:
         """Return loss, electrical power and what is referred to it (M148, M149)."""
         shaft, load = figures.shaft_power, load_of(figures)
         loss = motor_loss(parameters, load, losses)
         electrical = load + loss
         driving = shaft > 0.0 and electrical > 0.0
         giving = shaft < 0.0 and electrical < 0.0
-        efficiency = shaft / electrical if driving else electrical / shaft if giving else None
-        found: dict[str, float | None] = dict(zip(FIGURES, (loss, electrical, efficiency), strict=True))
+        share = shaft / electrical if driving else electrical / shaft if giving else None
+        found: dict[str, float | str | None] = {"motor_loss": loss, "electrical_power": electrical}
+        found["motor_efficiency"] = NEITHER if share is None else share
         for name in ON_ELECTRICAL:
             value = getattr(figures, name)
-            found[f"electrical_{name}"] = None if value is None or efficiency is None else value * efficiency
+            none = NEITHER if share is None else f"there is no {name.replace('_', ' ')} of the shaft power"
+            found[f"electrical_{name}"] = none if value is None or share is None else value * share
         return found
 
-    return [Reading((*FIGURES, *(f"electrical_{name}" for name in ON_ELECTRICAL)), read, judge=judge)]
+    return [Reading(names_of(FIGURES), read, judge=judge)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
@@ -153,4 +170,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     check=check,
+    figures=FIGURES,
 )

@@ -17,6 +17,7 @@ from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, PowerLoss
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
+from screwsim.outputs import power_figure
 
 
 @dataclass(frozen=True)
@@ -110,4 +111,5 @@ EFFECT = Effect(
     needs_oil=True,
     check=check,
     needs=frozenset({ROTORS}),
+    figures=(power_figure("oil_drag_power", "drag of oil in tip and end gaps"),),
 )

@@ -15,6 +15,7 @@ from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, PowerLoss
 from screwsim.faults import Fault
 from screwsim.machine.protocol import OIL
+from screwsim.outputs import power_figure
 
 
 @dataclass(frozen=True)
@@ -58,4 +59,5 @@ EFFECT = Effect(
     needs_oil=True,
     check=check,
     needs=frozenset({OIL}),
+    figures=(power_figure("oil_pump_power", "shaft power of the oil pump"),),
 )

@@ -15,7 +15,7 @@ Parameters: volume, line area, loss coefficient and check valve of suction and d
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from math import hypot, pi
@@ -30,11 +30,11 @@ from screwsim.effects.line_valve import Valve
 from screwsim.faults import Fault
 from screwsim.machine.protocol import PORTS
 from screwsim.numerics.made import Entry
+from screwsim.outputs import Figure, names_of, over
 
 Array = np.ndarray
 NAME = "plenums"
 LINES = ("suction", "discharge")
-SHOWN = 4  # harmonics among the figures
 TRACE = 360  # points of a pitch
 LOWEST = -0.9  # offset of the mean at which nothing passes any more
 EMPTY = -0.999  # the same behind a check valve, which may hold the line's pressure off a plenum near that of suction
@@ -45,10 +45,29 @@ LOCKED = (
     "suction_valve (leave it out, or smaller leaks, a higher speed or a lower discharge pressure)"
 )
 SHUT = "the {to} line takes all of the pressure (a wider effects.plenums.{to}_area or a smaller {to}_loss)"
+WHICH = ("the", "twice the", "three times the", "four times the")  # of the harmonics among the figures
+
+
+def _declared(to: str) -> Iterator[Figure]:
+    """Yield the figures of a plenum; what pulsates errs over the line's pressure."""
+    line, needs, what = over(f"{to}_pressure", alone=True), (f".{to}_volume",), f"in the {to} plenum"
+    yield Figure(f"{to}_plenum_pressure", "Pa", f"mean pressure {what}", needs=needs)
+    swing = f"pressure {what}, from its lowest to its highest value"
+    yield Figure(f"{to}_pulsation_peak_to_peak", "Pa", swing, line, needs)
+    for k, which in enumerate(WHICH, 1):
+        amplitude = f"amplitude of the pressure {what} at {which} lobe frequency"
+        yield Figure(f"{to}_pulsation_harmonic_{k}", "Pa", amplitude, line, needs)
+
+
 FIGURES = (
-    "discharge_line_least_flow",
-    *(f"{to}_{what}" for to in LINES for what in ("plenum_pressure", "pulsation_peak_to_peak")),
-    *(f"{to}_pulsation_harmonic_{k}" for to in LINES for k in range(1, SHOWN + 1)),
+    *(figure for to in LINES for figure in _declared(to)),
+    Figure(
+        "discharge_line_least_flow",
+        "kg s-1",
+        "least mass flow from the discharge plenum into its line",
+        over("gas_mass_flow"),  # it passes through zero
+        (".discharge_volume",),
+    ),
 )
 
 
@@ -70,7 +89,7 @@ class Parameters:
     )
     discharge_valve: Valve | None = None
     suction_valve: Valve | None = None
-    harmonics: int = count("of the lobe frequency that are followed", 8, ge=SHOWN, le=24)
+    harmonics: int = count("of the lobe frequency that are followed", 8, ge=len(WHICH), le=24)
 
 
 def pulsation(line: LineFlow, before: Array, volume: float, area: float | None, frequency: float) -> Array:
@@ -229,7 +248,7 @@ class Behind:
     def figures(self, turn: Turn) -> dict[str, float | None]:
         """Return mean, swing and harmonics of the pressure [Pa]."""
         p, pressure = turn.line(self.to).p, series(turn.made, self.to, self.count)
-        pairs = [(turn.made[f"{self.to}_cos_{k}"], turn.made[f"{self.to}_sin_{k}"]) for k in range(1, SHOWN + 1)]
+        pairs = [(turn.made[f"{self.to}_cos_{k}"], turn.made[f"{self.to}_sin_{k}"]) for k in range(1, len(WHICH) + 1)]
         found = {f"{self.to}_pulsation_harmonic_{k}": p * hypot(*pair) for k, pair in enumerate(pairs, 1)}
         found[f"{self.to}_plenum_pressure"] = p * (1.0 + turn.made[f"{self.to}_offset"])
         if self.to == "discharge":
@@ -250,10 +269,7 @@ def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
         behind[0].downstream = behind[1]
 
     def read(figures) -> dict[str, float | None]:
-        found: dict[str, float | None] = dict.fromkeys(FIGURES)
-        for one in behind:
-            found |= one.figures(figures.turn)
-        return found
+        return {name: value for one in behind for name, value in one.figures(figures.turn).items()}
 
     def traces(figures) -> dict[str, Any]:
         """Return the pressures [Pa] over a pitch."""
@@ -262,7 +278,17 @@ def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
             f"{one.to}_plenum_pressure": turn.line(one.to).p * series(turn.made, one.to, one.count) for one in behind
         }
 
-    return [*(part for one in behind for part in one.parts()), Reading(FIGURES, read, traces)]
+    return [*(part for one in behind for part in one.parts()), Reading(names_of(FIGURES), read, traces)]
+
+
+def warnings(found: Mapping[str, Any]) -> list[str]:
+    """Return a warning where the pulsation turns the flow in the discharge line round."""
+    if not (found.get("discharge_line_least_flow") or 0.0) < 0.0 < (found.get("gas_mass_flow") or 0.0):
+        return []
+    return [
+        "the pulsation turns the flow in the discharge line round: a check valve would shut (name "
+        "effects.plenums.discharge_valve, a larger discharge_volume or a smaller discharge_area)"
+    ]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
@@ -289,4 +315,6 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({PORTS}),
+    figures=FIGURES,
+    warnings=warnings,
 )

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from screwsim.declare import number, quantity
 from screwsim.effects.base import ChamberState, Effect, FlowPath, Reading, Stops
-from screwsim.effects.valves import SIDES, port_area, valve_losses
+from screwsim.effects.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.faults import Fault
 from screwsim.machine.protocol import CYLINDER
 from screwsim.numerics.kernel import kernel
@@ -201,4 +201,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({CYLINDER}),
+    figures=VALVE_LOSSES,
 )

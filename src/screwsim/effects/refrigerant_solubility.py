@@ -34,9 +34,29 @@ from screwsim.faults import Fault
 from screwsim.fluid import constants, solubility
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import OIL
+from screwsim.outputs import Figure, Scale
 
 NAME = "refrigerant_solubility"
 PLENUM = "oil_gas"
+BROUGHT = (
+    0.1  # of the gas that the oil brings dissolved, over which at the least errors count of what flashes over time
+)
+OVER_TIME = "discharge_dissolved_gas_ratio"  # oil that takes gas up, too, lets what flashes pass through zero
+FIGURES = (
+    Figure("dissolved_gas_ratio", "1", "refrigerant dissolved in the injected oil, per oil"),
+    Figure(
+        "flash_mass_flow",
+        "kg s-1",
+        "refrigerant that flashes out of the injected oil, less what it takes up",
+        Scale(BROUGHT, ("dissolved_gas_ratio", "oil_mass_flow"), where=OVER_TIME),
+    ),
+    Figure(
+        "flash_flow_ratio",
+        "1",
+        "refrigerant that flashes out of the oil, over net suction flow",
+        Scale(BROUGHT, ("dissolved_gas_ratio", "oil_flow_ratio"), where=OVER_TIME),
+    ),
+)
 POINTS = 25  # of the table over pressure
 LOWEST = 0.02  # of the separator's pressure: below it, what flashes is held
 HIGHEST = 370.0  # [K], below the critical temperature
@@ -214,4 +234,5 @@ EFFECT = Effect(
     states=("T_oil", "x_oil"),
     check=check,
     needs=frozenset({OIL}),
+    figures=FIGURES,
 )

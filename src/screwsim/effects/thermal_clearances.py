@@ -21,10 +21,16 @@ from screwsim.effects.base import Effect, Made, Reading, Scaled, Site, Turn
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.made import Entry
+from screwsim.outputs import Figure, names_of
 
 NAME, WALLS = "thermal_clearances", "wall_heat"
 LUMPS = ("rotor", "housing")
 GAPS = {"tip_leakage": "tip_gap", "interlobe_leakage": "interlobe_gap", "end_face_leakage": "end_face_gap"}
+MEANINGS = ("between tips and housing", "between the rotors", "of the discharge end faces")
+FIGURES = tuple(
+    Figure(name, "m", f"clearance {meaning}, warm", needs=(f"effects.{effect}",))
+    for (effect, name), meaning in zip(GAPS.items(), MEANINGS, strict=True)
+)
 CLOSED = 0.02  # share of a cold clearance at which warm parts count as touching
 
 
@@ -92,11 +98,10 @@ def build(parameters: Parameters, machine) -> list[Made | Scaled | Reading]:
 
     def read(figures) -> dict[str, float | None]:
         """Return the warm gaps [m]."""
-        turn, found = figures.turn, dict.fromkeys(GAPS.values())
-        warm = {GAPS[effect]: gap * turn.made[f"{effect}_widening"] for effect, gap in turn.gaps.items()}
-        return found | warm
+        turn = figures.turn
+        return {GAPS[effect]: gap * turn.made[f"{effect}_widening"] for effect, gap in turn.gaps.items()}
 
-    return [*parts, Reading(tuple(GAPS.values()), read)]
+    return [*parts, Reading(names_of(FIGURES), read)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
@@ -129,4 +134,5 @@ EFFECT = Effect(
     build=build,
     check=check,
     needs=frozenset({ROTORS}),
+    figures=FIGURES,
 )

@@ -11,9 +11,13 @@ import numpy as np
 
 from screwsim.effects.base import Reading
 from screwsim.numerics.kernel import kernel
+from screwsim.outputs import names_of, power_figure
 
 SIDES = {"suction": 1.0, "discharge": -1.0}  # sign of the pressure difference into the chamber that opens a valve
-FIGURES = ("suction_valve_power", "discharge_valve_power")
+VALVE_LOSSES = (
+    power_figure("suction_valve_power", "power that cylinder pressure below the suction line costs"),
+    power_figure("discharge_valve_power", "power that cylinder pressure above the discharge line costs"),
+)
 
 
 @kernel
@@ -32,10 +36,11 @@ def valve_works(pitch) -> tuple[float, float]:
 
 def valve_losses() -> Reading:
     """Return the reading of both valves' losses."""
+    names = names_of(VALVE_LOSSES)
 
     def read(figures) -> Mapping[str, float | None]:
         """Return the powers [W] that the valves cost (S24)."""
         turns = figures.omega / (2.0 * np.pi)
-        return {name: turns * work for name, work in zip(FIGURES, valve_works(figures.pitch()), strict=True)}
+        return {name: turns * work for name, work in zip(names, valve_works(figures.pitch()), strict=True)}
 
-    return Reading(FIGURES, read)
+    return Reading(names, read)

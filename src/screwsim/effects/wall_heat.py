@@ -24,9 +24,15 @@ from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.made import Entry
+from screwsim.outputs import Figure, names_of, power_figure
 
 NAME = "wall_heat"
 LUMPS = ("rotor", "housing")
+FIGURES = (
+    Figure("rotor_temperature", "K", "temperature of the rotors"),
+    Figure("housing_temperature", "K", "temperature of the housing"),
+    power_figure("wall_heat_power", "net heat from walls to gas: what cools the walls outside, negative"),
+)
 GAS = ("gas_conductivity", "gas_viscosity")
 COLDEST = 100.0  # [K] at which a lump is given up that is cooled by more than the gas can give
 
@@ -132,7 +138,7 @@ def build(parameters: Parameters, machine) -> list[Made | Wall | Reading]:
         found: dict[str, float | None] = {f"{lump}_temperature": turn.made[f"{lump}_temperature"] for lump in LUMPS}
         return found | {"wall_heat_power": turn.heat["rotor"] + turn.heat["housing"]}
 
-    return [*parts, Reading(("rotor_temperature", "housing_temperature", "wall_heat_power"), read)]
+    return [*parts, Reading(names_of(FIGURES), read)]
 
 
 def check(parameters: Parameters, facts) -> list[Fault]:
@@ -158,4 +164,5 @@ EFFECT = Effect(
     check=check,
     numbers=numbers,
     needs=frozenset({ROTORS}),
+    figures=FIGURES,
 )

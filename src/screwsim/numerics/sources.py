@@ -52,6 +52,11 @@ def made_of(name: str) -> Any:
     return _noted[name][0]
 
 
+def noted() -> dict[str, Any]:
+    """Return {module: what it made} of the user's modules that were noted."""
+    return {name: made for name, (made, _) in _noted.items()}
+
+
 def of_module(name: str) -> Mapping[str, str]:
     """Return {file: digest} of a user's module as it was noted, and of what of the user's own it imports."""
     return _noted[name][1]

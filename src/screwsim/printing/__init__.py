@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from screwsim.engineering import engineering, engineering_temperature, quantity, scale, shown_name, small
+from screwsim.figures import declared
 from screwsim.outputs import STATUSES, Result, sorted_entries
 from screwsim.results.atomic import replacing
 from screwsim.scene import Scene
@@ -94,7 +95,7 @@ def _table(result: Result) -> Any:
     for name, value in result.performance.items():
         if value is not None:
             error = [small(result.error.get(name))] if result.error else []
-            table.add_row(shown_name(name), *engineering(name, value), *error)
+            table.add_row(shown_name(name), *engineering(declared(name, result.performance), value), *error)
     return table
 
 
@@ -168,9 +169,6 @@ def _account(result: Result) -> Iterable[str]:
             reasons.setdefault(result.notes[name], []).append(shown_name(name))
     for reason, names in reasons.items():
         yield f"no {', '.join(names)}: {reason}"
-    silent = [shown_name(name) for name in absent if name not in result.notes]
-    if silent:
-        yield _not_simulated(silent)
     for cost in result.knock_out:
         if cost["message"]:
             yield f"without {cost['effect']}: {cost['message']}"
@@ -179,14 +177,6 @@ def _account(result: Result) -> Iterable[str]:
     yield _numerics(result.numerics)
     if result.performance and not result.error:
         yield "error: not estimated, the finer solution for it did not close"
-
-
-def _not_simulated(names: list[str]) -> str:
-    """Return one line on the figures of effects that the scene does not name: their names, or how many they are."""
-    line = f"not simulated: {', '.join(names)}"
-    if len(line) < WIDTH:
-        return line
-    return f"not simulated: {len(names)} figures (null in --json; of which effects: screwsim explain)"
 
 
 def _balance(balance: Mapping[str, Any]) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.engineering import digits, figure_scales, shown_name
-from screwsim.outputs import PERFORMANCE
+from screwsim.figures import declared
 from screwsim.printing import write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.calibration import draw
@@ -164,13 +164,13 @@ def _points(found: Calibration) -> list[str]:
 
 def units_of(figure: str, size: float) -> tuple[float, str]:
     """Return factor and unit in which a figure is shown; temperatures in °C."""
-    if PERFORMANCE[figure].units == "K":
+    if declared(figure).units == "K":
         return 1.0, "°C"
-    return next(((f, unit) for least, f, unit in figure_scales(figure) if abs(size) >= least), (1.0, ""))
+    return next(((f, unit) for least, f, unit in figure_scales(declared(figure)) if abs(size) >= least), (1.0, ""))
 
 
 def _shown(figure: str, value: float, factor: float) -> float:
-    return value - 273.15 if PERFORMANCE[figure].units == "K" else factor * value
+    return value - 273.15 if declared(figure).units == "K" else factor * value
 
 
 def _quality(found: Calibration) -> Iterator[str]:

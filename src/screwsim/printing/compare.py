@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from screwsim.outputs import Figure
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
@@ -48,14 +49,14 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
         for each in found.first_status_changes:
             say(wrapped(f"{each.a} → {each.b}{_where(a, each.at)}"))
     say()
-    _print_figures(a, found)
+    _print_figures(a, b, found)
     say()
     say(f"{'equal within' if found.equal else 'different beyond'} the numerical error or the tolerance")
 
 
-def _print_figures(a: Results, found: Comparison) -> None:
+def _print_figures(a: Results, b: Results, found: Comparison) -> None:
     heads = ["", "A", "B", "", "change", "error", "differ"]
-    say("\n".join(plain_table(heads, [_cells(each) for each in found.figures], 1)))
+    say("\n".join(plain_table(heads, [_cells(a, b, each) for each in found.figures], 1)))
     many = any(each.at for each in found.figures) and found.common > 1
     text = "change and error (both estimates together; up to twice that is none) are relative to A"
     say(wrapped(f"{text}; of the point with the largest change over what is allowed" if many else text))
@@ -68,20 +69,21 @@ def _print_figures(a: Results, found: Comparison) -> None:
         say(wrapped(f"largest change{place}: {few}"))
 
 
-def _cells(each: FigureChange) -> list[str]:
+def _cells(a: Results, b: Results, each: FigureChange) -> list[str]:
     differ = f"{each.beyond} of {each.points}" if each.points > 1 else "yes" if each.beyond else "no"
     if each.only_a or each.only_b:
         differ = f"{each.only_a + each.only_b} only in {'A' if each.only_a else 'B'}"
     if each.a is None or each.b is None:
         return [shown_name(each.figure), "", "", "", "", "", differ]
-    (one, unit), (other, other_unit) = (_shown(each.figure, value) for value in (each.a, each.b))
+    about = (a if each.figure in a.performance else b).figure(each.figure)
+    (one, unit), (other, other_unit) = (_shown(about, value) for value in (each.a, each.b))
     other = other if other_unit == unit else f"{other} {other_unit}"  # 900 W against 1.1 kW
     relative = "" if each.relative is None else f"{each.relative:+.1e}" if each.relative else "0"
     error = f"{(each.error or 0.0) / abs(each.a):.0e}" if each.a else ""
     return [shown_name(each.figure), one, other, unit, relative, error, differ]
 
 
-def _shown(figure: str, value: float) -> tuple[str, str]:
+def _shown(figure: Figure, value: float) -> tuple[str, str]:
     """Return number and unit, a temperature in K alone."""
     number, unit = engineering(figure, value)
     return number, unit.partition(" (")[0]

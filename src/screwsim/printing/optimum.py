@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from screwsim.outputs import PERFORMANCE
+from screwsim.figures import declared
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.scene import Scene, axis_label, leaf_of
@@ -91,7 +91,7 @@ def write_optimum(path: Path, scene: Scene, asked: Question, rows: Sequence[Best
         values = [row.values[axis] for row in rows]
         columns[axis] = Column(values, axis_label(axis, scene)[1] or "1", leaf_of(scene, axis).doc)
     units, doc = axis_label(asked.path, scene)[1], leaf_of(scene, asked.path).doc
-    about = PERFORMANCE[asked.figure]
+    about = declared(asked.figure)
     meanings = {
         "value": (asked.path, units, f"best {doc}"),
         "low": (f"{asked.path}_low", units, "from here on as good within the error"),

@@ -8,7 +8,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from screwsim.outputs import PERFORMANCE
 from screwsim.printing import plain, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
@@ -29,7 +28,7 @@ def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, 
         "formula": FORMULA,
         "S": "evaporating temperature, degC",
         "D": "condensing temperature, degC",
-        "units": {figure: PERFORMANCE[figure].units for figure in figures},
+        "units": {figure: results.figure(figure).units for figure in figures},
         "conditions": conditions(results),
         "maps": [asdict(each) for each in maps],
     }
@@ -45,7 +44,7 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
         say()
         if each.values:
             say(wrapped(", ".join(_at(results, path, value) for path, value in each.values.items())))
-        _print_map(each)
+        _print_map(results, each)
 
 
 def _at(results: Results, path: str, value: Any) -> str:
@@ -57,7 +56,7 @@ def _units(results: Results, path: str) -> str:
     return next((axis.units for axis in results.axis_list if axis.path == path and axis.units != "1"), "")
 
 
-def _print_map(one: PerformanceMap) -> None:
+def _print_map(results: Results, one: PerformanceMap) -> None:
     if one.message:
         say(wrapped(f"no map: {one.message}"))
         return
@@ -65,7 +64,7 @@ def _print_map(one: PerformanceMap) -> None:
     for label, name in (("largest error", "largest"), ("rms error", "rms"), ("left-out error", "left_out")):
         found = (getattr(fit, name) for fit in one.fits.values())
         rows.append([label, *("" if value is None else f"{100.0 * value:.2g} %" for value in found)])
-    heads = ["", *(f"{shown_name(figure)} [{PERFORMANCE[figure].units}]" for figure in one.fits)]
+    heads = ["", *(f"{shown_name(figure)} [{results.figure(figure).units}]" for figure in one.fits)]
     say("\n".join(plain_table(heads, rows, 1)))
     corners = ", ".join(f"({S:g}, {D:g})" for S, D in one.envelope)
     left = f", {one.not_ok} more are not ok" if one.not_ok else ""
@@ -90,7 +89,7 @@ def _columns(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Colu
         path: Column([one.values[path] for one, _, _ in rows], _units(results, path), path) for path in maps[0].values
     }
     columns["figure"] = Column([figure for _, figure, _ in rows], "", "figure")
-    columns["units"] = Column([PERFORMANCE[figure].units for _, figure, _ in rows], "", "its unit")
+    columns["units"] = Column([results.figure(figure).units for _, figure, _ in rows], "", "its unit")
     for number, name in enumerate(NAMES):
         columns[name] = Column([fit.coefficients[number] for _, _, fit in rows], "1", name)
     for name in ("largest", "rms", "left_out"):

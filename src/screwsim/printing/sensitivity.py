@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from screwsim.outputs import PERFORMANCE
+from screwsim.figures import declared
 from screwsim.printing import engineering, shown_name
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.scene import Scene
@@ -78,7 +78,7 @@ def _head(shares: Shares) -> str:
     mean, unit = engineering(shares.figure, shares.mean)
     if shares.message:
         return f"{name}: {mean} {unit}, {shares.message}"
-    factor = float(mean) / shares.mean if shares.mean and PERFORMANCE[shares.figure].units != "K" else 1.0
+    factor = float(mean) / shares.mean if shares.mean and declared(shares.figure).units != "K" else 1.0
     text = f"{name}: mean {mean} {unit}, standard deviation {factor * shares.deviation:.2g} {unit.partition(' ')[0]}"
     if shares.noise is not None and shares.noise > NOISY:
         text += f"; numerical errors may make {shares.noise:.0%} of the variance (tighten numerics.accuracy)"

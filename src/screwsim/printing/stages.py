@@ -6,7 +6,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from screwsim.engineering import engineering, engineering_temperature, quantity, shown_name
-from screwsim.outputs import STAGES
+from screwsim.outputs import EFFICIENCY, STAGES
 from screwsim.screen import say
 
 if TYPE_CHECKING:
@@ -36,12 +36,12 @@ def print_stages(title: str, found: ChainResult) -> None:
 
 
 def _shown(name: str, value: float) -> str:
-    units = STAGES[name].units
-    if units == "K":
+    about = STAGES[name]
+    if about.units == "K":
         return engineering_temperature(value)
-    if units != "1":
-        return quantity(units, value)
-    return f"{100.0 * value:.4g} %" if name.endswith("_efficiency") else f"{value:.4g}"
+    if about.units != "1":
+        return quantity(about.units, value)
+    return f"{100.0 * value:.4g} %" if about.scale == EFFICIENCY else f"{value:.4g}"
 
 
 def _figure(name: str, value: float) -> str:

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.engineering import figure_scales, shown_name
-from screwsim.outputs import PERFORMANCE
 from screwsim.results import Results
 from screwsim.results.schema import Axis
 from screwsim.scene.units import ZERO_CELSIUS
@@ -123,11 +122,12 @@ def shown_figure(results: Results, name: str) -> Shown:
     if name in _RATIOS:
         return _RATIOS[name]
     words, symbol = shown_name(name), _SYMBOLS.get(name, "")
-    if PERFORMANCE[name].units == "K":
+    about = results.figure(name)
+    if about.units == "K":
         return celsius(words, symbol)
     values = results.performance[name]
     largest = float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
-    factor, unit = next((factor, unit) for least, factor, unit in figure_scales(name) if largest >= least)
+    factor, unit = next((factor, unit) for least, factor, unit in figure_scales(about) if largest >= least)
     return Shown(words, symbol, unit, factor)
 
 

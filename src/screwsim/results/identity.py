@@ -14,9 +14,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from screwsim.figures import known
 from screwsim.numerics import sources
 from screwsim.numerics.trial import own_module
-from screwsim.results.table import FIGURES
 
 LIBRARIES = ("CoolProp", "llvmlite", "numpy", "scipy")
 Identity = Mapping[str, str]
@@ -47,7 +47,7 @@ def files_of(identity: Identity) -> dict[str, str]:
 
 def figures_identity() -> dict[str, str]:
     """Return what a file of results holds."""
-    return {"figures": hashlib.sha256(repr(FIGURES).encode()).hexdigest()[:16]}
+    return {"figures": hashlib.sha256(repr(known()).encode()).hexdigest()[:16]}
 
 
 def packed(identity: Identity) -> str:

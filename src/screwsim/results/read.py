@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES, Variable
+from screwsim.figures import declared, unpacked
+from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES, Figure, Variable
 from screwsim.results import stored
 from screwsim.results.netcdf import SEPARATOR
-from screwsim.results.schema import SCHEMA, Axis
+from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
 from screwsim.results.stored import REMEDY, Odd, opened
 
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
@@ -37,9 +38,10 @@ class Group(Mapping[str, np.ndarray]):
     Texts come as str, numbers as stored: NaN is where there is none, `status` is an index of `outputs.STATUSES`.
     """
 
-    def __init__(self, path: Path, name: str, about: Mapping[str, Variable]) -> None:
+    def __init__(self, path: Path, name: str, about: Mapping[str, Variable], scales: Mapping[str, str]) -> None:
         self.name = name
         self.about = about  # unit and meaning of each variable
+        self.scales = scales  # of errors: what each is relative to, as text
         self._path = path
         self._read: dict[str, np.ndarray] = {}
 
@@ -136,6 +138,18 @@ class Results:
         """What each case warns of, several joined by a line break; empty where it does not."""
         return self.performance["warnings"]
 
+    def figure(self, name: str) -> Figure:
+        """Return what the file says of a performance figure; an older file does not say what its error is over."""
+        units, long_name = self.performance.about[name]
+        scale = unpacked(self.error.scales.get(name, "")) or declared(name).scale
+        return Figure(name, units, long_name, scale)
+
+    @property
+    def figures(self) -> list[str]:
+        """Names of the performance figures that any case has a value of."""
+        names = (name for name in self.error if name in self.performance)
+        return [name for name in names if np.isfinite(self.performance[name]).any()]
+
     def to_xarray(self, group: str | None = "performance") -> Any:
         """Return one group as an xarray.Dataset; None: all in one, names of other groups with their prefix."""
         from screwsim.results.dataset import dataset
@@ -171,14 +185,23 @@ def _results(path: Path, file: Any, attributes: Mapping[str, Any]) -> Results:
 
 def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
     if name in _OPTIONAL and not stored.has(file, name):
-        return Group(path, name, {})
+        return Group(path, name, {}, {})
     group = stored.member(file, name, dataset=False)
     known = tuple(inner.name for axis in axes for inner in (axis, *axis.joined))
     if name == "inputs":
         known = tuple(each for each in known if stored.is_scale(stored.member(group, each)))
     shape = () if name == "knock_out" else tuple(len(axis.values) for axis in axes)
     own = _own_length(group, _OWN.get(name))
-    return Group(path, name, _about_all(group, known, _Shapes(name, shape, own)))
+    about = _about_all(group, known, _Shapes(name, shape, own))
+    return Group(path, name, about, dict(_scales(group, about)) if name == "error" else {})
+
+
+def _scales(group: Any, names: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Yield the errors that say what they are relative to, and what they say."""
+    for name in names:
+        data = stored.member(group, name)
+        if stored.has_attribute(data, RELATIVE_TO):
+            yield name, stored.text_attribute(data, RELATIVE_TO)
 
 
 def _own_length(group: Any, coordinate: str | None) -> tuple[int, ...]:

@@ -20,10 +20,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.declare import KINDS
-from screwsim.outputs import BALANCE, NUMERICS, PERFORMANCE, Variable
+from screwsim.outputs import Variable
 from screwsim.results import identity
 from screwsim.scene.types import Scene
 
+RELATIVE_TO = "relative_to"  # attribute of an error: what it is relative to (`outputs.Scale`)
 SCHEMA = 1  # raise when a reader of the older files would misread a newer one
 _LIBRARIES = ("numpy", "scipy", "llvmlite", "CoolProp")
 _NUMERIC = {"number": "1", "count": "1", **{name: kind.si for name, kind in KINDS.items()}}
@@ -60,13 +61,6 @@ class Input(NamedTuple):
 def variable_name(path: str) -> str:
     """Return the HDF5 name of a dotted path."""
     return path.replace(".", "_")
-
-
-def figure_variable(group: str, name: str) -> Variable:
-    """Return unit and meaning of a figure of a group."""
-    if group == "error":
-        return Variable("1", f"estimated relative numerical error of {name}")
-    return {"performance": PERFORMANCE, "balance": BALANCE, "numerics": NUMERICS}[group][name]
 
 
 def axis_of(path: str, values: Sequence[Any], units: str, long_name: str) -> Axis:

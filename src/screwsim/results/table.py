@@ -4,24 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import lru_cache, reduce
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.outputs import BALANCE, CYCLE, LEDGER, NUMERICS, NUMERICS_TEXT, PERFORMANCE, STATUSES, Result
+from screwsim.figures import declared, merged
+from screwsim.outputs import BALANCE, CYCLE, LEDGER, NUMERICS, NUMERICS_TEXT, STATUSES, Figure, Result, names_of
 
-GROUPS: Mapping[str, tuple[str, ...]] = {
-    "performance": tuple(PERFORMANCE),
-    "balance": tuple(BALANCE),
-    "error": tuple(PERFORMANCE),
-    "numerics": tuple(NUMERICS),
-}
-FIGURES = tuple((group, name) for group, names in GROUPS.items() for name in names)
-COLUMN = {figure: index for index, figure in enumerate(FIGURES)}
+GROUPS = ("performance", "balance", "error", "numerics")
+Columns = Mapping[tuple[str, str], int]  # place of (group, figure)
 TEXTS = ("message", "warnings", "notes", *NUMERICS_TEXT)
 NOT_COMPUTED = -1  # the status of a case without a result
+
+
+@lru_cache(maxsize=64)
+def columns_of(names: tuple[str, ...]) -> Columns:
+    """Return the place of every figure of every group, where these are those of performance, and of its errors."""
+    groups = zip(GROUPS, (names, tuple(BALANCE), names, tuple(NUMERICS)), strict=True)
+    return {figure: i for i, figure in enumerate((group, name) for group, names in groups for name in names)}
 
 
 class Texts(NamedTuple):
@@ -35,7 +37,8 @@ class Texts(NamedTuple):
 class Table:
     """Results of consecutive cases: row = case, SI units.
 
-    `status` int8 (cases,); `figures` float64 (cases, FIGURES), NaN where a figure is None; `texts` {name: Texts};
+    `status` int8 (cases,); `about` the figures of performance that any of the cases calls for; `figures` float64
+    (cases, `columns_of` these), NaN where a figure is None or not called for; `texts` {name: Texts};
     `angle` [degree] (points,), empty without traces; `traces` {name: float64 (cases, points)}, NaN for a case
     without a cycle; `ledger` {name: float64 (cases,)}, NaN for a case without one, it comes with the traces.
     """
@@ -48,6 +51,7 @@ class Table:
     angle: np.ndarray = field(default_factory=lambda: np.empty(0))
     traces: Mapping[str, np.ndarray] = field(default_factory=dict)
     ledger: Mapping[str, np.ndarray] = field(default_factory=dict)
+    about: tuple[Figure, ...] = ()
 
     def __len__(self) -> int:
         return len(self.status)
@@ -59,8 +63,9 @@ class Table:
         return sum(array.nbytes for array in arrays) + sum(texts.number.nbytes for texts in self.texts.values())
 
     def column(self, group: str, name: str) -> np.ndarray:
-        """Return one figure of all cases (cases,)."""
-        return self.figures[:, COLUMN[group, name]]
+        """Return one figure of all cases (cases,), NaN where none of them calls for it."""
+        place = columns_of(names_of(self.about)).get((group, name))
+        return np.full(len(self), np.nan) if place is None else self.figures[:, place]
 
     def rows(self, chosen: slice | np.ndarray) -> Table:
         """Return some of the cases."""
@@ -73,6 +78,7 @@ class Table:
             self.angle,
             {name: trace[chosen] for name, trace in self.traces.items()},
             {name: values[chosen] for name, values in self.ledger.items()},
+            self.about,
         )
 
 
@@ -107,10 +113,12 @@ class InMemory:
 
 
 def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
-    """Return the columns of results; a figure that `outputs` does not name is a ValueError."""
-    figures = np.full((len(results), len(FIGURES)), np.nan)
+    """Return the columns of results; a figure of another group that `outputs` does not name is a ValueError."""
+    about = reduce(merged, {tuple(each): each.values() for each in map(_about, results)}.values(), ())
+    names = names_of(about)
+    figures = np.full((len(results), len(columns_of(names))), np.nan)
     for row, result in enumerate(results):
-        _fill_row(figures[row], result)
+        _fill_row(figures[row], result, names)
     with_cycle = [row for row, result in enumerate(results) if keep_cycle and len(result.cycle)]
     angle = np.asarray(results[with_cycle[0]].cycle["angle"], float) if with_cycle else np.empty(0)
     return Table(
@@ -122,24 +130,31 @@ def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
         angle=angle,
         traces=_traces(results, with_cycle, angle),
         ledger=_ledgers(results) if keep_cycle else {},
+        about=about,
     )
 
 
-def _fill_row(row: np.ndarray, result: Result) -> None:
+def _about(result: Result) -> Mapping[str, Figure]:
+    """Return what is declared of a result's figures: those that its scene calls for, as it knows, else those it has."""
+    called = getattr(result.performance, "about", {})
+    return called or {name: declared(name) for name in (result.performance | result.error)}
+
+
+def _fill_row(row: np.ndarray, result: Result, about: tuple[str, ...]) -> None:
     for group in GROUPS:
         figures = getattr(result, group)
-        names, columns = _columns(group, tuple(figures))
+        names, columns = _columns(group, tuple(figures), about)
         row[columns] = np.array([figures[name] for name in names], float)  # None becomes NaN
 
 
 @lru_cache(maxsize=64)
-def _columns(group: str, names: tuple[str, ...]) -> tuple[list[str], np.ndarray]:
+def _columns(group: str, names: tuple[str, ...], about: tuple[str, ...]) -> tuple[list[str], np.ndarray]:
     """Return which of a group's names are numbers, and their columns."""
-    numbers = [name for name in names if name not in NUMERICS_TEXT]
+    numbers, columns = [name for name in names if name not in NUMERICS_TEXT], columns_of(about)
     for name in numbers:
-        if (group, name) not in COLUMN:
+        if (group, name) not in columns:
             raise ValueError(f"{group}.{name} has no entry in screwsim.outputs (add its unit and meaning there)")
-    return numbers, np.array([COLUMN[group, name] for name in numbers], np.intp)
+    return numbers, np.array([columns[group, name] for name in numbers], np.intp)
 
 
 def numbered(texts: Iterable[str]) -> Texts:
@@ -203,16 +218,25 @@ def join(tables: Sequence[Table]) -> Table:
     for table in tables:
         if table.angle.size:
             same_angles(angle, table.angle)
+    about = reduce(merged, {names_of(table.about): table.about for table in tables}.values(), ())
     return Table(
         status=np.concatenate([table.status for table in tables]),
-        figures=np.concatenate([table.figures for table in tables]),
+        figures=np.concatenate([_figures_of(table, about) for table in tables]),
         texts={name: _joined_texts([table.texts[name] for table in tables]) for name in TEXTS},
         effects=next((table.effects for table in tables if table.effects), ()),
         states=next((table.states for table in tables if table.states), ()),
         angle=angle,
         traces=_joined_traces(tables, angle.size),
         ledger=_joined_ledgers(tables),
+        about=about,
     )
+
+
+def _figures_of(table: Table, about: tuple[Figure, ...]) -> np.ndarray:
+    """Return the figures of a table in the columns of figures of which it has some."""
+    if table.about == about:
+        return table.figures
+    return np.column_stack([table.column(*figure) for figure in columns_of(names_of(about))])
 
 
 def _joined_texts(parts: Sequence[Texts]) -> Texts:

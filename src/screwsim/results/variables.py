@@ -8,9 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, cycle_variable, ledger_variable
+from screwsim.figures import merged, packed
+from screwsim.outputs import (
+    BALANCE,
+    CYCLE,
+    NUMERICS,
+    NUMERICS_TEXT,
+    PERFORMANCE,
+    STATUSES,
+    Figure,
+    Variable,
+    cycle_variable,
+    ledger_variable,
+)
 from screwsim.results.netcdf import Layout, flag_attributes, number_attributes, set_attributes, text_lines
-from screwsim.results.schema import Axis, figure_variable, numeric_inputs, root_attributes, variable_name
+from screwsim.results.schema import RELATIVE_TO, Axis, numeric_inputs, root_attributes, variable_name
 from screwsim.results.table import (
     GROUPS,
     NOT_COMPUTED,
@@ -32,10 +44,14 @@ _CASE_TEXTS = {
 }
 
 
+_ALWAYS = tuple(each for each in PERFORMANCE.values() if not each.needs)  # in every file, of failed cases alone, too
+
+
 @dataclass(frozen=True)
 class Names:
-    """What tables together have: effects, states, angles, names of traces and ledger."""
+    """What tables together have: figures of performance, effects, states, angles, names of traces and ledger."""
 
+    figures: tuple[Figure, ...]
     effects: tuple[str, ...]
     states: tuple[str, ...]
     angle: tuple[float, ...]
@@ -59,7 +75,9 @@ def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]
     words: dict[str, set[str]] = {name: set() for name in TEXTS}
     traces: dict[str, None] = {}
     ledger: dict[str, None] = {}
+    figures: tuple[Figure, ...] = ()
     for head in heads:
+        figures = figures if head.about == figures else merged(figures, head.about)
         effects, states = effects or head.effects, states or head.states
         if angle.size and head.angle.size:
             same_angles(angle, head.angle)
@@ -68,7 +86,8 @@ def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]
             words[name].update(map(text_lines, head.texts[name].words))
         traces |= dict.fromkeys(head.traces)
         ledger |= dict.fromkeys(head.ledger)
-    found = Names(effects, states, tuple(angle.tolist()), trace_names(traces), ledger_names(ledger))
+    figures, angles = merged(figures, _ALWAYS), tuple(angle.tolist())
+    found = Names(figures, effects, states, angles, trace_names(traces), ledger_names(ledger))
     return found, {name: tuple(sorted(several)) for name, several in words.items()}
 
 
@@ -133,9 +152,20 @@ class Plan:
         if name == "performance":
             about = flag_attributes(STATUSES, "how the case ended", NOT_COMPUTED)
             yield Column(self._empty(group, "status", np.int8, about), lambda table: table.status)
-        for figure in GROUPS[name]:
-            data = self._empty(group, figure, float, number_attributes(figure_variable(name, figure)))
+        for figure, about in self._about(name):
+            data = self._empty(group, figure, float, about)
             yield Column(data, lambda table, figure=figure: table.column(name, figure))
+
+    def _about(self, group: str) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Yield the figures of a group with the attributes of each; of an error, what it is relative to, too."""
+        if group == "error":
+            for each in self.names.figures:
+                about = Variable("1", f"estimated relative numerical error of {each.name}")
+                yield each.name, number_attributes(about) | {RELATIVE_TO: packed(each.scale)}
+            return
+        performance = {each.name: Variable(each.units, each.long_name) for each in self.names.figures}
+        for name, about in {"performance": performance, "balance": BALANCE, "numerics": NUMERICS}[group].items():
+            yield name, number_attributes(about)
 
     def _cycle(self) -> Iterator[Column]:
         """Make the variables of the traces."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.errors import FLASH, OF_FLASH, error_scale
+from screwsim.errors import error_scale, needed
 from screwsim.faults import UsageError
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
@@ -91,7 +91,7 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     changed = np.flatnonzero(status_a != status_b)
     first = (StatusChange(point(i), str(status_a[i]), str(status_b[i])) for i in changed[:MOST_CHANGES])
     sides = _Side(a, in_a), _Side(b, in_b)
-    names = [name for name in a.error if name in b.error]
+    names = dict.fromkeys((*a.error, *b.error))
     figures = (_change(name, sides, ok, point, tolerance) for name in names)
     return Comparison(
         len(in_a),
@@ -175,20 +175,22 @@ class _Side:
 
     def values(self, name: str) -> Array:
         """Return a figure [SI], NaN where there is none."""
+        if name not in self._results.performance:
+            return np.full(len(self._cases), np.nan)
         return self._results.performance[name].ravel()[self._cases]
 
     def errors(self, name: str) -> Array:
         """Return its estimated absolute error; by the wanted accuracy where nothing was estimated."""
         relative = self._results.error[name].ravel()[self._cases]
         relative = np.where(np.isfinite(relative), relative, self._accuracy)
-        needed = (name, "shaft_power", "ideal_isothermal_efficiency", "volumetric_efficiency", "gas_mass_flow")
-        needed += tuple(each for each in OF_FLASH if name in FLASH and each in self._results.performance)
-        known = {each: np.nan_to_num(self.values(each)) for each in needed}
-        return relative * error_scale(name, known, np.maximum)
+        scale = self._results.figure(name).scale
+        asked = (each for each in needed(name, scale) if each in self._results.performance)
+        known = {each: np.nan_to_num(self.values(each)) for each in asked}
+        return relative * error_scale(name, scale, known, np.maximum)
 
 
 def _change(name: str, sides: tuple[_Side, _Side], ok: Array, point: _Points, tolerance: float) -> FigureChange | None:
-    """Return the change of one figure; None where neither file has it."""
+    """Return the change of one figure; None where neither file has it, or one was not asked for it."""
     a, b = (side.values(name) for side in sides)
     has_a, has_b = np.isfinite(a) & ok, np.isfinite(b) & ok
     only_a, only_b = (int(np.count_nonzero(one & ~other)) for one, other in ((has_a, has_b), (has_b, has_a)))

@@ -63,7 +63,7 @@ def _without(scene: Scene, name: str, result: Result) -> Figures:
     power = other.performance.shaft_power
     found |= {"shaft_power": power, "change_of_shaft_power": power - result.performance.shaft_power}
     for name in REFRIGERATION:
-        value, full = other.performance[name], result.performance[name]
+        value, full = (each.performance.get(name) for each in (other, result))
         found |= {name: value, f"change_of_{name}": None if value is None or full is None else value - full}
     if after is None:
         found["message"] = "no net gas is delivered without it"

@@ -10,6 +10,7 @@ from typing import Any
 
 from screwsim.errors import error_scale
 from screwsim.faults import UsageError
+from screwsim.figures import declared
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
 from screwsim.scene.grid import only
@@ -200,7 +201,8 @@ def absolute_error(result: Result, name: str, scene: Scene) -> float:
     """Return the estimated error of a figure in its own unit; by the wanted accuracy where nothing is estimated."""
     known = {figure: 0.0 if value is None else value for figure, value in result.performance.items()}
     relative = result.error.get(name)
-    return float(error_scale(name, known) * (scene.numerics.accuracy if relative is None else relative))
+    scale = declared(name, result.performance).scale
+    return float(error_scale(name, scale, known) * (scene.numerics.accuracy if relative is None else relative))
 
 
 def _told(

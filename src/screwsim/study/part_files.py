@@ -8,14 +8,16 @@ from __future__ import annotations
 import json
 import zipfile
 import zlib
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from screwsim.outputs import STATUSES
+from screwsim.figures import scale_of
+from screwsim.outputs import STATUSES, Figure, names_of
 from screwsim.results.atomic import replacing
-from screwsim.results.table import FIGURES, TEXTS, Table, Texts
+from screwsim.results.table import TEXTS, Table, Texts, columns_of
 from screwsim.textfiles import irregular
 
 _TRACE = "trace_"
@@ -30,6 +32,7 @@ def write_part(path: Path, table: Table) -> None:
         "states": table.states,
         "words": {name: table.texts[name].words for name in TEXTS},
         "ledger": list(table.ledger),
+        "about": [asdict(each) for each in table.about],
     }
     arrays = {
         "about": np.frombuffer(json.dumps(about).encode(), np.uint8),
@@ -58,6 +61,7 @@ def read_part(path: Path, traces: bool = True) -> Table:
             angle=stored["angle"],
             traces={name: stored[_TRACE + name] for name in _traces(stored)} if traces else {},
             ledger=dict(zip(about["ledger"], ledger, strict=True)),
+            about=_figures(about),
         )
 
 
@@ -75,7 +79,18 @@ def read_head(path: Path) -> Table:
             angle=stored["angle"],
             traces=dict.fromkeys(_traces(stored), none),
             ledger=dict.fromkeys(about["ledger"], none),
+            about=_figures(about),
         )
+
+
+def _figures(about: Any) -> tuple[Figure, ...]:
+    """Return the figures of a part; raise TypeError where one is none."""
+    more = ({"scale": scale_of(each["scale"]), "needs": tuple(each["needs"])} for each in about["about"])
+    found = tuple(Figure(**each | typed) for each, typed in zip(about["about"], more, strict=True))
+    texts = (text for each in found for text in (each.name, each.units, each.long_name, *each.needs))
+    if not all(isinstance(text, str) for text in texts):
+        raise TypeError("a part has a figure without a name")
+    return found
 
 
 def _about(stored: Any) -> dict[str, Any]:
@@ -105,7 +120,7 @@ def _is_sound(table: Table, cases: int) -> bool:
     texts = [(words.number, len(words.words)) for words in table.texts.values()]
     numbers = (table.status, -1, len(STATUSES)), *((number, 0, count) for number, count in texts)
     return (
-        table.figures.shape == (cases, len(FIGURES))
+        table.figures.shape == (cases, len(columns_of(names_of(table.about))))
         and all(_in_range(values, cases, first, stop) for values, first, stop in numbers)
         and all(isinstance(word, str) for words in table.texts.values() for word in words.words)
         and all(isinstance(name, str) for name in (*table.effects, *table.states, *table.ledger))

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.outputs import PERFORMANCE
 from screwsim.results import Results
 from screwsim.scene.operation import CONDENSING, EVAPORATING, SUBCOOLING, SUPERHEAT
 from screwsim.scene.units import ZERO_CELSIUS
@@ -99,15 +98,11 @@ def performance_maps(results: Results, figures: Sequence[str] = FIGURES) -> list
 
 def _figure(results: Results, text: str) -> str:
     """Return the figure of a file that a text names; raise UsageError where the file has none of that name."""
-    here = [name for name in PERFORMANCE if name in results.performance and _has_values(results, name)]
-    name = figure_named(text, here)
-    if name not in results.performance:
+    here = results.figures
+    name = figure_named(text, here, results.error)
+    if name not in results.error:
         raise UsageError(f"--figure {text}: is not in {results.path} (it has {', '.join(here)})")
     return name
-
-
-def _has_values(results: Results, name: str) -> bool:
-    return bool(np.any(np.isfinite(results.performance[name])))
 
 
 def varied_paths(results: Results) -> dict[str, tuple[int, Array]]:

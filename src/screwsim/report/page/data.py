@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.engineering import SCALES, figure_scales, shown_name
-from screwsim.outputs import LEDGER_ENTRY, PERFORMANCE, STATUSES, ledger_entries
+from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries
 from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
 from screwsim.report.page.pack import bytes_of, floats, steps, thin
 from screwsim.report.quantities import (
@@ -111,9 +111,10 @@ def _axis(axis: Any, stride: int) -> dict[str, Any]:
 def _figures(results: Results, shown: Selection) -> list[dict[str, Any]]:
     """Return every figure that any case has: how it is written, how it is drawn, values and errors [SI]."""
     found = []
-    for name, variable in PERFORMANCE.items():
-        if name not in results.performance or not np.isfinite(values := shown.of(results.performance[name])).any():
+    for name in results.figures:
+        if not np.isfinite(values := shown.of(results.performance[name])).any():
             continue
+        about = results.figure(name)
         how, errors = shown_figure(results, name), shown.of(results.error[name])
         found.append(
             {
@@ -123,8 +124,8 @@ def _figures(results: Results, shown: Selection) -> list[dict[str, Any]]:
                 "factor": how.factor,
                 "offset": how.offset,
                 "unit": how.unit,
-                "kelvin": variable.units == "K",
-                "scales": [list(entry) for entry in figure_scales(name)],
+                "kelvin": about.units == "K",
+                "scales": [list(entry) for entry in figure_scales(about)],
                 "values": floats(values),
                 "errors": floats(errors) if np.isfinite(errors).any() else None,
             }

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.engineering import engineering, shown_name, small
-from screwsim.outputs import BALANCE, PERFORMANCE, STATUSES
+from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
 from screwsim.report.page.data import Selection
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
@@ -76,11 +76,11 @@ def axes(results: Results) -> list[str]:
 def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str]]:
     """Return name, number, unit and estimated error of every figure of one case, as the table of `run`."""
     rows = []
-    for name in PERFORMANCE:
-        value = float(shown.of(results.performance[name])[case]) if name in results.performance else np.nan
+    for name in results.figures:
+        value = float(shown.of(results.performance[name])[case])
         if np.isfinite(value):
-            error = float(shown.of(results.error[name])[case])
-            rows.append((shown_name(name), *engineering(name, value), small(error) if np.isfinite(error) else ""))
+            number, error = engineering(results.figure(name), value), float(shown.of(results.error[name])[case])
+            rows.append((shown_name(name), *number, small(error) if np.isfinite(error) else ""))
     return rows
 
 
@@ -88,11 +88,11 @@ def ranges(results: Results) -> list[tuple[str, str, str, str]]:
     """Return name, lowest, highest and largest estimated error of every figure over all cases with a result."""
     rows = []
     there = results.status != "failed"
-    for name in PERFORMANCE:
-        values = np.where(there, results.performance[name], np.nan) if name in results.performance else np.array(np.nan)
+    for name in results.figures:
+        values, about = np.where(there, results.performance[name], np.nan), results.figure(name)
         finite = values[np.isfinite(values)]
         if finite.size:
-            low, high = (" ".join(engineering(name, float(end))).strip() for end in (finite.min(), finite.max()))
+            low, high = (" ".join(engineering(about, float(end))).strip() for end in (finite.min(), finite.max()))
             errors = results.error[name][np.isfinite(results.error[name]) & there]
             rows.append((shown_name(name), low, high, small(float(errors.max())) if errors.size else ""))
     return rows
@@ -146,7 +146,7 @@ def headline(results: Results) -> str:
     if not np.isfinite(score).any():
         return ""
     best = np.unravel_index(int(np.nanargmax(score)), results.shape)
-    text = f"{shown_name(name)} {' '.join(engineering(name, float(score[best])))}"
+    text = f"{shown_name(name)} {' '.join(engineering(results.figure(name), float(score[best])))}"
     where = ", ".join(_plain(value_of(axis, int(i))) for axis, i in zip(results.axis_list, best, strict=True))
     return f"Best {text} at {where}" if where else text[0].upper() + text[1:]
 

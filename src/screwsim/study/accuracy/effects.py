@@ -76,7 +76,7 @@ def _time(result: Result) -> float:
 
 def _points(full: Result, less: Result) -> float:
     for name in ("isothermal_efficiency", "isentropic_efficiency"):
-        one, other = full.performance[name], less.performance[name]
+        one, other = (each.performance.get(name) for each in (full, less))
         if one is not None and other is not None:
             return 100.0 * (one - other)
     return np.nan
@@ -89,13 +89,13 @@ def _warmer(full: Result, less: Result) -> float:
 
 def _cop(full: Result, less: Result) -> float:
     """Return the change of the COP on the power that the machine takes: electrical with a motor, else of the shaft."""
-    one, other = (each.performance.electrical_cop or each.performance.cop for each in (full, less))
+    one, other = (each.performance.get("electrical_cop") or each.performance.get("cop") for each in (full, less))
     return np.nan if one is None or other is None else one / other - 1.0
 
 
 def _relative(full: Result, less: Result, name: str) -> float:
     """Return a figure over that without the effect, less one; NaN where next to nothing is left without it."""
-    one, other = full.performance[name], less.performance[name]
+    one, other = (each.performance.get(name) for each in (full, less))
     if one is None or other is None or abs(other) <= NOTHING * abs(one):
         return np.nan
     return one / other - 1.0

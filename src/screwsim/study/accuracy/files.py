@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from screwsim.outputs import PERFORMANCE
+from screwsim.figures import declared
 from screwsim.results.atomic import replacing
 from screwsim.study.accuracy.measure import NAMES, Measured
 from screwsim.study.accuracy.words import competing, front, sentence
@@ -45,7 +45,7 @@ def _of_cases(study: Study) -> dict[str, list[Any]]:
     best = front(competing(study))
     columns = _columns(study.measured, ("errors", "traces"))
     columns["pareto"] = [int(any(each is one for one in best)) for each in study.measured]
-    for name in PERFORMANCE:
+    for name in dict.fromkeys(name for each in study.measured for name in each.errors):
         columns[f"error_{name}"] = [_known(each.errors.get(name)) for each in study.measured]
     return columns
 
@@ -87,7 +87,7 @@ def _put(group: Any, columns: Mapping[str, Sequence[Any]]) -> None:
         text = any(isinstance(value, str) for value in values)
         data = group.create_dataset(name, data=[str(value) for value in values] if text else np.array(values))
         if not text:
-            data.attrs["units"] = UNITS.get(name, PERFORMANCE[name].units if name in PERFORMANCE else "1")
+            data.attrs["units"] = UNITS.get(name, declared(name).units)
 
 
 def _put_traces(group: Any, measured: Sequence[Measured], angle: np.ndarray) -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from screwsim.faults import UsageError
-from screwsim.outputs import PERFORMANCE
+from screwsim.figures import declared, known
+from screwsim.outputs import Figure
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.fields import Leaf, leaf_paths, unknown
 from screwsim.scene.numerals import odd_number, told
@@ -131,8 +132,19 @@ def _columns(
             other = column.of if partner == "figure" else column.of + UNCERTAINTY
             problems.append(Problem(place, column.of, f"has no column {other} beside it (add it)"))
     if not any(kind == "figure" for kind, _ in names) and not problems:
-        problems.append(Problem(cells[0][1], "data", f"has no measured figure (known: {', '.join(PERFORMANCE)})"))
+        problems.append(Problem(cells[0][1], "data", f"has no measured figure (known: {', '.join(_figures(scene))})"))
     return found
+
+
+def _figures(scene: Scene) -> Mapping[str, Figure]:
+    """Return the figures that the program knows, and those of the scene's own effects."""
+    return known() | {each.name: each for active in scene.effects.values() for each in active.effect.figures}
+
+
+def _units(figure: str) -> Mapping[str, float]:
+    """Return the factors to SI units of the units in which a figure may be stated."""
+    si = declared(figure).units
+    return UNITS.get(si, {si: 1.0})
 
 
 def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column:
@@ -140,10 +152,11 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     if name in ("name", "use"):
         return _Column(name, name, unit)
     figure = name.removesuffix(UNCERTAINTY)
-    if figure in PERFORMANCE:
-        known = UNITS[PERFORMANCE[figure].units]
-        if unit not in known and not (CELSIUS == unit and "K" in known and figure == name):
-            raise Refused(f"unit {shown(unit)} is none of its units (write [{'], ['.join(u for u in known if u)}])")
+    figures = _figures(scene)
+    if figure in figures:
+        units = _units(figure)
+        if unit not in units and not (CELSIUS == unit and "K" in units and figure == name):
+            raise Refused(f"unit {shown(unit)} is none of its units (write [{'], ['.join(u for u in units if u)}])")
         return _Column("figure" if figure == name else "uncertainty", figure, unit)
     if name in taken:
         raise Refused("is a parameter of the fit and cannot be a condition (remove one of the two)")
@@ -153,7 +166,7 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     if "." not in name:
         parameters = {each: type(active.parameters) for each, active in scene.effects.items()}
         leaves = leaf_paths(parameters, scene.machine.kind)
-        raise Refused(unknown(name, [*PERFORMANCE, "name", "use", *leaves], "a scene path or a figure"))
+        raise Refused(unknown(name, [*figures, "name", "use", *leaves], "a scene path or a figure"))
     leaf = leaf_of(scene, name)
     if unit and leaf.dimension is None:
         raise Refused("has no unit (remove the brackets)")
@@ -209,4 +222,4 @@ def _value(column: _Column, text: str) -> Any:
         raise Refused(f"{text} is out of range (an uncertainty must be greater than 0)")
     if column.unit == CELSIUS:
         return value + ZERO
-    return value * UNITS[PERFORMANCE[column.of].units][column.unit]
+    return value * _units(column.of)[column.unit]

@@ -1,0 +1,178 @@
+"""The figures that a scene calls for: the core's own by what it states, those of effects as these declare them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import asdict, fields
+from functools import cache
+from typing import Any
+
+from screwsim.effects import catalogue, imported
+from screwsim.effects.base import Effect, Intake, PowerLoss, Reading
+from screwsim.faults import Impossible, UsageError
+from screwsim.model.parts import Parts
+from screwsim.outputs import CHANGED, HEATED, HELD, ITSELF, PERFORMANCE, TIMES, WALLED, Figure, Figures, Scale
+from screwsim.scene.types import Scene
+
+_OF_PARTS: Mapping[tuple[str, ...], Callable[[Scene, Parts], bool]] = {  # what no key of a scene tells
+    HEATED: lambda scene, parts: any("T_oil" in active.effect.states for active in scene.effects.values()),
+    CHANGED: lambda scene, parts: bool(parts.all(Intake)),
+    WALLED: lambda scene, parts: bool(parts.walls),
+    HELD: lambda scene, parts: parts.dissolves,
+}
+
+
+class Performance(Figures):
+    """Performance figures with what is declared of them; one that the scene does not call for says what would give it.
+
+    `about` holds the figures that the scene calls for, of a case that failed, too.
+    """
+
+    def __init__(self, values: Mapping[str, Any], about: Mapping[str, Figure]) -> None:
+        super().__init__(values)
+        self.about = about
+
+    def __getattr__(self, name: str) -> Any:
+        if name in self or name.startswith("__") or name == "about" or not self:
+            return super().__getattr__(name)
+        needs = needs_of(name)
+        raise AttributeError(f"no figure {name!r} here: it needs {needs}") if needs else _none(name, self)
+
+    def copy(self) -> Performance:
+        """Return the same figures, to be changed."""
+        return Performance(self, self.about)
+
+
+def _none(name: str, figures: Figures) -> AttributeError:
+    return AttributeError(f"no figure {name!r}; known: {', '.join(figures)}")
+
+
+@cache
+def known() -> dict[str, Figure]:
+    """Return every figure that the core and the effects of the catalogue declare."""
+    return PERFORMANCE | {each.name: each for effect in catalogue().values() for each in effect.figures}
+
+
+def declared(name: str, figures: Any = None) -> Figure:
+    """Return what is declared of a figure: with `figures`, in this program, or by a user's effect that it imported.
+
+    What nobody declares is a plain number, relative to itself.
+    """
+    about: Mapping[str, Figure] = getattr(figures, "about", {})
+    found = about.get(name) or known().get(name)
+    own = (each for effect in imported().values() for each in effect.figures if each.name == name)
+    return found or next(own, None) or Figure(name, "1", name.replace("_", " "))
+
+
+def needs_of(name: str) -> str:
+    """Return in words what calls for a figure; empty where nothing does, or every scene."""
+    if name in PERFORMANCE:
+        return " or ".join(PERFORMANCE[name].needs)
+    every = (catalogue() | imported()).items()
+    givers = ((effect, each) for effect, declares in every for each in declares.figures if each.name == name)
+    return " or ".join(dict.fromkeys(_giver(effect, figure) for effect, figure in givers))
+
+
+def _giver(effect: str, figure: Figure) -> str:
+    own = [f"effects.{effect}{need}" for need in figure.needs if need.startswith(".")]
+    others = [need for need in figure.needs if not need.startswith(".")]
+    return " or ".join(own or [f"effects.{effect}"]) + (f", and {' or '.join(others)}" if others and not own else "")
+
+
+def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
+    """Return the figures that a scene calls for: the core's, its effects' losses before the sum, then other figures.
+
+    Raise UsageError, in one line, of an effect that gives a figure which nobody declares.
+    """
+    given = dict(_given(scene, parts))
+    losses = {part.figure for _, part in parts.all(PowerLoss)}
+    found: dict[str, Figure] = {}
+    for each in PERFORMANCE.values():
+        if each.name == "shaft_power":
+            found |= {name: figure for name, figure in given.items() if name in losses}
+        if _is_met(each.needs, scene, parts):
+            found[each.name] = each
+    return found | given
+
+
+def _given(scene: Scene, parts: Parts) -> Iterator[tuple[str, Figure]]:
+    """Yield the figures that effects give, as they declare them, or as somebody else does whose name they take."""
+    whose: dict[str, tuple[str, Figure]] = {}
+    for name, active in scene.effects.items():
+        own = {each.name: each for each in active.effect.figures}
+        parts_of = parts.effects.get(name, ())
+        told = [part.figure for part in parts_of if isinstance(part, PowerLoss)]
+        told += [figure for part in parts_of if isinstance(part, Reading) for figure in part.figures]
+        for figure in dict.fromkeys((*own, *told)):
+            about = own.get(figure) or known().get(figure)
+            if about is None:
+                remedy = f"write figures=(Figure({figure!r}, unit, meaning),) in its EFFECT"
+                raise UsageError(f"effects.{name}: nobody declares its figure {figure} ({remedy})")
+            first, before = whose.setdefault(figure, (name, about))
+            if before != about or PERFORMANCE.get(figure, about) != about:
+                whom = "the program" if figure in PERFORMANCE else f"effects.{first}"
+                raise UsageError(f"effects.{name}: {whom} has another figure {figure} (give its own another name)")
+            if _is_met(about.needs, scene, parts, active.parameters):
+                yield figure, about
+
+
+def borrowed(name: str, effect: Effect, given: Iterable[str]) -> dict[str, Figure]:
+    """Return the figures that an effect gives and does not declare, as others do; raise Impossible where none does."""
+    own = {each.name for each in effect.figures}
+    nobody = next((figure for figure in given if figure not in own and figure not in known()), None)
+    if nobody is not None:
+        raise Impossible(name, f"nobody declares its figure {nobody} (EFFECT.figures)")
+    return {figure: known()[figure] for figure in given if figure not in own}
+
+
+def _is_met(needs: tuple[str, ...], scene: Scene, parts: Parts, parameters: Any = None) -> bool:
+    if needs in _OF_PARTS:
+        return _OF_PARTS[needs](scene, parts)
+    every = ((key.split(": ") for key in need.split(" and ")) for need in needs)
+    return not needs or any(all(_states(scene, parameters, *key) for key in keys) for keys in every)
+
+
+def _states(scene: Scene, parameters: Any, path: str, word: str = "") -> bool:
+    """Tell whether a scene states a path, '.key' among the parameters of the effect, and with a word that word."""
+    value: Any = parameters if path.startswith(".") else scene
+    for name in path.removeprefix(".").split("."):
+        value = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
+    return value is not None and word in ("", value)
+
+
+def merged(one: Iterable[Figure], other: Iterable[Figure]) -> tuple[Figure, ...]:
+    """Return the figures of both, each new one behind that which it follows in the other."""
+    found = list(one)
+    names = [each.name for each in found]
+    place = 0
+    for each in other:
+        if each.name in names:
+            place = names.index(each.name) + 1
+            continue
+        found.insert(place, each)
+        names.insert(place, each.name)
+        place += 1
+    return tuple(found)
+
+
+def packed(scale: Scale) -> str:
+    """Return a scale as text: what it has beside its defaults, as JSON."""
+    return json.dumps({name: value for name, value in asdict(scale).items() if value != getattr(ITSELF, name)})
+
+
+def unpacked(text: str) -> Scale | None:
+    """Return a scale from its text; None where it is none."""
+    with suppress(ValueError, TypeError, AttributeError):
+        return scale_of(json.loads(text))
+    return None
+
+
+def scale_of(values: Mapping[str, Any]) -> Scale:
+    """Return a scale of values by name; raise TypeError where they make none."""
+    found = Scale(**{**values, "of": tuple(values.get("of", ()))})
+    kinds = (isinstance(getattr(found, each.name), type(each.default)) for each in fields(Scale))
+    if not all((*kinds, *(isinstance(name, str) for name in found.of))) or found.times not in TIMES:
+        raise TypeError("a scale of errors has other values")
+    return found
