@@ -55,15 +55,20 @@ def known() -> dict[str, Figure]:
     return PERFORMANCE | {each.name: each for effect in catalogue().values() for each in effect.figures}
 
 
-def declared(name: str, figures: Any = None) -> Figure:
-    """Return what is declared of a figure: with `figures`, in this program, or by a user's effect that it imported.
-
-    What nobody declares is a plain number, relative to itself.
-    """
+def declaration(name: str, figures: Any = None) -> Figure | None:
+    """Return what is declared of a figure: with `figures`, in this program, or by a user's effect that it imported."""
     about: Mapping[str, Figure] = getattr(figures, "about", {})
-    found = about.get(name) or known().get(name)
     own = (each for effect in imported().values() for each in effect.figures if each.name == name)
-    return found or next(own, None) or Figure(name, "1", name.replace("_", " "))
+    return about.get(name) or known().get(name) or next(own, None)
+
+
+def declared(name: str, figures: Any = None) -> Figure:
+    """Return what is declared of a figure (`declaration`); raise ValueError of one that nobody declares."""
+    about = declaration(name, figures)
+    if about is None:
+        where = "no entry in screwsim.outputs, and no effect declares it"
+        raise ValueError(f"performance.{name} has {where} (add its unit and meaning there)")
+    return about
 
 
 def needs_of(name: str) -> str:
@@ -88,13 +93,13 @@ def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
     """
     given = dict(_given(scene, parts))
     losses = {part.figure for _, part in parts.all(PowerLoss)}
-    found: dict[str, Figure] = {}
+    called: dict[str, Figure] = {}
     for each in PERFORMANCE.values():
         if each.name == "shaft_power":
-            found |= {name: figure for name, figure in given.items() if name in losses}
+            called |= {name: figure for name, figure in given.items() if name in losses}
         if _is_met(each.needs, scene, parts):
-            found[each.name] = each
-    return found | given
+            called[each.name] = each
+    return called | given
 
 
 def _given(scene: Scene, parts: Parts) -> Iterator[tuple[str, Figure]]:
@@ -144,17 +149,17 @@ def _states(scene: Scene, parameters: Any, path: str, word: str = "") -> bool:
 
 def merged(one: Iterable[Figure], other: Iterable[Figure]) -> tuple[Figure, ...]:
     """Return the figures of both, each new one behind that which it follows in the other."""
-    found = list(one)
-    names = [each.name for each in found]
+    every = list(one)
+    names = [each.name for each in every]
     place = 0
     for each in other:
         if each.name in names:
             place = names.index(each.name) + 1
             continue
-        found.insert(place, each)
+        every.insert(place, each)
         names.insert(place, each.name)
         place += 1
-    return tuple(found)
+    return tuple(every)
 
 
 def packed(scale: Scale) -> str:
@@ -171,8 +176,8 @@ def unpacked(text: str) -> Scale | None:
 
 def scale_of(values: Mapping[str, Any]) -> Scale:
     """Return a scale of values by name; raise TypeError where they make none."""
-    found = Scale(**{**values, "of": tuple(values.get("of", ()))})
-    kinds = (isinstance(getattr(found, each.name), type(each.default)) for each in fields(Scale))
-    if not all((*kinds, *(isinstance(name, str) for name in found.of))) or found.times not in TIMES:
+    scale = Scale(**{**values, "of": tuple(values.get("of", ()))})
+    kinds = (isinstance(getattr(scale, each.name), type(each.default)) for each in fields(Scale))
+    if not all((*kinds, *(isinstance(name, str) for name in scale.of))) or scale.times not in TIMES:
         raise TypeError("a scale of errors has other values")
-    return found
+    return scale

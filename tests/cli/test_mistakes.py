@@ -202,7 +202,8 @@ def test_a_figure_that_the_scene_cannot_have_is_told_before_anything_is_solved(f
     answer = command("optimum", "oiled.yaml", "--figure", "COP")
     assert answer.code == 2
     assert answer.err.startswith(
-        "--figure COP: is known only of a compressor in a scene that states evaporating and condensing temperature (use"
+        "--figure COP: is not called for in this scene: it needs operation.condensing_temperature and machine.mode: "
+        "compressor (use one of isothermal_efficiency, "
     )
 
 

@@ -6,8 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from screwsim.engineering import SCALES, scale, shown_name
-from screwsim.outputs import PERFORMANCE, Figures, Result
+from screwsim.engineering import SCALES, scale
+from screwsim.figures import known
+from screwsim.outputs import Figures, Result
 from screwsim.printing import engineering, plain, print_result
 from screwsim.printing.stages import print_stages
 
@@ -64,17 +65,15 @@ def test_a_message_follows_the_number_of_warnings(capsys):
     assert printed(Result("ok", performance=FEW), capsys)[1] == "status: ok"
 
 
-@pytest.mark.parametrize("absent", [1, 2, 60])
-def test_what_is_not_simulated_takes_one_line(capsys, absent):
-    names = [name for name in PERFORMANCE if name not in FEW][:absent]
-    lines = printed(Result("ok", performance=Figures(FEW, cop=1.0, **dict.fromkeys(names))), capsys)
-    (at,) = [i for i, line in enumerate(lines) if line.startswith("not simulated: ")]
-    assert len(lines[at]) < 80 and not lines[at + 1].startswith(" ")
-    words = "60 figures" if absent == 60 else ", ".join(map(shown_name, names))
-    assert lines[at].startswith(f"not simulated: {words}")
+def test_a_figure_without_a_value_is_told_with_its_reason_once(capsys):
+    performance = Figures(FEW, isothermal_efficiency=None, isentropic_efficiency=None)
+    notes = {"cop": "no power", "isothermal_efficiency": "it leaks", "isentropic_efficiency": "it leaks"}
+    lines = printed(Result("ok", performance=performance, notes=notes), capsys)
+    assert lines.count("no COP: no power") == 1
+    assert lines.count("no isothermal efficiency, isentropic efficiency: it leaks") == 1
 
 
-@pytest.mark.parametrize("units", sorted({about.units for about in PERFORMANCE.values()} - {"1", "K", "Hz"}))
+@pytest.mark.parametrize("units", sorted({about.units for about in known().values()} - {"1", "K", "Hz"}))
 def test_every_unit_of_a_figure_has_a_customary_one(units):
     assert scale(units, 1.0)[1] not in ("rad", "rad s-1", "m3", "m3 s-1", "W s m-3", "J m-3", "kg s-1")
     assert units in SCALES

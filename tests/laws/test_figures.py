@@ -134,9 +134,23 @@ def test_oil_leaves_as_warm_as_the_gas_that_carries_it_out_within_steps():
     assert found.oil_discharge_temperature == pytest.approx(fine.oil_discharge_temperature, rel=2e-5)
 
 
-def test_figures_of_absent_effects_are_none():
+def test_a_figure_that_the_scene_does_not_call_for_says_what_would_give_it():
     p = run({"oil_supply.ratio": 0, "effects.oil_heat": DROP, "effects.oil_pump": {"efficiency": 0.5}}).performance
-    assert p.oil_discharge_temperature is None
+    assert "oil_discharge_temperature" not in p and p.oil_ratio == 0.0
+    for name, words in {
+        "oil_discharge_temperature": "an effect that gives the oil a temperature, such as effects.oil_heat",
+        "electrical_power": "effects.motor",
+        "suction_plenum_pressure": "effects.plenums.suction_volume",
+        "electrical_cop": "effects.motor, and operation.condensing_temperature and machine.mode: compressor",
+        "output_power": "machine.mode: expander",
+        "tip_gap": "effects.thermal_clearances, and effects.tip_leakage",
+        "suction_valve_power": "effects.check_valves or effects.reed_valves",
+    }.items():
+        with pytest.raises(AttributeError) as missing:
+            getattr(p, name)
+        assert str(missing.value) == f"no figure {name!r} here: it needs {words}"
+    with pytest.raises(AttributeError, match=r"^no figure 'beauty'; known: isothermal_efficiency, "):
+        _ = p.beauty
 
 
 def test_peak_pressure_where_it_still_rises_at_the_widest_opening():

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.figures import declared, unpacked
-from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES, Figure, Variable
+from screwsim.figures import declaration, unpacked
+from screwsim.outputs import ITSELF, KNOCK_OUT_STATUSES, STATUSES, Figure, Variable
 from screwsim.results import stored
 from screwsim.results.netcdf import SEPARATOR
 from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
@@ -141,7 +141,7 @@ class Results:
     def figure(self, name: str) -> Figure:
         """Return what the file says of a performance figure; an older file does not say what its error is over."""
         units, long_name = self.performance.about[name]
-        scale = unpacked(self.error.scales.get(name, "")) or declared(name).scale
+        scale = unpacked(self.error.scales.get(name, "")) or getattr(declaration(name), "scale", ITSELF)
         return Figure(name, units, long_name, scale)
 
     @property

@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.figures import declared, merged
+from screwsim.figures import declared, known, merged
 from screwsim.outputs import BALANCE, CYCLE, LEDGER, NUMERICS, NUMERICS_TEXT, STATUSES, Figure, Result, names_of
 
 GROUPS = ("performance", "balance", "error", "numerics")
@@ -137,7 +137,8 @@ def table_of(results: Sequence[Result], *, keep_cycle: bool) -> Table:
 def _about(result: Result) -> Mapping[str, Figure]:
     """Return what is declared of a result's figures: those that its scene calls for, as it knows, else those it has."""
     called = getattr(result.performance, "about", {})
-    return called or {name: declared(name) for name in (result.performance | result.error)}
+    names = result.performance | result.error
+    return called or {name: declared(name) for name in (*(each for each in known() if each in names), *names)}
 
 
 def _fill_row(row: np.ndarray, result: Result, about: tuple[str, ...]) -> None:

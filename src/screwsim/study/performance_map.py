@@ -97,12 +97,8 @@ def performance_maps(results: Results, figures: Sequence[str] = FIGURES) -> list
 
 
 def _figure(results: Results, text: str) -> str:
-    """Return the figure of a file that a text names; raise UsageError where the file has none of that name."""
-    here = results.figures
-    name = figure_named(text, here, results.error)
-    if name not in results.error:
-        raise UsageError(f"--figure {text}: is not in {results.path} (it has {', '.join(here)})")
-    return name
+    """Return the figure that a text names, by the file's names or those of the program."""
+    return figure_named(text, results.figures, results.error)
 
 
 def varied_paths(results: Results) -> dict[str, tuple[int, Array]]:
@@ -130,7 +126,8 @@ def _groups(results: Results, varied: Mapping[str, tuple[int, Array]]) -> Iterat
 
 
 def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], cases: Array) -> PerformanceMap:
-    columns = {figure: results.performance[figure].ravel()[cases] for figure in figures}
+    nothing = np.full(results.shape, np.nan)
+    columns = {figure: results.performance.get(figure, nothing).ravel()[cases] for figure in figures}
     S, D = (_celsius(results, path)[cases] for path in (EVAPORATING, CONDENSING))
     good = results.status.ravel()[cases] == "ok"
     not_ok = int(np.count_nonzero(~good))
@@ -139,6 +136,8 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
     S, D = S[good], D[good]
     message = _unfit(S, D, len(cases))
     if message:
+        none = [figure for figure in figures if figure not in results.figures]
+        message += f"; the file has no {' and no '.join(none)}" if none else ""
         return PerformanceMap(values, message, len(S), not_ok)
     design = _Design(S, D)
     if design.condition > WORST_CONDITION:
