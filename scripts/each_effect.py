@@ -343,7 +343,7 @@ def changes(one: Result, other: Result) -> str:
     """Return how figures differ that differ by more than the accuracy."""
     found = []
     for title, name in (("P", "shaft_power"), ("ṁ", "gas_mass_flow"), ("Q̇₀", "cooling_capacity"), ("COP", "cop")):
-        a, b = one.performance[name], other.performance[name]
+        a, b = one.performance.get(name), other.performance.get(name)
         if a is not None and b is not None:
             found.append(f"{title} {100.0 * (a / b - 1.0):+.2f} %")
     a, b = one.performance.isothermal_efficiency, other.performance.isothermal_efficiency

@@ -13,6 +13,7 @@ import pytest
 from screwsim.effects import catalogue
 from screwsim.effects.base import Reading
 from screwsim.explain import explain
+from screwsim.figures import called_for
 from screwsim.machine.kinds import MACHINES
 from screwsim.prepared import build_parts
 from screwsim.simulate import simulate
@@ -70,6 +71,17 @@ def test_it_stands_in_explain_and_in_the_ledger(name):
     parts = build_parts(scene).effects[effect]
     reads = bool(parts) and all(isinstance(part, Reading) for part in parts)  # acts on nothing
     assert (f"exergy_destroyed_{effect}" in found(name).ledger) != reads
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", each.ROWS)
+def test_it_gives_what_it_is_called_for_or_says_why_not(name):
+    scene, result = each.with_it(name), found(name)
+    assert list(result.performance) == list(result.error) == list(called_for(scene, build_parts(scene)))
+    assert {figure for figure, value in result.performance.items() if value is None} == set(result.notes)
+    given = [figure.name for figure in catalogue()[each.effect_of(name)].figures if figure.name in result.performance]
+    assert set(each.ROWS[name].own) <= set(result.performance)
+    assert all(result.performance[figure] is not None for figure in given)
 
 
 @pytest.mark.slow

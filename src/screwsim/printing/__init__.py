@@ -143,7 +143,7 @@ def _right_table(first: str, *others: str) -> Any:
 def _knock_out(costs: Iterable[Mapping[str, Any]]) -> Any:
     """Return what leaving each effect out changes; the changes need not add up."""
     costs = list(costs)
-    cooled = any(cost["cop"] is not None for cost in costs)
+    cooled = any(cost.get("cop") is not None for cost in costs)
     table = _right_table("left out", "shaft power", "change", "specific work", "change", *(["COP", "change"] * cooled))
     for cost in costs:
         if cost["shaft_power"] is None:

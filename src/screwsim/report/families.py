@@ -70,7 +70,7 @@ def outcome_layout(results: Results) -> Layout | None:
     """Return the layout over the speed when the oil ratio is an outcome that varies with it; else None."""
     axes = results.axis_list
     paths = [axis.path for axis in axes]
-    if SPEED not in paths or RATIO in paths or is_design(results):
+    if SPEED not in paths or RATIO in paths or is_design(results) or "oil_ratio" not in results.performance:
         return None
     place = paths.index(SPEED)
     ratio = np.moveaxis(results.performance["oil_ratio"], place, -1)

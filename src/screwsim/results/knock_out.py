@@ -20,6 +20,8 @@ def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:
     status = np.array([KNOCK_OUT_STATUSES.index(cost.status) for cost in costs], np.int8)
     layout.variable(group, "status", status, (EFFECT,), flag_attributes(KNOCK_OUT_STATUSES, "how it ended"))
     for name, variable in KNOCK_OUT.items():
+        if name not in costs[0]:
+            continue
         values = np.array([cost[name] for cost in costs], float)  # None becomes NaN
         layout.variable(group, name, values, (EFFECT,), number_attributes(variable))
     messages = [text_lines(cost.message) for cost in costs]

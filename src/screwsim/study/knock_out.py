@@ -19,7 +19,7 @@ REFRIGERATION = ("cooling_capacity", "cop")
 def knock_out(scene: Scene, result: Result, progress: Progress | None = None) -> Result:
     """Return the result with `knock_out`: for each of its effects the change of shaft power and of specific work.
 
-    Where they are known, of cooling capacity and COP too.
+    Where the scene calls for them, of cooling capacity and COP too.
 
     An effect that the scene cannot do without has the status `needed`, with the reason as its message; one without
     which the cycle does not close has the status of that solution, and no figures.
@@ -40,6 +40,7 @@ def _without(scene: Scene, name: str, result: Result) -> Figures:
     """Return what leaving one effect out changes."""
     from screwsim.simulate import simulate
 
+    cooled = [name for name in REFRIGERATION if name in result.performance]
     found = Figures(
         effect=name,
         status="needed",
@@ -48,7 +49,7 @@ def _without(scene: Scene, name: str, result: Result) -> Figures:
         change_of_shaft_power=None,
         specific_work=None,
         change_of_specific_work=None,
-        **{f"{word}{name}": None for name in REFRIGERATION for word in ("", "change_of_")},
+        **{f"{word}{name}": None for name in cooled for word in ("", "change_of_")},
     )
     try:
         other = simulate(loads(scene.text, folder=scene.folder, without=[name]), trace=False)
@@ -62,8 +63,8 @@ def _without(scene: Scene, name: str, result: Result) -> Figures:
     before, after = (specific_work(each) for each in (result, other))
     power = other.performance.shaft_power
     found |= {"shaft_power": power, "change_of_shaft_power": power - result.performance.shaft_power}
-    for name in REFRIGERATION:
-        value, full = (each.performance.get(name) for each in (other, result))
+    for name in cooled:
+        value, full = other.performance.get(name), result.performance[name]
         found |= {name: value, f"change_of_{name}": None if value is None or full is None else value - full}
     if after is None:
         found["message"] = "no net gas is delivered without it"

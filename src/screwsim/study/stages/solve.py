@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -33,6 +34,7 @@ class ChainResult:
     stages: tuple[Result, ...] = ()
     scenes: tuple[Scene, ...] = ()
     performance: Figures = field(default_factory=Figures)
+    notes: Mapping[str, str] = field(default_factory=dict)  # why a figure is None
 
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints of stages."""
@@ -40,6 +42,7 @@ class ChainResult:
             "status": self.status,
             "message": self.message,
             "performance": dict(self.performance),
+            "notes": dict(self.notes),
             "stages": [result.as_json() for result in self.stages],
         }
 
@@ -202,8 +205,8 @@ class _Chain:
 
     # ---- the figures -------------------------------------------------------------------------------------------
 
-    def figures(self, pair: _Pair) -> Figures:
-        """Return the figures of the whole (M203)."""
+    def figures(self, pair: _Pair) -> tuple[Figures, Mapping[str, str]]:
+        """Return the figures of the whole that the chain calls for (M203), and why some are None."""
         first, second = (result.performance for result in pair.results)
         power, flow, p = first.shaft_power + second.shaft_power, first.gas_mass_flow, pair.p
         h_d = self.gas.enthalpy(p, first.discharge_temperature)
@@ -214,14 +217,17 @@ class _Chain:
         if self.low.quality is not None:
             place = self.gas.place_of_enthalpy(self.low.p_s, suction_enthalpy(self.chain.first))
         ends = replace(self.low, p_d=self.high.p_d)
-        etas, _ = efficiencies(self.gas, ends, Inlet(place[1], place[2]), flow, power, drawn)
+        etas, notes = efficiencies(self.gas, ends, Inlet(place[1], place[2]), flow, power, drawn)
         comes, taken = pair.flows
         cooling = self._cooling(pair, flow)
-        return Figures(
+        cop = None if cooling is None or power <= 0.0 else cooling / power
+        cooled = {} if cooling is None else {"cooling_capacity": cooling, "cop": cop}
+        notes = {**notes, "cop": "the shaft power is not positive"}
+        found = Figures(
             intermediate_pressure=p,
             second_suction_temperature=pair.T,
             intercooler_heat=0.0 if drawn else flow * (h_d - h_2),
-            vapour_mass_flow=pair.vapour * flow if drawn else None,
+            **({"vapour_mass_flow": pair.vapour * flow} if drawn else {}),
             gas_mass_flow=flow,
             first_shaft_power=first.shaft_power,
             second_shaft_power=second.shaft_power,
@@ -230,10 +236,10 @@ class _Chain:
             second_pressure_ratio=self.high.p_d / (p - self.chain.intercooler.pressure_drop),
             discharge_temperature=second.discharge_temperature,
             **etas,
-            cooling_capacity=cooling,
-            cop=None if cooling is None or power <= 0.0 else cooling / power,
+            **cooled,
             flow_mismatch=abs(comes - taken) / max(comes, taken),
         )
+        return found, {name: notes.get(name, "this gas has none") for name, value in found.items() if value is None}
 
     def _cooling(self, pair: _Pair, flow: float) -> float | None:
         if self.chain.second.operation.condensing_temperature is None:
@@ -249,7 +255,7 @@ def run_stages(chain: Chain) -> ChainResult:
     solving = _Chain(chain)
     try:
         pair = solving.solve()
-        found = solving.figures(pair)
+        found, notes = solving.figures(pair)
     except _Stop as stop:
         return ChainResult(stop.status, str(stop), stop.results)
     except UsageError as error:
@@ -258,4 +264,4 @@ def run_stages(chain: Chain) -> ChainResult:
     status, message = "ok", ""
     if found.flow_mismatch > bound:
         status, message = "not_closed", f"the flows of both stages differ by {found.flow_mismatch:.2g} of themselves"
-    return ChainResult(status, message, pair.results, pair.scenes, found)
+    return ChainResult(status, message, pair.results, pair.scenes, found, notes)
