@@ -110,8 +110,10 @@ def slices(results: Results, layout: Layout) -> Iterator[tuple[str, dict[int, in
 def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str | None, y_name: str) -> list[Curve]:
     """Return the curves of one slice: figure `y_name` over the axis x, or over the figure `x_name`.
 
-    Cases without a value are left out; curves of fewer than two points too.
+    Cases without a value are left out; curves of fewer than two points too. None of a figure that no case calls for.
     """
+    if y_name not in results.performance:
+        return []
     axis = results.axis_list[layout.x]
     at = np.broadcast_to(shown_axis(axis).of(axis.values), (_count(results, layout), len(axis.values)))
     x = at
