@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from screwsim import plausible
+from screwsim.effects.base import OilRoom, Stops
 from screwsim.estimate import worst
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.orifice import outside_fit
@@ -57,10 +58,7 @@ def beyond_its_mean(solution: Solution) -> str:
         angles = np.linspace(0.0, solution.parts.geometry.pitch, PHASES, endpoint=False)
         pulses = np.array([machinery.module.line_pulse(line, angle, c.P) for angle in angles])
         if np.min(1.0 + pulses[:, 1] / (1.0 + pulses[:, 0])) < LOWEST:
-            return (
-                f"the pressure of the {part.to} plenum would swing beyond its mean: a chamber moves more gas than the "
-                f"plenum holds (a larger effects.plenums.{part.to}_volume, or a higher speed)"
-            )
+            return part.swings or f"the pressure of the {part.to} line would swing beyond its mean"
     return ""
 
 
@@ -68,12 +66,10 @@ def unclosed(solution: Solution, closed: closing.Closed) -> str:
     """Return what may help a cycle that did not close."""
     numerics = solution.scene.numerics
     if solution.machinery.impacts > RESTLESS:
-        return f"its turns do not settle, with {_restless(solution.machinery.impacts)}"
-    if any(part.shut is not None and part.shut(solution.turn(closed.q)) for part in solution.parts.pulsations):
-        return (
-            "a check valve of effects.plenums stays shut and the turns do not settle: the machine leaks more than it "
-            "takes in and delivers nothing (leave the valve out, or smaller leaks or a higher speed)"
-        )
+        return f"its turns do not settle, with {_restless(solution)}"
+    for part in solution.parts.pulsations:
+        if part.shut is not None and part.shut(solution.turn(closed.q)):
+            return part.stuck or f"the {part.to} line stays shut and the turns do not settle"
     if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
         coupled = "numerics.closing: coupled, or " if closed.how != "coupled" else ""
         return f"try {coupled}a tighter numerics.accuracy"
@@ -90,12 +86,11 @@ def unclosed(solution: Solution, closed: closing.Closed) -> str:
     )
 
 
-def _restless(impacts: int) -> str:
+def _restless(solution: Solution) -> str:
     """Return what to do about reeds that hardly come to rest."""
-    return (
-        f"{impacts} impacts of its reeds in a turn; reeds that lose so little at an impact bounce on and on (a smaller "
-        "effects.reed_valves.seat_restitution or stop_restitution)"
-    )
+    remedies = dict.fromkeys(part.remedy for _, part in solution.parts.all(Stops) if part.remedy)
+    what = "impacts of its reeds in a turn; reeds that lose so little at an impact bounce on and on"
+    return f"{solution.machinery.impacts} {what}" + (f" ({'; '.join(remedies)})" if remedies else "")
 
 
 def failure(solution: Solution, closed: closing.Closed) -> str:
@@ -106,9 +101,7 @@ def failure(solution: Solution, closed: closing.Closed) -> str:
     if lock:
         return lock
     if solution.machinery.impacts > MOST_IMPACTS:
-        return (
-            f"the turn was left at {math.degrees(closed.angle):.2f} deg after {_restless(solution.machinery.impacts)}"
-        )
+        return f"the turn was left at {math.degrees(closed.angle):.2f} deg after {_restless(solution)}"
     reason = solution.parts.gas.why_outside(float(closed.y[0]), float(closed.y[1]))
     if reason is not None:
         return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {_remedied(reason)}"
@@ -133,10 +126,11 @@ def _hydraulic_lock(solution: Solution, closed: closing.Closed) -> str:
         angle, share = closed.angle + fullest * parts.geometry.pitch, float(shares[fullest])
     if not share >= ALL_BUT_LOCKED:
         return ""
+    remedies = "".join(f", or {part.remedy}" for _, part in parts.all(OilRoom) if part.remedy)
     return (
         f"hydraulic lock at {math.degrees(angle):.2f} deg: the oil fills the chamber ({share:.1%} of its volume where "
         "the integration stopped); use less oil (a lower oil_supply.ratio or a smaller orifice), open the discharge "
-        "port earlier or wider, or leave out effects.oil_volume"
+        f"port earlier or wider{remedies}"
     )
 
 
@@ -158,9 +152,10 @@ def warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
     told += _unfitted_bore(solution, found)
     asked = (active.effect.warnings for active in solution.scene.effects.values() if active.effect.warnings)
     told += [words for warn in asked for words in warn(found)]
-    if found.gas_mass_flow == 0.0 and any(part.shut is not None for part in solution.parts.pulsations):
+    idle = [part.idle for part in solution.parts.pulsations if part.shut is not None]
+    if found.gas_mass_flow == 0.0 and idle:
         nothing = "takes nothing in" if solution.parts.plenums else "delivers nothing"
-        told.append(f"a check valve of effects.plenums stays shut: against the line's pressure the machine {nothing}")
+        told.append(idle[0].format(nothing=nothing) or f"a valve stays shut: the machine {nothing}")
     elif found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
         told.append(
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "

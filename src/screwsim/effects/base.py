@@ -209,7 +209,12 @@ class OilPort:
 
 @dataclass(frozen=True)
 class OilRoom:
-    """The oil takes room in the chambers (docs/model.md M106). Needs oil.transport: carried."""
+    """The oil takes room in the chambers (docs/model.md M106). Needs oil.transport: carried.
+
+    `remedy` is what its effect can do where the oil locks a chamber.
+    """
+
+    remedy: str = ""
 
 
 @dataclass(frozen=True)
@@ -236,7 +241,7 @@ class Stops:
     `position` and `speed` name states that the same effect declares, neither positive; the speed is the rate of the
     position over a frequency Ω. `push` returns the acceleration at rest over Ω² of the position; its arguments are `p`,
     `p_suction`, `p_discharge`, names of states beyond T and rho, and `values`. `restitution` is the speed after over
-    that before an impact, of seat and stop.
+    that before an impact, of seat and stop. `remedy` is what to do where it hardly comes to rest.
     """
 
     position: str
@@ -244,6 +249,7 @@ class Stops:
     push: Kernel
     values: Mapping[str, float]
     restitution: tuple[float, float]
+    remedy: str = ""
 
 
 @dataclass(frozen=True)
@@ -363,8 +369,10 @@ class Pulsation:
 
     `to` is 'suction' or 'discharge'; `offset` and `harmonics` name `Made` numbers, over the line's pressure: a_1, b_1,
     a_2 … of cosines and sines, declared one after the other. `shut` tells whether a turn finds the line shut by a check
-    valve: nothing passes then, in the mean or ever. `open_question` returns what the scene leaves open of a cycle,
-    which closed or did not, and what to do; empty where it leaves nothing open.
+    valve: nothing passes then, in the mean or ever; `stuck` says why a cycle with that does not close,
+    `idle` (with {nothing} for what) what comes of one that does, `swings` that the pressure would fall below none.
+    `open_question` returns what the scene leaves open of a cycle, which closed or did not, and what to do; empty where
+    it leaves nothing open.
     """
 
     to: str
@@ -372,6 +380,9 @@ class Pulsation:
     harmonics: tuple[str, ...]
     shut: Callable[[Turn], bool] | None = None
     open_question: Callable[[Turn, bool], str] | None = None
+    stuck: str = ""
+    idle: str = ""
+    swings: str = ""
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,15 @@ LOCKED = (
     "is locked between them follows from how the machine came there, not from the scene; the figures are those without "
     "suction_valve (leave it out, or smaller leaks, a higher speed or a lower discharge pressure)"
 )
+STUCK = (
+    "a check valve of effects.plenums stays shut and the turns do not settle: the machine leaks more than it takes in "
+    "and delivers nothing (leave the valve out, or smaller leaks or a higher speed)"
+)
+IDLE = "a check valve of effects.plenums stays shut: against the line's pressure the machine {nothing}"
+SWINGS = (
+    "the pressure of the {to} plenum would swing beyond its mean: a chamber moves more gas than the plenum holds "
+    "(a larger effects.plenums.{to}_volume, or a higher speed)"
+)
 SHUT = "the {to} line takes all of the pressure (a wider effects.plenums.{to}_area or a smaller {to}_loss)"
 WHICH = ("the", "twice the", "three times the", "four times the")  # of the harmonics among the figures
 
@@ -243,7 +252,8 @@ class Behind:
         ]
         shut = None if self.valve is None else self.shut
         unknown = None if self.downstream is None else self.downstream.unknown
-        return [*made, Pulsation(self.to, first, tuple(self.names), shut, unknown)]
+        swings = SWINGS.format(to=self.to)
+        return [*made, Pulsation(self.to, first, tuple(self.names), shut, unknown, STUCK, IDLE, swings)]
 
     def figures(self, turn: Turn) -> dict[str, float | None]:
         """Return mean, swing and harmonics of the pressure [Pa]."""

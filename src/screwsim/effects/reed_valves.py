@@ -154,6 +154,7 @@ def discharge_opening(discharge_valve_lift, curtain):
     return opened(discharge_valve_lift, curtain)
 
 
+RESTLESS = "a smaller effects.reed_valves.seat_restitution or stop_restitution"
 KERNELS = {
     "suction": (suction_lift_rate, suction_speed_rate, suction_opening, suction_push),
     "discharge": (discharge_lift_rate, discharge_speed_rate, discharge_opening, discharge_push),
@@ -182,7 +183,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath | ChamberState | Sto
         names = f"{side}_valve_lift", f"{side}_valve_speed"
         built.append(FlowPath(side, port_area, values, flow_coefficient=coefficient, opening=opening))
         built += [ChamberState(name, rate, values) for name, rate in zip(names, (lift, speed), strict=True)]
-        built.append(Stops(*names, push, values, restitution))
+        built.append(Stops(*names, push, values, restitution, RESTLESS))
     return [*built, valve_losses()]
 
 
