@@ -124,9 +124,12 @@ def count(doc: str, default: Any = REQUIRED, *, ge: int | None = None, le: int |
     return _field("count", default, default is None, doc, ge=ge, le=le)
 
 
-def choice(doc: str, options: tuple[str, ...], default: Any = REQUIRED) -> Any:
-    """Declare one word out of several; a choice may change what is compiled."""
-    return _field("choice", default, default is None, doc, options=options)
+def choice(doc: str, options: tuple[str, ...], default: Any = REQUIRED, own: str | None = None) -> Any:
+    """Declare one word out of several; a choice may change what is compiled.
+
+    `own` is the variable by which a module of the user's own, named with a dot, is one of them, too.
+    """
+    return _field("choice", default, default is None, doc, options=options, own=own)
 
 
 def word(doc: str, default: Any = REQUIRED) -> Any:

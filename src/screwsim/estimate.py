@@ -17,6 +17,7 @@ from screwsim import shaft
 from screwsim.errors import flow_errors, relative_errors
 from screwsim.model import close as closing
 from screwsim.model import tries
+from screwsim.numerics.integrators import check_of
 from screwsim.outputs import Figures
 
 FINER = 0.25  # tolerance of a step in the turn that estimates the error
@@ -58,7 +59,7 @@ class Accurate(NamedTuple):
 def close_accurately(solution: Any) -> Accurate:
     """Close the cycle, and again more tightly while the estimated error exceeds the wanted accuracy.
 
-    Nothing is estimated of a cycle that did not close, that one of scipy's integrators closed, or where the scene says
+    Nothing is estimated of a cycle that did not close, that a check closed, or where the scene says
     `numerics.error: none`.
     """
     numerics, machinery, course = solution.scene.numerics, solution.machinery, solution.course
@@ -68,7 +69,7 @@ def close_accurately(solution: Any) -> Accurate:
     figures, largest = None, 0.0
     watch.lap("closing")
     for attempt in range(TRIES):
-        if closed.status != "ok" or numerics.integrator != "rodas4" or numerics.error == "none":
+        if closed.status != "ok" or check_of(numerics.integrator) or numerics.error == "none":
             break
         errors, figures = estimated_errors(solution, closed)
         largest = worst(errors)[1]
@@ -119,7 +120,7 @@ def _close_somehow(solution: Any) -> closing.Closed:
     A gas outside its equation stays there, whatever is tried. What no try closes is left as the first left it.
     """
     closed, numerics = solution.close(), solution.scene.numerics
-    if closed.status == "ok" or numerics.integrator != "rodas4" or numerics.closing == "histories":
+    if closed.status == "ok" or check_of(numerics.integrator) or numerics.closing == "histories":
         return closed
     if solution.outside(closed):
         return closed

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -12,7 +13,7 @@ from screwsim.build import Stock, build_parts, wanted_of
 from screwsim.effects.base import Made
 from screwsim.intake import suction_of
 from screwsim.model import leases, residues
-from screwsim.model.compose import Composer
+from screwsim.model.compose import Composer, Composition
 from screwsim.model.continuation import Course
 from screwsim.model.slots import (
     DENSITY,
@@ -20,6 +21,7 @@ from screwsim.model.slots import (
     R_INJECTED,
     R_PRESSURE,
 )
+from screwsim.numerics.integrators import Rosenbrock, find_integrator
 from screwsim.numerics.made import Entries, Entry
 from screwsim.scene.lines import lines, suction_enthalpy
 from screwsim.scene.types import Scene
@@ -28,6 +30,15 @@ from screwsim.scene.types import Scene
 @lru_cache(maxsize=8)
 def _entries(entries: tuple[Entry, ...]) -> Entries:
     return Entries(entries)
+
+
+def _by(integrator: str, composition: Composition) -> Composition:
+    """Return a composition that goes by an integrator; a check's own method is Rodas4."""
+    found = find_integrator(integrator)
+    if not isinstance(found, Rosenbrock):
+        return composition
+    text = found.into(composition.text)
+    return composition if text is composition.text else replace(composition, text=text)
 
 
 class Series:
@@ -53,7 +64,7 @@ class Prepared:
         self.parts = build_parts(scene, self.series.stock, set_speed)
         self.wanted = wanted_of(scene)
         self.lines = lines(scene)
-        self.machinery = leases.lease(self.series.composer.compose(self.parts))
+        self.machinery = leases.lease(_by(scene.numerics.integrator, self.series.composer.compose(self.parts)))
         line = self._suction_place()
         self.inlet = performance.Inlet(line[DENSITY], line[ENTHALPY])
         self.suction = suction_of(self.parts.gas, line, self.parts.effects.values())

@@ -16,6 +16,7 @@ from screwsim.model.pulsation import LOWEST
 from screwsim.model.residues import LEAST_OIL
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
 from screwsim.model.stops import MOST_IMPACTS
+from screwsim.numerics.integrators import check_of
 from screwsim.outputs import Figures
 from screwsim.scene.plausible import scene_warnings
 from screwsim.solution import Solution
@@ -66,11 +67,11 @@ def unclosed(solution: Solution, closed: closing.Closed) -> str:
     """Return what may help a cycle that did not close."""
     numerics = solution.scene.numerics
     if solution.machinery.impacts > RESTLESS:
-        return f"its turns do not settle, with {_restless(solution)}"
+        return f"its turns do not settle, with {_restless(solution.machinery.impacts)}"
     for part in solution.parts.pulsations:
         if part.shut is not None and part.shut(solution.turn(closed.q)):
             return part.stuck or f"the {part.to} line stays shut and the turns do not settle"
-    if numerics.integrator != "rodas4" or numerics.closing == "histories" or closed.status != "not_closed":
+    if check_of(numerics.integrator) or numerics.closing == "histories" or closed.status != "not_closed":
         coupled = "numerics.closing: coupled, or " if closed.how != "coupled" else ""
         return f"try {coupled}a tighter numerics.accuracy"
     if closed.change < UNSETTLED:

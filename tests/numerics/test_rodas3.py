@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from screwsim.numerics import rodas, rodas3
-from screwsim.study.lower_order import with_rodas3
+from screwsim.numerics.integrators import RODAS3
 
 ROUNDING = 1e-14
-ALPHA, GAMMA = rodas3.couplings()
+ALPHA, GAMMA = RODAS3.couplings
+WEIGHTS = RODAS3.constants["BETA"]
 BETA = ALPHA + GAMMA
 ONE = np.ones(rodas3.STAGES)
 CONDITIONS = (ONE, BETA @ ONE, (ALPHA @ ONE) ** 2, BETA @ BETA @ ONE)  # orders 1, 2, 3, 3
@@ -18,7 +19,7 @@ SUMS = (1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 6.0)
 
 def test_weights_meet_the_conditions_of_order_3():
     for condition, total in zip(CONDITIONS, SUMS, strict=True):
-        assert rodas3.BETA @ condition == pytest.approx(total, abs=ROUNDING)
+        assert WEIGHTS @ condition == pytest.approx(total, abs=ROUNDING)
 
 
 def test_the_embedded_weights_meet_those_of_order_2_and_not_3():
@@ -33,7 +34,7 @@ def test_nodes_and_slopes_are_row_sums():
 
 
 def test_the_last_stage_is_the_end_of_the_step():
-    np.testing.assert_allclose(BETA[-1], rodas3.BETA, atol=ROUNDING)  # stiffly accurate: hence L-stable
+    np.testing.assert_allclose(BETA[-1], WEIGHTS, atol=ROUNDING)  # stiffly accurate: hence L-stable
 
 
 def test_the_dense_output_is_of_order_2_and_ends_at_the_step():
@@ -42,15 +43,15 @@ def test_the_dense_output_is_of_order_2_and_ends_at_the_step():
     for theta in (0.2, 0.5, 0.9):
         b = (theta ** np.arange(4)) @ w @ GAMMA
         assert [b @ each for each in CONDITIONS[:3]] == pytest.approx([theta, theta**2 / 2, theta**3 / 3], abs=ROUNDING)
-        c3, c4 = rodas3.CONSTANTS["DENSE"]
+        c3, c4 = rodas3.DENSE
         m = np.append(rodas3.A[-1], 1.0)
         assert theta * (m + (1 - theta) * (c3 + theta * c4)) @ GAMMA == pytest.approx(b, abs=ROUNDING)
 
 
 def test_its_constants_are_all_by_which_the_methods_differ():
-    lines = "\n".join(f"rodas__{name} = 0" for name in rodas3.CONSTANTS)
-    assert with_rodas3(f"{lines}\nrodas__GROWTH = 2.5").endswith("rodas__GROWTH = 2.5")
-    for name, value in rodas3.CONSTANTS.items():
+    lines = "\n".join(f"rodas__{name} = 0" for name in RODAS3.constants)
+    assert RODAS3.into(f"{lines}\nrodas__GROWTH = 2.5").endswith("rodas__GROWTH = 2.5")
+    for name, value in RODAS3.constants.items():
         assert np.ndim(value) == np.ndim(getattr(rodas, name))
-    with pytest.raises(AssertionError, match="POWER"):
-        with_rodas3(lines.replace("rodas__POWER", "another"))
+    with pytest.raises(ValueError, match="POWER"):
+        RODAS3.into(lines.replace("rodas__POWER", "another"))

@@ -17,7 +17,7 @@ from screwsim.report.accuracy import draw
 from screwsim.scene import Scene, load, loads
 from screwsim.simulate import simulate
 from screwsim.study.accuracy import QUICK, Study, effects, files, study, words
-from screwsim.study.accuracy.cases import SCIPY, all_cases
+from screwsim.study.accuracy.cases import CHECKS, all_cases
 from screwsim.study.accuracy.solving import WorkLimit, solve, way
 
 SCENE = """\
@@ -68,7 +68,7 @@ def test_nothing_is_measured_by_a_reference_less_than_a_thousand_times_tighter(f
 
 
 def test_every_integrator_is_measured_or_left_out_with_a_reason(found):
-    for name in SCIPY:
+    for name in CHECKS:
         cases = of_part(found, "integrators", label=name)
         assert cases
         assert all(m.status == "ok" or m.reason for m in cases)

@@ -19,6 +19,7 @@ from screwsim.model.pace import FULL, Mixing, Pace, Refining, finer
 from screwsim.model.residues import LEAST_OIL, LEAST_WORK, Array
 from screwsim.model.run import Machinery
 from screwsim.model.slots import HELD, P_LIFE, P_PITCH, R_TRAPPED
+from screwsim.numerics.integrators import DEFAULT, check_of
 from screwsim.numerics.made import Entries
 from screwsim.numerics.periodic import Anderson
 from screwsim.numerics.rodas import dense_value
@@ -295,14 +296,14 @@ def chambers_at_pitches(machinery: Machinery) -> Array:
     return states.ravel()
 
 
-def close(task: Task, y: Array, integrator: str = "rodas4", hope: Hope = NO_HOPE) -> Closed:
+def close(task: Task, y: Array, integrator: str = DEFAULT, hope: Hope = NO_HOPE) -> Closed:
     """Close the cycle from a first guess that is installed as the last history.
 
-    With one of scipy's integrators the coupled chambers are closed under it, from where our own method closes.
+    With a check the coupled chambers are closed under it, from where our own method closes.
     """
-    task.machinery.integrator = "rodas4"
+    task.machinery.integrator = DEFAULT
     closed = _close(task, y, hope)
-    if integrator == "rodas4" or closed.status == "failed":
+    if check_of(integrator) is None or closed.status == "failed":
         return closed
     task.machinery.integrator = integrator
     return by_coupling(task, chambers_at_pitches(task.machinery))

@@ -18,7 +18,7 @@ from screwsim.codegen.calls import Context
 from screwsim.model import compiled, ledger, under_scipy
 from screwsim.model.compose import Composition
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
-from screwsim.numerics.scipy_integrators import METHODS
+from screwsim.numerics.integrators import DEFAULT, check_of
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
 MOST_CONTEXTS = 6  # remembered
@@ -54,7 +54,7 @@ class Machinery:
         self._contexts: dict[tuple[int, ...], Context] = {}  # by the arrays that change; it holds them
         self._together: dict[str, Any] = {}
         self.compile_time = 0.0
-        self.integrator = "rodas4"
+        self.integrator = DEFAULT
         self.stamp = object()  # another one with every other last history
         self.watch: Callable[[], None] = lambda: None  # called now and then; what it raises ends the work
 
@@ -64,7 +64,7 @@ class Machinery:
         self._contexts.clear()
         self.reset()
         self.counts[:] = 0
-        self.compile_time, self.integrator = 0.0, "rodas4"
+        self.compile_time, self.integrator = 0.0, DEFAULT
         self.watch = lambda: None
 
     @staticmethod
@@ -326,14 +326,15 @@ class Machinery:
 
         `inset` [rad] is left out at both ends: where the speed's course does not repeat, it jumps there.
         """
+        check = check_of(self.integrator)
         if self.alone:
-            return under_scipy.life(self, y, rtol, h) if self.integrator in METHODS else self.turn(y, rtol, h)
+            return self.turn(y, rtol, h) if check is None else under_scipy.life(self, check, y, rtol, h)
         if "all" not in compiled.warm(self.module):
             with self._compiling("all"):
                 self.own_pitch(y.copy(), 1e-2, h)
         self.watch()
-        if self.integrator in METHODS:
-            return under_scipy.pitch(self, y, rtol, h)
+        if check is not None:
+            return under_scipy.pitch(self, check, y, rtol, h)
         return self.own_pitch(y, rtol, h, inset)
 
     @property

@@ -11,13 +11,14 @@ import numpy as np
 
 from screwsim.model.meetings import Meetings
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, PLACE, Q_WALLS
+from screwsim.numerics.integrators import Check
 from screwsim.numerics.scipy_integrators import integrate
 
 Array = np.ndarray
 
 
-def life(machinery: Any, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-    """Do what `Machinery.turn` does with one of scipy's integrators; a loose own turn gives the quadratures' scale."""
+def life(machinery: Any, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+    """Do what `Machinery.turn` does with a check; a loose own turn gives the quadratures' scale."""
     _, _, _, q_scale = machinery.turn(y.copy(), 1e-3, h)
     c, module, context, own = machinery.composition, machinery.module, machinery.context, machinery.spaces[1]
     held = slice(OPENING + len(c.plenum_paths), OPENING + 2 * len(c.plenum_paths))
@@ -45,7 +46,7 @@ def life(machinery: Any, y: Array, rtol: float, h: float) -> tuple[int, float, f
         return np.vstack([J, Jq])
 
     scales = _scales(machinery, q_scale)
-    end, q, path = integrate(rates, jacobian, c.knots, y, scales, rtol, machinery.integrator, meetings)
+    end, q, path = integrate(rates, jacobian, c.knots, y, scales, rtol, check, meetings)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls, path.jacobians])
@@ -61,8 +62,8 @@ def life(machinery: Any, y: Array, rtol: float, h: float) -> tuple[int, float, f
     return int(path.message != ""), path.times[-1], h, q
 
 
-def pitch(machinery: Any, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-    """Do what `Machinery.pitch` does with one of scipy's integrators; a loose own one gives the quadratures' scale."""
+def pitch(machinery: Any, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+    """Do what `Machinery.pitch` does with a check; a loose own one gives the quadratures' scale."""
     _, _, _, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
     space, c = machinery.coupled_space(), machinery.composition
     machinery.inject(y)
@@ -86,9 +87,8 @@ def pitch(machinery: Any, y: Array, rtol: float, h: float) -> tuple[int, float, 
         module.coupled_jacobian__all_jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
         return np.vstack([J, Jq[:-1]])
 
-    end, q, path = integrate(
-        rates, jacobian, machinery.pitch_knots(), y, _scales(machinery, q_scale), rtol, machinery.integrator
-    )
+    scales = _scales(machinery, q_scale)
+    end, q, path = integrate(rates, jacobian, machinery.pitch_knots(), y, scales, rtol, check)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls * c.chambers, path.jacobians * c.chambers])

@@ -7,11 +7,7 @@ The method has no dense output of its own order: of the four conditions on weigh
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-
-from screwsim.numerics.rodas import quadrature_weights
 
 GAMMA = 0.5
 ORDER = 3
@@ -22,41 +18,15 @@ NODES = np.array((0.0, 0.0, 1.0, 1.0))
 D = np.array((0.5, 1.5, 0.0, 0.0))
 
 
-def couplings() -> tuple[np.ndarray, np.ndarray]:
-    """Return α_ij and Γ = γ_ij of the method in its untransformed form, from A = α Γ^(−1) and C = 1/γ − Γ^(−1)."""
-    padding = np.zeros((STAGES, 1))
-    gamma = np.linalg.inv(np.eye(STAGES) / GAMMA - np.hstack([C, padding]))
-    return np.hstack([A, padding]) @ gamma, gamma
-
-
 def dense_weights() -> np.ndarray:
     """Return w[power, stage]: y(θ) = y0 + Σ_stage (w[1] θ + w[2] θ² + w[3] θ³) u.
 
     In untransformed weights b(θ): Σ b = θ, Σ b β = θ²/2 and Σ b α² = θ³/3, where b₃ and b₄ share θ³/3 as at θ = 1.
     """
-    _, gamma = couplings()
+    gamma = np.linalg.inv(np.eye(STAGES) / GAMMA - np.hstack([C, np.zeros((STAGES, 1))]))
     b = np.array(((0.0, 0.0, 0.0, 0.0), (1.5, -0.5, 0.0, 0.0), (-0.5, 0.5, 0.0, 0.0), (-1 / 6, -1 / 6, -1 / 6, 0.5)))
     return b @ np.linalg.inv(gamma)
 
 
-def _dense() -> np.ndarray:
-    """Return the coefficients of c3 and c4 in y0 (1 − θ) + θ (y1 + (1 − θ) (c3 + θ c4))."""
-    w = dense_weights()
-    return np.array((w[1] - np.append(A[-1], 1.0), -w[3]))
-
-
-BETA = quadrature_weights(GAMMA, A, C)
-CONSTANTS: dict[str, Any] = {  # of `rodas`, by which the two methods differ
-    "GAMMA": GAMMA,
-    "STAGES": STAGES,
-    "LAST": STAGES - 1,
-    "DENSE_STAGES": STAGES,
-    "A": A,
-    "C": C,
-    "NODES": NODES,
-    "D": D,
-    "DENSE": _dense(),
-    "BETA": BETA,
-    "BETA_D": float(BETA @ D),
-    "POWER": -1.0 / ORDER,
-}
+_W = dense_weights()
+DENSE = np.array((_W[1] - np.append(A[-1], 1.0), -_W[3]))  # c3 and c4 in y0 (1 − θ) + θ (y1 + (1 − θ) (c3 + θ c4))

@@ -12,10 +12,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from screwsim.numerics.integrators import Check
+
 Array = np.ndarray
-METHODS = {"scipy-radau": "Radau", "scipy-bdf": "BDF", "scipy-lsoda": "LSODA"}
-EXPLICIT = {"scipy-rk45": "RK45", "scipy-dop853": "DOP853"}  # hopeless for work: only studies ask for them
-METHODS |= EXPLICIT
 
 
 class Path:
@@ -62,7 +61,7 @@ def integrate(
     y: Array,
     q_scale: Array,
     rtol: float,
-    method: str,
+    check: Check,
     events: Events | None = None,
 ) -> tuple[Array, Array, Path]:
     """Integrate y and the quadratures (appended to it in `rates`) over the knots; return y, q and the path.
@@ -91,12 +90,12 @@ def integrate(
             full[:, :n] = jacobian(t, middle, state[:n])
             return full
 
-        extra: dict[str, Any] = {} if method in EXPLICIT else {"jac": derivatives_at}
+        extra: dict[str, Any] = {"jac": derivatives_at} if check.implicit else {}
         at, going = start, True
         while going and at < end:
             if events is not None:
                 extra["events"] = events.watched(at, z[:n])
-            found = solve_ivp(slopes_at, (at, end), z, METHODS[method], rtol=rtol, atol=atol, **extra)
+            found = solve_ivp(slopes_at, (at, end), z, check.method, rtol=rtol, atol=atol, **extra)
             path.calls += found.nfev
             path.jacobians += found.njev
             slopes = np.array([slopes_at(t, state) for t, state in zip(found.t, found.y.T, strict=True)])

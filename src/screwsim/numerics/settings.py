@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.declare import choice, number
-
-INTEGRATORS = ("rodas4", "scipy-radau", "scipy-bdf", "scipy-lsoda")
+from screwsim.numerics.integrators import DEFAULT, INTEGRATORS
 
 
 @dataclass(frozen=True)
@@ -14,7 +13,9 @@ class NumericsSettings:
     """Wanted accuracy, integrator and the way in which the cycle is closed."""
 
     accuracy: float = number("wanted relative accuracy of the performance figures", 3e-4, gt=1e-12, lt=0.1)
-    integrator: str = choice("rodas4, or one of scipy's as an independent check", INTEGRATORS, "rodas4")
+    integrator: str = choice(
+        "rodas4, or one of scipy's as an independent check", tuple(INTEGRATORS), DEFAULT, own="INTEGRATOR"
+    )
     closing: str = choice(
         "auto: histories as long as they cost no more than coupled chambers would",
         ("auto", "histories", "coupled"),

@@ -15,6 +15,7 @@ from typing import NoReturn
 from screwsim.numerics import sources
 
 _DONE = b"."
+DEFINED = ("EFFECT", "MACHINE", "INTEGRATOR")  # what a module of the user's own may define
 
 
 def own_module(name: str) -> ModuleType:
@@ -26,7 +27,7 @@ def own_module(name: str) -> ModuleType:
         module = importlib.import_module(name)
     except SystemExit as error:  # would end this program, too, and say nothing
         raise ImportError(f"it ends the program, by SystemExit: {error}") from error
-    sources.note(name, getattr(module, "EFFECT", None) or getattr(module, "MACHINE", None))
+    sources.note(name, next((vars(module)[each] for each in DEFINED if each in vars(module)), None))
     return module
 
 

@@ -120,6 +120,8 @@ def value_schema(leaf: Leaf) -> dict[str, Any]:
     """Return the schema of one value as a person writes it."""
     if leaf.dimension is not None:
         return _quantity(leaf.dimension)
+    if leaf.kind == "choice" and "own" in leaf.limits:
+        return {"type": "string", "anyOf": [{"enum": list(leaf.limits["options"])}, {"pattern": OWN}]}
     if leaf.kind == "choice":
         return {"enum": list(leaf.limits["options"])}
     bounds = {_BOUNDS[name]: limit for name, limit in leaf.limits.items() if name in _BOUNDS}

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 
 from screwsim.effects import catalogue, find_effect
@@ -13,7 +11,7 @@ from screwsim.machine.kinds import find_machine
 from screwsim.scene.fields import Leaf, Section, section_of, stray, unknown
 from screwsim.scene.types import ActiveEffect
 from screwsim.scene.units import Refused, customary_unit
-from screwsim.scene.values import convert, describe_leaf, shown
+from screwsim.scene.values import convert, describe_leaf, imported, shown
 from screwsim.scene.yaml_tree import Node, Problem, join
 
 OFF = ("off", "no", "false")
@@ -118,31 +116,18 @@ def is_off(value: Any) -> bool:
 def find(name: str) -> tuple[Effect, Section]:
     """Return an effect and the description of its parameters; own ones may lie in the working folder."""
     try:
-        return _found(name, find_effect, "parameters")
+        return imported(name, lambda: _declared(find_effect(name), "parameters"))
     except KeyError:
         raise Refused(unknown(name, catalogue())) from None
 
 
 def find_kind(name: str) -> None:
     """Import a kind of machine of the user's own."""
-    _, section = _found(name, find_machine, "settings")
+    _, section = imported(name, lambda: _declared(find_machine(name), "settings"))
     lacking = [each for each in ("kind", "mode") if each not in section.fields]
     if lacking:
         raise Refused(f"has no setting {', '.join(lacking)}; mend that module")
 
 
-def _found(name: str, look: Callable[[str], Any], declared: str) -> tuple[Any, Section]:
-    """Return what a name stands for, and what it declares; raise Refused for a module of the user's that is bad."""
-    if "." in name and not {"", os.getcwd()} & set(sys.path):
-        sys.path.append(os.getcwd())  # last: it must not hide an installed package
-    try:
-        found = look(name)
-        return found, section_of(getattr(found, declared))
-    except KeyError:
-        raise
-    except ModuleNotFoundError as error:
-        raise Refused(f"cannot be imported ({error}); tried PYTHONPATH and the working folder (is it there?)") from None
-    except ImportError as error:
-        raise Refused(f"cannot be imported ({error}); mend that module") from None
-    except Exception as error:  # noqa: BLE001 - a module of the user's may raise anything
-        raise Refused(f"fails on import ({type(error).__name__}: {error}); mend that module") from None
+def _declared(found: Any, part: str) -> tuple[Any, Section]:
+    return found, section_of(getattr(found, part))

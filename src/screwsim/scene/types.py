@@ -169,5 +169,6 @@ class Scene:
     @property
     def own(self) -> dict[str, str]:
         """The modules of the user's own that this scene names, and where it names them."""
-        machine = {self.machine.kind: f"machine.kind: {self.machine.kind}"} if "." in self.machine.kind else {}
-        return machine | {name: f"effects.{name}" for name in self.effects if "." in name}
+        named = {"machine.kind": self.machine.kind, "numerics.integrator": self.numerics.integrator}
+        found = {name: f"{path}: {name}" for path, name in named.items() if "." in name}
+        return found | {name: f"effects.{name}" for name in self.effects if "." in name}

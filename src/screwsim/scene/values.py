@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import os
 import re
+import sys
+from collections.abc import Callable
 from typing import Any
 
 from screwsim.machine.kinds import MACHINES
 from screwsim.near import nearest
+from screwsim.numerics.integrators import find_integrator
 from screwsim.scene.fields import Leaf
 from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
@@ -92,9 +95,34 @@ _CALLED = {  # other words for an option
 _CALLED |= {word: name for name, kind in MACHINES.items() for word in kind.called}
 
 
+def imported(name: str, look: Callable[[], Any]) -> Any:
+    """Return what `look` finds in a module of the user's own; raise Refused, in one line, where that is bad."""
+    if "." in name and not {"", os.getcwd()} & set(sys.path):
+        sys.path.append(os.getcwd())  # last: it must not hide an installed package
+    try:
+        return look()
+    except KeyError:
+        raise
+    except ModuleNotFoundError as error:
+        raise Refused(f"cannot be imported ({error}); tried PYTHONPATH and the working folder (is it there?)") from None
+    except ImportError as error:
+        raise Refused(f"cannot be imported ({error}); mend that module") from None
+    except Exception as error:  # noqa: BLE001 - a module of the user's may raise anything
+        raise Refused(f"fails on import ({type(error).__name__}: {error}); mend that module") from None
+
+
+_OWN = {"INTEGRATOR": find_integrator}  # what looks for a choice of the user's own, by the variable of its module
+
+
 def _choice(leaf: Leaf, raw: Any, folder: str) -> str:
     options = leaf.limits["options"]
     if isinstance(raw, str) and raw in options:
+        return raw
+    if isinstance(raw, str) and "." in raw and "own" in leaf.limits:
+        try:
+            imported(raw, lambda: _OWN[leaf.limits["own"]](raw))
+        except Refused as refusal:
+            raise Refused(f"{shown(raw)} {refusal}") from None
         return raw
     called = _CALLED.get(raw.lower().replace(" ", "_")) if isinstance(raw, str) else None
     near = called if called in options else nearest(raw, options) if isinstance(raw, str) else None

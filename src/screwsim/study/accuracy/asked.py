@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from screwsim.errors import relative_errors
 from screwsim.estimate import worst
+from screwsim.numerics.integrators import DEFAULT
 from screwsim.scene import Scene
 from screwsim.simulate import simulate
 from screwsim.study.accuracy.cases import Extent
@@ -31,7 +32,7 @@ class Asked:
 
 def as_asked(scene: Scene, accuracy: float, reference: Truth, extent: Extent) -> Asked:
     """Return what asking for this accuracy gives."""
-    numerics = replace(scene.numerics, accuracy=accuracy, integrator="rodas4", rtol=None, error="estimate")
+    numerics = replace(scene.numerics, accuracy=accuracy, integrator=DEFAULT, rtol=None, error="estimate")
     wanted = replace(scene, numerics=numerics)
     results = [simulate(wanted, trace=False)]
     spent = 0.0

@@ -9,11 +9,10 @@ from typing import Any
 from screwsim.build import WIDTH
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
+from screwsim.numerics.integrators import CHECKS, DEFAULT
 from screwsim.scene import Scene, with_values
 from screwsim.study.accuracy.solving import Way, way
 
-SCIPY = ("scipy-radau", "scipy-bdf", "scipy-lsoda", "scipy-rk45", "scipy-dop853")
-RODAS3 = "rodas3"  # of the studies alone (study.lower_order)
 TIGHT = 1e-7  # accuracy of all but the one choice that a case looks at
 
 
@@ -83,8 +82,8 @@ def integrators(scene: Scene, extent: Extent) -> Iterator[Case]:
         for asked in extent.asked:
             yield Case("integrators", f"rodas4 {closing}", asked, way(asked, closing=closing), scene, gas)
     for asked in extent.asked:
-        yield Case("integrators", "rodas3 histories", asked, way(asked, RODAS3, "histories"), scene, gas)
-    for name in SCIPY:
+        yield Case("integrators", "rodas3 histories", asked, way(asked, "rodas3", "histories"), scene, gas)
+    for name in CHECKS:
         for asked in extent.scipy_asked:
             yield Case("integrators", name, asked, way(asked, name), scene, gas)
 
@@ -100,10 +99,10 @@ def back_ends(scene: Scene, extent: Extent) -> Iterator[Case]:
     if scene.gas.model == "real":
         tries.append(("coolprop", scene))
     for gas, base in tries:
-        for name, closing in (("rodas4", "histories"), ("scipy-lsoda", "coupled")):
-            label = f"rodas4 {closing}" if name == "rodas4" else name
-            asks = extent.back_end_asked if name == "rodas4" else extent.back_end_asked[-1:]
-            if gas == "coolprop" and name != "rodas4":
+        for name, closing in ((DEFAULT, "histories"), ("scipy-lsoda", "coupled")):
+            label = f"{name} {closing}" if name == DEFAULT else name
+            asks = extent.back_end_asked if name == DEFAULT else extent.back_end_asked[-1:]
+            if gas == "coolprop" and name != DEFAULT:
                 continue  # see `omitted`
             for asked in asks:
                 how = way(asked, name, closing)

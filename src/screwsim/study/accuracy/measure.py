@@ -14,9 +14,8 @@ from screwsim.errors import relative_errors
 from screwsim.estimate import worst
 from screwsim.faults import SceneError, UsageError
 from screwsim.outputs import Figures
-from screwsim.study.accuracy.cases import RODAS3, Case, Extent
+from screwsim.study.accuracy.cases import Case, Extent
 from screwsim.study.accuracy.solving import Solved, WorkLimit, solve, way
-from screwsim.study.lower_order import solution_with_rodas3
 
 Traces = Mapping[str, np.ndarray]
 NAMES = ("pressure", "gas_temperature")  # traces that are compared
@@ -187,8 +186,6 @@ def _repeated(case: Case, extent: Extent) -> tuple[Solved, list[float]]:
         from screwsim.study.coolprop_back_end import solution_with_coolprop
 
         solution = solution_with_coolprop(case.scene)
-    if case.way.integrator == RODAS3:
-        solution = solution_with_rodas3(case.scene)
     solved = solve(case.scene, case.way, extent.limit, solution)
     times = [solved.time]
     while len(times) < extent.runs and sum(times) + times[-1] < extent.seconds:

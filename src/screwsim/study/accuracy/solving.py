@@ -20,7 +20,7 @@ from screwsim.build import WIDTH
 from screwsim.estimate import Watch
 from screwsim.model import close as closing
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
-from screwsim.numerics.scipy_integrators import METHODS
+from screwsim.numerics.integrators import DEFAULT, check_of
 from screwsim.outputs import Figures
 from screwsim.scene import Scene
 from screwsim.solution import Solution
@@ -37,7 +37,7 @@ class WorkLimit(Exception):
 class Way:
     """How a scene is solved. `regularised` times the pressure of a line is the width ε of the regularisation there."""
 
-    integrator: str = "rodas4"
+    integrator: str = DEFAULT
     closing: str = "histories"
     rtol: float = 1e-4
     tolerance: float = 1e-4
@@ -46,7 +46,7 @@ class Way:
     landing: bool = True  # do steps end on the knots of the laws?
 
 
-def way(accuracy: float, integrator: str = "rodas4", closing: str = "coupled", **others: Any) -> Way:
+def way(accuracy: float, integrator: str = DEFAULT, closing: str = "coupled", **others: Any) -> Way:
     """Return the way that follows from a wanted accuracy (docs/explanation/numerics.md), but for what `others` say."""
     known: dict[str, Any] = {
         "rtol": 0.3 * accuracy,
@@ -90,7 +90,7 @@ def limited(machinery: Any, seconds: float) -> Iterator[None]:
         yield
     finally:
         machinery.watch = lambda: None
-        machinery.integrator = "rodas4"
+        machinery.integrator = DEFAULT
 
 
 def solve(scene: Scene, how: Way, limit: float = math.inf, solution: Solution | None = None) -> Solved:
@@ -99,6 +99,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, solution: Solution | 
     scipy's integrators start from a loose cycle (`START`) of our own, whose cost is counted; so does ours when it is
     `closing: coupled`, for which that is the rule.
     """
+    scene = replace(scene, numerics=replace(scene.numerics, integrator=how.integrator))
     solution = solution or shaft.at_its_speed(Solution(scene))
     machinery = solution.machinery
     machinery.warm_up(solution.rehearse)
@@ -109,7 +110,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, solution: Solution | 
     pressures = np.array([at.p_s, at.p_d, *(gaps for _ in range(composition.n_widths - 2))])
     widths = max(how.regularised, NARROWEST) * pressures
     wanted = closing.Wanted(how.rtol, how.tolerance, how.bound, how.closing)
-    scipys = how.integrator in METHODS
+    scipys = check_of(how.integrator) is not None
     solution.wanted = closing.Wanted(0.3 * START, 0.2 * START, START, "auto") if scipys else wanted
     machinery.composition.P[composition.widths] = START * pressures if scipys else widths
     watch = Watch(machinery)

@@ -1,0 +1,1 @@
+"""Integrators as users write them: each a module of its own with a variable INTEGRATOR."""
