@@ -67,7 +67,7 @@ def unclosed(solution: Solution, closed: closing.Closed) -> str:
     """Return what may help a cycle that did not close."""
     numerics = solution.scene.numerics
     if solution.machinery.impacts > RESTLESS:
-        return f"its turns do not settle, with {_restless(solution.machinery.impacts)}"
+        return f"its turns do not settle, with {_restless(solution)}"
     for part in solution.parts.pulsations:
         if part.shut is not None and part.shut(solution.turn(closed.q)):
             return part.stuck or f"the {part.to} line stays shut and the turns do not settle"
