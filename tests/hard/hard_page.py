@@ -30,7 +30,8 @@ Where the first try does not close a cycle (`numerics.closing` other than `histo
 steps, damped closing, closing without acceleration and a continuation from four times the speed are tried, and a
 warning of the result says which one it took; each has a case below (*closes only …*). The error of such a cycle is
 estimated by closing it again, finer: one life more shows too little of it. Where no try closes, the message says how
-much the states still change and how hot the gas gets (numerics.md: cycles that are not there to be found).
+much the states still change and how hot the gas gets
+([numerics.md](numerics.md): cycles that are not there to be found).
 
 Floors: `tests/hard/test_floors.py` states what each one changes. Oil below 1e-4 of the gas is not waited for and counts
 its errors as that much; work below 1e-6 p V is rounding; the oil's mass carries 1e-12 of the gas's; oil below none by
