@@ -13,6 +13,8 @@ from typing import Any
 
 from screwsim import outputs
 from screwsim.effects import catalogue
+from screwsim.figures import known, needs_of
+from screwsim.machine.kinds import MACHINES
 from screwsim.scene import schema
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
@@ -39,12 +41,11 @@ FIGURES_HEAD = """\
 # All results
 
 Made by `scripts/reference_pages.py` from the tables that name them: in the JSON of `screwsim run --json`, in
-`screwsim.simulate(scene)` and in HDF5 files, in SI units. A figure that the scene does not call for is null; where
-another one has no value, `notes` says why. `error` has the estimated relative error of the figures
-([model.md](../model.md), M41), `status` is one of {statuses}.
+`screwsim.simulate(scene)` and in HDF5 files, in SI units. A result has the figures that its scene calls for, by what
+the last column names; where one of them has no value it is null, and `notes` says why. `error` has the estimated
+relative error of the figures ([model.md](../model.md), M41), `status` is one of {statuses}.
 """
 TABLES = (
-    ("performance", "Figures of the closed cycle.", outputs.PERFORMANCE),
     ("balance", "Residues of the balances; `bound` is what they are held to.", outputs.BALANCE),
     ("numerics", "What the solution took.", outputs.NUMERICS),
     ("cycle", "Traces over the angle; `mass_flow_<effect>` for each flow path.", outputs.CYCLE),
@@ -96,7 +97,8 @@ def table(section: Mapping[str, Any]) -> str:
 def effect_text(name: str, section: Mapping[str, Any]) -> str:
     """Return one effect: what it is, its equations, for which machines, its keys."""
     effect = catalogue()[name]
-    told = f"{effect.title[0].upper()}{effect.title[1:]}. {', '.join(effect.equations)}; {', '.join(effect.machines)}."
+    kinds = [kind for kind, machine in MACHINES.items() if effect.fits(machine)]
+    told = f"{effect.title[0].upper()}{effect.title[1:]}. {', '.join(effect.equations)}; {', '.join(kinds)}."
     return f"### {name}\n\n{told}\n\n{table(section)}\n"
 
 
@@ -104,8 +106,7 @@ def scene_page() -> str:
     """Return the page of all keys."""
     found = schema()["properties"]
     parts = [SCENE_HEAD]
-    for machine in found["machine"]["anyOf"]:
-        kind = machine["properties"]["kind"]["default"]
+    for kind, machine in zip(MACHINES, found["machine"]["anyOf"], strict=False):  # behind them: one's own
         parts.append(f"## machine, kind: {kind}\n\n{machine['description']}\n\n{table(machine)}\n")
     for name in ("gas", "operation", "oil", "oil_supply", "numerics", "output"):
         parts.append(f"## {name}\n\n{found[name]['description']}\n\n{table(found[name])}\n")
@@ -117,6 +118,11 @@ def scene_page() -> str:
 def figures_page() -> str:
     """Return the page of all results."""
     parts = [FIGURES_HEAD.format(statuses=", ".join(f"`{each}`" for each in outputs.STATUSES))]
+    parts.append("## performance\n\nFigures of the closed cycle.\n")
+    lines = []
+    for key, each in known().items():
+        lines.append(f"| `{key}` | {each.units} | {cell(each.long_name)} | {cell(needs_of(key) or 'every scene')} |")
+    parts.append("\n".join(["| name | unit | what | called for by |", "|---|---|---|---|", *lines, ""]))
     for name, told, variables in TABLES:
         lines = [f"| `{key}` | {each.units} | {cell(each.long_name)} |" for key, each in variables.items()]
         parts.append("\n".join([f"## {name}\n\n{told}\n", "| name | unit | what |", "|---|---|---|", *lines, ""]))
