@@ -169,6 +169,8 @@ REFUSED = {
     "return x, y": "y is not known",
     "if x > 0.0:\n        y = 1.0\n    else:\n        y = TABLE\n    return 1.0": "y is f here and a1(f) there",
     "return f(x)": "f calls itself",
+    "if 1 > 2:\n        y = 1.0\n    return y": "y is not known",
+    "while y < x:\n        x = 0.5 * x\n    return y\n    y = 2.0": "y is not known",
     "return math.sqrt(x, key=1)": "arguments by name are not compiled",
     "return 2.0 // x": "// of floats is not compiled",
 }

@@ -7,21 +7,21 @@ there is a float: the function is written again until no kind widens.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from screwsim.codegen.kinds import FLOAT, INTEGER, NOTHING, NUMBERS, TRUTH, Kind, Value, array, joined, row_of
-from screwsim.codegen.operations import Operations
+from screwsim.codegen.expressions import NONE, Expressions
+from screwsim.codegen.kinds import FLOAT, INTEGER, NOTHING, TRUTH, Kind, Value, joined
 from screwsim.codegen.program import CannotCompile, constant
 
 if TYPE_CHECKING:
     from screwsim.codegen.library import Library
 
-NONE = Value(NOTHING, ())
-EMPTY = {"np.empty": False, "np.zeros": True}
+
+MOST_PASSES = 3  # after which a variable that is not known is never given a value
 
 
-class Emitter(Operations):
+class Emitter(Expressions):
     """Writes one function; `kinds` are those of its variables, as far as known."""
 
     def __init__(self, library: Library, name: str, arguments: Sequence[Kind]) -> None:
@@ -41,8 +41,10 @@ class Emitter(Operations):
 
     def written(self, symbol: str) -> str:
         """Return the function's text."""
+        self.passes = 1
         parameters = self._write()
         while self.again:
+            self.passes += 1
             parameters = self._write()
         returned = self.returns or NOTHING
         if not self.closed:
@@ -107,7 +109,7 @@ class Emitter(Operations):
             kind = self.kinds.setdefault(name, self.last.get(name, FLOAT))
             parts = zip(kind.parts, self._place(name), strict=True)
             return Value(kind, tuple(self.new(f"load {part}, ptr {place}") for part, place in parts))
-        if name in self.assigned and not self.again:  # in a loop, before it is written
+        if name in self.assigned and self.passes <= MOST_PASSES:  # in a loop, before it is written
             self.again = True
             return constant(0.0)
         found = self.library.constant(name)
@@ -258,198 +260,3 @@ class Emitter(Operations):
             whole = value.parts[0]
         self.add(f"ret {kind.returned} {whole}".rstrip())
         self.closed = True
-
-    # ---- expressions -----------------------------------------------------------------------------------------------
-
-    def expression(self, node: ast.expr) -> Value:
-        match node:
-            case ast.Constant(value=bool() | int() | float() as value):
-                return constant(value)
-            case ast.Name(id=name):
-                return self.load(name, node)
-            case ast.BinOp(left=left, op=op, right=right):
-                return self.operation(op, self.expression(left), self.expression(right), node)
-            case ast.UnaryOp(op=ast.Not(), operand=operand):
-                return self.negated(self.truth(operand))
-            case ast.UnaryOp(op=op, operand=operand):
-                return self.signed(op, self.expression(operand), node)
-            case ast.BoolOp(op=op, values=values):
-                return self._both(isinstance(op, ast.And), values)
-            case ast.Compare(left=left, ops=ops, comparators=others):
-                return self._compared(left, ops, others, node)
-            case ast.IfExp(test=test, body=body, orelse=orelse):
-                return self._choice(test, body, orelse, node)
-            case ast.Tuple(elts=elements):
-                found = [self.expression(each) for each in elements]
-                kind = Kind("t", tuple(each.kind for each in found))
-                return Value(kind, tuple(part for each in found for part in each.parts))
-            case ast.Subscript(value=of, slice=index):
-                return self._subscript(self.expression(of), index, node)
-            case ast.Attribute(value=ast.Name(id="math"), attr="inf" | "pi" | "e" | "nan" as name):
-                return constant(getattr(__import__("math"), name))
-            case ast.Attribute(value=of, attr="shape"):
-                parts = self.expression(of).parts[1:]
-                return Value(Kind("t", (INTEGER,) * len(parts)), parts)
-            case ast.Call():
-                return self._call(node)
-        raise self.fail(node, "this is not compiled")
-
-    def truth(self, node: ast.expr) -> Value:
-        value = self.expression(node)
-        if value.kind == TRUTH:
-            return value
-        if value.kind not in NUMBERS:
-            raise self.fail(node, f"{value.kind} is no condition")
-        return self.compare(ast.NotEq(), value, constant(0), node)
-
-    def _both(self, every: bool, nodes: Sequence[ast.expr]) -> Value:
-        """Return whether all hold, or any; what decides is the last that is evaluated."""
-        after, met = self.labels("after")[0], []
-        for k, node in enumerate(nodes):
-            value = self.truth(node)
-            if value.known is not None and k < len(nodes) - 1:
-                if bool(value.known) is every:
-                    continue
-                nodes, k = nodes[: k + 1], k
-            if k == len(nodes) - 1:
-                if not met:
-                    return value
-                met.append((value.parts[0], self.block))
-                self.jump(after)
-                break
-            following = self.labels("more")[0]
-            met.append(("false" if every else "true", self.block))
-            self.branch(value, *((following, after) if every else (after, following)))
-            self.start(following)
-        self.start(after)
-        return Value(TRUTH, (self.new("phi i1 " + ", ".join(f"[{one}, %{block}]" for one, block in met)),))
-
-    def _compared(self, left: ast.expr, ops: Sequence[ast.cmpop], others: Sequence[ast.expr], node: ast.expr) -> Value:
-        values = [self.expression(each) for each in (left, *others)]
-        found = [self.compare(op, a, b, node) for op, a, b in zip(ops, values, values[1:], strict=False)]
-        whole = found[0]
-        for each in found[1:]:
-            whole = Value(TRUTH, (self.new(f"and i1 {whole.parts[0]}, {each.parts[0]}"),))
-        return whole
-
-    def _choice(self, test: ast.expr, body: ast.expr, orelse: ast.expr, node: ast.expr) -> Value:
-        decided = self.truth(test)
-        if decided.known is not None:
-            return self.expression(body if decided.known else orelse)
-        then, other, after = self.labels("then", "else", "after")
-        self.branch(decided, then, other)
-        before, ways = self.lines, []
-        for label, side in ((then, body), (other, orelse)):
-            self.lines = []
-            self.start(label)
-            value = self.expression(side)
-            ways.append((value, self.lines, self.block))
-        kind = joined(ways[0][0].kind, ways[1][0].kind)
-        if kind is None:
-            raise self.fail(node, f"it is {ways[0][0].kind} or {ways[1][0].kind}")
-        ends = []
-        for value, lines, block in ways:
-            self.lines, self.block, self.closed = lines, block, False
-            ends.append((self.as_kind(value, kind).parts, block))
-            self.jump(after)
-            before += self.lines
-        self.lines = before
-        self.start(after)
-        parts = []
-        for i, part in enumerate(kind.parts):
-            parts.append(self.new(f"phi {part} " + ", ".join(f"[{found[i]}, %{block}]" for found, block in ends)))
-        return Value(kind, tuple(parts))
-
-    def _subscript(self, of: Value, index: ast.expr, node: ast.expr) -> Value:
-        if of.kind.name in "tc":
-            k = self.expression(index).known
-            if not isinstance(k, int):
-                raise self.fail(node, "a tuple's index must be a number of the text")
-            return self.of_context(of)[k] if of.kind.name == "c" else of.items()[k]
-        if isinstance(index, ast.Slice):
-            return self._slice(of, index, node)
-        if self.count_of(index) < of.kind.axes:
-            return self._row(of, index, node)
-        place, kind = self.element(of, index, node)
-        return Value(kind, (self.new(f"load {kind.parts[0]}, ptr {place}"),))
-
-    @staticmethod
-    def count_of(index: ast.expr) -> int:
-        return len(index.elts) if isinstance(index, ast.Tuple) else 1
-
-    def _row(self, of: Value, index: ast.expr, node: ast.expr) -> Value:
-        if isinstance(index, ast.Tuple):
-            value = of
-            for each in index.elts:
-                value = self._row(value, each, node)
-            return value
-        at = self.whole(self.expression(index), node).parts[0]
-        skip = at
-        for size in of.parts[2:]:
-            skip = self.new(f"mul nsw i64 {skip}, {size}")
-        at = self.new(f"getelementptr inbounds {of.kind.of[0].parts[0]}, ptr {of.parts[0]}, i64 {skip}")
-        return Value(row_of(of.kind), (at, *of.parts[2:]))
-
-    def _slice(self, of: Value, index: ast.Slice, node: ast.expr) -> Value:
-        if index.step is not None or of.kind.name != "a":
-            raise self.fail(node, "this slice is not compiled")
-        first = constant(0) if index.lower is None else self.whole(self.expression(index.lower), node)
-        last = of.parts[1] if index.upper is None else self.whole(self.expression(index.upper), node).parts[0]
-        skip = first.parts[0]
-        for size in of.parts[2:]:
-            skip = self.new(f"mul nsw i64 {skip}, {size}")
-        at = self.new(f"getelementptr inbounds {of.kind.of[0].parts[0]}, ptr {of.parts[0]}, i64 {skip}")
-        return Value(of.kind, (at, self.new(f"sub nsw i64 {last}, {first.parts[0]}"), *of.parts[2:]))
-
-    # ---- calls -----------------------------------------------------------------------------------------------------
-
-    def _call(self, node: ast.Call) -> Value:
-        if node.keywords:
-            raise self.fail(node, "arguments by name are not compiled")
-        name = ast.unparse(node.func)
-        if name in EMPTY:
-            return self._room(node, EMPTY[name])
-        values = [self.expression(each) for each in node.args]
-        if name in self.library.program.functions:
-            return self._kernel(name, values)
-        if name in self.library.outside:
-            given = ", ".join(f"{value.kind.parts[0]} {value.parts[0]}" for value in values)
-            self.add(f"call void inttoptr (i64 {self.library.outside[name]} to ptr)({given})")
-            return NONE
-        known: Callable[..., Value] | None = self.builtin(name)
-        if known is None:
-            raise self.fail(node, f"{name} is not compiled")
-        return known(values, node)
-
-    def _kernel(self, name: str, values: Sequence[Value]) -> Value:
-        symbol, returned = self.library.function(name, tuple(value.kind for value in values))
-        given = ", ".join(
-            f"{part} {one}" for value in values for part, one in zip(value.kind.parts, value.parts, strict=True)
-        )
-        if returned == NOTHING:
-            self.add(f"call void @{symbol}({given})")
-            return NONE
-        found = self.new(f"call {returned.returned} @{symbol}({given})")
-        if returned.name != "t":
-            return Value(returned, (found,))
-        parts = range(len(returned.parts))
-        return Value(returned, tuple(self.new(f"extractvalue {returned.returned} {found}, {i}") for i in parts))
-
-    def _room(self, node: ast.Call, cleared: bool) -> Value:
-        """Return an array of the function's own, gone when it returns."""
-        shape = node.args[0].elts if isinstance(node.args[0], ast.Tuple) else [node.args[0]]
-        sizes = [self.whole(self.expression(each), each).parts[0] for each in shape]
-        whole = len(node.args) > 1 and ast.unparse(node.args[1]) == "np.int64"
-        kind = array(INTEGER if whole else FLOAT, len(sizes))
-        total = sizes[0]
-        for size in sizes[1:]:
-            total = self.new(f"mul nsw i64 {total}, {size}")
-        if total.isdigit():
-            at = self.slot(f"{kind.of[0].parts[0]}, i64 {total}")
-        else:
-            at = self.new(f"alloca {kind.of[0].parts[0]}, i64 {total}, align 16")
-        if cleared:
-            count = self.new(f"mul nsw i64 {total}, 8")
-            self.library.declare("declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)")
-            self.add(f"call void @llvm.memset.p0.i64(ptr {at}, i8 0, i64 {count}, i1 false)")
-        return Value(kind, (at, *sizes))
