@@ -14,6 +14,7 @@ from scenes import DROP, scene_dict
 from screwsim.build import build_parts
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.model.compose import compose
+from screwsim.model.contexts import ChamberContext
 from screwsim.model.slots import PLACE
 from screwsim.scene import loads
 
@@ -68,7 +69,7 @@ def run(v: Vessel, inside: tuple[float, float], outside: tuple[float, float], ti
     history = np.zeros(room + 1), np.zeros((room, 4, columns)), np.zeros((room, nq))
     spaces = np.zeros(columns), np.append(np.zeros(PLACE), -1.0), np.zeros(400)
     kept = np.zeros(2, np.int64)
-    context = (
+    context = ChamberContext(
         P,
         v.composition.TAB,
         R,

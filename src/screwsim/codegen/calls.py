@@ -8,7 +8,7 @@ from __future__ import annotations
 import ctypes
 import struct
 import weakref
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,22 +21,22 @@ KINDS: list[Kind] = [FLOAT, INTEGER, TRUTH]  # by number
 _FLOAT, _INTEGER, _TRUTH = range(3)
 _FLOATS, _INTEGERS = np.dtype(np.float64), np.dtype(np.int64)
 _known: dict[int, tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]] = {}  # by id: where an array stands
-_contexts: dict[tuple[int, ...], int] = {}
+_contexts: dict[tuple[Any, ...], int] = {}
 for _of in (FLOAT, INTEGER):
     KINDS += [array(_of, axes) for axes in range(1, MOST_AXES + 1)]
 
 
 class Context(tuple[Any, ...]):
-    """A tuple of arrays that many calls are given: looked at once."""
+    """A tuple of arrays, by place or by name, that many calls are given: looked at once."""
 
     number: int
     words: tuple[float, ...]
 
-    def __new__(cls, arrays: Iterable[Any]) -> Context:
-        found = super().__new__(cls, arrays)
+    def __new__(cls, arrays: tuple[Any, ...]) -> Context:
         kinds: list[int] = []
         words: list[float] = []
-        take(tuple(found), kinds, words)
+        take(arrays, kinds, words)
+        found = super().__new__(cls, arrays)
         found.number, found.words = kinds[0], tuple(words)
         return found
 
@@ -63,9 +63,10 @@ def take(argument: Any, kinds: list[int], words: list[float]) -> None:
         inner: list[int] = []
         for each in argument:
             take(each, inner, words)
-        key = tuple(inner)
+        names = getattr(argument, "_fields", ())
+        key = (names, *inner)
         if key not in _contexts:
-            KINDS.append(Kind("c", tuple(KINDS[one] for one in key)))
+            KINDS.append(Kind("c", tuple(KINDS[one] for one in inner), names=names))
             _contexts[key] = len(KINDS) - 1
         kinds.append(_contexts[key])
     else:

@@ -33,7 +33,7 @@ class Emitter(Expressions):
         if len(names) != len(self.given):
             raise self.fail(self.node, f"{name} takes {len(names)} arguments, not {len(self.given)}")
         self.names = names
-        self.assigned, self.asked = library.program.names_in(name)
+        self.assigned = library.program.assigned_in(name)
 
     def fail(self, node: ast.AST, what: str) -> CannotCompile:
         line = ast.unparse(node).splitlines()[0]
@@ -165,10 +165,9 @@ class Emitter(Expressions):
             case ast.Tuple(elts=targets):
                 if value.kind.name not in "tc" or len(value.kind.of) != len(targets):
                     raise self.fail(target, f"{len(targets)} names are given {value.kind}")
-                items = self.of_context(value) if value.kind.name == "c" else value.items()
+                items = self.items(value)
                 for one, item in zip(targets, items, strict=True):
-                    if not isinstance(one, ast.Name) or one.id in self.asked:
-                        self.assign(one, item)
+                    self.assign(one, item)
             case ast.Subscript(value=of, slice=index):
                 place, kind = self.element(self.expression(of), index, target)
                 self.add(f"store {kind.parts[0]} {self.as_kind(value, kind).parts[0]}, ptr {place}")

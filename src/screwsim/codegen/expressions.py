@@ -51,12 +51,19 @@ class Expressions(Operations):
                 return self._subscript(self.expression(of), index, node)
             case ast.Attribute(value=ast.Name(id="math"), attr="inf" | "pi" | "e" | "nan" as name):
                 return constant(getattr(math, name))
-            case ast.Attribute(value=of, attr="shape"):
-                parts = self.expression(of).parts[1:]
-                return Value(Kind("t", (INTEGER,) * len(parts)), parts)
+            case ast.Attribute(value=of, attr=name):
+                return self._attribute(self.expression(of), name, node)
             case ast.Call():
                 return self._call(node)
         raise self.fail(node, "this is not compiled")
+
+    def _attribute(self, of: Value, name: str, node: ast.expr) -> Value:
+        """Return an array's shape, or what a context holds under a name."""
+        if of.kind.name == "a" and name == "shape":
+            return Value(Kind("t", (INTEGER,) * of.kind.axes), of.parts[1:])
+        if name not in of.kind.names:
+            raise self.fail(node, f"{of.kind} has no {name}")
+        return self.of_context(of, of.kind.names.index(name))
 
     def truth(self, node: ast.expr) -> Value:
         value = self.expression(node)
@@ -129,7 +136,7 @@ class Expressions(Operations):
             k = self.expression(index).known
             if not isinstance(k, int):
                 raise self.fail(node, "a tuple's index must be a number of the text")
-            return self.of_context(of)[k] if of.kind.name == "c" else of.items()[k]
+            return self.of_context(of, k) if of.kind.name == "c" else of.items()[k]
         if isinstance(index, ast.Slice):
             return self._slice(of, index, node)
         if self.count_of(index) < of.kind.axes:

@@ -16,6 +16,7 @@ class Kind:
     name: str
     of: tuple[Kind, ...] = ()
     axes: int = 0
+    names: tuple[str, ...] = ()  # of what a context holds, where it has names
 
     def __str__(self) -> str:
         inside = "".join(str(each) for each in self.of)

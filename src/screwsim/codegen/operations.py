@@ -107,17 +107,21 @@ class Operations:
             raise self.fail(node, f"{value.kind} is no whole number")
         return self.as_kind(value, INTEGER)
 
-    def of_context(self, value: Value) -> list[Value]:
-        """Return what a tuple of the caller's holds: read from memory that does not change."""
-        found, at = [], 0
-        for kind in value.kind.of:
-            parts = []
-            for part in kind.parts:
-                place = self.new(f"getelementptr inbounds i64, ptr {value.parts[0]}, i64 {at}")
-                parts.append(self.new(f"load {part}, ptr {place}, !invariant.load !0"))
-                at += 1
-            found.append(Value(kind, tuple(parts)))
-        return found
+    def items(self, value: Value) -> list[Value]:
+        """Return what a tuple holds."""
+        if value.kind.name == "c":
+            return [self.of_context(value, k) for k in range(len(value.kind.of))]
+        return value.items()
+
+    def of_context(self, value: Value, k: int) -> Value:
+        """Return one thing that a context holds: read from memory that does not change."""
+        kind = value.kind.of[k]
+        first = sum(len(each.parts) for each in value.kind.of[:k])
+        parts = []
+        for at, part in enumerate(kind.parts, first):
+            place = self.new(f"getelementptr inbounds i64, ptr {value.parts[0]}, i64 {at}")
+            parts.append(self.new(f"load {part}, ptr {place}, !invariant.load !0"))
+        return Value(kind, tuple(parts))
 
     # ---- operators -------------------------------------------------------------------------------------------------
 

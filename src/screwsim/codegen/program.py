@@ -23,15 +23,14 @@ class Program:
 
     functions: dict[str, ast.FunctionDef] = field(default_factory=dict)
     constants: dict[str, Any] = field(default_factory=dict)
-    _names: dict[str, tuple[set[str], set[str]]] = field(default_factory=dict)
+    _assigned: dict[str, set[str]] = field(default_factory=dict)
 
-    def names_in(self, function: str) -> tuple[set[str], set[str]]:
-        """Return the names that a function gives values, and those that it asks for."""
-        if function not in self._names:
-            found = [each for each in ast.walk(self.functions[function]) if isinstance(each, ast.Name)]
-            given = {each.id for each in found if isinstance(each.ctx, ast.Store)}
-            self._names[function] = given, {each.id for each in found if isinstance(each.ctx, ast.Load)}
-        return self._names[function]
+    def assigned_in(self, function: str) -> set[str]:
+        """Return the names that a function gives values."""
+        if function not in self._assigned:
+            found = (each for each in ast.walk(self.functions[function]) if isinstance(each, ast.Name))
+            self._assigned[function] = {each.id for each in found if isinstance(each.ctx, ast.Store)}
+        return self._assigned[function]
 
 
 def read(text: str) -> Program:

@@ -3,9 +3,7 @@
 Source: docs/model.md M1–M13. What the neighbours do is read from histories: those ahead from the last turn, those
 behind from the turn being integrated, which has passed their angle already.
 
-A context is the tuple (P, TAB, R, t_old, d_old, t_new, d_new, kept, hints, state, own, work): parameters, tables,
-run-time cells, two histories, their numbers of steps (kept[0] new, kept[1] old), search hints, and working arrays;
-own[PLACE] is the phase that the gas is held in during a step (`slots.FREE`: none).
+A context is a `contexts.ChamberContext`.
 """
 
 from __future__ import annotations
@@ -68,7 +66,8 @@ SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge
 @kernel
 def surroundings(phi, middle, context, E):
     """Fill E for a chamber at phi: own angle terms, areas of all gaps on both sides, places of the neighbours."""
-    P, TAB, R, t_old, d_old, t_new, d_new, kept, hints, state, _own, _work = context
+    P, TAB, R, kept, hints, state = context.P, context.TAB, context.R, context.kept, context.hints, context.state
+    t_old, d_old, t_new, d_new = context.t_old, context.d_old, context.t_new, context.d_new
     angle_terms(phi, middle, P, TAB, E, 0)
     areas = E_AREAS + N_PLENUM
     sides = areas + 2 * N_GAPS
@@ -110,7 +109,7 @@ def surroundings(phi, middle, context, E):
 @kernel
 def rates(y, E, context, f, g):
     """Fill f = dy/dφ and the quadrature rates g of one chamber."""
-    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, work = context
+    P, TAB, R, own, work = context.P, context.TAB, context.R, context.own, context.work
     width = WIDTH
     fill_place(own[PLACE], y, 0, P, TAB, own, 0)
     for i in range(CATEGORIES * width):
@@ -175,7 +174,7 @@ def rates(y, E, context, f, g):
 @kernel
 def path_flows(y, E, context, out):
     """Fill `out` with the mass flow [kg/s] into the chamber: plenum paths, then each gap ahead and behind."""
-    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, TAB, R, own = context.P, context.TAB, context.R, context.own
     fill_place(FREE, y, 0, P, TAB, own, 0)
     for i in range(N_PLENUM):
         out[i] = 0.0
@@ -200,7 +199,7 @@ def path_flows(y, E, context, out):
 @kernel
 def film_flows(y, E, context, out):
     """Fill `out` with the oil [kg/s] that flows into the chamber as films: each gap ahead and behind (M252)."""
-    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, TAB, own = context.P, context.TAB, context.own
     fill_place(FREE, y, 0, P, TAB, own, 0)
     areas = E_AREAS + N_PLENUM
     for i in range(2 * N_GAPS):

@@ -43,6 +43,8 @@ from screwsim.model.slots import (
     Q_WORK,
     R_DISCHARGE,
     RESISTED,
+    S_RHO,
+    S_T,
     STOPS,
     VOLUMED,
     WALLS,
@@ -73,7 +75,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     E_next is E at φ + delta. The square-root behaviour of a flow near equal pressures never enters a difference: a
     step of 1e-6 in the angle alone would change p by more than a wide port's Δp.
     """
-    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, state, own, work = context
+    P, TAB, R, state, own, work = context.P, context.TAB, context.R, context.state, context.own, context.work
     width = WIDTH
     per_delta = 1.0 / delta
     n_sums = CATEGORIES * width
@@ -82,7 +84,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     other = ds + (N + 1) * n_sums + N + 2
     if WALLS > 0:
         other += 2 * WALLS
-    own[PLACE] = gas_phase(y[0], y[1])
+    own[PLACE] = gas_phase(y[S_T], y[S_RHO])
     fill_place(own[PLACE], y, 0, P, TAB, own, 0)
     place_derivatives(own[PLACE], y, 0, P, TAB, own, 0, state, work[d:])
     d_phi = d + N * PLACE

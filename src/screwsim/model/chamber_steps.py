@@ -34,6 +34,9 @@ from screwsim.model.slots import (
     R_PRESSURE,
     R_RATIO,
     R_TRAPPED,
+    S_RHO,
+    S_T_OIL,
+    S_X_OIL,
     STOPS,
     SUCTION_IN,
     TPT,
@@ -52,10 +55,10 @@ from screwsim.numerics.kernel import kernel
 @kernel
 def inject(y, at, P, TAB, R):
     """Let the oil in at the injection angle, and note what is there: trapped mass, pressure, oil (M9, M30)."""
-    m = y[at + 1] * volume_at(P[P_INJECTION], P, TAB)
+    m = y[at + S_RHO] * volume_at(P[P_INJECTION], P, TAB)
     if VOLUMED == 1:
-        m = gas_mass(volume_at(P[P_INJECTION], P, TAB), y[at + 1], y[at + 3], P)
-    p, _h, _c, _t, _a, _x, _f = gas_state(y[at], y[at + 1], P, TAB)
+        m = gas_mass(volume_at(P[P_INJECTION], P, TAB), y[at + S_RHO], y[at + S_X_OIL], P)
+    p, _h, _c, _t, _a, _x, _f = gas_state(y[at], y[at + S_RHO], P, TAB)
     R[R_TRAPPED] = m
     R[R_PRESSURE] = p
     if OILED == 0:
@@ -63,41 +66,41 @@ def inject(y, at, P, TAB, R):
     if PUMPED == 1:
         P[P_TRAPPED] = m
     if PORTED == 1:
-        R[R_RATIO] = y[at + 3]
-        R[R_OIL_BEFORE] = y[at + 3] * m
+        R[R_RATIO] = y[at + S_X_OIL]
+        R[R_OIL_BEFORE] = y[at + S_X_OIL] * m
         return
     offered = injected_oil(p, m, P)
-    before = y[at + 3] * m if CARRIED == 1 else 0.0
+    before = y[at + S_X_OIL] * m if CARRIED == 1 else 0.0
     R[R_OIL_BEFORE] = before
     R[R_INJECTED] = max(0.0, offered - before) if P[P_TO_RATIO] > 0.0 else offered
     R[R_RATIO] = (before + R[R_INJECTED]) / m
     if VOLUMED == 1:
         displaced(y, at, m, volume_at(P[P_INJECTION], P, TAB), before, R[R_INJECTED], P, TAB, R)
-        y[at + 3] = (before + R[R_INJECTED]) / m
+        y[at + S_X_OIL] = (before + R[R_INJECTED]) / m
         return
     if CARRIED == 1:
         total = before + R[R_INJECTED]
         if total > 0.0:
-            y[at + 2] = (before * y[at + 2] + R[R_INJECTED] * P[P_T_OIL]) / total
-        y[at + 3] = total / m
+            y[at + S_T_OIL] = (before * y[at + S_T_OIL] + R[R_INJECTED] * P[P_T_OIL]) / total
+        y[at + S_X_OIL] = total / m
     elif HEATED == 1:
-        y[at + 2] = P[P_T_OIL]
+        y[at + S_T_OIL] = P[P_T_OIL]
 
 
 @kernel
 def at_knot(phi, y, context):
     """Apply the jump at a knot of the chamber's life: oil is injected at its angle."""
-    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
+    P, TAB, R, own = context.P, context.TAB, context.R, context.own
     if abs(phi - P[P_INJECTION]) < 1e-9:
         inject(y, 0, P, TAB, R)
     if STOPS > 0 and phi == 0.0:
-        begin(y, _own, R, P, TAB)
+        begin(y, own, R, P, TAB)
 
 
 @kernel
 def error_size(y0, y1, error, context):
     """Return the size of a step's error; the place of the last stage is that of y1 all but for the error itself."""
-    P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, own = context.P, context.own
     if VOLUMED == 1 and locked(y1, 0, P):
         return IMPOSSIBLE
     return relative_error(y0, y1, error, 0, own, 0)
@@ -106,13 +109,13 @@ def error_size(y0, y1, error, context):
 @kernel
 def share_in_phase(y, y1, u, rtol, context):
     """Return the share of a step after which the gas leaves its phase (`places.share_before_border`)."""
-    _P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, TAB, R, own = context.P, context.TAB, context.R, context.own
     if OPENED == 1:
-        switched = share_before_switch(y, y1, u, _R, _P, _TAB, own)
+        switched = share_before_switch(y, y1, u, R, P, TAB, own)
         if switched < 1.0:
             return switched
     if STOPS > 0:
-        share = share_before_event(y, y1, u, rtol, own, _R, _P, _TAB)
+        share = share_before_event(y, y1, u, rtol, own, R, P, TAB)
         if share < 1.0:
             return share
     return share_before_border(own[PLACE], y, y1, u, 0, own[TPT] / own[PRESSURE], rtol)
@@ -125,7 +128,7 @@ def conserve(y, y1, E, E_next, context, dq):
     A wide port holds p to the plenum's by a tiny Δp, whose quadrature carries the error of the whole state; the change
     of ρV over the step does not. Where no port is open the flows are smooth, and it is ρV that follows them.
     """
-    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, TAB, R, own = context.P, context.TAB, context.R, context.own
     width = WIDTH
     widest = 0.0
     port = 0
@@ -143,17 +146,17 @@ def conserve(y, y1, E, E_next, context, dq):
             port = PLENUM[i]
     if STOPS > 0:
         put_within(y1, own)
-    defect = y1[1] * E_next[E_VOLUME] - y[1] * E[E_VOLUME]
+    defect = y1[S_RHO] * E_next[E_VOLUME] - y[S_RHO] * E[E_VOLUME]
     if VOLUMED == 1:
-        defect = gas_mass(E_next[E_VOLUME], y1[1], y1[3], P) - gas_mass(E[E_VOLUME], y[1], y[3], P)
+        defect = gas_mass(E_next[E_VOLUME], y1[S_RHO], y1[S_X_OIL], P) - gas_mass(E[E_VOLUME], y[S_RHO], y[S_X_OIL], P)
     for c in range(CATEGORIES):
         defect -= dq[Q_STREAMS + c * width]
     if widest == 0.0:
         if VOLUMED == 0:
-            y1[1] -= defect / E_next[E_VOLUME]
+            y1[S_RHO] -= defect / E_next[E_VOLUME]
         else:
-            m = gas_mass(E_next[E_VOLUME], y1[1], y1[3], P) - defect
-            y1[1] = density_of(m, E_next[E_VOLUME], y1[3], P)
+            m = gas_mass(E_next[E_VOLUME], y1[S_RHO], y1[S_X_OIL], P) - defect
+            y1[S_RHO] = density_of(m, E_next[E_VOLUME], y1[S_X_OIL], P)
         return
     at = Q_STREAMS + (SUCTION_IN + 2 * port) * width
     if dq[at] + dq[at + width] >= 0.0:
@@ -166,5 +169,5 @@ def conserve(y, y1, E, E_next, context, dq):
 @kernel
 def jump(y, rtol, context):
     """Let states jump between two steps where that is due; return whether the integration may go on."""
-    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, TAB, R, own = context.P, context.TAB, context.R, context.own
     return take_event(y, rtol, own, R, P, TAB)

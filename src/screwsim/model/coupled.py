@@ -3,9 +3,7 @@
 Source: docs/model.md M1–M13, M24. Chamber j stands at s + j pitch; the states are y[j N + i]. The flows between
 chambers cancel exactly in the sum. The same kernels serve the Rosenbrock method and scipy's integrators.
 
-A context is the tuple (P, TAB, R, places, changed, work): parameters, tables, run-time cells, one place a chamber and a
-spare one, then the phase in which each chamber's gas is held during a step (`slots.FREE`: in none); a spare state, and
-working memory for sums and derivatives.
+A context is a `contexts.CoupledContext`.
 
 Where effects open chambers beyond the injection angle to suction, or others to discharge, what enters the chambers
 before that angle from those beyond it is counted with what the lines' sums take for the other side's (`sideways`).
@@ -65,7 +63,7 @@ from screwsim.numerics.kernel import kernel
 @kernel
 def all_surroundings(s, middle, context, E):
     """Fill E for all chambers, the first at angle s: angle terms and, for the trailing side, areas of the gaps."""
-    P, TAB, _R, _places, _changed, _work = context
+    P, TAB, R = context.P, context.TAB, context.R
     size = E_AREAS + N_PLENUM + N_GAPS
     for j in range(CHAMBERS):
         phi = s + j * P[P_PITCH]
@@ -73,7 +71,7 @@ def all_surroundings(s, middle, context, E):
         for i in range(N_GAPS):
             E[j * size + E_AREAS + N_PLENUM + i] = gap_area(i, phi, P, TAB)
     if PULSATING == 1:
-        fill_lines(s, P, _R, E, ALL_LINES)
+        fill_lines(s, P, R, E, ALL_LINES)
 
 
 @kernel
@@ -82,7 +80,7 @@ def all_rates(y, E, context, f, g):
 
     The last of g is the gas that enters the chambers before the injection angle from those beyond it.
     """
-    P, TAB, R, places, _changed, work = context
+    P, TAB, R, places, work = context.P, context.TAB, context.R, context.places, context.work
     size = E_AREAS + N_PLENUM + N_GAPS
     width = WIDTH
     n_sums = CATEGORIES * width

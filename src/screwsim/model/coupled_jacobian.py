@@ -40,6 +40,7 @@ from screwsim.model.slots import (
     Q_WORK,
     R_DISCHARGE,
     RESISTED,
+    S_RHO,
     WALLS,
     WIDTH,
     N,
@@ -52,7 +53,7 @@ from screwsim.numerics.kernel import kernel
 @kernel
 def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     """Fill f, g and their derivatives by y and φ, for all chambers and interfaces (as `chamber_jacobian`)."""
-    P, TAB, R, places, changed, work = context
+    P, TAB, R, places, changed, work = context.P, context.TAB, context.R, context.places, context.changed, context.work
     size = E_AREAS + N_PLENUM + N_GAPS
     width = WIDTH
     n_sums = CATEGORIES * width
@@ -66,7 +67,7 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     for i in range(ds, spare):
         work[i] = 0.0
     for j in range(CHAMBERS):
-        places[phases + j] = gas_phase(y[j * N], y[j * N + 1])
+        places[phases + j] = gas_phase(y[j * N], y[j * N + S_RHO])
         fill_place(places[phases + j], y, j * N, P, TAB, places, j * PLACE)
         place_derivatives(places[phases + j], y, j * N, P, TAB, places, j * PLACE, changed, work[d + j * N * PLACE :])
         row = d + (n_all + j) * PLACE
@@ -124,7 +125,7 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
 @kernel
 def angle_columns(y, E_next, delta, context, ds, f, g, f_phi, g_phi):
     """Fill ∂f/∂φ and ∂g/∂φ of all chambers, from the surroundings at φ + delta; the sums are used up."""
-    P, _TAB, R, places, _changed, work = context
+    P, R, places, work = context.P, context.R, context.places, context.work
     width = WIDTH
     n_sums = CATEGORIES * width
     n_cols = CHAMBERS * N + 1
@@ -141,7 +142,7 @@ def angle_columns(y, E_next, delta, context, ds, f, g, f_phi, g_phi):
 @kernel
 def column(y, E, c, k, context, d, ds, spare, f, g, J, Jq):
     """Fill the column of state k of chamber c: its own first law differenced, the others' linear in their streams."""
-    P, _TAB, R, places, changed, work = context
+    P, R, places, changed, work = context.P, context.R, context.places, context.changed, context.work
     size = E_AREAS + N_PLENUM + N_GAPS
     width = WIDTH
     n_sums = CATEGORIES * width

@@ -23,6 +23,8 @@ from screwsim.model.slots import (
     PRESSURE,
     Q_STREAMS,
     R_DISCHARGE,
+    S_RHO,
+    S_X_OIL,
     SUCTION_IN,
     TPT,
     VOLUMED,
@@ -41,7 +43,7 @@ def no_knot(phi, y, context):
 @kernel
 def all_error_size(y0, y1, error, context):
     """Return the size of a step's error, the largest of all chambers."""
-    P, _TAB, _R, places, _changed, _work = context
+    P, places = context.P, context.places
     worst = 0.0
     if VOLUMED == 1:
         for j in range(CHAMBERS):
@@ -55,7 +57,7 @@ def all_error_size(y0, y1, error, context):
 @kernel
 def all_share_in_phase(y, y1, u, rtol, context):
     """Return the share of a step after which the first chamber leaves its phase (`places.share_before_border`)."""
-    _P, _TAB, _R, places, _changed, _work = context
+    places = context.places
     share = 1.0
     for j in range(CHAMBERS):
         held = places[(CHAMBERS + 1) * PLACE + j]
@@ -70,7 +72,7 @@ def all_conserve(y, y1, E, E_next, context, dq):
 
     Chambers before the injection angle are the suction side, the others the discharge side.
     """
-    P, TAB, R, places, _changed, _work = context
+    P, TAB, R, places = context.P, context.TAB, context.R, context.places
     size = E_AREAS + N_PLENUM + N_GAPS
     width = WIDTH
     crossing = dq[Q_STREAMS + CATEGORIES * width]
@@ -88,10 +90,10 @@ def all_conserve(y, y1, E, E_next, context, dq):
             if side_of(j, P) == side:
                 e = j * size
                 if VOLUMED == 0:
-                    defect += y1[j * N + 1] * E_next[e + E_VOLUME] - y[j * N + 1] * E[e + E_VOLUME]
+                    defect += y1[j * N + S_RHO] * E_next[e + E_VOLUME] - y[j * N + S_RHO] * E[e + E_VOLUME]
                 else:
-                    defect += gas_mass(E_next[e + E_VOLUME], y1[j * N + 1], y1[j * N + 3], P)
-                    defect -= gas_mass(E[e + E_VOLUME], y[j * N + 1], y[j * N + 3], P)
+                    defect += gas_mass(E_next[e + E_VOLUME], y1[j * N + S_RHO], y1[j * N + S_X_OIL], P)
+                    defect -= gas_mass(E[e + E_VOLUME], y[j * N + S_RHO], y[j * N + S_X_OIL], P)
                 for i in range(N_PLENUM):
                     area = E[e + E_AREAS + i] + E_next[e + E_AREAS + i]
                     if PLENUM[i] == side and area > widest:

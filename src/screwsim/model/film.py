@@ -94,7 +94,7 @@ def film_beside(i, area, darea, own, source, b, P, work, d, other, n_sums):
 @kernel
 def film_between(i, area, darea, j, ahead, context, d, ds):
     """Add gap i's film between chambers j and `ahead`, and its derivatives, to the sums of both."""
-    P, _TAB, _R, places, _changed, work = context
+    P, places, work = context.P, context.places, context.work
     n_sums = CATEGORIES * WIDTH
     n_cols = CHAMBERS * N + 1
     at = BETWEEN * WIDTH
@@ -129,7 +129,7 @@ def film_beyond(i, area, darea, j, line, line_next, b, delta, context, d, ds):
 
     The line's place stands at line[b]; at the angle `delta` further on it is line_next[b].
     """
-    P, _TAB, _R, places, _changed, work = context
+    P, places, work = context.P, context.places, context.work
     n_sums = CATEGORIES * WIDTH
     n_cols = CHAMBERS * N + 1
     own = j * PLACE

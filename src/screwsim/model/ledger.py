@@ -53,6 +53,10 @@ from screwsim.model.slots import (
     PULSATING,
     R_DISCHARGE,
     R_RATIO,
+    S_RHO,
+    S_T,
+    S_T_OIL,
+    S_X_OIL,
     VOLUMED,
     WALLS,
     N,
@@ -107,7 +111,7 @@ def oil_arriving(m, T_i, T):
 @kernel
 def neighbours_entropy(phi, context, flows, E, s_discharge, entropies):
     """Fill the specific entropy of each neighbour that gas comes from, where `surroundings` found it."""
-    P, TAB, _R, times, dense, _t_new, _d_new, _kept, hints, _state, _own, _work = context
+    P, TAB, times, dense, hints = context.P, context.TAB, context.t_old, context.d_old, context.hints
     for side in range(2 * N_OFFSETS):
         coming = False
         for i in range(N_GAPS):
@@ -159,10 +163,10 @@ def add_flashed(phi, own, y, P, TAB, R, dt, oil):
     gas, enthalpy, heat = flash_terms(inflow, own[PRESSURE], P, TAB)
     oil[FLASH_MASS] += dt * gas
     if gas > 0.0:
-        s = gas_entropy(y[0], y[1], P, TAB)
+        s = gas_entropy(y[S_T], y[S_RHO], P, TAB)
         entropy = R[(FLASH // 2) * PLACE + PLENUM_ENTROPY]
-        oil[FLASH_GENERATED] += dt * arriving(gas, enthalpy / gas, entropy, own[ENTHALPY], s, y[0])
-        oil[FLASH_GENERATED] += dt * heat * P[P_C_OIL] * (1.0 / P[P_T_OIL] - 1.0 / y[2])
+        oil[FLASH_GENERATED] += dt * arriving(gas, enthalpy / gas, entropy, own[ENTHALPY], s, y[S_T])
+        oil[FLASH_GENERATED] += dt * heat * P[P_C_OIL] * (1.0 / P[P_T_OIL] - 1.0 / y[S_T_OIL])
 
 
 @kernel
@@ -181,7 +185,7 @@ def add_released(phi, own, y, E, P, TAB, dt, oil):
     s, _total = solution_entropy(y[HELD], P, TAB)
     oil[FLASH_MASS] += dt * gas
     oil[RELEASED] += dt * heat * P[P_C_OIL]
-    oil[FLASH_GENERATED] += dt * (gas * (gas_entropy(y[0], y[1], P, TAB) - s) - heat * P[P_C_OIL] / y[2])
+    oil[FLASH_GENERATED] += dt * (gas * (gas_entropy(y[S_T], y[S_RHO], P, TAB) - s) - heat * P[P_C_OIL] / y[S_T_OIL])
     oil[FLASH_GENERATED] += dt * held_arriving(inflow, held_gas(1.0, P), y[HELD], P, TAB)
 
 
@@ -232,15 +236,15 @@ def add_film_moment(sums, q, source, b, own, y, dt, P, TAB):
     """Add what a film of oil q [kg/s] generates in the chamber, or what it takes to the line beyond it (M254)."""
     if q > 0.0:
         if VOLUMED == 0:
-            sums[GENERATED] += dt * P[P_C_OIL] * oil_arriving(q, source[b + OIL_TEMPERATURE], y[2])
+            sums[GENERATED] += dt * P[P_C_OIL] * oil_arriving(q, source[b + OIL_TEMPERATURE], y[S_T_OIL])
         else:
-            sums[GENERATED] += dt * P[P_C_OIL] * pressed_oil_arriving(q, source, b, own, y[2])
+            sums[GENERATED] += dt * P[P_C_OIL] * pressed_oil_arriving(q, source, b, own, y[S_T_OIL])
         if DISSOLVES == 1:
             sums[GENERATED] += dt * held_arriving(q, source[b + DISSOLVED], y[HELD], P, TAB)
-    elif q < 0.0 and source[b + PLACE] > 0.0 and y[2] > 0.0:
+    elif q < 0.0 and source[b + PLACE] > 0.0 and y[S_T_OIL] > 0.0:
         sums[OUT_OIL] -= dt * q
         sums[OUT_OIL_T] -= dt * q * own[OIL_TEMPERATURE]
-        sums[OUT_OIL_LOG] -= dt * q * math.log(y[2])
+        sums[OUT_OIL_LOG] -= dt * q * math.log(y[S_T_OIL])
         if DISSOLVES == 1:
             _s, total = solution_entropy(y[HELD], P, TAB)
             sums[OUT_HELD] -= dt * q * y[HELD]
@@ -264,13 +268,13 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
     `paths` has a row for each path (plenum paths, then gaps, both sides of a gap together), `heats` one for each heat
     rate. An outflow generates nothing in its donor: streams between chambers count where they arrive.
     """
-    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
-    T = y[0]
-    s = gas_entropy(T, y[1], P, TAB)
-    T_oil = y[2] if HEATED == 1 else 1.0
+    P, TAB, R, own = context.P, context.TAB, context.R, context.own
+    T = y[S_T]
+    s = gas_entropy(T, y[S_RHO], P, TAB)
+    T_oil = y[S_T_OIL] if HEATED == 1 else 1.0
     leaving = 0.0  # oil per gas that leaves to the discharge line
     if CARRIED == 1:
-        leaving = y[3]
+        leaving = y[S_X_OIL]
     elif HEATED == 1:
         leaving = E[E_OILED] * R[R_RATIO]
     discharged = 0.0
@@ -306,13 +310,13 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
             q = film_flow(i // 2, E[E_AREAS + N_PLENUM + i], own, 0, E, b, P)
             add_film_moment(paths[N_PLENUM + i // 2], q, E, b, own, y, dt, P, TAB)
     if HEATED == 1:
-        m_gas = y[1] * E[E_VOLUME]
+        m_gas = y[S_RHO] * E[E_VOLUME]
         if VOLUMED == 1:
-            m_gas = gas_mass(E[E_VOLUME], y[1], y[3], P)
+            m_gas = gas_mass(E[E_VOLUME], y[S_RHO], y[S_X_OIL], P)
         m_oil = m_gas * leaving
         for i in range(N_HEATS):
             heat, lost = heat_part(
-                i, T, m_gas, own[PRESSURE], y[1], E[E_VOLUME], E[E_ANGLE], T_oil, m_oil, R[R_RATIO], P
+                i, T, m_gas, own[PRESSURE], y[S_RHO], E[E_VOLUME], E[E_ANGLE], T_oil, m_oil, R[R_RATIO], P
             )
             heats[i, HEAT] += dt * heat
             heats[i, HEAT_GENERATED] += dt * heat * (1.0 / T - 1.0 / T_oil)
@@ -324,10 +328,10 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
             oil[MADE_T] += made * T_oil
             oil[MADE_LOG] += made * math.log(T_oil)
     if WALLS > 0:
-        m_inside = y[1] * E[E_VOLUME]
+        m_inside = y[S_RHO] * E[E_VOLUME]
         if VOLUMED == 1:
-            m_inside = gas_mass(E[E_VOLUME], y[1], y[3], P)
-        add_walls(T, m_inside, E[E_VOLUME], E[E_ANGLE], y[1], own[PRESSURE], dt, P, heats)
+            m_inside = gas_mass(E[E_VOLUME], y[S_RHO], y[S_X_OIL], P)
+        add_walls(T, m_inside, E[E_VOLUME], E[E_ANGLE], y[S_RHO], own[PRESSURE], dt, P, heats)
 
 
 @kernel
@@ -336,7 +340,7 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
 
     The history must be that of the context's last turn; `s_…` are the specific entropies of the lines' gas.
     """
-    P, _TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, R, own = context.P, context.R, context.own
     E = np.empty(n_e)
     y = np.empty(N)
     flows = np.empty(N_PLENUM + 2 * N_GAPS)
@@ -354,8 +358,8 @@ def account(times, dense, steps, context, n_e, s_suction, s_discharge, paths, he
             dt = WEIGHTS[k] * h / P[P_OMEGA]
             add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharge, dt, paths, heats, oil)
             if PORTED == 1:
-                add_port_oil(phi, own, y[2], P, context[1], dt, oil)
+                add_port_oil(phi, own, y[S_T_OIL], P, context.TAB, dt, oil)
             if FLASHED == 1:
-                add_flashed(phi, own, y, P, context[1], R, dt, oil)
+                add_flashed(phi, own, y, P, context.TAB, R, dt, oil)
             if DISSOLVES == 1:
-                add_released(phi, own, y, E, P, context[1], dt, oil)
+                add_released(phi, own, y, E, P, context.TAB, dt, oil)

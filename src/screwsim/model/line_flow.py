@@ -23,6 +23,8 @@ from screwsim.model.slots import (
     P_OMEGA,
     P_PITCH,
     PLENUM,
+    S_RHO,
+    S_X_OIL,
     VOLUMED,
     N,
     plenum_area,
@@ -52,9 +54,9 @@ def mass_slope(theta, step, times, dense, E, y, P):
     h = times[step + 1] - times[step]
     rise = dense_slope(theta, dense[step, 0, 1], dense[step, 1, 1], dense[step, 2, 1], dense[step, 3, 1]) / h
     if VOLUMED == 0:
-        return E[E_VOLUME] * rise + E[E_SLOPE] * y[1]
+        return E[E_VOLUME] * rise + E[E_SLOPE] * y[S_RHO]
     x_rise = dense_slope(theta, dense[step, 0, 3], dense[step, 1, 3], dense[step, 2, 3], dense[step, 3, 3]) / h
-    return gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[1], rise, y[3], x_rise, P)
+    return gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[S_RHO], rise, y[S_X_OIL], x_rise, P)
 
 
 @kernel
@@ -83,7 +85,7 @@ def into_lines(times, dense, steps, context, n_e, into, volume):
 
     Lines are 0 suction, 1 discharge; both arrays are zero before.
     """
-    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, own, _work = context
+    P, TAB, own = context.P, context.TAB, context.own
     E = np.empty(n_e)
     y = np.empty(N)
     flows = np.empty(N_PLENUM + 2 * N_GAPS)

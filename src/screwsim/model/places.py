@@ -35,6 +35,9 @@ from screwsim.model.slots import (
     POSITIVE,
     PRESSURE,
     R_SUCTION,
+    S_RHO,
+    S_T_OIL,
+    S_X_OIL,
     TPT,
     VARIES,
     VOLUMED,
@@ -65,7 +68,7 @@ LEAST = 1e-6  # exponent and choking of a neighbour: a cubic across a border of 
 def fill_place(held, y, at, P, TAB, place, row):
     """Fill row `row` of `place` for a chamber whose state begins at y[at]; in the phase that is held, or its own."""
     T = y[at]
-    rho = y[at + 1]
+    rho = y[at + S_RHO]
     phase = 0
     if PHASES == 1:
         phase = gas_phase(T, rho) if held == FREE else int(held)
@@ -79,9 +82,9 @@ def fill_place(held, y, at, P, TAB, place, row):
     place[row + C_V] = c_v
     place[row + TPT] = tpt
     if HEATED == 1:
-        place[row + OIL_TEMPERATURE] = y[at + 2]
+        place[row + OIL_TEMPERATURE] = y[at + S_T_OIL]
     if CARRIED == 1:
-        place[row + OIL_RATIO] = y[at + 3]
+        place[row + OIL_RATIO] = y[at + S_X_OIL]
     if DISSOLVES == 1:
         place[row + DISSOLVED] = y[at + HELD]
     if VOLUMED == 1:
@@ -106,14 +109,14 @@ def neighbour(phi, middle, times, dense, steps, hints, side, R, columns, E, at):
     hints[side] = i
     read(phi, times, dense, i, columns)
     E[at + PRESSURE] = columns[N]
-    E[at + DENSITY] = columns[1]
-    E[at + ENTHALPY] = columns[N + 1]
+    E[at + DENSITY] = columns[S_RHO]
+    E[at + ENTHALPY] = columns[N + S_RHO]
     for k in range(3):  # exponent, choking: constants of an ideal gas, the same everywhere
         E[at + EXPONENT + k] = max(LEAST, columns[N + 2 + k]) if VARIES == 1 else R[R_SUCTION + EXPONENT + k]
     if HEATED == 1:
-        E[at + OIL_TEMPERATURE] = columns[2]
+        E[at + OIL_TEMPERATURE] = columns[S_T_OIL]
     if CARRIED == 1:
-        E[at + OIL_RATIO] = max(0.0, columns[3])  # a cubic between two steps may dip below none by its error
+        E[at + OIL_RATIO] = max(0.0, columns[S_X_OIL])  # a cubic between two steps may dip below none by its error
     if DISSOLVES == 1:
         E[at + DISSOLVED] = columns[HELD]
     E[at + PLACE] = 0.0
@@ -161,7 +164,7 @@ def keep_places(step, dense, context):
     Cubics through the values at 0, 1/3, 2/3 and 1 of the step: neighbours read them instead of asking the equation of
     state again and again.
     """
-    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, TAB, own = context.P, context.TAB, context.own
     places_of_step(step, dense, P, TAB, own)
 
 
@@ -192,18 +195,21 @@ def relative_error(y0, y1, error, at, place, row):
         if i == 0:
             e *= max(1.0, place[row + TPT] / place[row + PRESSURE])
         if CARRIED == 1 and i == 2:
-            e *= min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL)
+            e *= min(1.0, max(abs(y0[at + S_X_OIL]), abs(y1[at + S_X_OIL])) / SOME_OIL)
         if DISSOLVES == 1 and i == HELD:
-            e = max(e * min(1.0, max(abs(y0[at + 3]), abs(y1[at + 3])) / SOME_OIL), abs(error[at + i] * y1[at + 3]))
+            e = max(
+                e * min(1.0, max(abs(y0[at + S_X_OIL]), abs(y1[at + S_X_OIL])) / SOME_OIL),
+                abs(error[at + i] * y1[at + S_X_OIL]),
+            )
         if not (e <= worst):
             worst = e
         if e != e:
             return IMPOSSIBLE
-    if not (y1[at] > 0.0 and y1[at + 1] > 0.0):
+    if not (y1[at] > 0.0 and y1[at + S_RHO] > 0.0):
         return IMPOSSIBLE
-    if HEATED == 1 and not (y1[at + 2] > 0.0):
+    if HEATED == 1 and not (y1[at + S_T_OIL] > 0.0):
         return IMPOSSIBLE
-    if CARRIED == 1 and not (y1[at + 3] > -NO_OIL):
+    if CARRIED == 1 and not (y1[at + S_X_OIL] > -NO_OIL):
         return IMPOSSIBLE
     if OWN_STATES > 0:
         for i in range(OWN_STATES):
@@ -219,7 +225,7 @@ def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol):
     The state's derivatives jump there, so a step must end there. Beyond it, within the tolerance, the phase's own
     equation goes on smoothly.
     """
-    if PHASES == 0 or gas_phase(y1[at], y1[at + 1]) == int(held):
+    if PHASES == 0 or gas_phase(y1[at], y1[at + S_RHO]) == int(held):
         return 1.0
     T3, T4 = dense_coefficients(u, at)
     rho3, rho4 = dense_coefficients(u, at + 1)
@@ -228,14 +234,14 @@ def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol):
     while high - low > 1e-9:
         middle = 0.5 * (low + high)
         T = dense_value(middle, y0[at], y1[at], T3, T4)
-        rho = dense_value(middle, y0[at + 1], y1[at + 1], rho3, rho4)
+        rho = dense_value(middle, y0[at + S_RHO], y1[at + S_RHO], rho3, rho4)
         if gas_phase(T, rho) == int(held):
             low = middle
         else:
             high = middle
     T = dense_value(high, y0[at], y1[at], T3, T4)
-    rho = dense_value(high, y0[at + 1], y1[at + 1], rho3, rho4)
-    beyond = max(abs(y1[at] - T) / T * max(1.0, tpt_over_p), abs(y1[at + 1] - rho) / rho)
+    rho = dense_value(high, y0[at + S_RHO], y1[at + S_RHO], rho3, rho4)
+    beyond = max(abs(y1[at] - T) / T * max(1.0, tpt_over_p), abs(y1[at + S_RHO] - rho) / rho)
     return 1.0 if beyond <= rtol else high + (1.0 - high) * BEYOND * rtol / beyond
 
 
@@ -245,7 +251,7 @@ def perturbation(y, at, j):
     if OWN_STATES > 0 and j >= N - OWN_STATES:
         return STEP * (abs(y[at + j]) + 1.0)
     if j == 3:
-        return STEP * (abs(y[at + 3]) + 1e-3)
+        return STEP * (abs(y[at + S_X_OIL]) + 1e-3)
     if DISSOLVES == 1 and j == HELD:
         return STEP * (abs(y[at + HELD]) + SOME_GAS)
     return STEP * abs(y[at + j])
@@ -279,7 +285,7 @@ def place_derivatives(held, y, at, P, TAB, place, row, changed, d):
         for i in range(N):
             changed[i] = y[at + i]
         delta = perturbation(y, at, 3)
-        changed[3] += delta
+        changed[S_X_OIL] += delta
         fill_place(held, changed, 0, P, TAB, d, 3 * PLACE)
         for i in range(PLACE):
             d[3 * PLACE + i] = (d[3 * PLACE + i] - place[row + i]) / delta

@@ -19,6 +19,10 @@ from screwsim.model.slots import (
     PLACE,
     PORT_OIL,
     PRESSURE,
+    S_RHO,
+    S_T,
+    S_T_OIL,
+    S_X_OIL,
     VOLUMED,
     WIDTH,
     N,
@@ -92,7 +96,7 @@ def release(T, rho, T_oil, x, w, h, V, phi, P, TAB):
 @kernel
 def released(y, phi, E, place, P, TAB):
     """Return what `release` does for one chamber at phi, whose place is filled."""
-    return release(y[0], y[1], y[2], y[3], y[HELD], place[ENTHALPY], E[E_VOLUME], phi, P, TAB)
+    return release(y[S_T], y[S_RHO], y[S_T_OIL], y[S_X_OIL], y[HELD], place[ENTHALPY], E[E_VOLUME], phi, P, TAB)
 
 
 @kernel
@@ -112,7 +116,16 @@ def add_release(y, at, E, e, oil, place, row, P, TAB, work, first):
     width = WIDTH
     V = E[e + E_VOLUME]
     gas, enthalpy, heat = release(
-        y[at], y[at + 1], y[at + 2], y[at + 3], y[at + HELD], place[row + ENTHALPY], V, E[e + E_ANGLE], P, TAB
+        y[at],
+        y[at + S_RHO],
+        y[at + S_T_OIL],
+        y[at + S_X_OIL],
+        y[at + HELD],
+        place[row + ENTHALPY],
+        V,
+        E[e + E_ANGLE],
+        P,
+        TAB,
     )
     work[first + FLASH * width] = gas
     work[first + FLASH * width + 1] = enthalpy
@@ -128,9 +141,9 @@ def release_slopes(y, at_y, E, E_next, e, delta, place, row, P, TAB, work, at, d
     """
     away = (FLASH - PORT_OIL) * WIDTH - 2
     T = y[at_y]
-    rho = y[at_y + 1]
-    T_oil = y[at_y + 2]
-    x = y[at_y + 3]
+    rho = y[at_y + S_RHO]
+    T_oil = y[at_y + S_T_OIL]
+    x = y[at_y + S_X_OIL]
     w = y[at_y + HELD]
     h = place[row + ENTHALPY]
     phi = E[e + E_ANGLE]

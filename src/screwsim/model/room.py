@@ -20,6 +20,9 @@ from screwsim.model.slots import (
     PRESSURE,
     R_LOCK,
     R_PRESSURE,
+    S_RHO,
+    S_T_OIL,
+    S_X_OIL,
     gas_phase,
     phased_state,
 )
@@ -61,7 +64,7 @@ def density_of(m, V, x, P):
 @kernel
 def locked(y, at, P):
     """Tell whether oil takes more than the share FULL of a chamber's volume."""
-    return gas_share(y[at + 1], y[at + 3], P) < 1.0 - FULL
+    return gas_share(y[at + S_RHO], y[at + S_X_OIL], P) < 1.0 - FULL
 
 
 @kernel
@@ -89,11 +92,11 @@ def displaced(y, at, m, V, before, injected, P, TAB, R):
     free = V - (before + injected) * P[P_ROOM]
     if not free > (1.0 - FULL) * V:
         R[R_LOCK] = 1.0
-        y[at + 1] = math.nan  # which no step gets past
+        y[at + S_RHO] = math.nan  # which no step gets past
         return
     R[R_LOCK] = 0.0
     T = y[at]
-    rho = y[at + 1]
+    rho = y[at + S_RHO]
     p, h, _c, _t, _a, _x, _f = phased_state(gas_phase(T, rho), T, rho, P, TAB)
     energy = h - p / rho
     step = math.log(m / (free * rho)) / PARTS
@@ -113,6 +116,6 @@ def displaced(y, at, m, V, before, injected, P, TAB, R):
     total = before + injected
     if total > 0.0:
         heat = (pressure - R[R_PRESSURE]) * volume / P[P_C_OIL]
-        y[at + 2] = (before * y[at + 2] + injected * P[P_T_OIL] + heat) / total
+        y[at + S_T_OIL] = (before * y[at + S_T_OIL] + injected * P[P_T_OIL] + heat) / total
     y[at] = T
-    y[at + 1] = rho
+    y[at + S_RHO] = rho

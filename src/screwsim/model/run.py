@@ -17,6 +17,7 @@ import numpy as np
 from screwsim.codegen.calls import Context
 from screwsim.model import compiled, ledger, under_scipy
 from screwsim.model.compose import Composition
+from screwsim.model.contexts import ChamberContext, CoupledContext
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
 from screwsim.numerics.integrators import DEFAULT, check_of
 
@@ -80,7 +81,8 @@ class Machinery:
         if key not in self._contexts:
             if len(self._contexts) >= MOST_CONTEXTS:
                 self._contexts.clear()
-            arrays = c.P, c.TAB, self.R, old[0], old[1], new[0], new[1], self.kept, self.hints, *self.spaces
+            histories = old[0], old[1], new[0], new[1]
+            arrays = ChamberContext(c.P, c.TAB, self.R, *histories, self.kept, self.hints, *self.spaces)
             self._contexts[key] = Context(arrays)
         return self._contexts[key]
 
@@ -316,10 +318,10 @@ class Machinery:
         return np.concatenate([[0.0], knots[np.diff(knots, prepend=0.0) > 1e-7]])
 
     @property
-    def coupled_context(self) -> tuple[Any, ...]:
+    def coupled_context(self) -> CoupledContext:
         """The context of all chambers."""
         c = self.composition
-        return (c.P, c.TAB, self.R, *self.coupled_space()["spaces"])
+        return CoupledContext(c.P, c.TAB, self.R, *self.coupled_space()["spaces"])
 
     def pitch(self, y: Array, rtol: float, h: float, inset: float = 0.0) -> tuple[int, float, float, Array]:
         """Integrate all chambers over one pitch from y (in place), after injecting; return as `turn`.

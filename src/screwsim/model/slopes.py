@@ -37,7 +37,7 @@ from screwsim.numerics.kernel import kernel
 @kernel
 def gap_slopes(area, darea, j, ahead, at, context, d, ds):
     """Add the flow of a gap between chambers j and `ahead`, and its derivatives, to the sums of both."""
-    P, _TAB, _R, places, _changed, work = context
+    P, places, work = context.P, context.places, context.work
     width = WIDTH
     if RESISTED == 1:
         gap = at - BEYOND
@@ -83,7 +83,7 @@ def gap_slopes(area, darea, j, ahead, at, context, d, ds):
 @kernel
 def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
     """Add the flow between chamber j and a plenum (0 suction, 1 discharge), and its derivatives, to its sums."""
-    _P, _TAB, R, places, _changed, work = context
+    P, R, places, work = context.P, context.R, context.places, context.work
     width = WIDTH
     n_sums = CATEGORIES * width
     n_cols = CHAMBERS * N + 1
@@ -96,7 +96,7 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
     d_phi = d + (CHAMBERS * N + j) * PLACE
     m, p_1, rho_1, _p, _rho = place_slopes(1.0, places, own, R, b, epsilon)
     if RESISTED == 1 and gap >= 0:  # pyright: ignore[reportPossiblyUnboundVariable]
-        m, p_1, rho_1, _p, _rho, x_1, _x = held_slopes(gap, m, p_1, rho_1, _p, _rho, places, own, R, b, _P)  # pyright: ignore[reportPossiblyUnboundVariable]
+        m, p_1, rho_1, _p, _rho, x_1, _x = held_slopes(gap, m, p_1, rho_1, _p, _rho, places, own, R, b, P)  # pyright: ignore[reportPossiblyUnboundVariable]
     at = category(to, m) * width
     by_phi = m * darea + area * (p_1 * work[d_phi + PRESSURE] + rho_1 * work[d_phi + DENSITY])
     inward = m >= 0.0
@@ -125,7 +125,7 @@ def opening_slopes(area, darea, j, to, epsilon, context, d, ds):
 @kernel
 def pulsating_slopes(area, darea, j, to, epsilon, delta, E, E_next, context, d, ds):
     """Do what `opening_slopes` does where the places of the plenums change with the angle."""
-    _P, _TAB, _R, places, _changed, work = context
+    P, places, work = context.P, context.places, context.work
     width = WIDTH
     n_sums = CATEGORIES * width
     n_cols = CHAMBERS * N + 1
@@ -138,7 +138,7 @@ def pulsating_slopes(area, darea, j, to, epsilon, delta, E, E_next, context, d, 
     d_phi = d + (CHAMBERS * N + j) * PLACE
     m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, places, own, E, b, epsilon)
     if RESISTED == 1 and gap >= 0:  # pyright: ignore[reportPossiblyUnboundVariable]
-        m, p_1, rho_1, p_2, rho_2, x_1, _x = held_slopes(gap, m, p_1, rho_1, p_2, rho_2, places, own, E, b, _P)  # pyright: ignore[reportPossiblyUnboundVariable]
+        m, p_1, rho_1, p_2, rho_2, x_1, _x = held_slopes(gap, m, p_1, rho_1, p_2, rho_2, places, own, E, b, P)  # pyright: ignore[reportPossiblyUnboundVariable]
     at = category(to, m) * width
     by_phi = m * darea + area * (p_1 * work[d_phi + PRESSURE] + rho_1 * work[d_phi + DENSITY])
     by_phi += area * p_2 * (E_next[b + PRESSURE] - E[b + PRESSURE]) / delta

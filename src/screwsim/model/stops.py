@@ -22,6 +22,8 @@ from screwsim.model.slots import (
     PRESSURE,
     R_DISCHARGE,
     R_SUCTION,
+    S_RHO,
+    S_T,
     STOP_POSITION,
     STOP_SPEED,
     STOPS,
@@ -73,7 +75,7 @@ def begin(y, own, R, P, TAB):
                 y[i] = end
                 if side * y[j] >= 0.0:
                     y[j] = 0.0
-                    if side * push_on(k, y[0], y[1], y, R, P, TAB) > 0.0:
+                    if side * push_on(k, y[S_T], y[S_RHO], y, R, P, TAB) > 0.0:
                         own[at + k] = side
 
 
@@ -162,8 +164,8 @@ def share_before_leaving(k, side, y, y1, u, most, R, P, TAB):
     high = 1.0
     for _ in range(50):
         middle = 0.5 * (low + high)
-        T = dense_value(middle, y[0], y1[0], T3, T4)
-        rho = dense_value(middle, y[1], y1[1], rho3, rho4)
+        T = dense_value(middle, y[S_T], y1[S_T], T3, T4)
+        rho = dense_value(middle, y[S_RHO], y1[S_RHO], rho3, rho4)
         if -side * push_on(k, T, rho, y, R, P, TAB) > 0.5 * most:
             high = middle
         else:
@@ -195,8 +197,8 @@ def share_before_event(y, y1, u, rtol, own, R, P, TAB):
             if y1[i] >= 1.0 - near and y1[j] > 0.0:
                 due = STOPPED
         else:
-            off = -side * push_on(k, y1[0], y1[1], y1, R, P, TAB)
-            was = -side * push_on(k, y[0], y[1], y, R, P, TAB)
+            off = -side * push_on(k, y1[S_T], y1[S_RHO], y1, R, P, TAB)
+            was = -side * push_on(k, y[S_T], y[S_RHO], y, R, P, TAB)
             near = max(TURNED * rtol, PLACED * abs(off - was) / step)
             if off > near:
                 share = min(share, share_before_leaving(k, side, y, y1, u, near, R, P, TAB))
@@ -237,7 +239,7 @@ def take_event(y, rtol, own, R, P, TAB):
             own[at + 2 * STOPS] += 1.0
             seat, stop = restitution(k, P)
             bounce = (seat if side == SEATED else stop) * abs(y[j])
-            push = side * push_on(k, y[0], y[1], y, R, P, TAB)
+            push = side * push_on(k, y[S_T], y[S_RHO], y, R, P, TAB)
             if push > 0.0 and 0.5 * bounce * bounce <= LOW * rtol * push:
                 y[j] = 0.0
                 own[at + k] = side

@@ -42,6 +42,9 @@ from screwsim.model.slots import (
     R_DISCHARGE,
     R_RATIO,
     R_SUCTION,
+    S_RHO,
+    S_T_OIL,
+    S_X_OIL,
     SUCTION_IN,
     TPT,
     VOLUMED,
@@ -195,10 +198,10 @@ def from_walls(T, m, p, rho, V, phi, P, g):
 def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
     """Fill f (rates of one chamber, at `at`) and add work and heat to g from the summed streams; the first law."""
     T = y[at]
-    rho = y[at + 1]
+    rho = y[at + S_RHO]
     m = rho * E[e + E_VOLUME]
     if VOLUMED == 1:
-        m = gas_mass(E[e + E_VOLUME], rho, y[at + 3], P)
+        m = gas_mass(E[e + E_VOLUME], rho, y[at + S_X_OIL], P)
     width = WIDTH
     mass = 0.0
     enthalpy = 0.0
@@ -218,17 +221,17 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
     omega = P[P_OMEGA]
     heat = 0.0
     if HEATED == 1:
-        m_oil = (y[at + 3] if CARRIED == 1 else E[e + E_OILED] * R[R_RATIO]) * m
+        m_oil = (y[at + S_X_OIL] if CARRIED == 1 else E[e + E_OILED] * R[R_RATIO]) * m
         heat, lost = heat_rates(
-            T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], y[at + 2], m_oil, R[R_RATIO], P
+            T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], y[at + S_T_OIL], m_oil, R[R_RATIO], P
         )
         if VOLUMED == 0:
-            f[at + 2] = oil_temperature_slope(y[at + 2], m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
+            f[at + 2] = oil_temperature_slope(y[at + S_T_OIL], m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
         else:
             own = place[row + OIL_TEMPERATURE]
             f[at + 2] = oil_temperature_slope(own, m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
         if CARRIED == 1:
-            f[at + 3] = (oil - y[at + 3] * mass) / (m * omega)
+            f[at + 3] = (oil - y[at + S_X_OIL] * mass) / (m * omega)
         if DISSOLVES == 1:
             f[at + HELD] = held_slope(y[at + HELD], m_oil, m, oil, held, omega)  # pyright: ignore[reportPossiblyUnboundVariable]
     if WALLS > 0:

@@ -18,6 +18,10 @@ from screwsim.model.slots import (
     P_OMEGA,
     PLACE,
     PLENUM,
+    S_RHO,
+    S_T,
+    S_T_OIL,
+    S_X_OIL,
     VOLUMED,
     N,
     gas_state,
@@ -37,7 +41,7 @@ def peak_pressure(times, dense, steps, limit, context):
 
     The ends of the steps tell where; the dense output on both sides of the highest tells how high.
     """
-    P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, _own, _work = context
+    P = context.P
     peak = 0.0
     best = 0
     for i in range(steps):
@@ -62,7 +66,7 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
 
     dm/dφ is that by the paths: without gas that oil gives off.
     """
-    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, own, _work = context
+    P, TAB, own = context.P, context.TAB, context.own
     E = np.empty(n_e)
     y = np.empty(N)
     i = 0
@@ -75,16 +79,16 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         theta = (phi - times[i]) / (times[i + 1] - times[i])
         before = quads[i - 1, 0] if i > 0 else 0.0
         out[a, 0] = E[E_VOLUME]
-        out[a, 1] = gas_state(y[0], y[1], P, TAB)[0]
+        out[a, 1] = gas_state(y[S_T], y[S_RHO], P, TAB)[0]
         out[a, 2] = before + theta * (quads[i, 0] - before)
         rise = dense[i, 1, 1] - dense[i, 0, 1]
         bend = (1.0 - 2.0 * theta) * dense[i, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[i, 3, 1]
         if VOLUMED == 0:
-            out[a, 3] = E[E_VOLUME] * (rise + bend) / (times[i + 1] - times[i]) + E[E_SLOPE] * y[1]
+            out[a, 3] = E[E_VOLUME] * (rise + bend) / (times[i + 1] - times[i]) + E[E_SLOPE] * y[S_RHO]
         else:
             h = times[i + 1] - times[i]
             dx = dense_slope(theta, dense[i, 0, 3], dense[i, 1, 3], dense[i, 2, 3], dense[i, 3, 3]) / h
-            out[a, 3] = gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[1], (rise + bend) / h, y[3], dx, P)
+            out[a, 3] = gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[S_RHO], (rise + bend) / h, y[S_X_OIL], dx, P)
         for j in range(N):
             out[a, 4 + j] = y[j]
         path_flows(y, E, context, flows[a])
@@ -116,7 +120,7 @@ def oil_films(angles, times, dense, steps, context, n_e, out):
 @kernel
 def work_along(times, dense, quads, steps, context):
     """Fill quads[:, 0] with the work on the gas, −∫p dV by Simpson's rule on each step (for the trace only)."""
-    P, TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _columns, _own, _work = context
+    P, TAB = context.P, context.TAB
     total = 0.0
     for i in range(steps):
         a = times[i]
@@ -135,7 +139,7 @@ def oil_with_outflow(times, dense, steps, context, n_e):
 
     By Gauss's points within each step: where the flow comes and goes, the ends of the steps tell too little.
     """
-    P, _TAB, _R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, _own, _work = context
+    P = context.P
     E = np.empty(n_e)
     y = np.empty(N)
     flows = np.empty(N_PLENUM + 2 * N_GAPS)
@@ -154,7 +158,7 @@ def oil_with_outflow(times, dense, steps, context, n_e):
                         side = E_AREAS + N_PLENUM + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE
                         outward = E[side + PLACE] > 0.0
                     if outward and flows[k] < 0.0:
-                        heat += WEIGHTS[point] * h * flows[k] * y[2]
+                        heat += WEIGHTS[point] * h * flows[k] * y[S_T_OIL]
                         mass += WEIGHTS[point] * h * flows[k]
     return heat, mass
 

@@ -17,6 +17,8 @@ from screwsim.model.slots import (
     PLENUM,
     PRESSURE,
     R_DISCHARGE,
+    S_RHO,
+    S_T,
     N,
     gas_state,
     path_opening,
@@ -63,7 +65,7 @@ def share_before_switch(y, y1, u, R, P, TAB, own):
     Beyond it lies at most SWITCHED of the width of the regularisation.
     """
     share = 1.0
-    p1, _h, _c, _t, _a, _x, _f = gas_state(y1[0], y1[1], P, TAB)
+    p1, _h, _c, _t, _a, _x, _f = gas_state(y1[S_T], y1[S_RHO], P, TAB)
     T3, T4 = dense_coefficients(u, 0)
     rho3, rho4 = dense_coefficients(u, 1)
     for i in range(N_PLENUM):
@@ -76,8 +78,8 @@ def share_before_switch(y, y1, u, R, P, TAB, own):
                 high = share
                 while high - low > 1e-12:
                     middle = 0.5 * (low + high)
-                    T = dense_value(middle, y[0], y1[0], T3, T4)
-                    rho = dense_value(middle, y[1], y1[1], rho3, rho4)
+                    T = dense_value(middle, y[S_T], y1[S_T], T3, T4)
+                    rho = dense_value(middle, y[S_RHO], y1[S_RHO], rho3, rho4)
                     p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
                     if against * ONE_WAY[i] * (line - p) > 0.5 * most:
                         high = middle

@@ -28,6 +28,8 @@ from screwsim.model.slots import (
     PRESSURE,
     PULSATING,
     R_DISCHARGE,
+    S_RHO,
+    S_X_OIL,
     VOLUMED,
 )
 from screwsim.numerics.history import read
@@ -75,7 +77,7 @@ def balanced(flows, mass_rate, E, own, R, P):
 @kernel
 def flows_within(theta, step, times, dense, context, E, y, flows):
     """Fill state, surroundings and the flow of each path [kg/s] at a share of a step; return dm/dt of the gas."""
-    P, TAB, R, _t_old, _d_old, _t_new, _d_new, _kept, _hints, _state, own, _work = context
+    P, TAB, R, own = context.P, context.TAB, context.R, context.own
     h = times[step + 1] - times[step]
     phi = times[step] + theta * h
     read(phi, times, dense, step, y)
@@ -83,9 +85,9 @@ def flows_within(theta, step, times, dense, context, E, y, flows):
     path_flows(y, E, context, flows)
     rise = dense[step, 1, 1] - dense[step, 0, 1]
     bend = (1.0 - 2.0 * theta) * dense[step, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[step, 3, 1]
-    mass_rate = P[P_OMEGA] * (E[E_VOLUME] * (rise + bend) / h + E[E_SLOPE] * y[1])
+    mass_rate = P[P_OMEGA] * (E[E_VOLUME] * (rise + bend) / h + E[E_SLOPE] * y[S_RHO])
     if VOLUMED == 1:
         dx = dense_slope(theta, dense[step, 0, 3], dense[step, 1, 3], dense[step, 2, 3], dense[step, 3, 3]) / h
-        mass_rate = P[P_OMEGA] * gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[1], (rise + bend) / h, y[3], dx, P)
+        mass_rate = P[P_OMEGA] * gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[S_RHO], (rise + bend) / h, y[S_X_OIL], dx, P)
     balanced(flows, mass_rate - given_off(y, phi, E, own, P, TAB), E, own, R, P)
     return mass_rate

@@ -1,0 +1,44 @@
+"""What kernels are given beside the state, by name: parameters, tables, histories, working arrays."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+Array = np.ndarray
+
+
+class ChamberContext(NamedTuple):
+    """Of one chamber among neighbours whose histories are known.
+
+    `own` is the chamber's place, then the phase that its gas is held in during a step (`slots.FREE`: none) and what the
+    openings remember; `kept` are the numbers of steps of both histories, the new one first.
+    """
+
+    P: Array  # parameters
+    TAB: Array  # tables
+    R: Array  # run-time cells
+    t_old: Array  # times of the last turn's steps, and their dense output
+    d_old: Array
+    t_new: Array  # of the turn that is being integrated
+    d_new: Array
+    kept: Array
+    hints: Array  # where the last search in a history ended
+    state: Array  # spare
+    own: Array
+    work: Array  # sums and derivatives
+
+
+class CoupledContext(NamedTuple):
+    """Of all chambers together.
+
+    `places` has one of each chamber and a spare one, then the phase in which each chamber's gas is held during a step.
+    """
+
+    P: Array
+    TAB: Array
+    R: Array
+    places: Array
+    changed: Array  # a spare state
+    work: Array
