@@ -24,6 +24,7 @@ from screwsim.effects.base import (
 )
 from screwsim.faults import UsageError, own_number
 from screwsim.fluid import constants
+from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.reservoir import Reservoir
@@ -70,9 +71,6 @@ HISTORIES_FINER = 1e-4  # wanted accuracy from which on steps of histories are f
 HISTORIES_FINEST = 0.1  # ... down to this factor
 LEAST = 1e-300  # above nothing
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
-
-
-Gas = IdealGas | RealGas
 
 
 def build_gas(scene: Scene) -> Gas:

@@ -28,6 +28,7 @@ from screwsim.effects.base import (
     Wall,
 )
 from screwsim.figures import called_for
+from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
 from screwsim.machine.settings import TwinScrew
@@ -298,9 +299,9 @@ def _paths(parts: Parts) -> Iterator[str]:
 
 def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     gas = parts.gas
-    equations = ", ".join(getattr(gas, "equations", ()))
+    equations = ", ".join(gas.equations)
     yield _row(scene.gas.fluid, f"{scene.gas.model} gas ({equations})")
-    if hasattr(gas, "k"):
+    if isinstance(gas, IdealGas):
         given = "given" if scene.gas.isentropic_exponent is not None else "cp0/(cp0 - R) at suction temperature"
         yield _row("", f"R = {gas.R:.6g} J/(kg K), k = {gas.k:.6g} ({given})")
     at, operation = lines(scene), scene.operation

@@ -1,10 +1,6 @@
 """Ideal gas with constant isentropic exponent: p = ρ R T, u = c_v T, h = c_p T, c_v = R/(k − 1).
 
-Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. The interface that every gas keeps:
-`state(T, rho, …)` for a place in a chamber, returning
-    p [Pa], h [J/kg], c_v [J/(kg K)], T ∂p/∂T|ρ [Pa], 1/k for nozzle flow, relative drop and ψ² at which it chokes,
-`specific_entropy(T, rho, …)` [J/(kg K)], `phased_state` (kernels of the phase, and of the state in a given phase),
-and, in plain Python at the border, `place` for a plenum of given pressure and temperature or enthalpy.
+Source: Chernov et al. 2015, assumptions; docs/model.md M5, M6. What every gas has: `fluid.gas`.
 """
 
 from __future__ import annotations

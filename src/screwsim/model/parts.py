@@ -8,7 +8,9 @@ from functools import cached_property
 from typing import Any
 
 from screwsim.effects.base import FlowPath, OilContent, OilGas, OilPort, OilRoom, OilSolution, Pulsation, Shaft, Wall
+from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.slots import FIRST_OWN
 
 
@@ -50,8 +52,8 @@ class Parts:
     numbers that the cycle makes, by name and where they begin.
     """
 
-    geometry: Any
-    gas: Any
+    geometry: MachineGeometry
+    gas: Gas
     omega: float
     widths: tuple[float, float, float]  # regularisation [Pa]: suction port, discharge port, gaps
     effects: Mapping[str, Sequence[Any]]

@@ -1,0 +1,173 @@
+"""What every gas keeps (`fluid.gas`): one equation behind kernels and plain Python, thermodynamically consistent.
+
+A gas of another back end is added to GASES; derivatives are central differences.
+"""
+
+import json
+
+import numpy as np
+import pytest
+from covolume import CovolumeGas
+
+from screwsim.errors import relative_errors
+from screwsim.estimate import worst
+from screwsim.fluid.constants import gas_constant
+from screwsim.fluid.gas import Gas
+from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.limits import Outside
+from screwsim.fluid.nozzle import choking
+from screwsim.fluid.real_gas import RealGas
+from screwsim.numerics.kernel import Kernel
+from screwsim.scene import loads
+from screwsim.simulate import simulate
+from screwsim.verdict import REMEDIES
+
+GASES = {
+    "ideal": IdealGas(81.49, 1.12),
+    "real": RealGas("R134a"),
+    "in equilibrium": RealGas("R134a", "equilibrium"),
+    "pseudo-pure": RealGas("R410A"),
+    "covolume": CovolumeGas(81.49, 1.12, 1e-3),
+}
+STATES = ((1.2e5, 290.0), (6e5, 330.0), (12e5, 360.0))  # Pa, K: vapour of each of them
+STEP = 1e-4  # of a central difference: its error is of the square, rounding over it 1e-11
+SLACK = 1e-6
+
+every_gas = pytest.mark.parametrize("gas", GASES.values(), ids=GASES)
+every_state = pytest.mark.parametrize(("p", "T"), STATES)
+
+
+def asked(gas, kernel, *free):
+    """Return what a kernel of a gas gives in plain Python."""
+    named = dict(zip(("T", "rho") if len(free) == 2 else ("phase", "T", "rho"), free, strict=True)) | dict(gas.values)
+    return kernel(*(named[name] for name in kernel.arguments))
+
+
+def slopes(f, T, rho):
+    """Return the derivatives of f(T, ρ) by T and by ρ."""
+    dT, drho = STEP * T, STEP * rho
+    return (f(T + dT, rho) - f(T - dT, rho)) / (2 * dT), (f(T, rho + drho) - f(T, rho - drho)) / (2 * drho)
+
+
+@every_gas
+def test_it_has_what_the_protocol_lists(gas):
+    assert not [name for name in vars(Gas) if not name.startswith("_") and not hasattr(gas, name)]
+    kernels = (gas.state, gas.specific_entropy, *(gas.phased_state or ()))
+    assert all(isinstance(kernel, Kernel) for kernel in kernels)
+    assert all(set(kernel.arguments) <= {"phase", "T", "rho", *gas.values} for kernel in kernels)
+    assert gas.c_p - gas.c_v == pytest.approx(gas.R, rel=1e-12)
+
+
+@every_gas
+@every_state
+def test_the_kernels_are_one_equation(gas, p, T):
+    rho = gas.density(p, T)
+    found = asked(gas, gas.state, T, rho)
+    p_found, _h, c_v, TpT, a, drop, choked = found
+    assert p_found == pytest.approx(p, rel=1e-9)
+    dp_dT, dp_drho = slopes(lambda *at: asked(gas, gas.state, *at)[0], T, rho)
+    du_dT, du_drho = slopes(lambda *at: (q := asked(gas, gas.state, *at))[1] - q[0] / at[1], T, rho)
+    ds_dT, ds_drho = slopes(lambda *at: asked(gas, gas.specific_entropy, *at), T, rho)
+    assert TpT == pytest.approx(T * dp_dT, rel=SLACK)
+    assert c_v == pytest.approx(du_dT, rel=SLACK)
+    assert T * ds_dT == pytest.approx(c_v, rel=SLACK)  # T ds = du + p d(1/ρ)
+    assert rho**2 * T * ds_drho == pytest.approx(rho**2 * du_drho - p, rel=SLACK)
+    assert -(rho**2) * ds_drho == pytest.approx(dp_dT, rel=SLACK)  # Maxwell
+    assert 1.0 / a == pytest.approx(rho / p * (dp_drho + TpT**2 / (T * c_v * rho**2)), rel=SLACK)  # ρ c²/p
+    assert (drop, choked) == pytest.approx(choking(1.0 / a), rel=1e-9)
+    if not gas.varies:
+        assert (a, drop, choked) == asked(gas, gas.state, 1.1 * T, 0.5 * rho)[4:]
+
+
+@every_gas
+@every_state
+def test_a_state_of_a_stated_phase_is_the_state(gas, p, T):
+    if gas.phased_state is None:
+        return
+    rho = gas.density(p, T)
+    phase, phased = gas.phased_state
+    assert asked(gas, phased, asked(gas, phase, T, rho), T, rho) == asked(gas, gas.state, T, rho)
+
+
+@every_gas
+@every_state
+def test_plain_python_is_the_same_equation(gas, p, T):
+    rho = gas.density(p, T)
+    p_found, h, _, _, *flow = asked(gas, gas.state, T, rho)
+    assert gas.enthalpy(p, T) == pytest.approx(h, rel=1e-12)
+    assert gas.entropy(p, T) == pytest.approx(asked(gas, gas.specific_entropy, T, rho), rel=1e-12)
+    assert gas.temperature(p, h) == pytest.approx(T, rel=1e-9)
+    assert gas.place(p, T) == pytest.approx((p_found, rho, h, *flow), rel=1e-9)
+    assert gas.place_of_enthalpy(p, h) == pytest.approx(gas.place(p, T), rel=1e-7)  # p to which T is found
+    there = gas.vapour(p, T)
+    assert (there.p, there.T, there.rho, there.h) == pytest.approx((p, T, rho, h), rel=1e-9)
+    assert gas.nearest_vapour(p, T) == T
+
+
+@every_gas
+@every_state
+def test_works_are_those_of_its_states(gas, p, T):
+    lower, h, s = 0.6 * p, gas.enthalpy(0.6 * p, T), gas.entropy(0.6 * p, T)
+    work = gas.isentropic_work(lower, p, T)
+    assert work > 0.0 == pytest.approx(gas.isentropic_work(p, p, T), abs=1e-6 * work)
+    assert gas.isentropic_work_of_enthalpy(lower, p, h) == pytest.approx(work, rel=1e-7)
+    assert gas.entropy(p, gas.temperature(p, h + work)) == pytest.approx(s, rel=1e-7, abs=1e-6 * gas.R)
+    rise = gas.enthalpy(p, T) - h - T * (gas.entropy(p, T) - s)
+    assert gas.isothermal_obstacle(lower, p, T) is None
+    assert gas.isothermal_work(lower, p, T) == pytest.approx(rise, rel=1e-9)
+    assert gas.ideal_isothermal_work(lower, p, T) == pytest.approx(gas.R * T * np.log(1.0 / 0.6), rel=1e-12)
+
+
+@every_gas
+def test_the_first_state_outside_is_one_that_it_says_why_of(gas):
+    T = np.array([300.0, 330.0, 250.0, 5000.0])
+    rho = np.array([1.0, 2.0, 200.0, 1.0])
+    found = [gas.why_outside(float(a), float(b)) for a, b in zip(T, rho, strict=True)]
+    assert found[:2] == [None, None] and gas.first_outside(T[:2], rho[:2]) is None
+    first = gas.first_outside(T, rho)
+    assert (first is None) == (not any(found))
+    if first is not None:
+        assert isinstance(found[first], Outside) and found[first].limit in REMEDIES
+
+
+@every_gas
+def test_equal_gases_are_equal(gas):
+    again = type(gas)(*(getattr(gas, name) for name in gas.__dataclass_fields__))
+    assert again == gas and hash(again) == hash(gas)
+
+
+# ---- another back end in a whole cycle ---------------------------------------------------------------------------
+
+SCENE = {
+    "machine": {
+        "rotor_diameter": "160 mm",
+        "rotor_length": "176 mm",
+        "volume": {"law": "paper", "max": "600 cm^3", "phi_A": "60 deg"},
+        "suction_port": {"law": "paper", "area": "40 cm^2", "phi_B": "60 deg"},
+        "discharge_port": {"law": "paper", "area": "12 cm^2", "opens": "600 deg", "phi_C": "640 deg"},
+    },
+    "gas": {"fluid": "R134a", "model": "ideal", "isentropic_exponent": 1.12},
+    "operation": {
+        "speed": "3000 rpm",
+        "suction": {"pressure": "2 bar", "temperature": "283 K"},
+        "discharge": {"pressure": "8 bar"},
+    },
+    "effects": {"suction_port": {}, "discharge_port": {}, "tip_leakage": {"gap": "50 um"}},
+}
+
+
+def test_a_gas_of_another_back_end_is_solved_and_is_the_ideal_one_where_it_should_be(monkeypatch):
+    scene, R = loads(json.dumps(SCENE)), gas_constant("R134a")
+    ideal = simulate(scene)
+
+    def solved(b):
+        monkeypatch.setattr("screwsim.build.build_gas", lambda scene: CovolumeGas(R, 1.12, b))
+        return simulate(scene)
+
+    none, some = solved(0.0), solved(2e-3)
+    assert [each.status for each in (ideal, none, some)] == ["ok"] * 3
+    assert worst(relative_errors(ideal.performance, none.performance))[1] < 2.0 * scene.numerics.accuracy
+    for name in ("mass", "energy", "entropy"):
+        assert abs(some.balance[name]) < some.balance.bound
+    # less gas has room at the same pressure and temperature
+    assert some.performance.gas_mass_flow < none.performance.gas_mass_flow
