@@ -145,9 +145,10 @@ def omitted(scene: Scene) -> Iterator[tuple[str, str]]:
         yield "CoolProp called directly", "the scene's gas is ideal, and CoolProp has none"
     else:
         yield "scipy on CoolProp", "thousands of calls back into Python, each for eight chambers: minutes a cycle"
-    if not kind_of(scene.machine).dead_volume(scene.machine)[0]:
-        yield "dead volume", "is part of the table of machine.volume.law: table"
     kind = kind_of(scene.machine)
+    if not kind.dead_volume(scene.machine)[0]:
+        tabled = ROTORS in kind.offers
+        yield "dead volume", "is part of the table of machine.volume.law: table" if tabled else "is none of its paths"
     if ROTORS not in kind.offers:
         yield "male lobes", f"{kind.chamber} has none"
 
