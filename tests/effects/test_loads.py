@@ -9,6 +9,7 @@ from scenes import make
 from screwsim.effects import bearings, motor, oil_drag
 from screwsim.faults import SceneError
 from screwsim.fluid.oils import OILS
+from screwsim.performance import valued
 
 SIZE = SimpleNamespace(male_lobes=4, female_lobes=6, rotor_diameter=0.16, rotor_length=0.176, profile=None)
 MACHINE = SimpleNamespace(settings=SIZE)
@@ -120,7 +121,10 @@ def test_the_load_dependent_moment_is_that_of_the_load():
 def electrical(shaft, **parameters):
     (reading,) = motor.build(motor.Parameters(rated_power=1e5, **parameters), MACHINE)
     none = {"isothermal_efficiency": None, "isentropic_efficiency": 0.8, "cop": None}
-    return reading.read(SimpleNamespace(shaft_power=shaft, motor_power=None, **none))
+    given = reading.read(SimpleNamespace(shaft_power=shaft, motor_power=None, **none))
+    found, notes = valued(given, "motor")
+    assert {name for name, value in found.items() if value is None} == set(notes) and all(notes.values())
+    return found
 
 
 def test_the_motor_has_its_efficiency_at_rated_power():
