@@ -13,7 +13,21 @@ from screwsim.effects import catalogue, imported
 from screwsim.effects.base import Effect, Intake, PowerLoss, Reading
 from screwsim.faults import Impossible, UsageError
 from screwsim.model.parts import Parts
-from screwsim.outputs import CHANGED, HEATED, HELD, ITSELF, PERFORMANCE, TIMES, WALLED, Figure, Figures, Scale
+from screwsim.outputs import (
+    CHANGED,
+    CYCLE,
+    HEATED,
+    HELD,
+    ITSELF,
+    PERFORMANCE,
+    TIMES,
+    WALLED,
+    Figure,
+    Figures,
+    Scale,
+    Variable,
+    cycle_variable,
+)
 from screwsim.scene.types import Scene
 
 _OF_PARTS: Mapping[tuple[str, ...], Callable[[Scene, Parts], bool]] = {  # what no key of a scene tells
@@ -69,6 +83,22 @@ def declared(name: str, figures: Any = None) -> Figure:
         where = "no entry in screwsim.outputs, and no effect declares it"
         raise ValueError(f"performance.{name} has {where} (add its unit and meaning there)")
     return about
+
+
+@cache
+def known_traces() -> dict[str, Variable]:
+    """Return the curves of a cycle that the core and the effects of the catalogue declare."""
+    return CYCLE | _traces(catalogue())
+
+
+def trace_variable(name: str) -> Variable:
+    """Return unit and meaning of a curve of a cycle; without a declaration, those of a plain number."""
+    return known_traces().get(name) or _traces(imported()).get(name) or cycle_variable(name)
+
+
+def _traces(effects: Mapping[str, Effect]) -> dict[str, Variable]:
+    every = (each for effect in effects.values() for each in effect.traces)
+    return {each.name: Variable(each.units, each.long_name) for each in every}
 
 
 def needs_of(name: str) -> str:

@@ -43,6 +43,14 @@ class Scale:
 ITSELF = Scale()
 
 
+class Trace(NamedTuple):
+    """A curve of a cycle over the angle: its name, unit (SI, CF style) and meaning."""
+
+    name: str
+    units: str
+    long_name: str
+
+
 def over(name: str, alone: bool = False) -> Scale:
     """Return the scale of a figure whose mean may vanish: at the least, or alone, the figure of a name."""
     return Scale(1.0, (name,), alone)
@@ -234,22 +242,6 @@ CYCLE = {
     "oil_mass": Variable("kg", "oil mass in the chamber"),
     "dissolved_gas_ratio": Variable("1", "refrigerant dissolved in the chamber's oil, per oil"),
     "work": Variable("J", "work on the gas since 0 degrees"),
-    "suction_valve_lift": Variable("1", "lift of the suction valve over that of its stop"),
-    "suction_valve_speed": Variable("1", "speed of the suction valve over its scale"),
-    "discharge_valve_lift": Variable("1", "lift of the discharge valve over that of its stop"),
-    "discharge_valve_speed": Variable("1", "speed of the discharge valve over its scale"),
-    "suction_plenum_pressure": Variable("Pa", "pressure in the suction plenum, by the youngest chamber's angle"),
-    "discharge_plenum_pressure": Variable("Pa", "pressure in the discharge plenum, by the youngest chamber's angle"),
-    "gas_torque": Variable("N m", "torque of the gas in all chambers on the male rotor's shaft"),
-    "male_gas_torque": Variable("N m", "torque of the gas in all chambers on the male rotor itself"),
-    "female_gas_torque": Variable("N m", "torque of the gas on the female rotor itself, about its own axis"),
-    "speed": Variable("rad s-1", "speed of the male rotor"),
-    "motor_speed": Variable("rad s-1", "speed of the motor"),
-    "twist": Variable("rad", "twist of the coupling, the motor ahead"),
-    "coupling_torque": Variable("N m", "torque of the coupling"),
-    "motor_torque": Variable("N m", "torque of the motor"),
-    "axial_gas_force": Variable("N", "axial force of the gas in all chambers on a rotor"),
-    "radial_gas_force": Variable("N", "radial force of the gas in all chambers on a rotor"),
 }
 
 

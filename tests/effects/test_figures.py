@@ -8,6 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import h5py
+import numpy as np
 import pytest
 from scenes import make, scene_dict
 
@@ -106,6 +107,21 @@ def test_what_a_scale_asks_for_is_there_wherever_its_figure_is():
             assert set(figure.scale.of) <= set(figures), figure.name
 
 
+TRACED = {"gas_torque": FULL["gas_torque"], "drive": (), "plenums": FULL["plenums"]}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", TRACED)
+def test_a_scene_has_the_curves_that_an_effect_declares(name, tmp_path):
+    result = simulate(scene_with(name))
+    assert {each.name for each in catalogue()[name].traces} <= set(result.cycle), result.message
+    save(tmp_path / "x.h5", scene_with(name), result)
+    stored = open_results(tmp_path / "x.h5").cycle
+    for each in catalogue()[name].traces:
+        assert stored.about[each.name] == (each.units, each.long_name)
+    assert all(about.units != "1" for about in stored.about.values())
+
+
 def test_losses_stand_before_the_power_that_they_are_part_of():
     names = list(called(make({})))
     at = names.index("shaft_power")
@@ -121,9 +137,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from screwsim.declare import number
 from screwsim.effects.base import Effect, PowerLoss, Reading
-from screwsim.outputs import Figure, Scale, power_figure
+from screwsim.outputs import Figure, Scale, Trace, power_figure
 
 
 @dataclass(frozen=True)
@@ -139,7 +157,10 @@ def build(parameters, machine):
         share = parameters.loss / figures.shaft_power
         return {"lost_share": share, "lost_twice": 2.0 * share, "found_efficiency": WHY}
 
-    return [PowerLoss("own_power", lambda known: parameters.loss), Reading(NAMES, read)]
+    def curves(known):
+        return {"own_curve": np.ones(8)}
+
+    return [PowerLoss("own_power", lambda known: parameters.loss), Reading(NAMES, read, curves)]
 
 
 WHY = "nobody measured it"
@@ -157,6 +178,7 @@ EFFECT = Effect(
         Figure("lost_twice", "1", "the same twice", needs=(".twice",)),
         Figure("found_efficiency", "1", "efficiency that somebody finds", Scale(0.5)),
     ),
+    traces=(Trace("own_curve", "N m", "curve of one's own"),),
 )
 '''
 
@@ -202,6 +224,7 @@ def test_a_figure_of_ones_own_goes_everywhere_by_its_one_file(own, tmp_path):
     assert float(results.performance["lost_share"]) == result.performance.lost_share
     assert math.isnan(results.performance["found_efficiency"]) and "lost_twice" not in results.performance
     assert results.figure("lost_share").scale == Scale(0.25)
+    assert results.cycle.about["own_curve"] == ("N m", "curve of one's own") and np.all(results.cycle["own_curve"] == 1)
     rows = {row[0]: row for row in tables.figures(results, data.selection(results), 0)}
     assert rows["lost share"][1:3] == (f"{100.0 / power:.5g}", "") and "found efficiency" not in rows
     same = compare(results, results)

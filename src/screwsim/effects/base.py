@@ -20,7 +20,7 @@ from screwsim.fluid.settings import OilProperties
 from screwsim.machine.protocol import MachineKind
 from screwsim.numerics.kernel import Kernel
 from screwsim.numerics.made import Entry
-from screwsim.outputs import Figure
+from screwsim.outputs import Figure, Trace
 
 
 @dataclass(frozen=True)
@@ -444,8 +444,8 @@ class Around(NamedTuple):
 class Effect:
     """One physical effect, named in a scene under `effects`.
 
-    `figures` are those that it gives where a scene calls for them; `warnings(found)` tells from the figures of a cycle
-    what of them hardly can be.
+    `figures` are those that it gives where a scene calls for them, `traces` its curves over the angle;
+    `warnings(found)` tells from the figures of a cycle what of them hardly can be.
 
     `build(parameters, machine)` returns its parts; `check(parameters, facts)` returns faults that only the whole scene
     shows. `numbers(parameters, around)` returns numbers behind argument names of its kernels that follow from the
@@ -464,6 +464,7 @@ class Effect:
     numbers: Callable[[Any, Around], Mapping[str, float]] | None = None
     needs: frozenset[str] = frozenset()
     figures: tuple[Figure, ...] = ()
+    traces: tuple[Trace, ...] = ()
     warnings: Callable[[Mapping[str, Any]], Sequence[str]] | None = None
 
     def fits(self, kind: MachineKind) -> bool:

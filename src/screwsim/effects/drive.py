@@ -29,7 +29,7 @@ from screwsim.machine.drive.motor_line import Motor, check_motor
 from screwsim.machine.drive.response import NoMotion, Response, respond
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, check_coupling
 from screwsim.machine.drive.train import Train
-from screwsim.outputs import Figure, names_of, power_figure
+from screwsim.outputs import Figure, Trace, names_of, power_figure
 
 KEPT = 3  # motions: before and after a turn, and of the turn that estimates the error
 FIGURES = (
@@ -215,4 +215,11 @@ EFFECT = Effect(
     build=build,
     check=check,
     figures=FIGURES,
+    traces=(
+        Trace("speed", "rad s-1", "speed of the male rotor"),
+        Trace("motor_speed", "rad s-1", "speed of the motor"),
+        Trace("twist", "rad", "twist of the coupling, the motor ahead"),
+        Trace("coupling_torque", "N m", "torque of the coupling"),
+        Trace("motor_torque", "N m", "torque of the motor"),
+    ),
 )

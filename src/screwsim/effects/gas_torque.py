@@ -20,7 +20,7 @@ from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, Reading
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
-from screwsim.outputs import Figure, names_of, over
+from screwsim.outputs import Figure, Trace, names_of, over
 
 FORCES = ("axial", "radial")
 SWING = over("gas_torque_peak_to_peak")  # what means that pass through zero err over
@@ -162,4 +162,11 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({ROTORS}),
     figures=FIGURES,
+    traces=(
+        Trace("gas_torque", "N m", "torque of the gas in all chambers on the male rotor's shaft"),
+        Trace("male_gas_torque", "N m", "torque of the gas in all chambers on the male rotor itself"),
+        Trace("female_gas_torque", "N m", "torque of the gas on the female rotor itself, about its own axis"),
+        Trace("axial_gas_force", "N", "axial force of the gas in all chambers on a rotor"),
+        Trace("radial_gas_force", "N", "radial force of the gas in all chambers on a rotor"),
+    ),
 )

@@ -30,7 +30,7 @@ from screwsim.effects.line_valve import Valve
 from screwsim.faults import Fault
 from screwsim.machine.protocol import PORTS
 from screwsim.numerics.made import Entry
-from screwsim.outputs import Figure, names_of, over
+from screwsim.outputs import Figure, Trace, names_of, over
 
 Array = np.ndarray
 NAME = "plenums"
@@ -327,4 +327,8 @@ EFFECT = Effect(
     needs=frozenset({PORTS}),
     figures=FIGURES,
     warnings=warnings,
+    traces=tuple(
+        Trace(f"{to}_plenum_pressure", "Pa", f"pressure in the {to} plenum, by the youngest chamber's angle")
+        for to in LINES
+    ),
 )

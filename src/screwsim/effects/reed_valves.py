@@ -22,6 +22,7 @@ from screwsim.effects.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.faults import Fault
 from screwsim.machine.protocol import CYLINDER
 from screwsim.numerics.kernel import kernel
+from screwsim.outputs import Trace
 
 
 @dataclass(frozen=True)
@@ -203,4 +204,9 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({CYLINDER}),
     figures=VALVE_LOSSES,
+    traces=tuple(
+        Trace(f"{side}_valve_{what}", "1", f"{what} of the {side} valve over {over}")
+        for side in SIDES
+        for what, over in (("lift", "that of its stop"), ("speed", "its scale"))
+    ),
 )

@@ -10,8 +10,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.figures import declared, known, merged
-from screwsim.outputs import BALANCE, CYCLE, LEDGER, NUMERICS, NUMERICS_TEXT, STATUSES, Figure, Result, names_of
+from screwsim.figures import declared, known, known_traces, merged
+from screwsim.outputs import BALANCE, LEDGER, NUMERICS, NUMERICS_TEXT, STATUSES, Figure, Result, names_of
 
 GROUPS = ("performance", "balance", "error", "numerics")
 Columns = Mapping[tuple[str, str], int]  # place of (group, figure)
@@ -176,9 +176,9 @@ def _text(result: Result, name: str) -> str:
 
 
 def trace_names(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the names of traces, those of `outputs` first, without the angle; a fixed order whatever came first."""
+    """Return the names of traces, those of the program first, without the angle; a fixed order whatever came first."""
     found = set(names) - {"angle"}
-    known = [name for name in CYCLE if name in found]
+    known = [name for name in known_traces() if name in found]
     return (*known, *sorted(found.difference(known)))
 
 

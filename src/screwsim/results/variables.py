@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.figures import merged, packed
+from screwsim.figures import merged, packed, trace_variable
 from screwsim.outputs import (
     BALANCE,
     CYCLE,
@@ -18,7 +18,6 @@ from screwsim.outputs import (
     STATUSES,
     Figure,
     Variable,
-    cycle_variable,
     ledger_variable,
 )
 from screwsim.results.netcdf import Layout, flag_attributes, number_attributes, set_attributes, text_lines
@@ -173,7 +172,7 @@ class Plan:
         self.layout.coordinate(group, "angle", np.array(self.names.angle), CYCLE["angle"]._asdict())
         shape, dimensions = (*self.shape, points), (*self._dimensions, "angle")
         for name in self.names.traces:
-            about = number_attributes(cycle_variable(name)) | self._beside
+            about = number_attributes(trace_variable(name)) | self._beside
             data = self.layout.empty(group, name, shape, float, dimensions, about)
             yield Column(data, lambda table, name=name: rows_of(table, name, points))
 

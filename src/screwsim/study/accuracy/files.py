@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from screwsim.figures import declared
+from screwsim.figures import declaration
 from screwsim.results.atomic import replacing
 from screwsim.study.accuracy.measure import NAMES, Measured
 from screwsim.study.accuracy.words import competing, front, sentence
@@ -87,7 +87,8 @@ def _put(group: Any, columns: Mapping[str, Sequence[Any]]) -> None:
         text = any(isinstance(value, str) for value in values)
         data = group.create_dataset(name, data=[str(value) for value in values] if text else np.array(values))
         if not text:
-            data.attrs["units"] = UNITS.get(name, declared(name).units)
+            about = declaration(name)
+            data.attrs["units"] = UNITS.get(name, about.units if about is not None else "1")
 
 
 def _put_traces(group: Any, measured: Sequence[Measured], angle: np.ndarray) -> None:
