@@ -49,18 +49,17 @@ class Performance(Figures):
         self.about = about
 
     def __getattr__(self, name: str) -> Any:
-        if name in self or name.startswith("__") or name == "about" or not self:
+        if name in self or name.startswith("__") or name == "about":
             return super().__getattr__(name)
-        needs = needs_of(name)
-        raise AttributeError(f"no figure {name!r} here: it needs {needs}") if needs else _none(name, self)
+        if name in self.about:
+            raise AttributeError(f"no figure {name!r} here: the case failed (its message says why)")
+        if needs := needs_of(name):
+            raise AttributeError(f"no figure {name!r} here: it needs {needs}")
+        return super().__getattr__(name)
 
     def copy(self) -> Performance:
         """Return the same figures, to be changed."""
         return Performance(self, self.about)
-
-
-def _none(name: str, figures: Figures) -> AttributeError:
-    return AttributeError(f"no figure {name!r}; known: {', '.join(figures)}")
 
 
 @cache

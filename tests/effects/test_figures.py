@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import math
+import pickle
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -91,6 +92,32 @@ def test_every_figure_that_the_core_gives_on_a_condition_is_called_for_by_it():
     every = [set(called(scene)) & set(PERFORMANCE) for scene in scenes]
     assert set.union(*every) == set(PERFORMANCE)
     assert {name for name, figure in PERFORMANCE.items() if not figure.needs} == set.intersection(*every)
+
+
+CONTRACT = """
+    isothermal_efficiency ideal_isothermal_efficiency isentropic_efficiency volumetric_efficiency gas_mass_flow
+    oil_mass_flow oil_ratio oil_flow_ratio indicated_power oil_lift_power oil_pump_power hydromechanical_power
+    mechanical_power shaft_power discharge_temperature oil_discharge_temperature peak_pressure work_per_cycle
+    trapped_mass
+"""
+
+
+@pytest.mark.parametrize("machine", ["paper", "r134a"])
+def test_what_others_rely_on_is_called_for_at_both_points(machine):
+    figures = called(load(ROOT / "configs" / machine / "point.yaml"))
+    assert [name for name in CONTRACT.split() if name not in figures] == []
+    assert ({"cooling_capacity", "cop"} <= set(figures)) == (machine == "r134a")
+
+
+def test_a_case_that_failed_says_so_of_its_figures():
+    none = Performance({}, called(make({})))
+    assert dict(none) == {} and none.copy().about == none.about
+    with pytest.raises(AttributeError, match=r"^no figure 'shaft_power' here: the case failed \(its message"):
+        _ = none.shaft_power
+    with pytest.raises(AttributeError, match=r"^no figure 'electrical_power' here: it needs effects\.motor$"):
+        _ = none.electrical_power
+    again = pickle.loads(pickle.dumps(Performance({"shaft_power": 1.0}, none.about)))
+    assert again.shaft_power == 1.0 and again.about == none.about
 
 
 def test_no_figure_has_two_declarations():

@@ -144,7 +144,7 @@ class Results:
         scale = unpacked(self.error.scales.get(name, "")) or getattr(declaration(name), "scale", ITSELF)
         return Figure(name, units, long_name, scale)
 
-    @property
+    @cached_property
     def figures(self) -> list[str]:
         """Names of the performance figures that any case has a value of."""
         names = (name for name in self.error if name in self.performance)
