@@ -76,7 +76,7 @@ STATUSES = ("ok", "not_closed", "failed")  # HDF5 stores the index
 
 POWER = Scale(least=1.0, of=("shaft_power",), alone=True, times="ideal")
 EFFICIENCY = Scale(least=0.1)
-OIL_ALONE = Scale(least=1e-4)  # oil per gas below which its error is that of nothing
+LEAST_OIL = 1e-4  # oil per gas below which its error is that of nothing
 
 
 def power_figure(name: str, long_name: str, **more: Any) -> Figure:
@@ -112,16 +112,21 @@ _CORE = (
     efficiency("isentropic_efficiency", "isentropic efficiency of the shaft power", by_flow=True),
     efficiency("volumetric_efficiency", "volumetric efficiency", by_flow=True),
     Figure("gas_mass_flow", "kg s-1", "net gas mass flow from the suction line", Scale(times="filling"), by_flow=True),
-    Figure("oil_mass_flow", "kg s-1", "injected oil mass flow", Scale(1e-4, ("gas_mass_flow",)), OILED),
+    Figure("oil_mass_flow", "kg s-1", "injected oil mass flow", Scale(LEAST_OIL, ("gas_mass_flow",)), OILED),
     Figure(
         "oil_ratio",
         "1",
         "oil to gas mass ratio in the chamber at 360 degrees (rotors: where suction closes; oil_injection: its end)",
-        OIL_ALONE,
+        Scale(LEAST_OIL),
         OILED,
     ),
     Figure(
-        "oil_flow_ratio", "1", "injected oil over net suction gas", Scale(1e-4, times="filling"), OILED, by_flow=True
+        "oil_flow_ratio",
+        "1",
+        "injected oil over net suction gas",
+        Scale(LEAST_OIL, times="filling"),
+        OILED,
+        by_flow=True,
     ),
     power_figure("indicated_power", "indicated power"),
     power_figure("oil_lift_power", "power that lifts the oil to discharge pressure", needs=OILED),

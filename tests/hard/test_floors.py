@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scenes import DROP, make, run
 
-from screwsim import errors
+from screwsim import outputs
 from screwsim.errors import relative_errors
 from screwsim.estimate import worst
 from screwsim.model import close, places
@@ -48,7 +48,9 @@ def test_figures_are_continuous_over_the_least_oil(transport):
 
 
 def test_errors_of_oil_have_the_same_least_scale():
-    assert errors.LEAST_OIL == close.LEAST_OIL
+    assert outputs.LEAST_OIL == close.LEAST_OIL
+    for name in ("oil_ratio", "oil_flow_ratio", "oil_mass_flow"):
+        assert outputs.PERFORMANCE[name].scale.least == outputs.LEAST_OIL
 
 
 @pytest.mark.parametrize("d", [0, 1e-9, 1e-6])

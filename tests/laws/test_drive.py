@@ -57,7 +57,7 @@ def test_a_scene_without_drive_has_nothing_of_it():
     assert "speed__slowness" in driven.text
     assert "slow" not in constant.text and constant.speed_curve is None
     p = run().performance
-    assert [p[name] for name in ("mean_speed", "speed_ripple", "coupling_torque_peak", "motor_power")] == [None] * 4
+    assert not {"mean_speed", "speed_ripple", "coupling_torque_peak", "motor_power"} & {*p}
     assert run().balance.drive is None
 
 
