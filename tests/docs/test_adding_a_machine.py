@@ -7,7 +7,7 @@ from pathlib import Path
 from screwsim.effects import catalogue
 from screwsim.machine import protocol
 
-PAGE = (Path(__file__).parents[2] / "docs" / "adding-a-machine.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "adding-a-machine.md").read_text(encoding="utf-8")
 ROWS = dict(re.findall(r"^\| `([A-Z_]+)` \|.*\| ([a-z_, ]+) \|$", PAGE, flags=re.MULTILINE))
 
 

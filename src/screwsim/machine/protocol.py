@@ -1,6 +1,6 @@
 """What a kind of machine brings: settings, geometry, what effects may ask of it, and sizes that can be.
 
-Source: screwsim, docs/adding-a-machine.md.
+Source: screwsim, docs/how-to/adding-a-machine.md.
 """
 
 from __future__ import annotations
