@@ -94,7 +94,7 @@ class MachineSettings(Protocol):
     counts_otherwise = False
 
     def symbols(self) -> dict[str, float]:
-        """Return the numbers [SI] that a kernel can ask for by name (docs/nomenclature.md)."""
+        """Return the numbers [SI] that a kernel can ask for by name (docs/reference/nomenclature.md)."""
         return {}
 
     def surface_speed(self, omega: float) -> float:
