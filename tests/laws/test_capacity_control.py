@@ -45,8 +45,11 @@ def test_each_takes_capacity_and_costs_efficiency(way):
 # ---- throttle ----
 
 
+LINE = {"intake_pressure": 1.5e5, "intake_temperature": 283.0}  # what is sucked in is the suction line's gas
+
+
 def test_an_open_throttle_is_none_bit_for_bit():
-    assert run({"effects.suction_throttle": {"pressure_ratio": 1}}).performance.items() >= run().performance.items()
+    assert run({"effects.suction_throttle": {"pressure_ratio": 1}}).performance == {**run().performance, **LINE}
 
 
 def test_a_throttled_machine_sucks_from_a_line_of_that_pressure():
@@ -74,7 +77,7 @@ def test_throttling_destroys_r_t_0_ln_of_the_ratio():
 
 
 def test_a_bypass_of_nothing_is_none_bit_for_bit():
-    assert run({"effects.bypass": {"share": 0}}).performance.items() >= run().performance.items()
+    assert run({"effects.bypass": {"share": 0}}).performance == {**run().performance, **LINE}
 
 
 def test_the_bypass_mixes_enthalpies():
