@@ -175,7 +175,7 @@ def compose(parts: Parts) -> Composition:
         call = writer.call(of_law, law.values, law.tables, ("phi", "TAB"))
         body = [f"return {call}"]
         if law.mirror is not None:
-            body = [f"phi = {writer.numbers.add(law.mirror)} - phi", f"return {sign}{call}"]
+            body = [f"phi = {writer.numbers.add(law.mirror, 'volume_mirror')} - phi", f"return {sign}{call}"]
         writer.function(f"{name}(phi, P, TAB)", body)
     speed_curve = write_speed(writer, geometry.pitch) if parts.shaft is not None else None
     factors = scales(writer, parts)
@@ -232,6 +232,7 @@ def compose(parts: Parts) -> Composition:
     structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
     held = (FIRST_OWN + len(parts.plenums)) * PLACE if parts.pulsations else 0
     numbers = writer.numbers
+    constants |= numbers.places
     return Composition(
         text=module_text(tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())),
         P=np.array(numbers.values),
@@ -255,7 +256,7 @@ def compose(parts: Parts) -> Composition:
         ported=port is not None,
         oil_room=parts.oil_room,
         walls=tuple(name for name, _ in parts.walls),
-        made=tuple(int(cell[2:-1]) for cell in writer.made.values()),
+        made=tuple(numbers.place_of(cell) for cell in writer.made.values()),
         speed_curve=speed_curve,
         own_states=names,
         stops=stopped,

@@ -7,6 +7,7 @@ on time is multiplied by `Writer.slow`.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -46,17 +47,29 @@ class Numbers:
     values: list[float]
     tables: list[np.ndarray] = field(default_factory=list)
     named: dict[int, str] = field(default_factory=dict)  # places in P of what `operating` names
+    places: dict[str, int] = field(default_factory=dict)  # in P, by the names that the text has for them
 
-    def add(self, value: float, name: str | None = None) -> str:
+    def add(self, value: float, label: str, name: str | None = None) -> str:
+        """Return how the text reads a number, by a name made of its label; `name` is that of `operating`."""
         self.values.append(float(value))
+        at = len(self.values) - 1
         if name is not None:
-            self.named[len(self.values) - 1] = name
-        return f"P[{len(self.values) - 1}]"
+            self.named[at] = name
+        label = first = "P_" + re.sub(r"\W", "_", label)
+        again = 2
+        while label in self.places:
+            label, again = f"{first}_{again}", again + 1
+        self.places[label] = at
+        return f"P[{label}]"
 
-    def add_table(self, curve: tuple[np.ndarray, ...]) -> str:
+    def add_table(self, curve: tuple[np.ndarray, ...], label: str) -> str:
         start = sum(len(table) for table in self.tables)
         self.tables.append(pack_curve(*curve))
-        return self.add(float(start))
+        return self.add(float(start), label)
+
+    def place_of(self, cell: str) -> int:
+        """Return where in P stands what the text reads so."""
+        return self.places[cell.removeprefix("P[").removesuffix("]")]
 
 
 class Writer:
@@ -64,7 +77,7 @@ class Writer:
 
     def __init__(self, symbols: Mapping[str, float], head: Sequence[float], made: Mapping[str, float]) -> None:
         self.numbers = Numbers(list(head))
-        self.made = {name: self.numbers.add(value) for name, value in made.items()}
+        self.made = {name: self.numbers.add(value, name) for name, value in made.items()}
         self.symbols = symbols
         self.kernels: list[Kernel] = []
         self.text: list[str] = []
@@ -84,18 +97,19 @@ class Writer:
         cycle makes, or symbols of the scene.
         """
         self.kernels.append(kernel)
-        arguments = []
+        arguments, whose = [], kernel.flat_name.partition("__")[0]
         for name in kernel.arguments:
             if name in free:
                 arguments.append(name)
             elif name in values:
-                arguments.append(self.numbers.add(values[name], None if prefix is None else prefix + name))
+                operating = None if prefix is None else prefix + name
+                arguments.append(self.numbers.add(values[name], f"{whose}_{name}", operating))
             elif name in tables:
-                arguments.append(self.numbers.add_table(tables[name]))
+                arguments.append(self.numbers.add_table(tables[name], f"{whose}_{name}"))
             elif name in self.made:
                 arguments.append(self.made[name])
             elif name in self.symbols:
-                arguments.append(self.numbers.add(self.symbols[name], name))
+                arguments.append(self.numbers.add(self.symbols[name], name, name))
             else:
                 known = ", ".join(sorted({*free, *values, *tables, *self.made, *self.symbols}))
                 raise TypeError(f"kernel {kernel.flat_name}: nothing is called {name!r}; known here: {known}")
@@ -140,9 +154,12 @@ def write_areas(
 ) -> None:
     body = []
     for index, (effect, path) in enumerate(paths):
-        coefficient = " * ".join([writer.numbers.add(path.flow_coefficient), *scales.get(effect, ())])
+        flow = writer.numbers.add(path.flow_coefficient, f"{effect}_flow_coefficient")
+        coefficient = " * ".join([flow, *scales.get(effect, ())])
         call = writer.call(path.area, path.values, path.tables, ("phi", "TAB"))
-        turned = [] if path.mirror is None else [f"    phi = {writer.numbers.add(path.mirror)} - phi"]
+        turned = []
+        if path.mirror is not None:
+            turned = [f"    phi = {writer.numbers.add(path.mirror, effect + '_mirror')} - phi"]
         result = [f"    return {coefficient} * {call}"]
         if writer.slow:  # asked for where something is open only
             slow = [] if path.mirror is None else ["    here = phi"]
@@ -181,7 +198,7 @@ def write_walls(writer: Writer, walls: Sequence[Wall]) -> None:
     body, slow = ([f"slow = {writer.slow}"], "slow * ") if writer.slow else ([], "")
     for index, wall in enumerate(walls):
         held = wall.temperature
-        temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held)
+        temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held, "wall_temperature")
         call = writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
         body += [f"if i == {index}:", f"    return {slow}{call}, {temperature}"]
     writer.function(f"wall_state(i, {', '.join(WALL_SYMBOLS)}, P)", [*body, "return 0.0, 0.0"])
@@ -194,8 +211,9 @@ def write_pulsations(writer: Writer, parts: Parts) -> None:
     body = []
     for part in parts.pulsations:
         offset, first = made(writer, part.offset), made(writer, part.harmonics[0])
-        phase = f"phi * {writer.numbers.add(2.0 * math.pi / parts.geometry.pitch)}"
-        call = f"{pulsation.harmonics.flat_name}({phase}, P, {first[2:-1]}, {len(part.harmonics) // 2})"
+        phase = f"phi * {writer.numbers.add(2.0 * math.pi / parts.geometry.pitch, 'per_pitch')}"
+        first = writer.numbers.place_of(first)
+        call = f"{pulsation.harmonics.flat_name}({phase}, P, {first}, {len(part.harmonics) // 2})"
         body += [f"if i == {parts.number(part.to)}:", f"    return {offset}, {call}"]
     writer.function("line_pulse(i, phi, P)", [*body, "return 0.0, 0.0"])
 
@@ -230,7 +248,7 @@ def write_gas(writer: Writer, gas: Any) -> None:
 def write_speed(writer: Writer, pitch: float) -> int:
     """Let all that depends on time follow the speed over the pitch; return where in P its curve begins."""
     start = len(writer.numbers.values) + 1
-    curve = writer.numbers.add(float(start))
+    curve = writer.numbers.add(float(start), "speed_curve")
     writer.numbers.values.extend(flat_curve(pitch).tolist())
     writer.kernels.append(slowness)
     writer.slow = f"{slowness.flat_name}(phi, P[{P_PITCH}], {curve}, P)"
@@ -241,12 +259,16 @@ def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float
     if oil is None:
         body = ["return 0.0"]
     elif "ratio" in oil.supply:
-        body = [f"return {writer.numbers.add(oil.supply['ratio'], SUPPLY + 'ratio')} * m"]
+        ratio = writer.numbers.add(oil.supply["ratio"], "oil_supply_ratio", SUPPLY + "ratio")
+        body = [f"return {ratio} * m"]
     else:
-        separator = writer.numbers.add(oil.supply["separator_pressure"], SUPPLY + "separator_pressure")
+        name = "separator_pressure"
+        separator = writer.numbers.add(oil.supply[name], name, SUPPLY + name)
         writer.text.append("")
         call = writer.call(orifice_flow, oil.supply, {}, ("dp",), SUPPLY)
-        span = f"P[{P_PITCH}] / P[{P_OMEGA}]" if writer.slow else writer.numbers.add(pitch / omega, SPAN)
+        span = f"P[{P_PITCH}] / P[{P_OMEGA}]"
+        if not writer.slow:
+            span = writer.numbers.add(pitch / omega, "pitch_over_omega", SPAN)
         body = [f"dp = {separator} - p", f"return {call} * {span}"]
     writer.function("injected_oil(p, m, P)", body)
 
@@ -254,7 +276,7 @@ def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float
 def write_ports(writer: Writer, parts: Parts, port: OilPort, trapped: int) -> None:
     if parts.pumped:
         assert port.pumped is not None and parts.oil is not None
-        ratio = writer.numbers.add(parts.oil.supply["ratio"], SUPPLY + "ratio")
+        ratio = writer.numbers.add(parts.oil.supply["ratio"], "oil_supply_ratio", SUPPLY + "ratio")
         call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
         slow = f"{writer.slow} * " if writer.slow else ""
         inflow = f"{slow}P[{trapped}] * {ratio} * {call}"
@@ -330,7 +352,7 @@ def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -
         call = writer.call(part.push, part.values, {}, (*PUSH_SYMBOLS, *states[2:]))
         body += [f"if k == {index}:", f"    return {call}"]
         asked |= set(part.push.arguments)
-        both = ", ".join(writer.numbers.add(each) for each in part.restitution)
+        both = ", ".join(writer.numbers.add(each, "restitution") for each in part.restitution)
         bounces += [f"if k == {index}:", f"    return {both}"]
     head = f"stop_push(k, {', '.join(PUSH_SYMBOLS)}, y, at, P)"
     writer.function(head, [*named_states(body, states, asked), "return 0.0"])
@@ -345,7 +367,8 @@ def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> Non
         return
     curve = {"curve": (content.pressure, content.flashed)}
     call = writer.call(table_content, {}, curve, ("p", "TAB"))
-    enthalpy, latent = writer.numbers.add(state.h), writer.numbers.add(content.latent / oil.heat_capacity)
+    enthalpy = writer.numbers.add(state.h, "flash_enthalpy")
+    latent = writer.numbers.add(content.latent / oil.heat_capacity, "flash_latent")
     body = [f"gas = oil * max(0.0, {call})", f"return gas, gas * {enthalpy}, gas * {latent}"]
     writer.function("flash_terms(oil, p, P, TAB)", body)
 
@@ -361,7 +384,7 @@ def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
     slow = f"{writer.slow} * " if writer.slow else ""
     body = ["s = gas_entropy(T, rho, P, TAB)", f"m_oil = {slow}m_oil", f"return {call}"]
     writer.function("release_terms(phi, m_oil, w, T, rho, h, T_oil, P, TAB)", body)
-    writer.function("held_gas(oil, P)", [f"return oil * {writer.numbers.add(content.supply)}"])
+    writer.function("held_gas(oil, P)", [f"return oil * {writer.numbers.add(content.supply, 'dissolved_in_supply')}"])
     tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest, _ends(-rise - content.rest))}
     call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"))
     writer.function("solution_entropy(w, P, TAB)", [f"return {call}"])
