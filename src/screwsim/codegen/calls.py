@@ -38,6 +38,8 @@ class Context(tuple[Any, ...]):
         take(arrays, kinds, words)
         found = super().__new__(cls, arrays)
         found.number, found.words = kinds[0], tuple(words)
+        for name, each in zip(KINDS[found.number].names, arrays, strict=False):
+            setattr(found, name, each)
         return found
 
 

@@ -245,13 +245,13 @@ class Emitter(Expressions):
 
     def _return(self, value: Value, node: ast.Return) -> None:
         kind = joined(self.returns or value.kind, value.kind)
-        if kind is None or any(each.name in "ac" for each in (kind, *kind.of)):
+        if kind is None or "c" in (kind.name, *(each.name for each in kind.of)):
             raise self.fail(node, f"{value.kind} cannot be returned beside {self.returns}")
         self.again |= kind != (self.returns or kind)
         self.returns = kind
         value = self.as_kind(value, kind)
         whole = ""
-        if kind.name == "t":
+        if kind.name in "at":
             whole = "undef"
             for i, (part, register) in enumerate(zip(kind.parts, value.parts, strict=True)):
                 whole = self.new(f"insertvalue {kind.returned} {whole}, {part} {register}, {i}")

@@ -201,7 +201,7 @@ class Expressions(Operations):
             self.add(f"call void @{symbol}({given})")
             return NONE
         found = self.new(f"call {returned.returned} @{symbol}({given})")
-        if returned.name != "t":
+        if returned.name not in "at":
             return Value(returned, (found,))
         parts = range(len(returned.parts))
         return Value(returned, tuple(self.new(f"extractvalue {returned.returned} {found}, {i}") for i in parts))

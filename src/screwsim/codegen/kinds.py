@@ -36,7 +36,7 @@ class Kind:
         """The type that a function returns."""
         if self.name == "n":
             return "void"
-        return self.parts[0] if self.name != "t" else "{" + ", ".join(self.parts) + "}"
+        return "{" + ", ".join(self.parts) + "}" if self.name in "at" else self.parts[0]
 
 
 _REGISTERS = {"f": "double", "i": "i64", "b": "i1", "c": "ptr"}

@@ -8,7 +8,8 @@ A context is a `contexts.ChamberContext`.
 
 from __future__ import annotations
 
-from screwsim.model.film import add_film, film_flow
+from screwsim.model.film import film_flow
+from screwsim.model.flows import gap_flow, line_place, open_share, port_flow, take, take_film
 from screwsim.model.places import angle_terms, fill_place, neighbour
 from screwsim.model.port_oil import add_flash, add_release
 from screwsim.model.pulsation import fill_lines
@@ -30,12 +31,10 @@ from screwsim.model.slots import (
     OFFSETS,
     OPENED,
     OPENING,
-    P_GAP_WIDTH,
     P_H_PORT,
     P_LIFE,
     P_OMEGA,
     P_PITCH,
-    P_PORT_WIDTH,
     PLACE,
     PLENUM,
     PORT_OIL,
@@ -47,17 +46,15 @@ from screwsim.model.slots import (
     Q_WALLS,
     Q_WORK,
     R_DISCHARGE,
-    RESISTED,
     STOPS,
     VOLUMED,
     WALLS,
     WIDTH,
     gap_area,
     oil_inflow,
-    path_opening,
 )
 from screwsim.model.stops import keep_at_rest, note_end
-from screwsim.model.streams import add_stream, category, finish, gap_category, held_back, place_flow
+from screwsim.model.streams import category, finish, gap_category
 from screwsim.numerics.kernel import kernel
 
 SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
@@ -115,40 +112,23 @@ def rates(y, E, context, f, g):
     for i in range(CATEGORIES * width):
         work[i] = 0.0
     for i in range(N_PLENUM):
-        if E[E_AREAS + i] > 0.0:
-            b = R_DISCHARGE * PLENUM[i]
-            if PULSATING == 0:
-                m = place_flow(E[E_AREAS + i], own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
-                if OPENED == 1:
-                    held = own[OPENING + N_PLENUM + i]
-                    m *= path_opening(i, R[b + PRESSURE] - own[PRESSURE], P[P_PORT_WIDTH + PLENUM[i]], held, y, 0, P)
-                if m >= 0.0:
-                    add_stream(work, category(PLENUM[i], m) * width, m, R, b)
-                else:
-                    add_stream(work, category(PLENUM[i], m) * width, m, own, 0)
-            else:
-                m = place_flow(E[E_AREAS + i], own, 0, E, E_LINES + b, P[P_PORT_WIDTH + PLENUM[i]])
-                if m >= 0.0:
-                    add_stream(work, category(PLENUM[i], m) * width, m, E, E_LINES + b)
-                else:
-                    add_stream(work, category(PLENUM[i], m) * width, m, own, 0)
+        area = E[E_AREAS + i]
+        if area > 0.0:
+            line, b = line_place(PLENUM[i], R, E, E_LINES)
+            m = port_flow(i, area, own, 0, line, b, P)
+            if OPENED == 1:
+                m *= open_share(i, y, own, line, b, own[OPENING + N_PLENUM + i], P)
+            take(work, category(PLENUM[i], m) * width, m, own, 0, line, b)
     areas = E_AREAS + N_PLENUM
     for i in range(2 * N_GAPS):
-        if E[areas + i] > 0.0:
+        area = E[areas + i]
+        if area > 0.0:
             b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
-            m = place_flow(E[areas + i], own, 0, E, b, P[P_GAP_WIDTH])
-            if RESISTED == 1:
-                m = held_back(i // 2, m, E[areas + i], own, 0, E, b, P)
-            if m >= 0.0:
-                add_stream(work, gap_category(E, b, m) * width, m, E, b)
-            else:
-                add_stream(work, gap_category(E, b, m) * width, m, own, 0)
+            m = gap_flow(i // 2, area, own, 0, E, b, P)
+            take(work, gap_category(E, b, m) * width, m, own, 0, E, b)
             if FILMED == 1:
-                q = film_flow(i // 2, E[areas + i], own, 0, E, b, P)
-                if q >= 0.0:
-                    add_film(work, gap_category(E, b, q) * width, q, E, b)
-                else:
-                    add_film(work, gap_category(E, b, q) * width, q, own, 0)
+                q = film_flow(i // 2, area, own, 0, E, b, P)
+                take_film(work, gap_category(E, b, q) * width, q, own, 0, E, b)
     if PORTED == 1:
         oil = oil_inflow(E[E_ANGLE], own[PRESSURE], P, TAB)
         work[PORT_OIL * width + 2] = oil
@@ -179,21 +159,15 @@ def path_flows(y, E, context, out):
     for i in range(N_PLENUM):
         out[i] = 0.0
         if E[E_AREAS + i] > 0.0:
-            if PULSATING == 0:
-                out[i] = place_flow(E[E_AREAS + i], own, 0, R, R_DISCHARGE * PLENUM[i], P[P_PORT_WIDTH + PLENUM[i]])
-                if OPENED == 1:
-                    drop = R[R_DISCHARGE * PLENUM[i] + PRESSURE] - own[PRESSURE]
-                    own[OPENING + i] = path_opening(i, drop, P[P_PORT_WIDTH + PLENUM[i]], LOOSE, y, 0, P)
-                    out[i] *= own[OPENING + i]
-            else:
-                b = E_LINES + R_DISCHARGE * PLENUM[i]
-                out[i] = place_flow(E[E_AREAS + i], own, 0, E, b, P[P_PORT_WIDTH + PLENUM[i]])
+            line, b = line_place(PLENUM[i], R, E, E_LINES)
+            out[i] = port_flow(i, E[E_AREAS + i], own, 0, line, b, P)
+            if OPENED == 1:
+                own[OPENING + i] = open_share(i, y, own, line, b, LOOSE, P)
+                out[i] *= own[OPENING + i]
     areas = E_AREAS + N_PLENUM
     for i in range(2 * N_GAPS):
         b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
-        out[N_PLENUM + i] = place_flow(E[areas + i], own, 0, E, b, P[P_GAP_WIDTH]) if E[areas + i] > 0.0 else 0.0
-        if RESISTED == 1 and E[areas + i] > 0.0:
-            out[N_PLENUM + i] = held_back(i // 2, out[N_PLENUM + i], E[areas + i], own, 0, E, b, P)
+        out[N_PLENUM + i] = gap_flow(i // 2, E[areas + i], own, 0, E, b, P) if E[areas + i] > 0.0 else 0.0
 
 
 @kernel

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from screwsim.model.chamber import SIDE
 from screwsim.model.film import film_beside
+from screwsim.model.flows import gap_flow_slopes, line_place, port_flow, port_flow_slopes
 from screwsim.model.places import fill_place, perturbation, place_derivatives
 from screwsim.model.port_oil import oil_slopes, release_slopes
 from screwsim.model.slots import (
@@ -28,9 +29,7 @@ from screwsim.model.slots import (
     OPENED,
     OPENING,
     OWN_STATES,
-    P_GAP_WIDTH,
     P_OMEGA,
-    P_PORT_WIDTH,
     PLACE,
     PLENUM,
     PORT_OIL,
@@ -41,7 +40,6 @@ from screwsim.model.slots import (
     Q_STREAMS,
     Q_WALLS,
     Q_WORK,
-    R_DISCHARGE,
     RESISTED,
     S_RHO,
     S_T,
@@ -60,9 +58,6 @@ from screwsim.model.streams import (
     finish,
     flow_over_angle,
     gap_category,
-    held_slopes,
-    place_flow,
-    place_slopes,
 )
 from screwsim.model.valve import opening_by_state, opening_slope
 from screwsim.numerics.kernel import kernel
@@ -100,45 +95,33 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
         area = E[E_AREAS + i]
         darea = (E_next[E_AREAS + i] - area) * per_delta
         if area > 0.0 or darea > 0.0:
-            if RESISTED == 1:
-                x_1 = 0.0
-                x_2 = 0.0
             gap = i - N_PLENUM
             if gap < 0:
-                b = R_DISCHARGE * PLENUM[i]
-                if PULSATING == 0:
-                    source = R
-                    m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
-                    if OPENED == 1:
-                        drop = R[b + PRESSURE] - own[PRESSURE]
-                        if ONE_WAY[i] != 0:
-                            own[OPENING + N_PLENUM + i] = 1.0 if ONE_WAY[i] * drop > 0.0 else 0.0
-                        opened, by_drop = opening_slope(i, drop, y, own, P)
-                        p_1 = p_1 * opened - m * by_drop
-                        p_2 = p_2 * opened + m * by_drop
-                        m *= opened
-                        rho_1 *= opened
-                        rho_2 *= opened
-                else:
-                    b += E_LINES
-                    source = E
-                    m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, E, b, P[P_PORT_WIDTH + PLENUM[i]])
+                source, b = line_place(PLENUM[i], R, E, E_LINES)
+                m, p_1, rho_1, p_2, rho_2, x_1, x_2 = port_flow_slopes(i, own, 0, source, b, P)
+                if OPENED == 1:
+                    drop = source[b + PRESSURE] - own[PRESSURE]
+                    if ONE_WAY[i] != 0:
+                        own[OPENING + N_PLENUM + i] = 1.0 if ONE_WAY[i] * drop > 0.0 else 0.0
+                    opened, by_drop = opening_slope(i, drop, y, own, P)
+                    p_1 = p_1 * opened - m * by_drop
+                    p_2 = p_2 * opened + m * by_drop
+                    m *= opened
+                    rho_1 *= opened
+                    rho_2 *= opened
+                if PULSATING == 1:
                     change_of_place(E, E_next, b, per_delta, work, other)
                 at = category(PLENUM[i], m) * width
             else:
                 b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[gap // 2] + gap % 2) * SIDE
                 source = E if area > 0.0 else E_next
-                m, p_1, rho_1, p_2, rho_2 = place_slopes(1.0, own, 0, source, b, P[P_GAP_WIDTH])
-                if RESISTED == 1:
-                    m, p_1, rho_1, p_2, rho_2, x_1, x_2 = held_slopes(
-                        gap // 2, m, p_1, rho_1, p_2, rho_2, own, 0, source, b, P
-                    )
+                m, p_1, rho_1, p_2, rho_2, x_1, x_2 = gap_flow_slopes(gap // 2, own, 0, source, b, P)
                 at = gap_category(source, b, m) * width
                 if area > 0.0:
                     change_of_place(E, E_next, b, per_delta, work, other)
             by_phi = flow_over_angle(area, darea, m, p_1, rho_1, p_2, rho_2, work, d_phi, work, other)
             if RESISTED == 1:
-                by_phi += area * x_2 * work[other + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
+                by_phi += area * x_2 * work[other + OIL_RATIO]
             m *= area
             if m < 0.0 or (area == 0.0 and by_phi < 0.0):
                 add_stream(work, at, m, own, 0)
@@ -157,10 +140,10 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                 row = d + j * PLACE
                 dm = area * (p_1 * work[row + PRESSURE] + rho_1 * work[row + DENSITY])
                 if RESISTED == 1:
-                    dm += area * x_1 * work[row + OIL_RATIO]  # pyright: ignore[reportPossiblyUnboundVariable]
+                    dm += area * x_1 * work[row + OIL_RATIO]
                 if OPENED == 1 and gap < 0 and j >= N - OWN_STATES:
-                    open_flow = place_flow(area, own, 0, R, b, P[P_PORT_WIDTH + PLENUM[i]])
-                    dm = open_flow * opening_by_state(i, R[b + PRESSURE] - own[PRESSURE], j, y, state, P)
+                    open_flow = port_flow(i, area, own, 0, source, b, P)
+                    dm = open_flow * opening_by_state(i, source[b + PRESSURE] - own[PRESSURE], j, y, state, P)
                 if m < 0.0:
                     add_stream_slope(work, ds + j * n_sums + at, m, dm, own, 0, work, row)
                 else:

@@ -11,7 +11,8 @@ before that angle from those beyond it is counted with what the lines' sums take
 
 from __future__ import annotations
 
-from screwsim.model.film import add_film, film_flow
+from screwsim.model.film import film_flow
+from screwsim.model.flows import between, film_between_chambers, gap_flow, line_place, port_flow, take, take_film
 from screwsim.model.places import angle_terms, fill_place
 from screwsim.model.port_oil import add_flash, add_release
 from screwsim.model.pulsation import fill_lines
@@ -33,12 +34,10 @@ from screwsim.model.slots import (
     N_PLENUM,
     OFFSETS,
     OWN_PLENUMS,
-    P_GAP_WIDTH,
     P_H_PORT,
     P_INJECTION,
     P_OMEGA,
     P_PITCH,
-    P_PORT_WIDTH,
     PLACE,
     PLENUM,
     PORT_OIL,
@@ -47,8 +46,6 @@ from screwsim.model.slots import (
     PULSATING,
     Q_STREAMS,
     Q_WALLS,
-    R_DISCHARGE,
-    RESISTED,
     SUCTION_IN,
     WALLS,
     WIDTH,
@@ -56,7 +53,7 @@ from screwsim.model.slots import (
     gap_area,
     oil_inflow,
 )
-from screwsim.model.streams import add_stream, category, finish, held_back, place_flow
+from screwsim.model.streams import category, finish
 from screwsim.numerics.kernel import kernel
 
 
@@ -90,68 +87,30 @@ def all_rates(y, E, context, f, g):
         fill_place(places[(CHAMBERS + 1) * PLACE + j], y, j * N, P, TAB, places, j * PLACE)
     for j in range(CHAMBERS):
         e = j * size + E_AREAS
+        sums = j * n_sums
+        own = j * PLACE
         for i in range(N_PLENUM):
             if E[e + i] > 0.0:
-                b = R_DISCHARGE * PLENUM[i]
-                if PULSATING == 0:
-                    m = place_flow(E[e + i], places, j * PLACE, R, b, P[P_PORT_WIDTH + PLENUM[i]])
-                    at = j * n_sums + category(PLENUM[i], m) * width
-                    if m >= 0.0:
-                        add_stream(work, at, m, R, b)
-                    else:
-                        add_stream(work, at, m, places, j * PLACE)
-                else:
-                    m = place_flow(E[e + i], places, j * PLACE, E, ALL_LINES + b, P[P_PORT_WIDTH + PLENUM[i]])
-                    at = j * n_sums + category(PLENUM[i], m) * width
-                    if m >= 0.0:
-                        add_stream(work, at, m, E, ALL_LINES + b)
-                    else:
-                        add_stream(work, at, m, places, j * PLACE)
+                line, b = line_place(PLENUM[i], R, E, ALL_LINES)
+                m = port_flow(i, E[e + i], places, own, line, b, P)
+                take(work, sums + category(PLENUM[i], m) * width, m, places, own, line, b)
         for i in range(N_GAPS):
             area = E[e + N_PLENUM + i]
             if area > 0.0:
                 ahead = j + OFFSETS[GAP_OFFSET[i]]
                 if ahead < CHAMBERS:
-                    m = place_flow(area, places, j * PLACE, places, ahead * PLACE, P[P_GAP_WIDTH])
-                    if RESISTED == 1:
-                        m = held_back(i, m, area, places, j * PLACE, places, ahead * PLACE, P)
-                    source = (ahead if m >= 0.0 else j) * PLACE
-                    add_stream(work, j * n_sums + BETWEEN * width, m, places, source)
-                    add_stream(work, ahead * n_sums + BETWEEN * width, -m, places, source)
+                    here, there = sums + BETWEEN * width, ahead * n_sums + BETWEEN * width
+                    m = gap_flow(i, area, places, own, places, ahead * PLACE, P)
+                    between(work, here, there, m, places, own, ahead * PLACE)
                     if FILMED == 1:
-                        q = film_flow(i, area, places, j * PLACE, places, ahead * PLACE, P)
-                        source = (ahead if q >= 0.0 else j) * PLACE
-                        add_film(work, j * n_sums + BETWEEN * width, q, places, source)
-                        add_film(work, ahead * n_sums + BETWEEN * width, -q, places, source)
+                        film_between_chambers(work, here, there, i, area, places, own, ahead * PLACE, P)
                 else:
-                    if PULSATING == 0:
-                        m = place_flow(area, places, j * PLACE, R, R_DISCHARGE, P[P_GAP_WIDTH])
-                        if RESISTED == 1:
-                            m = held_back(i, m, area, places, j * PLACE, R, R_DISCHARGE, P)
-                        if m >= 0.0:
-                            add_stream(work, j * n_sums + DISCHARGE_IN * width, m, R, R_DISCHARGE)
-                        else:
-                            add_stream(work, j * n_sums + (DISCHARGE_IN + 1) * width, m, places, j * PLACE)
-                        if FILMED == 1:
-                            q = film_flow(i, area, places, j * PLACE, R, R_DISCHARGE, P)
-                            if q >= 0.0:
-                                add_film(work, j * n_sums + DISCHARGE_IN * width, q, R, R_DISCHARGE)
-                            else:
-                                add_film(work, j * n_sums + (DISCHARGE_IN + 1) * width, q, places, j * PLACE)
-                    else:
-                        m = place_flow(area, places, j * PLACE, E, ALL_LINES + R_DISCHARGE, P[P_GAP_WIDTH])
-                        if RESISTED == 1:
-                            m = held_back(i, m, area, places, j * PLACE, E, ALL_LINES + R_DISCHARGE, P)
-                        if m >= 0.0:
-                            add_stream(work, j * n_sums + DISCHARGE_IN * width, m, E, ALL_LINES + R_DISCHARGE)
-                        else:
-                            add_stream(work, j * n_sums + (DISCHARGE_IN + 1) * width, m, places, j * PLACE)
-                        if FILMED == 1:
-                            q = film_flow(i, area, places, j * PLACE, E, ALL_LINES + R_DISCHARGE, P)
-                            if q >= 0.0:
-                                add_film(work, j * n_sums + DISCHARGE_IN * width, q, E, ALL_LINES + R_DISCHARGE)
-                            else:
-                                add_film(work, j * n_sums + (DISCHARGE_IN + 1) * width, q, places, j * PLACE)
+                    line, b = line_place(1, R, E, ALL_LINES)
+                    m = gap_flow(i, area, places, own, line, b, P)
+                    take(work, sums + category(1, m) * width, m, places, own, line, b)
+                    if FILMED == 1:
+                        q = film_flow(i, area, places, own, line, b, P)
+                        take_film(work, sums + category(1, q) * width, q, places, own, line, b)
     if PORTED == 1:
         for j in range(CHAMBERS):
             oil = oil_inflow(E[j * size + E_ANGLE], places[j * PLACE + PRESSURE], P, TAB)

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from screwsim.model.coupled import clear_heads, side_of, sideways, total_rates
 from screwsim.model.film import film_between, film_beyond
+from screwsim.model.flows import line_place
 from screwsim.model.places import fill_place, perturbation, place_derivatives
 from screwsim.model.port_oil import oil_slopes, release_slopes
-from screwsim.model.slopes import gap_slopes, opening_slopes, pulsating_slopes
+from screwsim.model.slopes import beyond_slopes, gap_slopes
 from screwsim.model.slots import (
     ACROSS,
     ALL_LINES,
     BETWEEN,
-    BEYOND,
     CATEGORIES,
     CHAMBERS,
     DISSOLVES,
@@ -26,20 +26,15 @@ from screwsim.model.slots import (
     N_PLENUM,
     OFFSETS,
     OWN_PLENUMS,
-    P_GAP_WIDTH,
     P_OMEGA,
-    P_PORT_WIDTH,
     PLACE,
     PLENUM,
     PORT_OIL,
     PORTED,
-    PULSATING,
     Q_HEAT,
     Q_STREAMS,
     Q_WALLS,
     Q_WORK,
-    R_DISCHARGE,
-    RESISTED,
     S_RHO,
     WALLS,
     WIDTH,
@@ -80,27 +75,16 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
             if area > 0.0 or darea > 0.0:
                 ahead = j + OFFSETS[GAP_OFFSET[i - N_PLENUM]] if i >= N_PLENUM else -1
                 if i >= N_PLENUM and ahead < CHAMBERS:
-                    if RESISTED == 0:
-                        gap_slopes(area, darea, j, ahead, BETWEEN * width, context, d, ds)
-                    if RESISTED == 1:
-                        gap_slopes(area, darea, j, ahead, BEYOND + i - N_PLENUM, context, d, ds)
+                    gap_slopes(i - N_PLENUM, area, darea, j, ahead, context, d, ds)
                     if FILMED == 1:
                         film_between(i - N_PLENUM, area, darea, j, ahead, context, d, ds)
                 else:
                     to = PLENUM[i] if i < N_PLENUM else 1
-                    epsilon = P[P_PORT_WIDTH + to] if i < N_PLENUM else P[P_GAP_WIDTH]
-                    if RESISTED == 1:
-                        to = to if i < N_PLENUM else BEYOND + i - N_PLENUM
-                    if PULSATING == 0:
-                        opening_slopes(area, darea, j, to, epsilon, context, d, ds)
-                    if PULSATING == 1:
-                        pulsating_slopes(area, darea, j, to, epsilon, delta, E, E_next, context, d, ds)
+                    line, b = line_place(to, R, E, ALL_LINES)
+                    line_next, _b = line_place(to, R, E_next, ALL_LINES)
+                    beyond_slopes(i, area, darea, j, line, line_next, b, delta, context, d, ds)
                     if FILMED == 1 and i >= N_PLENUM:
-                        gap = i - N_PLENUM
-                        if PULSATING == 0:
-                            film_beyond(gap, area, darea, j, R, R, R_DISCHARGE, delta, context, d, ds)
-                        if PULSATING == 1:
-                            film_beyond(gap, area, darea, j, E, E_next, ALL_LINES + R_DISCHARGE, delta, context, d, ds)
+                        film_beyond(i - N_PLENUM, area, darea, j, line, line_next, b, delta, context, d, ds)
     if PORTED == 1:
         n_cols = n_all + 1
         for j in range(CHAMBERS):

@@ -138,7 +138,6 @@ PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE
 PLACE = 11
 S_T, S_RHO, S_T_OIL, S_X_OIL = range(4)  # states of a chamber: of the gas, of the oil, oil per gas
 HELD = 4  # where oil dissolves: gas per oil
-BEYOND = 1000  # + i: gap i beyond the last chamber, as a number of a plenum
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
 OPENING = PLACE + 1  # of a chamber's own place: behind the phase that is held, opening and switch of each plenum path,
 # then what `stops` keeps of each seat and stop
