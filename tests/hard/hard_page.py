@@ -70,8 +70,7 @@ REASONS = {
 RANDOM = """
 ## Random scenes
 
-`{command}` draws {scenes} scenes from the space of `tests/tools/fuzz_space.py` (numpy {numpy}, numba {numba}, scipy
-{scipy}): {ok:.1%} are ok. What it made is in `tests/hard/fuzz_outcome.json`, this section from it; the tests draw some
+`{command}` draws {scenes} scenes from the space of `tests/tools/fuzz_space.py` ({versions}): {ok:.1%} are ok. What it made is in `tests/hard/fuzz_outcome.json`, this section from it; the tests draw some
 500 others by hypothesis. Of a real gas many scenes fail since it condenses, or gets hotter than its equation goes.
 
 | structure | {names} |
@@ -148,7 +147,9 @@ def _random() -> str:
     return RANDOM.format(
         command=made["command"],
         scenes=made["scenes"],
-        **{name: versions[name] for name in ("numpy", "numba", "scipy")},
+        versions=", ".join(
+            f"{name} {versions[name]}" for name in ("numpy", "numba", "llvmlite", "scipy") if name in versions
+        ),
         ok=made["status"]["ok"] / made["scenes"],
         names=" | ".join(shown),
         lines="|".join(["---"] * len(shown)),

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from screwsim.declare import KINDS
+from screwsim.scene.numerals import odd_number
 from screwsim.scene.units import Refused, format_quantity, parse_quantity, readable_quantity
 
 
@@ -220,3 +221,11 @@ def test_importing_the_layer_leaves_heavy_libraries_alone():
     code = f"import sys, screwsim.scene; print([name for name in {heavy} if name in sys.modules])"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("text", ["1" * 10**6, "1" * 10**6 + " x", "1," * 10**5 + "1", "1/" * 10**5, "~" * 10**5 + "1"])
+def test_a_text_longer_than_any_number_is_told_at_once(text):
+    """Patterns that try every division of so many digits would take days."""
+    assert odd_number(text) is None
+    with pytest.raises(Refused):
+        parse_quantity(KINDS["pressure"], text)

@@ -50,7 +50,7 @@ COLUMNS = (
     "message",
 )
 NO_ANSWER = "no answer"  # of Radau
-PACKAGES = ("numpy", "scipy", "numba", "coolprop")
+PACKAGES = ("numpy", "scipy", "llvmlite", "coolprop")
 PER_GAS = ("oil_ratio", "oil_flow_ratio")  # oil figures over the gas, which next to no oil leaves open
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from screwsim.faults import UsageError
+from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.scene import Scene
@@ -96,3 +99,11 @@ def say_left_aside(scene: Scene, whose: str, remedy: str) -> None:
     if scene.sweep:
         cases = f"{count} case{'s' if count != 1 else ''}"
         typer.echo(f"{whose} sweep of {cases} is left aside, and the point without it is taken ({remedy})", err=True)
+
+
+def complain(text: str, code: int) -> int:
+    """Say on stderr what went wrong, behind all that was printed; return the exit code."""
+    with contextlib.suppress(OSError):
+        sys.stdout.flush()
+    say(text, err=True)
+    return code

@@ -16,7 +16,8 @@ _BOTH = ",·"  # of thousands or decimals
 _MINUS, _PLUS = "−–—－﹣", "＋"
 _ALIKE = {"．": ".", "，": ",", "٫": ",", "٬": "'"}
 _QUOTES = "“”„‟«»″"
-_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
+LONGEST = 200  # characters of what anyone means as a number; patterns would take long over more
+_NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
 _GROUPED = re.compile(rf"([+-]?)([0-9][0-9.{_BOTH}{_DIVIDERS}]*[0-9])((?:[eE][+-]?[0-9]+)?)(.*)", re.DOTALL)
 _POWER = re.compile(rf"({_NUMBER})\s*[x×*·]\s*10\s*(?:\^|\*\*)\s*\(?([+-]?[0-9]{{1,3}})\)?(?![0-9])\s*(.*)", re.DOTALL)
 _SUPERSCRIPT = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
@@ -38,6 +39,8 @@ class Odd(NamedTuple):
 def odd_number(text: str, unit: str = "") -> Odd | None:
     """Return what is odd about a text that begins like a number; `unit` stands in the readings where it has none."""
     text = text.strip()
+    if len(text) > LONGEST:
+        return None
     quoted = text.strip(_QUOTES).strip()
     if quoted != text and quoted[:1].isdecimal():
         return Odd("has typographic quotes", _with_unit(quoted, "", unit))

@@ -19,7 +19,7 @@ class Refused(Exception):
     """Say why a value is refused, with the remedy; the caller adds file, line and path."""
 
 
-NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*", re.DOTALL)
 _GAUGE = re.compile(r"(bar|mbar|[kM]?Pa|psi|atm)[ _]?(\(g\)|g|gauge)", re.IGNORECASE)
 

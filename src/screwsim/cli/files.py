@@ -1,0 +1,152 @@
+"""The commands that show: rotors, results as figures and as a page, the comparison with sources, schemas."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from screwsim.cli.options import (
+    NOT_ALL_OK,
+    OK,
+    AsJson,
+    Jobs,
+    Overrides,
+    SceneFile,
+    base_point,
+    check_drawer,
+    check_page,
+    loaded,
+)
+from screwsim.faults import UsageError
+from screwsim.screen import say
+
+
+def rotors(
+    scene_file: SceneFile,
+    folder: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Where figures, page, profiles and tables go.")
+    ] = None,
+    overrides: Overrides = None,
+    as_json: AsJson = False,
+) -> None:
+    """Say what the rotor profile of a scene gives, and draw it."""
+    check_drawer(folder)
+    scene = base_point(loaded(scene_file, overrides, None), scene_file)
+    from screwsim.printing import print_json
+    from screwsim.report.rotors_scene import document, table_text, write
+    from screwsim.scene.plausible import scene_warnings
+
+    text = table_text(scene)
+    for warning in (each for each in scene_warnings(scene) if each.startswith("machine.")):
+        typer.echo(f"warning: {warning}", err=True)
+    files = write(scene, folder) if folder is not None else []
+    if as_json:
+        print_json(document(scene, files))
+    else:
+        say("\n".join([text, *files]))
+
+
+def plot(
+    results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)],
+    folder: Annotated[str | None, typer.Option("-o", metavar="DIR", help="Where the figures go.")] = None,
+) -> None:
+    """Draw the figures of a results file."""
+    check_drawer(Path(folder) if folder is not None else None)
+    from screwsim.report import plot as drawn
+
+    for path in drawn(results_file, folder):
+        say(path)
+
+
+def report(
+    results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)],
+    output: Annotated[
+        str | None, typer.Option("-o", metavar="OUT.html", help="Where the page goes (default: beside the file).")
+    ] = None,
+    other: Annotated[
+        str | None, typer.Option("--with", metavar="OTHER.h5", help="The paper's other sweep: claims need both.")
+    ] = None,
+) -> None:
+    """Make one page of a results file: figures, cycles, checks, scene; it opens in any browser, offline."""
+    if output is not None:
+        check_page(Path(output))
+    from screwsim.report.page import report as made
+    from screwsim.study.claims import claims_of
+
+    target = output or str(Path(results_file).with_suffix(".html"))
+    say(made(results_file, target, claims_of(results_file, other)))
+
+
+def validate(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Sources (default: all).", show_default=False)
+    ] = None,
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            "--folder",
+            metavar="DIR",
+            help="Where the sources lie, programs that are run (default: validation/ of the checkout that is running).",
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Write validation.json and a figure a source.")
+    ] = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Hold what is computed against each published reference. A verdict that fails is a finding: exit code 0."""
+    check_drawer(output)
+    from screwsim.printing import print_json, write_json
+    from screwsim.report.validation import draw
+    from screwsim.results.atomic import make_folder
+    from screwsim.study.progress import for_terminal
+    from screwsim.study.validation import document, folder_of, run_sources
+    from screwsim.study.validation.words import report
+
+    outcomes = run_sources(folder_of(folder), names or (), for_terminal("validate"), jobs)
+    found = document(outcomes)
+    if as_json:
+        print_json({**found, "seconds": {each.name: each.seconds for each in outcomes}})
+    else:
+        say(report(found))
+    if output is not None:
+        make_folder(output)
+        for path in (write_json(found, output / "validation.json"), *draw(found, output)):
+            say(path, err=as_json)
+    return OK if all(each.comparison is not None for each in outcomes) else NOT_ALL_OK
+
+
+def schema(
+    fit: Annotated[bool, typer.Option("--fit", help="That of a fit (screwsim calibrate) instead.")] = False,
+    stages: Annotated[bool, typer.Option("--stages", help="That of two stages in a row instead.")] = False,
+) -> None:
+    """Print the JSON Schema of a scene."""
+    from screwsim.printing import print_json
+
+    if fit and stages:
+        raise UsageError("--fit and --stages are schemas of different files (ask for one of the two)")
+    if stages:
+        from screwsim.study.stages import stages_schema
+
+        print_json(stages_schema())
+        return
+    if fit:
+        from screwsim.study.calibration.schema import fit_schema
+
+        print_json(fit_schema())
+        return
+    from screwsim.scene import schema as scene_schema
+
+    print_json(scene_schema())
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add these commands."""
+    app.command()(rotors)
+    app.command()(plot)
+    app.command()(report)
+    app.command()(validate)
+    app.command()(schema)

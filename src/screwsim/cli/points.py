@@ -1,0 +1,202 @@
+"""The commands that solve a scene or say what it is: one point, a sweep, what accuracy costs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from screwsim.cli.options import (
+    NOT_ALL_OK,
+    OK,
+    AsJson,
+    Jobs,
+    Overrides,
+    SceneFile,
+    Without,
+    base_point,
+    check_drawer,
+    check_place,
+    check_results,
+    complain,
+    loaded,
+    say_left_aside,
+)
+from screwsim.faults import UsageError
+from screwsim.screen import say
+
+
+def run(
+    scene_file: SceneFile,
+    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.h5", help="Write the result, with traces.")] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    knock_out: Annotated[
+        bool, typer.Option("--knock-out", help="Leave each effect out in turn, and say what that changes.")
+    ] = False,
+    as_json: AsJson = False,
+) -> int:
+    """Simulate one operating point, or two stages in a row (a file with stages: [first.yaml, second.yaml])."""
+    from screwsim.study.stages import is_stages
+
+    if is_stages(scene_file):
+        return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
+    scene = base_point(loaded(scene_file, overrides, without), scene_file)
+    if output is not None:
+        check_place(output)
+    from screwsim.printing import print_json, print_result
+    from screwsim.simulate import simulate
+
+    result = simulate(scene)
+    if knock_out and result.performance:
+        from screwsim.study.knock_out import knock_out as knocked_out
+        from screwsim.study.progress import for_terminal
+
+        names = [f"without {name}" for name in scene.effects]
+        result = knocked_out(scene, result, for_terminal("knock-out", names))
+    if output is not None:
+        from screwsim.results import save
+
+        check_place(output)  # again: what came there meanwhile stays
+        save(output, scene, result)
+    if as_json:
+        print_json(result.as_json())
+    else:
+        print_result(scene.title, result)
+    return OK if result.status == "ok" else NOT_ALL_OK
+
+
+def _run_stages(
+    file: str, output: Path | None, overrides: Overrides, without: Without, knock_out: bool, as_json: bool
+) -> int:
+    if knock_out or without:
+        raise UsageError(f"{file}: stages have no --knock-out and no --without (run one of the two scenes instead)")
+    from screwsim.printing import print_json
+    from screwsim.printing.stages import print_stages
+    from screwsim.study.stages import read_stages, run_stages
+
+    chain = read_stages(file, overrides or ())
+    places = [] if output is None else [output.with_stem(f"{output.stem}_{name}") for name in ("first", "second")]
+    for place in places:
+        check_place(place)
+    for name, scene in (("first", chain.first), ("second", chain.second)):
+        say_left_aside(scene, f"{file}: the {name} scene's", "stages are not swept: run them once a value, with --set")
+    found = run_stages(chain)
+    if places and found.scenes:
+        from screwsim.results import save
+
+        for place, scene, result in zip(places, found.scenes, found.stages, strict=True):
+            save(place, scene, result)
+    if as_json:
+        print_json(found.as_json())
+    else:
+        print_stages(chain.title, found)
+    return OK if found.status == "ok" else NOT_ALL_OK
+
+
+def sweep(
+    scene_file: SceneFile,
+    output: Annotated[
+        Path | None, typer.Option("-o", metavar="OUT.h5", help="Where the results go (default: results/SCENE.h5).")
+    ] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS|FILE", help="Compute on a dask scheduler's workers instead.")
+    ] = None,
+    case_limit: Annotated[
+        float | None,
+        typer.Option(
+            min=0.001, metavar="SECONDS", help="Give up a case after that time (default: 300; with --jobs 1: never)."
+        ),
+    ] = None,
+    restart: Annotated[bool, typer.Option("--restart", help="Compute again what is there.")] = False,
+    as_json: AsJson = False,
+) -> int:
+    """Simulate the grid of a scene, or resume it."""
+    if scheduler is not None and jobs is not None:
+        raise UsageError("--jobs belongs to this machine; a --scheduler has workers of its own (remove one of the two)")
+    scene = loaded(scene_file, overrides, without)
+    if not scene.sweep:
+        raise UsageError(
+            f"{scene_file}: has no sweep (write a block sweep:, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
+            "one point is simulated by screwsim run)"
+        )
+    from screwsim.printing import print_json, print_sweep, sweep_document
+    from screwsim.study.progress import for_terminal
+    from screwsim.study.sweep import run_sweep
+
+    if output is not None:
+        check_results(output)
+    file = output or Path("results") / f"{Path(scene_file).stem}.h5"
+    where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit}
+    summary = run_sweep(scene, file, **where, restart=restart, progress=for_terminal())
+    document = sweep_document(scene, summary)
+    (print_json if as_json else print_sweep)(document)
+    return OK if summary.ok == summary.cases else NOT_ALL_OK
+
+
+def explain(
+    scene_file: SceneFile,
+    overrides: Overrides = None,
+    without: Without = None,
+    code: Annotated[bool, typer.Option("--code", help="Print the text that is compiled for the scene.")] = False,
+) -> None:
+    """Say what is simulated, and what is left out: of a scene, or of two stages in a row."""
+    from screwsim.study.stages import explain_stages, is_stages, read_stages
+
+    if is_stages(scene_file):
+        if without or code:
+            option = "--without" if without else "--code"
+            raise UsageError(f"{scene_file}: stages have no {option} (explain one of the two scenes instead)")
+        say(explain_stages(read_stages(scene_file, overrides or ())))
+        return
+    scene = loaded(scene_file, overrides, without)
+    import screwsim.explain as explained
+
+    say(explained.code(scene) if code else str(explained.explain(scene)))
+
+
+def accuracy(
+    scene_file: SceneFile,
+    folder: Annotated[
+        Path | None, typer.Option("-o", metavar="DIR", help="Where table, data and figure go (default: nowhere).")
+    ] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Try less: seconds instead of minutes.")] = False,
+) -> int:
+    """Say what accuracy costs in time: integrators, gases, numerical choices, effects, size."""
+    from screwsim.study.stages import is_stages
+
+    if is_stages(scene_file):
+        raise UsageError(f"{scene_file}: describes two stages, and accuracy is of one scene (name that of a stage)")
+    scene = base_point(loaded(scene_file, overrides, without), scene_file)
+    check_drawer(folder)
+    from screwsim.printing import accuracy_drawing
+    from screwsim.report.accuracy import draw
+    from screwsim.results.atomic import make_folder
+    from screwsim.study.accuracy import QUICK, Extent, NoReference, files, study, words
+    from screwsim.study.progress import for_terminal
+
+    if folder is not None:
+        make_folder(folder)
+    try:
+        found = study(scene, QUICK if quick else Extent(), for_terminal("accuracy"))
+    except NoReference as error:
+        return complain(f"{scene_file}: {error}", NOT_ALL_OK)
+    say(words.report(found))
+    if folder is not None:
+        for path in (*files.write(found, folder), *draw(accuracy_drawing(found), folder)):
+            say(path)
+    return OK
+
+
+def add_to(app: typer.Typer) -> None:
+    """Add these commands."""
+    app.command()(run)
+    app.command()(sweep)
+    app.command()(explain)
+    app.command()(accuracy)
