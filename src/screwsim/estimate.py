@@ -33,6 +33,7 @@ MUCH = 1e-4  # wanted accuracy from which on two turns estimate
 TIGHT = 0.75  # volumetric efficiency below which leaks rule, and two turns estimate
 LEAKY = 0.5  # volumetric efficiency below which an error of histories lives on for so many turns
 HIDDEN = 2.0  # that it is as many times what two of them show
+EMPTY = 3.0  # the same of a machine that delivers nothing: what leaks is all there is
 ROOT = 1.5  # the same of coupled chambers, whose error falls as the root of the regularisation there
 QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
 SLOWEST = 0.9  # the largest such share that is believed
@@ -173,7 +174,7 @@ def estimated_errors(solution: Any, closed: closing.Closed) -> tuple[Figures, Re
         if not finer:
             return Figures(dict.fromkeys(found)), (found, notes)
     errors = _shown(found, finer, solution.least(closed.q))
-    hidden = HIDDEN if closed.how == "histories" else ROOT
+    hidden = (HIDDEN if _filling(found) > 0.0 else EMPTY) if closed.how == "histories" else ROOT
     whole = WHOLE * (hidden if _among_leaks(solution, found) else 1.0)
     for name, size in errors.items():
         errors[name] = whole * size if size is not None else None
