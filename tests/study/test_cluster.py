@@ -179,6 +179,7 @@ print(run_sweep(scene(SCENE + GRID), "out.h5", scheduler="s.json", simulate=fake
 
 def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(reference, tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("SWEEP_FAKES_PIDS", str(tmp_path / "pids"))
+    monkeypatch.setattr("screwsim.study.cluster._PATIENCE", 8.0)
     file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
     local = ("--scheduler-file", str(file), "--host", "127.0.0.1", "--no-dashboard")
     program = started("scheduler", "--port", "0", *local, folder=tmp_path)

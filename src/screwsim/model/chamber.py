@@ -47,6 +47,8 @@ from screwsim.model.slots import (
     Q_WORK,
     R_DISCHARGE,
     STOPS,
+    STREAM_OIL,
+    STREAM_OIL_HEAT,
     VOLUMED,
     WALLS,
     WIDTH,
@@ -131,8 +133,8 @@ def rates(y, E, context, f, g):
                 take_film(work, gap_category(E, b, q) * width, q, own, 0, E, b)
     if PORTED == 1:
         oil = oil_inflow(E[E_ANGLE], own[PRESSURE], P, TAB)
-        work[PORT_OIL * width + 2] = oil
-        work[PORT_OIL * width + 3] = oil * P[P_H_PORT]
+        work[PORT_OIL * width + STREAM_OIL] = oil
+        work[PORT_OIL * width + STREAM_OIL_HEAT] = oil * P[P_H_PORT]
         if FLASHED == 1:
             add_flash(oil, own[PRESSURE], P, TAB, work, 0)
         if DISSOLVES == 1:

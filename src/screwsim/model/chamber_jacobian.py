@@ -44,6 +44,7 @@ from screwsim.model.slots import (
     S_RHO,
     S_T,
     STOPS,
+    STREAM_OIL,
     VOLUMED,
     WALLS,
     WIDTH,
@@ -149,7 +150,7 @@ def jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
                 else:
                     add_stream(work, ds + j * n_sums + at, dm, source, b)
     if PORTED == 1:
-        at = PORT_OIL * width + 2
+        at = PORT_OIL * width + STREAM_OIL
         oil_slopes(E, E_next, 0, delta, own, 0, P, TAB, work, at, d, ds + at, n_sums, ds + N * n_sums + at)
         if DISSOLVES == 1:
             release_slopes(

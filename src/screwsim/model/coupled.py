@@ -46,6 +46,8 @@ from screwsim.model.slots import (
     PULSATING,
     Q_STREAMS,
     Q_WALLS,
+    STREAM_OIL,
+    STREAM_OIL_HEAT,
     SUCTION_IN,
     WALLS,
     WIDTH,
@@ -114,8 +116,8 @@ def all_rates(y, E, context, f, g):
     if PORTED == 1:
         for j in range(CHAMBERS):
             oil = oil_inflow(E[j * size + E_ANGLE], places[j * PLACE + PRESSURE], P, TAB)
-            work[j * n_sums + PORT_OIL * width + 2] = oil
-            work[j * n_sums + PORT_OIL * width + 3] = oil * P[P_H_PORT]
+            work[j * n_sums + PORT_OIL * width + STREAM_OIL] = oil
+            work[j * n_sums + PORT_OIL * width + STREAM_OIL_HEAT] = oil * P[P_H_PORT]
             if FLASHED == 1:
                 add_flash(oil, places[j * PLACE + PRESSURE], P, TAB, work, j * n_sums)
             if DISSOLVES == 1:

@@ -36,6 +36,7 @@ from screwsim.model.slots import (
     Q_WALLS,
     Q_WORK,
     S_RHO,
+    STREAM_OIL,
     WALLS,
     WIDTH,
     N,
@@ -88,9 +89,9 @@ def all_jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi):
     if PORTED == 1:
         n_cols = n_all + 1
         for j in range(CHAMBERS):
-            at = j * n_sums + PORT_OIL * width + 2
-            own = ds + (j * n_cols + j * N) * n_sums + PORT_OIL * width + 2
-            over_phi = ds + (j * n_cols + n_all) * n_sums + PORT_OIL * width + 2
+            at = j * n_sums + PORT_OIL * width + STREAM_OIL
+            own = ds + (j * n_cols + j * N) * n_sums + PORT_OIL * width + STREAM_OIL
+            over_phi = ds + (j * n_cols + n_all) * n_sums + PORT_OIL * width + STREAM_OIL
             first = d + j * N * PLACE
             oil_slopes(E, E_next, j * size, delta, places, j * PLACE, P, TAB, work, at, first, own, n_sums, over_phi)
             if DISSOLVES == 1:

@@ -16,6 +16,9 @@ from screwsim.model.slots import (
     OIL_TEMPERATURE,
     PLACE,
     PRESSURE,
+    STREAM_HELD,
+    STREAM_OIL,
+    STREAM_OIL_HEAT,
     WIDTH,
     N,
     gap_film,
@@ -48,19 +51,19 @@ def film_slopes(i, own, a, other, b, P):
 @kernel
 def add_film(sums, at, q, source, s):
     """Add oil q [kg/s] that has the state of place `source[s]` to the sums of one category."""
-    sums[at + 2] += q
-    sums[at + 3] += q * source[s + OIL_TEMPERATURE]
+    sums[at + STREAM_OIL] += q
+    sums[at + STREAM_OIL_HEAT] += q * source[s + OIL_TEMPERATURE]
     if DISSOLVES == 1:
-        sums[at + 4] += q * source[s + DISSOLVED]
+        sums[at + STREAM_HELD] += q * source[s + DISSOLVED]
 
 
 @kernel
 def add_film_slope(sums, at, q, dq, source, s, d, r):
     """Add the derivative of such oil: dq with the source's state, and q with the change d[r] of that state."""
     add_film(sums, at, dq, source, s)
-    sums[at + 3] += q * d[r + OIL_TEMPERATURE]
+    sums[at + STREAM_OIL_HEAT] += q * d[r + OIL_TEMPERATURE]
     if DISSOLVES == 1:
-        sums[at + 4] += q * d[r + DISSOLVED]
+        sums[at + STREAM_HELD] += q * d[r + DISSOLVED]
 
 
 @kernel
@@ -142,7 +145,7 @@ def film_beyond(i, area, darea, j, line, line_next, b, delta, context, d, ds):
     if inward:
         add_film(work, j * n_sums + at, q, line, b)
         add_film(work, over_phi, by_phi, line, b)
-        work[over_phi + 3] += q * (line_next[b + OIL_TEMPERATURE] - line[b + OIL_TEMPERATURE]) / delta
+        work[over_phi + STREAM_OIL_HEAT] += q * (line_next[b + OIL_TEMPERATURE] - line[b + OIL_TEMPERATURE]) / delta
     else:
         add_film(work, j * n_sums + at, q, places, own)
         add_film(work, over_phi, by_phi, places, own)

@@ -23,6 +23,9 @@ from screwsim.model.slots import (
     S_T,
     S_T_OIL,
     S_X_OIL,
+    STREAM_ENTHALPY,
+    STREAM_HELD,
+    STREAM_OIL_HEAT,
     VOLUMED,
     WIDTH,
     N,
@@ -57,8 +60,8 @@ def add_flash(oil, p, P, TAB, work, first):
     width = WIDTH
     gas, enthalpy, heat = flash_terms(oil, p, P, TAB)
     work[first + FLASH * width] = gas
-    work[first + FLASH * width + 1] = enthalpy
-    work[first + PORT_OIL * width + 3] -= heat
+    work[first + FLASH * width + STREAM_ENTHALPY] = enthalpy
+    work[first + PORT_OIL * width + STREAM_OIL_HEAT] -= heat
 
 
 @kernel
@@ -128,9 +131,9 @@ def add_release(y, at, E, e, oil, place, row, P, TAB, work, first):
         TAB,
     )
     work[first + FLASH * width] = gas
-    work[first + FLASH * width + 1] = enthalpy
-    work[first + PORT_OIL * width + 3] -= heat
-    work[first + PORT_OIL * width + 4] = held_gas(oil, P) - gas
+    work[first + FLASH * width + STREAM_ENTHALPY] = enthalpy
+    work[first + PORT_OIL * width + STREAM_OIL_HEAT] -= heat
+    work[first + PORT_OIL * width + STREAM_HELD] = held_gas(oil, P) - gas
 
 
 @kernel

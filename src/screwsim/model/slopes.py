@@ -19,6 +19,7 @@ from screwsim.model.slots import (
     PRESSURE,
     PULSATING,
     RESISTED,
+    STREAM_ENTHALPY,
     VOLUMED,
     WIDTH,
     N,
@@ -100,7 +101,7 @@ def beyond_slopes(i, area, darea, j, line, line_next, b, delta, context, d, ds):
         add_stream(work, j * n_sums + at, m, line, b)
         add_stream(work, over_phi, by_phi, line, b)
         if PULSATING == 1:
-            work[over_phi + 1] += m * (line_next[b + ENTHALPY] - line[b + ENTHALPY]) / delta
+            work[over_phi + STREAM_ENTHALPY] += m * (line_next[b + ENTHALPY] - line[b + ENTHALPY]) / delta
     else:
         add_stream(work, j * n_sums + at, m, places, own)
         add_stream_slope(work, over_phi, m, by_phi, places, own, work, d_phi)

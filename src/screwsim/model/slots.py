@@ -159,6 +159,8 @@ E_VOLUME, E_SLOPE, E_OILED, E_ANGLE, E_AREAS = range(5)
 SUCTION_IN, SUCTION_OUT, DISCHARGE_IN, DISCHARGE_OUT, BETWEEN, PORT_OIL = range(6)
 CATEGORIES: Any = Structure("CATEGORIES")
 FEWEST = 5  # categories
+# sums of a category: mass, enthalpy, oil, that times its temperature, what it holds
+STREAM_MASS, STREAM_ENTHALPY, STREAM_OIL, STREAM_OIL_HEAT, STREAM_HELD = range(5)
 
 # quadratures: work on the gas, heat from the oil, of each wall heat into the gas and conductance, then per category
 # mass, enthalpy (oil mass, oil mass × T_oil, gas that it holds)

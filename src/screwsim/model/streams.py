@@ -45,6 +45,10 @@ from screwsim.model.slots import (
     S_RHO,
     S_T_OIL,
     S_X_OIL,
+    STREAM_ENTHALPY,
+    STREAM_HELD,
+    STREAM_OIL,
+    STREAM_OIL_HEAT,
     SUCTION_IN,
     TPT,
     VOLUMED,
@@ -137,26 +141,28 @@ def held_slopes(i, m, p_1, rho_1, p_2, rho_2, own, a, other, b, P):
 def add_stream(sums, at, m, source, s):
     """Add a stream of mass flow m that has the state of place `source[s]` to the sums of one category."""
     sums[at] += m
-    sums[at + 1] += m * source[s + ENTHALPY]
+    sums[at + STREAM_ENTHALPY] += m * source[s + ENTHALPY]
     if CARRIED == 1:
         oil = m * source[s + OIL_RATIO]
-        sums[at + 2] += oil
-        sums[at + 3] += oil * source[s + OIL_TEMPERATURE]
+        sums[at + STREAM_OIL] += oil
+        sums[at + STREAM_OIL_HEAT] += oil * source[s + OIL_TEMPERATURE]
         if DISSOLVES == 1:
-            sums[at + 4] += oil * source[s + DISSOLVED]
+            sums[at + STREAM_HELD] += oil * source[s + DISSOLVED]
 
 
 @kernel
 def add_stream_slope(sums, at, m, dm, source, s, d, r):
     """Add the derivative of a stream: dm with the source's state, and m with the change d[r] of that state."""
     add_stream(sums, at, dm, source, s)
-    sums[at + 1] += m * d[r + ENTHALPY]
+    sums[at + STREAM_ENTHALPY] += m * d[r + ENTHALPY]
     if CARRIED == 1:
         ratio = m * d[r + OIL_RATIO]
-        sums[at + 2] += ratio
-        sums[at + 3] += ratio * source[s + OIL_TEMPERATURE] + m * source[s + OIL_RATIO] * d[r + OIL_TEMPERATURE]
+        sums[at + STREAM_OIL] += ratio
+        sums[at + STREAM_OIL_HEAT] += (
+            ratio * source[s + OIL_TEMPERATURE] + m * source[s + OIL_RATIO] * d[r + OIL_TEMPERATURE]
+        )
         if DISSOLVES == 1:
-            sums[at + 4] += ratio * source[s + DISSOLVED] + m * source[s + OIL_RATIO] * d[r + DISSOLVED]
+            sums[at + STREAM_HELD] += ratio * source[s + DISSOLVED] + m * source[s + OIL_RATIO] * d[r + DISSOLVED]
 
 
 @kernel
@@ -212,12 +218,12 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
     for c in range(CATEGORIES):
         i = first + c * width
         mass += sums[i]
-        enthalpy += sums[i + 1]
+        enthalpy += sums[i + STREAM_ENTHALPY]
         if CARRIED == 1:
-            oil += sums[i + 2]
-            oil_energy += sums[i + 3]
+            oil += sums[i + STREAM_OIL]
+            oil_energy += sums[i + STREAM_OIL_HEAT]
             if DISSOLVES == 1:
-                held += sums[i + 4]  # pyright: ignore[reportPossiblyUnboundVariable]
+                held += sums[i + STREAM_HELD]  # pyright: ignore[reportPossiblyUnboundVariable]
     omega = P[P_OMEGA]
     heat = 0.0
     if HEATED == 1:
@@ -226,12 +232,12 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
             T, m, place[row + PRESSURE], rho, E[e + E_VOLUME], E[e + E_ANGLE], y[at + S_T_OIL], m_oil, R[R_RATIO], P
         )
         if VOLUMED == 0:
-            f[at + 2] = oil_temperature_slope(y[at + S_T_OIL], m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
+            f[at + S_T_OIL] = oil_temperature_slope(y[at + S_T_OIL], m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
         else:
             own = place[row + OIL_TEMPERATURE]
-            f[at + 2] = oil_temperature_slope(own, m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
+            f[at + S_T_OIL] = oil_temperature_slope(own, m_oil, m, P[P_C_OIL], oil, oil_energy, lost, omega)
         if CARRIED == 1:
-            f[at + 3] = (oil - y[at + S_X_OIL] * mass) / (m * omega)
+            f[at + S_X_OIL] = (oil - y[at + S_X_OIL] * mass) / (m * omega)
         if DISSOLVES == 1:
             f[at + HELD] = held_slope(y[at + HELD], m_oil, m, oil, held, omega)  # pyright: ignore[reportPossiblyUnboundVariable]
     if WALLS > 0:
@@ -259,12 +265,12 @@ def finish(y, at, E, e, place, row, R, P, sums, first, f, g):
             E[e + E_SLOPE],
             omega,
         )
-        f[at + 1] = (mass / omega - rho * E[e + E_SLOPE]) / E[e + E_VOLUME]
+        f[at + S_RHO] = (mass / omega - rho * E[e + E_SLOPE]) / E[e + E_VOLUME]
     else:
         slope = E[e + E_SLOPE] - oil * P[P_ROOM] / omega
         f[at] = temperature_slope(
             T, m, rho, place[row + ENTHALPY], place[row + C_V], place[row + TPT], mass, enthalpy, heat, slope, omega
         )
-        f[at + 1] = (mass / omega - rho * slope) * rho / m
+        f[at + S_RHO] = (mass / omega - rho * slope) * rho / m
     g[Q_WORK] -= place[row + PRESSURE] * E[e + E_SLOPE]
     g[Q_HEAT] += heat / omega

@@ -15,7 +15,7 @@ from screwsim.study.agreement import REMEDY, Wanted, what_differs
 from screwsim.study.workers import LOST
 from screwsim.textfiles import Unreadable, read_text
 
-_PATIENCE = 60.0  # [s] for the scheduler's answer, and again for the first worker
+_PATIENCE = 60.0  # [s] for the scheduler's answer, for the first worker, and for a lost scheduler to come back
 _LATE = 2.0  # [s] beyond its patience after which a connection is given up that does not keep to it
 _SHOWN = 3  # workers that are told of
 _REMEDY = "give tcp://HOST:PORT, or the file that `dask scheduler --scheduler-file FILE` writes"
@@ -24,9 +24,9 @@ _REMEDY = "give tcp://HOST:PORT, or the file that `dask scheduler --scheduler-fi
 class Cluster:
     """A scheduler with its workers, which may come and go while a sweep runs."""
 
-    def __init__(self, where: str, patience: float = _PATIENCE, wanted: Wanted | None = None) -> None:
+    def __init__(self, where: str, patience: float | None = None, wanted: Wanted | None = None) -> None:
         self._where = where
-        self._patience = patience
+        self._patience = _PATIENCE if patience is None else patience
         self._wanted = wanted
         self._asked: set[str] = set()
         self._client: Any = None
