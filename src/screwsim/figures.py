@@ -71,8 +71,10 @@ def known() -> dict[str, Figure]:
 def declaration(name: str, figures: Any = None) -> Figure | None:
     """Return what is declared of a figure: with `figures`, in this program, or by a user's effect that it imported."""
     about: Mapping[str, Figure] = getattr(figures, "about", {})
-    own = (each for effect in imported().values() for each in effect.figures if each.name == name)
-    return about.get(name) or known().get(name) or next(own, None)
+    found = about.get(name) or known().get(name)
+    if found is None:
+        found = next((each for effect in imported().values() for each in effect.figures if each.name == name), None)
+    return found
 
 
 def declared(name: str, figures: Any = None) -> Figure:
@@ -123,12 +125,19 @@ def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
     given = dict(_given(scene, parts))
     losses = {part.figure for _, part in parts.all(PowerLoss)}
     called: dict[str, Figure] = {}
+    met = {needs: _is_met(needs, scene, parts) for needs in _core_needs()}
     for each in PERFORMANCE.values():
         if each.name == "shaft_power":
             called |= {name: figure for name, figure in given.items() if name in losses}
-        if _is_met(each.needs, scene, parts):
+        if met[each.needs]:
             called[each.name] = each
     return called | given
+
+
+@cache
+def _core_needs() -> tuple[tuple[str, ...], ...]:
+    """Return what the core's figures need, each once: many need the same."""
+    return tuple(dict.fromkeys(each.needs for each in PERFORMANCE.values()))
 
 
 def _given(scene: Scene, parts: Parts) -> Iterator[tuple[str, Figure]]:

@@ -20,7 +20,7 @@ MOST_AXES = 3
 KINDS: list[Kind] = [FLOAT, INTEGER, TRUTH]  # by number
 _FLOAT, _INTEGER, _TRUTH = range(3)
 _FLOATS, _INTEGERS = np.dtype(np.float64), np.dtype(np.int64)
-_known: dict[int, tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]] = {}  # by id: where an array stands
+known: dict[int, tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]] = {}  # by id: where an array stands
 _contexts: dict[tuple[Any, ...], int] = {}
 for _of in (FLOAT, INTEGER):
     KINDS += [array(_of, axes) for axes in range(1, MOST_AXES + 1)]
@@ -47,11 +47,11 @@ def take(argument: Any, kinds: list[int], words: list[float]) -> None:
     """Add the number of an argument's kind, and its words; raise TypeError for what compiled code cannot read."""
     what = type(argument)
     if what is np.ndarray:
-        known = _known.get(id(argument))
-        if known is None or known[0]() is not argument:
-            known = _look_at(argument)
-        kinds.append(known[1])
-        words.extend(known[2])
+        found = known.get(id(argument))
+        if found is None or found[0]() is not argument:
+            found = _look_at(argument)
+        kinds.append(found[1])
+        words.extend(found[2])
     elif what is float:
         kinds.append(_FLOAT)
         words.append(argument)
@@ -88,17 +88,18 @@ def _number(argument: Any) -> int:
 
 def _look_at(table: np.ndarray) -> tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]:
     of, axes, flags = table.dtype, table.ndim, table.flags
-    if of not in (_FLOATS, _INTEGERS) or not flags.c_contiguous or not flags.aligned or not 0 < axes <= MOST_AXES:
+    floats = of is _FLOATS or of == _FLOATS  # the first is quick, and nearly always so
+    if not (floats or of == _INTEGERS) or not flags.c_contiguous or not flags.aligned or not 0 < axes <= MOST_AXES:
         raise TypeError(f"a compiled function takes whole arrays of float64 or int64, not {of} of {table.shape}")
-    number = _TRUTH + axes + (0 if of == _FLOATS else MOST_AXES)
+    number = _TRUTH + axes + (0 if floats else MOST_AXES)
     if flags.writeable and table.size:
         address = ctypes.addressof(ctypes.c_char.from_buffer(table))  # type: ignore[arg-type]
     else:
         address = table.ctypes.data  # the same, slower
     found = weakref.ref(table), number, (address, *table.shape)
-    if len(_known) >= MOST_KNOWN:
-        _known.clear()
-    _known[id(table)] = found
+    if len(known) >= MOST_KNOWN:
+        known.clear()
+    known[id(table)] = found
     return found
 
 
@@ -114,10 +115,10 @@ class Variant:
         self._unpack, self._room = results.unpack, ctypes.c_char * results.size
 
     def __call__(self, words: Sequence[float]) -> Any:
-        out = self._room()
+        out = self._room() if self._letters else None
         if self._entry(self._pack(*words), out):
             raise IndexError("an index beyond its array")
-        if not self._letters:
+        if out is None:
             return None
         found = self._unpack(out)
         if "b" in self._letters:

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from screwsim.codegen.calls import KINDS, Variant, take
+from screwsim.codegen.calls import KINDS, Variant, known, take
 from screwsim.codegen.kinds import Kind
 from screwsim.numerics import compiling, store
 
@@ -108,7 +108,12 @@ class Function:
         kinds: list[int] = []
         words: list[float] = []
         for each in arguments:
-            take(each, kinds, words)
+            array = known.get(id(each))
+            if array is not None and array[0]() is each:  # as `take` does, without a call
+                kinds.append(array[1])
+                words += array[2]
+            else:
+                take(each, kinds, words)
         key = tuple(kinds)
         variant = self._variants.get(key)
         return (variant or self._made(key))(words)

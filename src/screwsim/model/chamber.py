@@ -120,17 +120,19 @@ def rates(y, E, context, f, g):
             m = port_flow(i, area, own, 0, line, b, P)
             if OPENED == 1:
                 m *= open_share(i, y, own, line, b, own[OPENING + N_PLENUM + i], P)
-            take(work, category(PLENUM[i], m) * width, m, own, 0, line, b)
+            at = category(PLENUM[i], 1.0) * width
+            take(work, at, at + width, m, own, 0, line, b)
     areas = E_AREAS + N_PLENUM
     for i in range(2 * N_GAPS):
         area = E[areas + i]
         if area > 0.0:
             b = areas + 2 * N_GAPS + (2 * GAP_OFFSET[i // 2] + i % 2) * SIDE
             m = gap_flow(i // 2, area, own, 0, E, b, P)
-            take(work, gap_category(E, b, m) * width, m, own, 0, E, b)
+            inward, outward = gap_category(E, b, 1.0) * width, gap_category(E, b, -1.0) * width
+            take(work, inward, outward, m, own, 0, E, b)
             if FILMED == 1:
                 q = film_flow(i // 2, area, own, 0, E, b, P)
-                take_film(work, gap_category(E, b, q) * width, q, own, 0, E, b)
+                take_film(work, inward, outward, q, own, 0, E, b)
     if PORTED == 1:
         oil = oil_inflow(E[E_ANGLE], own[PRESSURE], P, TAB)
         work[PORT_OIL * width + STREAM_OIL] = oil

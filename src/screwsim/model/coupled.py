@@ -95,7 +95,8 @@ def all_rates(y, E, context, f, g):
             if E[e + i] > 0.0:
                 line, b = line_place(PLENUM[i], R, E, ALL_LINES)
                 m = port_flow(i, E[e + i], places, own, line, b, P)
-                take(work, sums + category(PLENUM[i], m) * width, m, places, own, line, b)
+                at = sums + category(PLENUM[i], 1.0) * width
+                take(work, at, at + width, m, places, own, line, b)
         for i in range(N_GAPS):
             area = E[e + N_PLENUM + i]
             if area > 0.0:
@@ -109,10 +110,11 @@ def all_rates(y, E, context, f, g):
                 else:
                     line, b = line_place(1, R, E, ALL_LINES)
                     m = gap_flow(i, area, places, own, line, b, P)
-                    take(work, sums + category(1, m) * width, m, places, own, line, b)
+                    at = sums + category(1, 1.0) * width
+                    take(work, at, at + width, m, places, own, line, b)
                     if FILMED == 1:
                         q = film_flow(i, area, places, own, line, b, P)
-                        take_film(work, sums + category(1, q) * width, q, places, own, line, b)
+                        take_film(work, at, at + width, q, places, own, line, b)
     if PORTED == 1:
         for j in range(CHAMBERS):
             oil = oil_inflow(E[j * size + E_ANGLE], places[j * PLACE + PRESSURE], P, TAB)

@@ -70,21 +70,24 @@ def gap_flow_slopes(i, own, a, beyond, b, P):
 
 
 @kernel
-def take(sums, at, m, own, a, beyond, b):
-    """Add a flow to the sums of a category, with the state of the place that it comes from."""
+def take(sums, inward, outward, m, own, a, beyond, b):
+    """Add a flow, with the state of the place that it comes from, to the sums of one category or the other.
+
+    Each way has an index of its own: one that hangs on the flow's sign would keep the sums out of registers.
+    """
     if m >= 0.0:
-        add_stream(sums, at, m, beyond, b)
+        add_stream(sums, inward, m, beyond, b)
     else:
-        add_stream(sums, at, m, own, a)
+        add_stream(sums, outward, m, own, a)
 
 
 @kernel
-def take_film(sums, at, q, own, a, beyond, b):
-    """Add oil that flows as a film to the sums of a category, with the temperature where it comes from (M252)."""
+def take_film(sums, inward, outward, q, own, a, beyond, b):
+    """Add oil that flows as a film, with the temperature where it comes from, to one category or the other (M252)."""
     if q >= 0.0:
-        add_film(sums, at, q, beyond, b)
+        add_film(sums, inward, q, beyond, b)
     else:
-        add_film(sums, at, q, own, a)
+        add_film(sums, outward, q, own, a)
 
 
 @kernel

@@ -55,7 +55,7 @@ class Numbers:
         at = len(self.values) - 1
         if name is not None:
             self.named[at] = name
-        label = first = "P_" + re.sub(r"\W", "_", label)
+        label = first = "P_" + (label if label.isidentifier() else re.sub(r"\W", "_", label))
         again = 2
         while label in self.places:
             label, again = f"{first}_{again}", again + 1
