@@ -118,8 +118,7 @@ def _simulate(scene: Scene, trace: bool, series: Series) -> Result:
         with faults_of_own(scene):
             with compiled.equation_announced(scene.gas.fluid):
                 solution = Solution(scene, series)
-            ledger = trace or scene.numerics.error == "estimate"
-            solution.machinery.warm_up(solution.rehearse, ledger, trace)
+            solution.machinery.warm_up(solution.rehearse)
         solution = shaft.at_its_speed(solution)
         result = _solved(solution, trace)
         solution.release()

@@ -123,10 +123,3 @@ class Function:
             if key not in self._variants:
                 self._variants[key] = self._module.compiled(self._name, tuple(KINDS[kind] for kind in key))
             return self._variants[key]
-
-    def prepare(self, *arguments: Any) -> None:
-        """Be ready for a call with such arguments."""
-        kinds: list[int] = []
-        for each in arguments:
-            take(each, kinds, [])
-        self._made(tuple(kinds))

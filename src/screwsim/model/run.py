@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from types import ModuleType
 from typing import Any
@@ -95,13 +94,10 @@ class Machinery:
         self.stamp = object()
         self.images.clear()
 
-    def warm_up(self, start: Callable[[], Array], ledger: bool = False, traces: bool = False) -> None:
-        """Compile (or load) the driver of one chamber, announced when it takes long; not counted as solution time.
-
-        What the ledger and the traces need is compiled beside it where they are asked for.
-        """
+    def warm_up(self, start: Callable[[], Array]) -> None:
+        """Compile (or load) the driver of one chamber, announced when it takes long; not counted as solution time."""
         if "one" not in compiled.warm(self.module):
-            with self._compiling("one"), self._beside(ledger, traces):
+            with self._compiling("one"):
                 self.turn(start(), 1e-2, 1e-3)
                 self.swap()
                 self.states_at(np.array([0.1]))
@@ -110,23 +106,6 @@ class Machinery:
                 self.mix(np.array([0.5, 0.5]))
                 if self.composition.pulsating:
                     self.into_lines(1)
-
-    @contextmanager
-    def _beside(self, ledger: bool, traces: bool) -> Iterator[None]:
-        """Compile for the ledger and the traces in another thread."""
-        c, one, rows = self.composition, np.zeros(1), np.zeros((1, 1))
-        asked: list[tuple[Any, tuple[Any, ...]]] = []
-        if ledger:
-            asked.append((self.module.ledger__account, self._accounted(0.0, 0.0)))
-        if traces:
-            asked.append((self.module.trace__sample, (one, *self.last(), self.context, c.n_E, rows, rows)))
-        with ThreadPoolExecutor(1) as thread:
-            waiting = [thread.submit(function.prepare, *arguments) for function, arguments in asked]
-            yield
-            for each in waiting:
-                each.result()
-        if ledger:
-            compiled.warm(self.module).add("ledger")
 
     @contextmanager
     def _compiling(self, driver: str) -> Iterator[None]:
@@ -270,18 +249,15 @@ class Machinery:
 
         `s_…` are the specific entropies [J/(kg K)] of the lines' gas. Compiled when it is first asked for.
         """
-        arguments = self._accounted(s_suction, s_discharge)
-        with self._compiling("ledger") if "ledger" not in compiled.warm(self.module) else nullcontext():
-            self.module.ledger__account(*arguments)
-        paths, heats, oil = arguments[-3:]
-        return paths, heats[: len(self.composition.heats) + len(self.composition.walls)], oil
-
-    def _accounted(self, s_suction: float, s_discharge: float) -> tuple[Any, ...]:
-        """Return what the ledger's kernel is given, arrays for its sums last."""
         c, (times, dense, _, steps) = self.composition, self.last()
         paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), ledger.PATH_SUMS))
-        heats, oil = np.zeros((max(len(c.heats) + len(c.walls), 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
-        return times, dense, steps, self.context, c.n_E, s_suction, s_discharge, paths, heats, oil
+        warming = len(c.heats) + len(c.walls)
+        heats, oil = np.zeros((max(warming, 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
+        with self._compiling("ledger") if "ledger" not in compiled.warm(self.module) else nullcontext():
+            self.module.ledger__account(
+                times, dense, steps, self.context, c.n_E, s_suction, s_discharge, paths, heats, oil
+            )
+        return paths, heats[:warming], oil
 
     def port_oil(self) -> tuple[float, float]:
         """Return the oil [kg] that came through ports over the last life, and that times the chamber's pressure."""
