@@ -41,7 +41,7 @@ def many_rates(times, Y, E, f, g, context):
 def many_jacobians(times, Y, E, E_next, step, f, g, J, Jq, f_phi, g_phi, context):
     for i in range(times):
         j = i % len(Y)
-        chamber_jacobian__jacobian(Y[j], E[j], E_next[j], step, context, f, g, J, Jq, f_phi, g_phi)
+        chamber__jacobian(Y[j], E[j], E_next[j], step, context, f, g, J, Jq, f_phi, g_phi)
 
 
 def many_systems(times, matrix, pivots, f, solves):

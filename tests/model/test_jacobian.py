@@ -58,7 +58,7 @@ def machinery(request):
 def driver(machinery, request):
     c, m = machinery.composition, machinery.module
     if request.param == "chamber":
-        kernels = m.chamber__surroundings, m.chamber__rates, m.chamber_jacobian__jacobian
+        kernels = m.chamber__surroundings, m.chamber__rates, m.chamber__jacobian
         return Driver(
             machinery.n,
             c.n_E,

@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
-from screwsim.model import chamber
+from screwsim.fluid import nozzle
+from screwsim.model import chamber, slots
+from screwsim.model import stops as model_stops
 from screwsim.model.module_text import module_text
 from screwsim.model.parts import Parts
 from screwsim.model.sampled import unstated_knots
@@ -28,6 +30,9 @@ from screwsim.model.slots import (
     Q_WALLS,
     R_SIZE,
 )
+from screwsim.network import balances
+from screwsim.network.chamber import chamber_texts
+from screwsim.network.network import Gap, Network, Port, identifier
 from screwsim.model.writing import (
     Writer,
     operating,
@@ -49,6 +54,7 @@ from screwsim.model.writing import (
     write_walls,
 )
 
+SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
 PORTS, LINES = ("suction_port", "discharge_port"), ("suction", "discharge")
 
@@ -147,7 +153,6 @@ def _knots(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], more: 
 
 def compose(parts: Parts) -> Composition:
     """Return the composition of what a scene names."""
-    writer = Writer(symbols_of(parts), _fixed_numbers(parts), parts.made)
     geometry, gas, oil, port = parts.geometry, parts.gas, parts.oil, parts.oil_port
     named = parts.all(FlowPath)
     plenum = [(name, path) for name, path in named if path.to != "neighbour"]
@@ -168,6 +173,9 @@ def compose(parts: Parts) -> Composition:
     stops = [part for _, part in parts.all(Stops)]
     stopped = tuple((states.index(part.position), states.index(part.speed)) for part in stops)
     opened = any(path.opening is not None for _, path in plenum)
+    network = Network(states, names, heated, carried, parts.dissolves, parts.oil_room)
+    writer = Writer(symbols_of(parts), _fixed_numbers(parts), parts.made, network)
+    _connect(network, parts, plenum, gaps)
     _refuse(parts, states, opened or bool(stops))
     law = geometry.volume_law()
     write_gas(writer, gas)
@@ -227,12 +235,19 @@ def compose(parts: Parts) -> Composition:
         constants["POSITIVE"] = f"np.array({[int(part.positive) for part in own_states]})"
     structure = _structure(parts) | {"WIDTH": (5 if parts.dissolves else 4) if carried else 2}
     structure |= {"OWN_STATES": len(names), "OPENED": int(opened), "STOPS": len(stops)}
+    network.stops = len(stops)
+    resting = (model_stops.keep_at_rest, model_stops.keep_rows_at_rest, model_stops.note_end, model_stops.note_start)
+    for each in (*balances.KERNELS, nozzle.flow, *(resting if stops else ())):
+        network.kernels[each.flat_name] = each
+    texts, kernels = chamber_texts(network.key())
+    writer.text += texts
+    writer.kernels += kernels
     n_areas = 4 + len(plenum)
     structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets)
     structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
     held = (FIRST_OWN + len(parts.plenums)) * PLACE if parts.pulsations else 0
     numbers = writer.numbers
-    constants |= numbers.places
+    constants |= numbers.places | SHARED | {name: structure[name] for name in (*OIL_NUMBERS, "E_LINES")}
     return Composition(
         text=module_text(tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())),
         P=np.array(numbers.values),
@@ -264,6 +279,19 @@ def compose(parts: Parts) -> Composition:
         starts=tuple(part.start for part in own_states),
         pulsating=bool(parts.pulsations),
     )
+
+
+def _connect(network: Network, parts: Parts, plenum: Sequence[Any], gaps: Sequence[Any]) -> None:
+    """Put cells, ports and gaps into a network; what is called of them is written later."""
+    network.cells = [*(f"{name}_line" for name in LINES), "", *(identifier(name) for name in parts.plenums)]
+    network.offsets = sorted({path.offset for _, path in gaps})
+    for i, (name, path) in enumerate(plenum):
+        number = parts.number(path.to)
+        width = f"P[P_PORT_WIDTH + {number}]"
+        port = Port(i, name, network.cells[number], number, width, one_way=path.one_way, narrow=path.narrow)
+        network.ports.append(port)
+    network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(gaps)]
+    network.pulsating, network.chambers = bool(parts.pulsations), parts.geometry.chambers
 
 
 class Composer:

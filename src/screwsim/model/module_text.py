@@ -24,8 +24,8 @@ from screwsim.numerics.kernel import HEADER, Kernel, flatten
 # what the integrator calls of both drivers: by its slot (rodas.py)
 ONE = {
     "surroundings": chamber.surroundings,
-    "rates": chamber.rates,
-    "jacobian": chamber_jacobian.jacobian,
+    "rates": "chamber__rates",
+    "jacobian": "chamber__jacobian",
     "error_size": chamber_steps.error_size,
     "share_in_phase": chamber_steps.share_in_phase,
     "conserve": chamber_steps.conserve,
@@ -50,6 +50,7 @@ OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "vo
 OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
 OWN += ("state_rate", "path_opening", "flash_terms", "stop_push", "restitution")
 OWN += ("gap_film", "release_terms", "held_gas", "solution_entropy")
+OWN += ("chamber__path_flows", "chamber__film_flows")
 OWN += ("gap_share_slopes", "gap_film_slopes", "oil_inflow_slope", "path_opening_slope")
 
 
@@ -65,7 +66,8 @@ def module_text(
     quadratures = numbers["Q_STREAMS"] + numbers["CATEGORIES"] * numbers["WIDTH"]
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
     own = {name: name for name in (*constants, *OWN)}
-    rooms = *ONE.values(), *ALL.values(), chamber_steps.inject, places.places_along
+    fillers = (each for each in (*ONE.values(), *ALL.values()) if not isinstance(each, str))
+    rooms = *fillers, chamber_steps.inject, places.places_along
     model = flatten(rooms, own, numbers=numbers)
     model |= flatten((history.add_history, history.states_at))
     model |= flatten((trace.peak_pressure, trace.volumes, trace.sample, trace.work_along), own, numbers=numbers)
@@ -80,11 +82,11 @@ def module_text(
         model |= flatten((trace.port_oil,), own, numbers=numbers)
     if numbers["STOPS"]:
         model |= flatten((chamber_steps.jump,), own, numbers=numbers)
-    blocks = flatten(kernels)
+    blocks = flatten(kernels, own, numbers=numbers)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     blocks |= {name: text for name, text in model.items() if name not in blocks}
     for kind, filling, chambers, more in (("_one", ONE, 1, 0), ("_all", ALL, constants["CHAMBERS"], 1)):
-        slots = {name: filler.flat_name for name, filler in filling.items()}
+        slots = {name: filler if isinstance(filler, str) else filler.flat_name for name, filler in filling.items()}
         jumps = int(numbers["STOPS"] > 0 and filling is ONE)
         if jumps:
             slots["jump"] = chamber_steps.jump.flat_name

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from screwsim.model import pulsation
 from screwsim.model.parts import OilPart, Parts
 from screwsim.model.slots import P_DISCHARGE_WIDTH, P_OMEGA, P_PITCH
 from screwsim.model.speed import flat_curve, slowness
+from screwsim.network.network import Heat, Network, WallHeat, identifier
 from screwsim.numerics.derivative import tangent
 from screwsim.numerics.kernel import Kernel, kernel
 from screwsim.numerics.spline import pack_curve, table_value
@@ -75,32 +76,34 @@ class Numbers:
 class Writer:
     """Writes the composition's own small functions and collects the kernels they call."""
 
-    def __init__(self, symbols: Mapping[str, float], head: Sequence[float], made: Mapping[str, float]) -> None:
+    def __init__(self, symbols: Mapping[str, float], head: Sequence[float], made: Mapping[str, float], network: Network) -> None:
         self.numbers = Numbers(list(head))
         self.made = {name: self.numbers.add(value, name) for name, value in made.items()}
         self.symbols = symbols
         self.kernels: list[Kernel] = []
         self.text: list[str] = []
         self.slow = ""  # factor of all that depends on time, where the speed changes over the pitch
+        self.network = network
 
     def call(
         self,
         kernel: Kernel,
         values: Mapping[str, float],
         tables: Mapping[str, Any],
-        free: Sequence[str],
+        free: Collection[str],
         prefix: str | None = None,
     ) -> str:
         """Return a call of the kernel.
 
-        Its arguments are free names, numbers of its own (`operating` names them with the prefix, if any), what the
+        Its arguments are free names (a mapping tells texts for them), numbers of its own (`operating` names them with the prefix, if any), what the
         cycle makes, or symbols of the scene.
         """
         self.kernels.append(kernel)
+        self.network.kernels[kernel.flat_name] = kernel
         arguments, whose = [], kernel.flat_name.partition("__")[0]
         for name in kernel.arguments:
             if name in free:
-                arguments.append(name)
+                arguments.append(free[name] if isinstance(free, Mapping) else name)
             elif name in values:
                 operating = None if prefix is None else prefix + name
                 arguments.append(self.numbers.add(values[name], f"{whose}_{name}", operating))
@@ -186,6 +189,7 @@ def write_heat(writer: Writer, heats: Sequence[HeatRate]) -> None:
     for index, part in enumerate(heats):
         call = factor_of_time + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
         factor = "d * " if part.oil_factor == "printed" else ""
+        writer.network.heats.append(Heat(call, factor))
         body += [f"heat = {call}", "total += heat", f"lost += {factor}heat"]
         one += [f"if i == {index}:", f"    heat = {call}", f"    return heat, {factor}heat"]
     writer.function(f"heat_rates({arguments})", [*slow, *body, "return total, lost"])
@@ -200,6 +204,7 @@ def write_walls(writer: Writer, walls: Sequence[Wall]) -> None:
         held = wall.temperature
         temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held, "wall_temperature")
         call = writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
+        writer.network.walls.append(WallHeat(slow + call, temperature))
         body += [f"if i == {index}:", f"    return {slow}{call}, {temperature}"]
     writer.function(f"wall_state(i, {', '.join(WALL_SYMBOLS)}, P)", [*body, "return 0.0, 0.0"])
 
@@ -238,10 +243,11 @@ def write_gas(writer: Writer, gas: Any) -> None:
         phase, state = "0", writer.call(gas.state, gas.values, {}, free)
     else:
         phase, state = (writer.call(kernel, gas.values, {}, free) for kernel in gas.phased_state)
+    writer.network.gas, writer.network.phases = state, gas.phased_state is not None
     writer.function("gas_phase(T, rho)", [f"return {phase}"])
     writer.function("phased_state(phase, T, rho, P, TAB)", [f"return {state}"])
     writer.function("gas_state(T, rho, P, TAB)", ["return phased_state(gas_phase(T, rho), T, rho, P, TAB)"])
-    entropy = writer.call(gas.specific_entropy, gas.values, {}, free)
+    entropy = writer.network.entropy = writer.call(gas.specific_entropy, gas.values, {}, free)
     writer.function("gas_entropy(T, rho, P, TAB)", [f"return {entropy}"])
 
 
@@ -251,7 +257,8 @@ def write_speed(writer: Writer, pitch: float) -> int:
     curve = writer.numbers.add(float(start), "speed_curve")
     writer.numbers.values.extend(flat_curve(pitch).tolist())
     writer.kernels.append(slowness)
-    writer.slow = f"{slowness.flat_name}(phi, P[{P_PITCH}], {curve}, P)"
+    writer.network.kernels[slowness.flat_name] = slowness
+    writer.slow = writer.network.slow = f"{slowness.flat_name}(phi, P[{P_PITCH}], {curve}, P)"
     return start
 
 
@@ -279,12 +286,15 @@ def write_ports(writer: Writer, parts: Parts, port: OilPort, trapped: int) -> No
         ratio = writer.numbers.add(parts.oil.supply["ratio"], "oil_supply_ratio", SUPPLY + "ratio")
         call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
         slow = f"{writer.slow} * " if writer.slow else ""
-        inflow = f"{slow}P[{trapped}] * {ratio} * {call}"
+        inflow = f"P[{trapped}] * {ratio} * {call}"
+        writer.network.inflow = f"slow * {inflow}" if slow else inflow
+        inflow = slow + inflow
         writer.function("oil_inflow(phi, p, P, TAB)", [f"return {inflow}"])
         writer.function("oil_inflow_slope(phi, p, P, TAB)", [f"return {inflow}, 0.0"])
         return
     call, width = writer.call(port.flow, port.values, {}, ("phi", "p", "width")), f"width = P[{P_DISCHARGE_WIDTH}]"
     slow = f"{writer.slow} * " if writer.slow else ""
+    writer.network.inflow = f"slow * {call}" if slow else call
     writer.function("oil_inflow(phi, p, P, TAB)", [width, f"return {slow}{call}"])
     writer.function("oil_inflow_slope(phi, p, P, TAB)", [width, *writer.slopes(port.flow, call, ("p",), slow)])
 
@@ -295,6 +305,7 @@ def write_shares(writer: Writer, gaps: Sequence[FlowPath]) -> None:
         if path.resistance is not None:
             values = {**path.values, **path.resistance.values}
             call = writer.call(path.resistance.share, values, {}, free)
+            writer.network.gaps[index] = replace(writer.network.gaps[index], share=call)
             body += [f"if i == {index}:", f"    return {call}"]
             slopes += [f"if i == {index}:", *_indented(writer.slopes(path.resistance.share, call, free))]
     writer.function("gap_share(i, flux, density, oil_ratio, P)", [*body, "return 1.0"])
@@ -311,6 +322,7 @@ def write_films(writer: Writer, gaps: Sequence[FlowPath]) -> None:
         if path.resistance is not None and path.resistance.film is not None:
             values = {**path.values, **path.resistance.values}
             call = writer.call(path.resistance.film, values, {}, free)
+            writer.network.gaps[index] = replace(writer.network.gaps[index], film=call)
             body += [f"if i == {index}:", f"    return {call}"]
             slopes += [f"if i == {index}:", *_indented(writer.slopes(path.resistance.film, call, free))]
     writer.function("gap_film(i, drop, oil_ratio, P)", [*body, "return 0.0"])
@@ -327,6 +339,7 @@ def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequen
     slow = f"{writer.slow} * " if writer.slow else ""
     for index, part in enumerate(own):
         call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states))
+        writer.network.rates.append(f"slow * {call}" if slow else call)
         body += [f"if i == {index}:", f"    return {slow}{call}"]
         asked |= set(part.rate.arguments)
     head = f"state_rate(i, {', '.join(STATE_SYMBOLS)}, y, at, P)"
@@ -338,6 +351,7 @@ def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[s
     for index, path in enumerate(paths):
         if path.opening is not None:
             call = writer.call(path.opening, path.values, {}, (*OPENING_SYMBOLS, *states[2:]))
+            writer.network.ports[index] = replace(writer.network.ports[index], opening=call)
             body += [f"if i == {index}:", f"    return {call}"]
             slopes += [f"if i == {index}:", *_indented(writer.slopes(path.opening, call, ("drop",)))]
             asked |= set(path.opening.arguments)
@@ -362,6 +376,7 @@ def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -
 def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:
     content, state = parts.oil_content, parts.plenums[part.plenum]
     assert content is not None
+    writer.network.gas_cell = identifier(part.plenum)
     if isinstance(content, OilSolution):
         write_solution(writer, oil, content)
         return
@@ -369,6 +384,7 @@ def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> Non
     call = writer.call(table_content, {}, curve, ("p", "TAB"))
     enthalpy = writer.numbers.add(state.h, "flash_enthalpy")
     latent = writer.numbers.add(content.latent / oil.heat_capacity, "flash_latent")
+    writer.network.flash = call, enthalpy, latent
     body = [f"gas = oil * max(0.0, {call})", f"return gas, gas * {enthalpy}, gas * {latent}"]
     writer.function("flash_terms(oil, p, P, TAB)", body)
 
@@ -380,11 +396,17 @@ def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
     values = {"enthalpy": content.enthalpy, **rates}
     back = slice(None, None, -1)  # entropy falls as more is dissolved
     curve = {"curve": (s[back], z[back], _ends(1.0 / rise[back]))}
-    call = writer.call(solubility.given_off, values, curve, ("m_oil", "w", "s", "h", "T_oil", "TAB"))
+    free = ("m_oil", "w", "s", "h", "T_oil", "TAB")
+    call = writer.call(solubility.given_off, values, curve, free)
+    head, _, given = call.partition("(")
+    assert given.startswith("m_oil, w, ")
+    inside = "slow * m_oil, w_gas, " if writer.slow else "m_oil, w_gas, "
+    writer.network.release = f"{head}({inside}{given.removeprefix('m_oil, w, ')}"
     slow = f"{writer.slow} * " if writer.slow else ""
     body = ["s = gas_entropy(T, rho, P, TAB)", f"m_oil = {slow}m_oil", f"return {call}"]
     writer.function("release_terms(phi, m_oil, w, T, rho, h, T_oil, P, TAB)", body)
-    writer.function("held_gas(oil, P)", [f"return oil * {writer.numbers.add(content.supply, 'dissolved_in_supply')}"])
+    supply = writer.network.supply_holds = writer.numbers.add(content.supply, "dissolved_in_supply")
+    writer.function("held_gas(oil, P)", [f"return oil * {supply}"])
     tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest, _ends(-rise - content.rest))}
     call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"))
     writer.function("solution_entropy(w, P, TAB)", [f"return {call}"])

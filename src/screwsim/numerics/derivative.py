@@ -17,7 +17,7 @@ Source: A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed., SIAM 2008, chs
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -53,34 +53,66 @@ def tangent(item: Kernel, by: tuple[str, ...]) -> Kernel:
         raise TypeError(f"kernel {item.__name__} has no argument {', '.join(missing) or 'to be differentiated by'}")
     function = parsed(item.source).body[0]
     assert isinstance(function, ast.FunctionDef)
-    text, uses = _Forward(item, function, by).written()
+    text, uses = _OfKernel(item, function, by).written()
     return written(text, f"slopes_of_{item.__name__}", uses)
 
 
-class _Forward:
-    """Differentiates one function; `active` holds which variables depend on which arguments."""
+class Forward:
+    """Differentiates statements by seeds; `active` holds which variables depend on which of them.
 
-    def __init__(self, item: Kernel, function: ast.FunctionDef, by: tuple[str, ...]) -> None:
-        self.item, self.function, self.by = item, function, by
-        self.known = item.function.__globals__
+    `given` are derivatives that are not made but stated, by variable and seed; what is `held` depends on nothing.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        body: Sequence[ast.stmt],
+        by: tuple[str, ...],
+        known: Mapping[str, Any],
+        given: Mapping[tuple[str, str], Expression] | None = None,
+        held: Collection[str] = (),
+    ) -> None:
+        self.name, self.by, self.known, self.given, self.held = name, by, known, given or {}, held
         self.uses: dict[str, Any] = {}
         self.count = 0
         self.active: dict[str, tuple[str, ...]] = {name: (name,) for name in by}
-        self.whole: set[str] = set()  # arguments that are assigned to: variables like others
+        for name in dict.fromkeys(name for name, _ in self.given):
+            self.active[name] = tuple(seed for seed in by if (name, seed) in self.given or name == seed)
         self.plain: dict[tuple[str, str], Expression] = {}  # derivatives that are 1 or -1 wherever they are read
-        self.taken = {node.id for node in ast.walk(function) if isinstance(node, ast.Name)} | set(item.arguments)
+        self.taken = {node.id for each in body for node in ast.walk(each) if isinstance(node, ast.Name)} | set(by)
+        self.pairs = list(assigned(body))
+        names = [name for some, _ in self.pairs for name in some]
+        self.once = {name for name in names if names.count(name) == 1}
+        self.whole = set(by) & set(names)  # seeds that are assigned to: variables like others
+        self.once -= self.whole
         self._find_active()
+
+    def statements(self, body: Sequence[ast.stmt]) -> list[ast.stmt]:
+        """Return the statements with the derivatives of all that they set."""
+        return [new for statement in body for new in self._statement(statement)]
+
+    def slope(self, name: str, seed: str) -> Expression | None:
+        """Return the derivative of a variable by a seed; None where that is nothing."""
+        if seed not in self.active.get(name, ()):
+            return None
+        if name == seed and name not in self.whole:
+            return ast.Constant(1.0)
+        if (name, seed) in self.plain:
+            return self.plain[name, seed]
+        return ast.Name(self._slope_name(name, seed), ast.Load())
 
     # ---- what depends on what ----------------------------------------------------------------------------------
 
     def _find_active(self) -> None:
         """Let every variable depend on what any assignment to it depends on, until nothing is added."""
-        pairs = list(assigned(self.function.body))
         while True:
             before = dict(self.active)
-            for names, value in pairs:
-                seeds = self._seeds(value)
+            for names, value in self.pairs:
+                found_in = self._seeds(value)
                 for name in names:
+                    if name in self.held:
+                        continue
+                    seeds = found_in | {seed for seed in self.by if (name, seed) in self.given}
                     have = self.active.get(name, ())
                     found = tuple(seed for seed in self.by if seed in have or seed in seeds)
                     if found:
@@ -105,32 +137,6 @@ class _Forward:
 
     # ---- text --------------------------------------------------------------------------------------------------
 
-    def written(self) -> tuple[str, dict[str, Any]]:
-        """Return the text of the tangent, and what it uses."""
-        names = [name for some, _ in assigned(self.function.body) for name in some]
-        self.whole = {name for name in self.item.arguments if name in names}
-        self.once = {name for name in names if names.count(name) == 1} - self.whole
-        first = [
-            assign(self._slope_name(name, seed), ast.Constant(float(name == seed)))
-            for name in self.item.arguments
-            if name in self.whole
-            for seed in self.active.get(name, ())
-        ]
-        body = first + self._statements(self.function.body)
-        name = "_by_".join([self.item.__name__, "_".join(self.by)])
-        function = ast.FunctionDef(
-            name=name,
-            args=ast.arguments([], [ast.arg(one) for one in self.item.arguments], None, [], [], None, []),
-            body=body,
-            decorator_list=[],
-        )
-        for node in ast.walk(function):
-            if isinstance(node, ast.Name) and node.id in self.known and node.id not in self.uses:
-                self.uses[node.id] = self.known[node.id]
-        for module in ("math", "np"):  # which every text has
-            self.uses.pop(module, None)
-        return ast.unparse(ast.fix_missing_locations(function)) + "\n", self.uses
-
     def _fresh(self, stem: str) -> str:
         self.count += 1
         name = f"{stem}_{self.count}"
@@ -144,23 +150,10 @@ class _Forward:
     def _slope_name(name: str, seed: str) -> str:
         return f"{name}__{seed}"
 
-    def _slope(self, name: str, seed: str) -> Expression | None:
-        """Return the derivative of a variable by a seed; None where that is nothing."""
-        if seed not in self.active.get(name, ()):
-            return None
-        if name == seed and name not in self.whole:
-            return ast.Constant(1.0)
-        if (name, seed) in self.plain:
-            return self.plain[name, seed]
-        return ast.Name(self._slope_name(name, seed), ast.Load())
-
     def _fail(self, what: str) -> TypeError:
-        return TypeError(f"kernel {self.item.__name__} cannot be differentiated: {what}")
+        return TypeError(f"kernel {self.name} cannot be differentiated: {what}")
 
     # ---- statements --------------------------------------------------------------------------------------------
-
-    def _statements(self, body: Sequence[ast.stmt]) -> list[ast.stmt]:
-        return [new for statement in body for new in self._statement(statement)]
 
     def _statement(self, node: ast.stmt) -> list[ast.stmt]:
         match node:
@@ -173,11 +166,11 @@ class _Forward:
             case ast.AugAssign(target=ast.Name(id=name), op=op, value=value):
                 return self._assignment(name, ast.BinOp(ast.Name(name, ast.Load()), op, value))
             case ast.If(test=test, body=body, orelse=orelse):
-                return [ast.If(test, self._statements(body), self._statements(orelse))]
+                return [ast.If(test, self.statements(body), self.statements(orelse))]
             case ast.For(target=target, iter=values, body=body, orelse=[]):
-                return [ast.For(target, values, self._statements(body), [])]
+                return [ast.For(target, values, self.statements(body), [])]
             case ast.While(test=test, body=body, orelse=[]):
-                return [ast.While(test, self._statements(body), [])]
+                return [ast.While(test, self.statements(body), [])]
             case ast.Return(value=value) if value is not None:
                 return self._return(value)
             case ast.Break() | ast.Continue() | ast.Pass():
@@ -190,12 +183,15 @@ class _Forward:
         plain, slopes = self._expression(value, before)
         found = self._by_seeds(slopes, self.active.get(name, ()), before, name)
         own: list[ast.stmt] = []
+        after: list[ast.stmt] = []
         for seed, slope in found.items():
-            if name in self.once and is_unit(slope):
+            if (name, seed) in self.given:  # which may be stated by the new value
+                after.append(assign(self._slope_name(name, seed), self.given[name, seed]))
+            elif name in self.once and is_unit(slope):
                 self.plain[name, seed] = slope
             else:
                 own.append(assign(self._slope_name(name, seed), slope))
-        return [*before, *own, assign(name, plain)]
+        return [*before, *own, assign(name, plain), *after]
 
     def _by_seeds(self, slopes: Slopes, seeds: Sequence[str], before: list[ast.stmt], stem: str) -> Slopes:
         """Return the derivative by each seed, through the variables of a statement."""
@@ -205,7 +201,7 @@ class _Forward:
         for seed in seeds:
             total: Expression | None = None
             for name, slope in slopes.items():
-                total = added(total, product(self._slope(name, seed), slope))
+                total = added(total, product(self.slope(name, seed), slope))
             found[seed] = total or ast.Constant(0.0)
         return found
 
@@ -237,7 +233,7 @@ class _Forward:
             found = self._values(value, before, self._returned(value))
         else:
             found = [self._expression(value, before)]
-        stems = [self.item.__name__ if len(found) == 1 else f"{self.item.__name__}_{i}" for i in range(len(found))]
+        stems = [self.name if len(found) == 1 else f"{self.name}_{i}" for i in range(len(found))]
         by_seeds = [self._by_seeds(one[1], self.by, before, stem) for one, stem in zip(found, stems, strict=True)]
         slopes = [one[seed] for seed in self.by for one in by_seeds]
         return [*before, ast.Return(ast.Tuple([*(plain for plain, _ in found), *slopes], ast.Load()))]
@@ -262,6 +258,8 @@ class _Forward:
                 return self._choice(test, body, orelse, before)
             case ast.Call():
                 return self._call(node, before)
+            case ast.Subscript(value=ast.Call() as call, slice=ast.Constant(value=int(index))):
+                return self._values(call, before, self._returned(call))[index]
         raise self._fail(f"it has {ast.unparse(node)!r}")
 
     def _kept(self, value: Expression, before: list[ast.stmt], stem: str = "part") -> Expression:
@@ -368,10 +366,11 @@ class _Forward:
             raise self._fail(f"it calls {ast.unparse(node.func)}")
         found = [self._expression(argument, before) for argument in node.args]
         moving = [(name, slopes) for name, (_, slopes) in zip(called.arguments, found, strict=True) if slopes]
-        other = tangent(called, tuple(name for name, _ in moving))
-        self.uses[other.__name__] = other
+        by = tuple(name for name, _ in moving)
+        alias = "_by_".join([node.func.id, "_".join(by)])  # two kernels may have one name of their own
+        self.uses[alias] = tangent(called, by)
         parts = [[self._fresh("by") for _ in range(count)] for _ in moving]
-        call = ast.Call(ast.Name(other.__name__, ast.Load()), [value for value, _ in found], [])
+        call = ast.Call(ast.Name(alias, ast.Load()), [value for value, _ in found], [])
         before.append(ast.Assign([targets([*names, *(name for some in parts for name in some)])], call))
 
         def slope(k: int, name: str) -> Expression | None:
@@ -390,3 +389,35 @@ class _Forward:
             return 1
         returns = [one.value for one in ast.walk(parsed(called.source)) if isinstance(one, ast.Return)]
         return len(returns[0].elts) if returns and isinstance(returns[0], ast.Tuple) else 1
+
+
+class _OfKernel(Forward):
+    """Differentiates one kernel by arguments of it."""
+
+    def __init__(self, item: Kernel, function: ast.FunctionDef, by: tuple[str, ...]) -> None:
+        super().__init__(item.__name__, function.body, by, item.function.__globals__)
+        self.taken |= set(item.arguments)
+        self.item, self.body = item, function.body
+        self.whole = {name for names, _ in self.pairs for name in names} & set(item.arguments)
+        self.once -= self.whole
+
+    def written(self) -> tuple[str, dict[str, Any]]:
+        """Return the text of the tangent, and what it uses."""
+        first = [
+            assign(self._slope_name(name, seed), ast.Constant(float(name == seed)))
+            for name in self.item.arguments
+            if name in self.whole
+            for seed in self.active.get(name, ())
+        ]
+        function = ast.FunctionDef(
+            name="_by_".join([self.name, "_".join(self.by)]),
+            args=ast.arguments([], [ast.arg(one) for one in self.item.arguments], None, [], [], None, []),
+            body=first + self.statements(self.body),
+            decorator_list=[],
+        )
+        for node in ast.walk(function):
+            if isinstance(node, ast.Name) and node.id in self.known and node.id not in self.uses:
+                self.uses[node.id] = self.known[node.id]
+        for module in ("math", "np"):  # which every text has
+            self.uses.pop(module, None)
+        return ast.unparse(ast.fix_missing_locations(function)) + "\n", self.uses

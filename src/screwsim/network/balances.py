@@ -1,0 +1,101 @@
+"""The balances of one chamber as text: from the sums of its streams to the rates of its states.
+
+Source: docs/model.md M1–M9, M104–M110, M170, M230. `network.chamber` and `network.chambers` write them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from screwsim.model.balance import held_slope, oil_temperature_slope, temperature_slope
+from screwsim.model.room import gas_mass
+from screwsim.network.network import Network
+from screwsim.network.statements import Statements
+
+KERNELS = (temperature_slope, oil_temperature_slope, held_slope, gas_mass)
+
+
+def gas_state(to: Statements, network: Network) -> None:
+    """Set the state of the gas (M5, M6, M10)."""
+    to.add(f"p, h, c_v, TpT, exponent, choke, choked = {network.gas}")
+
+
+def oil_room(to: Statements, network: Network, of: str = "") -> None:
+    """Set what flows feel of a chamber in which oil takes room (M107, M108); `of` ends the names of its numbers."""
+    if network.roomed:
+        to.add(f"share{of} = 1.0 / (1.0 + x_oil{of} * rho{of} * P[P_ROOM])")
+        to.add(f"rho_felt{of} = rho{of} * share{of} * share{of}")
+        to.add(f"T_felt{of} = T_oil{of} + p{of} * P[P_ROOM] / P[P_C_OIL]")
+
+
+def gas_inside(to: Statements, network: Network) -> None:
+    """Set the mass of the gas, and of the oil (M3, M106), and the factor of all that depends on time (M217)."""
+    if network.slow:
+        to.add(f"slow = {network.slow}")
+    to.add(f"m = {gas_mass.flat_name}(V, rho, x_oil, P)" if network.roomed else "m = rho * V")
+    if network.heated:
+        to.add("m_oil = x_oil * m" if network.carried else "m_oil = oiled * R[R_RATIO] * m")
+
+
+def totals(to: Statements, network: Network, sums: Sequence[str]) -> None:
+    """Set the totals of streams over sums, which are given in order."""
+    for quantity in network.quantities:
+        to.add(f"{quantity} = {' + '.join(f'{quantity}_{each}' for each in sums)}")
+
+
+def oil_through_ports(to: Statements, network: Network) -> None:
+    """Add the oil that comes through ports, and the gas that it gives off (M104, M196, M231)."""
+    if network.ported:
+        to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {network.inflow}")
+        to.add("oil_port = inflow", "oil_heat_port = inflow * P[P_H_PORT]")
+        if network.dissolves:
+            to.add(f"held_port = inflow * {network.supply_holds}")
+    gas = f"{network.gas_cell}_in"
+    if network.flash is not None:
+        share, enthalpy, heat = network.flash
+        to.add(f"gas = inflow * max(0.0, {share})", f"mass_{gas} += gas", f"energy_{gas} += gas * {enthalpy}")
+        to.add(f"oil_heat_port -= gas * {heat}")
+    if network.release:
+        to.add(f"s = {network.entropy}", f"gas, enthalpy, warmth = {network.release}")
+        to.add(f"mass_{gas} += gas", f"energy_{gas} += enthalpy")
+        to.add("oil_heat_port -= warmth", "held_port -= gas")
+
+
+def rates(to: Statements, network: Network) -> None:
+    """Set the rates of the states: f_… of each, and work, heat and what walls give over the angle.
+
+    Of the chamber: T, rho … (its states), V, dV, phi, the state of its gas, m, m_oil and the totals of its streams.
+    """
+    to.add("omega = P[P_OMEGA]", "warmth = 0.0")
+    if network.heated:
+        to.add("lost = 0.0", "d = R[R_RATIO]")
+        for each in network.heats:
+            to.add(f"heat = {each.call}", "warmth += heat", f"lost += {each.factor}heat")
+        oil, energy, felt = ("oil", "oil_heat", "T_felt" if network.roomed else "T_oil")
+        if not network.carried:
+            oil = energy = "0.0"
+        to.add(f"f_T_oil = {oil_temperature_slope.flat_name}({felt}, m_oil, m, P[P_C_OIL], {oil}, {energy}, lost, omega)")
+    if network.carried:
+        to.add("f_x_oil = (oil - x_oil * mass) / (m * omega)")
+    if network.dissolves:
+        to.add(f"f_w_gas = {held_slope.flat_name}(w_gas, m_oil, m, oil, held, omega)")
+    to.add("q_heat = warmth / omega")
+    for i, wall in enumerate(network.walls):
+        to.add(f"conductance = {wall.call}", f"heat = conductance * ({wall.temperature} - T)", "warmth += heat")
+        to.add(f"q_wall_{i} = heat / omega", f"q_conductance_{i} = conductance / omega")
+    if network.own_states:
+        to.add("p_suction = R[R_SUCTION + PRESSURE]", "p_discharge = R[R_DISCHARGE + PRESSURE]")
+    for name, rate in zip(network.own_states, network.rates, strict=True):
+        to.add(f"f_{name} = {rate} / omega")
+    if network.roomed:
+        to.add("slope = dV - oil * P[P_ROOM] / omega", "f_rho = (mass / omega - rho * slope) * rho / m")
+    else:
+        to.add("slope = dV", "f_rho = (mass / omega - rho * dV) / V")
+    to.add(f"f_T = {temperature_slope.flat_name}(T, m, rho, h, c_v, TpT, mass, energy, warmth, slope, omega)")
+    to.add("q_work = -p * dV")
+
+
+def heads(network: Network) -> list[str]:
+    """Return the quadratures before those of the streams, in their order (slots.Q_WORK …)."""
+    walls = [name for i in range(len(network.walls)) for name in (f"q_wall_{i}", f"q_conductance_{i}")]
+    return ["q_work", "q_heat", *walls]

@@ -1,0 +1,125 @@
+"""What a chamber is in every text: its states, its connections to lines and plenums, its balances, its quadratures.
+
+Source: docs/model.md M1–M13. Streams are summed by the cell beyond a connection.
+"""
+
+from __future__ import annotations
+
+from screwsim.network import balances
+from screwsim.network.flows import Place, add_film, add_stream, film_flux, gap_flux, needed, place_of, port_flux, read_place
+from screwsim.network.network import Gap, Network, Port
+from screwsim.network.statements import Statements
+
+CONSTANT = ("exponent", "choke", "choked")  # of the gas, in the derivatives of flows
+BY_ANGLE = "(E_next[{at}] - E[{at}]) * per_delta"  # over the step from E to E_next
+
+
+class Cell:
+    """A chamber whose surroundings stand in E from `e` on; where the lines pulsate, their places stand at `lines`."""
+
+    e = ""
+    lines = "E_LINES"
+
+    def __init__(self, network: Network) -> None:
+        self.network = network
+        self.own = own_place(network)
+        # sums of streams in the order of the categories (slots.py)
+        self.sums = [f"{cell}_{way}" for cell in network.cells if cell for way in ("in", "out")]
+        self.sums[4:4] = ["between", "port"] if network.ported or len(network.cells) > 3 else ["between"]
+
+    def states(self, at: str = "") -> list[str]:
+        """Return lines that read the states, and what of the surroundings is no flow's."""
+        names = [f"{name} = y[{at}{i}]" for i, name in enumerate(self.network.states)]
+        around = {"phi": "E_ANGLE", "V": "E_VOLUME", "dV": "E_SLOPE"}
+        around |= {"oiled": "E_OILED"} if self.network.heated and not self.network.carried else {}
+        return [*names, *(f"{name} = E[{self.e}{number}]" for name, number in around.items())]
+
+    def line(self, number: int) -> tuple[str, str]:
+        """Return array and index of the place of a line or plenum; in E where the lines pulsate (M184)."""
+        if self.network.pulsating:
+            return "E", f"{self.lines} + {number} * PLACE"
+        return "R", f"{number} * PLACE"
+
+    def opened(self, to: Statements, what: str, at: str, slopes: bool) -> str:
+        """Set the area of an opening, and return the test whether it is open, or opens."""
+        if slopes:
+            to.add(f"next_area = E_next[{at}]")
+        to.add(f"area = E[{at}]  # {what}")
+        return "if area > 0.0 or next_area > 0.0" if slopes else "if area > 0.0"
+
+    def port(self, to: Statements, port: Port, slopes: bool) -> None:
+        """Add the stream through a port."""
+        if port.opening:
+            to.add(f"held_{port.index} = own[OPENING + {len(self.network.ports) + port.index}]")
+        beyond = place_of(self.network, port.cell)
+        with to.within(self.opened(to, f"{port.effect} (M12)", f"{self.e}E_AREAS + {port.index}", slopes)):
+            read_place(to, self.network, port.cell, *self.line(port.number))
+            if slopes and port.one_way:
+                to.add(f"held_{port.index} = 1.0 if {port.one_way} * ({beyond.p} - p) > 0.0 else 0.0")
+            port_flux(to, port, self.own, beyond)
+            self.upwind(to, f"{port.cell}_in", f"{port.cell}_out", beyond)
+
+    def gap(self, to: Statements, gap: Gap, inward: str, outward: str, beyond: Place) -> None:
+        """Add the streams through a gap, of gas and of oil beside it."""
+        gap_flux(to, gap, self.own, beyond)
+        self.upwind(to, inward, outward, beyond)
+        if gap.film:
+            film_flux(to, gap, self.own, beyond)
+            to.add("film = area * film")
+            with to.within("if film >= 0.0"):
+                add_film(to, self.network, inward, beyond)
+            with to.within("else"):
+                add_film(to, self.network, outward, self.own)
+
+    def upwind(self, to: Statements, inward: str, outward: str, beyond: Place) -> None:
+        """Add a stream of the state of the place that it comes from."""
+        to.add("flow = area * flux")
+        with to.within("if flux >= 0.0"):
+            add_stream(to, self.network, inward, "flow", beyond)
+        with to.within("else"):
+            add_stream(to, self.network, outward, "flow", self.own)
+
+    def begin(self, to: Statements, sums: list[str]) -> None:
+        """Set sums to nothing."""
+        for each in sums:
+            to.add(*(f"{quantity}_{each} = 0.0" for quantity in self.network.quantities))
+
+    def finish(self, to: Statements) -> None:
+        """Set rates and quadratures from the sums of all streams."""
+        balances.totals(to, self.network, self.sums)
+        balances.rates(to, self.network)
+        to.add("per_omega = 1.0 / omega")
+        for each in self.sums:
+            to.add(*(f"q_{quantity}_{each} = {quantity}_{each} * per_omega" for quantity in self.network.quantities))
+
+    @property
+    def quadratures(self) -> list[str]:
+        """Return the names of all quadratures, in their order (slots.Q_WORK …)."""
+        of_streams = [f"q_{quantity}_{each}" for each in self.sums for quantity in self.network.quantities]
+        return [*balances.heads(self.network), *of_streams]
+
+    def by_angle(self) -> dict[tuple[str, str], str]:
+        """Return the derivatives by the angle of what stands in E."""
+        network = self.network
+        found = {name: BY_ANGLE.format(at=f"{self.e}{at}") for name, at in (("V", "E_VOLUME"), ("dV", "E_SLOPE"))}
+        found["area"] = "(next_area - area) * per_delta"
+        if network.pulsating:
+            for number, cell in enumerate(network.cells):
+                _, place = self.line(number)
+                changing = {name: at for name, at in needed(network).items() if name not in CONSTANT and cell}
+                found |= {f"{name}_{cell}": BY_ANGLE.format(at=f"{place} + {at}") for name, at in changing.items()}
+        there = f"(E_next[{self.e}E_ANGLE],"
+        slow = network.slow.replace("(phi,", there)
+        if network.ported:
+            inflow = network.inflow.replace("slow * ", f"{slow} * ").replace("(phi,", there)
+            found["inflow"] = f"({inflow} - inflow) * per_delta"
+        if network.slow:
+            found["slow"] = f"({slow} - slow) * per_delta"
+        return {(name, "phi"): text for name, text in found.items()}
+
+
+def own_place(network: Network) -> Place:
+    """Return the names of the numbers of a chamber's own place."""
+    rho, T_oil = ("rho_felt", "T_felt") if network.roomed else ("rho", "T_oil")
+    oil = ("x_oil", T_oil) if network.carried else ("0.0", "0.0")
+    return Place("p", rho, "h", "exponent", "choke", "choked", *oil, "w_gas" if network.dissolves else "0.0")

@@ -1,0 +1,194 @@
+"""One chamber among neighbours whose histories are known, as text: its rates, their derivatives, its flows.
+
+Source: docs/model.md M1–M13. `E` holds what depends on the angle alone: volume, areas, places of the neighbours
+(slots.py).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+from screwsim.network import balances
+from screwsim.network.cell import BY_ANGLE, CONSTANT, Cell
+from screwsim.network.flows import film_flux, gap_flux, needed, place_of, port_flux, read_place
+from screwsim.network.network import Gap, Network
+from screwsim.network.statements import Statements, Tangent, function, slope_name
+from screwsim.numerics.kernel import Kernel
+
+CONTEXT = "P, TAB, R, own = context.P, context.TAB, context.R, context.own"
+KEPT = ["own[PRESSURE] = p", "own[TPT] = TpT"]
+
+
+@lru_cache(maxsize=64)
+def chamber_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel, ...]]:
+    """Return the functions of one chamber of a network, given by its key, and the kernels that they call."""
+    network = Network(*key)
+    chamber = Chamber(network)
+    return tuple(chamber.written()), (*network.kernels.values(), *chamber.tangents)
+
+
+class Chamber(Cell):
+    """The functions of one chamber."""
+
+    def __init__(self, network: Network) -> None:
+        super().__init__(network)
+        self.sides = [(gap, way) for gap in network.gaps for way in ("ahead", "behind")]
+        self.tangents: list[Kernel] = []  # that the texts call
+
+    def written(self) -> list[str]:
+        """Return the texts of all functions."""
+        films = [self.film_flows()] if any(gap.film for gap in self.network.gaps) else []
+        return [self.rates(), self.jacobian(), self.path_flows(), *films]
+
+    def _side(self, gap: Gap, way: str) -> tuple[str, str]:
+        """Return where in E the area of a gap's side stands, and the place beyond it."""
+        ports, areas, behind = len(self.network.ports), 2 * len(self.network.gaps), way == "behind"
+        side = 2 * gap.side + behind
+        return f"E_AREAS + {ports + 2 * gap.index + behind}", f"E_AREAS + {ports + areas} + {side} * (PLACE + 1)"
+
+    def _streams(self, to: Statements, slopes: bool) -> None:
+        """Add the streams of all connections to the sums of their cells; with what derivatives by the angle need."""
+        network, discharge = self.network, self.network.cells[1]
+        ahead = [f"ahead_{side}_{way}" for side in range(len(network.offsets)) for way in ("in", "out")]
+        self.begin(to, [*self.sums, *ahead])
+        to.add(*(f"beyond_{side} = 0.0" for side in range(len(network.offsets))))
+        for port in network.ports:
+            self.port(to, port, slopes)
+        for gap, way in self.sides:
+            self._neighbour(to, gap, way, slopes)
+        for side in range(len(network.offsets)):
+            with to.within(f"if beyond_{side} > 0.0"):  # ahead of the last chamber lies the discharge line
+                for way in ("in", "out"):
+                    to.add(*(f"{each}_{discharge}_{way} += {each}_ahead_{side}_{way}" for each in network.quantities))
+            with to.within("else"):
+                for way in ("in", "out"):
+                    to.add(*(f"{each}_between += {each}_ahead_{side}_{way}" for each in network.quantities))
+        balances.oil_through_ports(to, network)
+
+    def _neighbour(self, to: Statements, gap: Gap, way: str, slopes: bool) -> None:
+        """Add the streams through a gap to the chamber ahead, or behind."""
+        area, place = self._side(gap, way)
+        cell, network = f"{way}_{gap.side}", self.network
+        instead = ("area == 0.0", "E_next") if slopes else ("", "")  # of a gap that opens
+        with to.within(self.opened(to, f"{gap.effect}, {way} (M12)", area, slopes)):
+            read_place(to, network, cell, "E", place, instead)
+            if way == "ahead":
+                line = f"E[{place} + PLACE]"
+                to.add(f"beyond_{gap.side} = " + (f"E_next[{place} + PLACE] if area == 0.0 else {line}" if slopes else line))
+            sums = (f"{cell}_in", f"{cell}_out") if way == "ahead" else ("between", "between")
+            self.gap(to, gap, *sums, place_of(network, cell))
+
+    def _body(self, slopes: bool) -> list[str]:
+        """Return the statements from the states to rates and quadratures."""
+        to = Statements()
+        balances.gas_state(to, self.network)
+        balances.oil_room(to, self.network)
+        balances.gas_inside(to, self.network)
+        self._streams(to, slopes)
+        self.finish(to)
+        return to.lines
+
+    def _stored(self) -> list[str]:
+        """Return lines that store rates and quadratures."""
+        rates = [f"f[{i}] = f_{name}" for i, name in enumerate(self.network.states)]
+        return [*rates, *(f"g[{i}] = {name}" for i, name in enumerate(self.quadratures))]
+
+    # ---- functions ---------------------------------------------------------------------------------------------
+
+    def rates(self) -> str:
+        """Return the text of dy/dφ of one chamber, and of the rates of its quadratures."""
+        held = "gas_phase(T, rho) if own[PLACE] == FREE else int(own[PLACE])"
+        return function(
+            "chamber__rates(y, E, context, f, g)",
+            ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', CONTEXT],
+            [*self.states(), f"phase = {held}" if self.network.phases else "phase = 0"],
+            [*self._body(False), *KEPT, *self._stored()],
+            ["stops__keep_at_rest(own, f)", "stops__note_end(E, own)"] if self.network.stops else [],
+        )
+
+    def jacobian(self) -> str:
+        """Return the text of the rates and their derivatives by the states and by the angle."""
+        network, states = self.network, self.network.states
+        given = self._by_angle()
+        tangent = Tangent(self._body(True), (*states, "phi"), network.kernels, given, CONSTANT)
+        self.tangents = tangent.kernels
+        stores = self._stored()
+        for array, names in (("", [f"f_{name}" for name in states]), ("q", self.quadratures)):
+            for i, name in enumerate(names):
+                stores += [f"J{array}[{i}, {j}] = {tangent.slope(name, state)}" for j, state in enumerate(states)]
+                stores.append(f"{'g' if array else 'f'}_phi[{i}] = {tangent.slope(name, 'phi')}")
+        before = ["per_delta = 1.0 / delta"]
+        before += ["phase = gas_phase(T, rho)", "own[PLACE] = phase"] if network.phases else ["phase = 0"]
+        before += [f"{slope_name(name, 'phi')} = {given[name, 'phi']}" for name in ("V", "dV")]
+        after = [
+            f"own[OPENING + {len(network.ports) + port.index}] = held_{port.index}"
+            for port in network.ports
+            if port.one_way
+        ]
+        if network.stops:
+            after += [f"stops__keep_at_rest(own, {name})" for name in ("f", "f_phi")]
+            after += [f"stops__keep_rows_at_rest(own, J, {len(states)})", "stops__note_start(E, own)"]
+        return function(
+            "chamber__jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)",
+            ['"""Fill f, g and their derivatives by y and by phi; E_next is E at phi + delta."""', CONTEXT],
+            [*self.states(), *before, *tangent.lines, *KEPT, *stores, *after],
+        )
+
+    def _by_angle(self) -> dict[tuple[str, str], str]:
+        """Return the derivatives by the angle of what stands in E, the places of the neighbours with it."""
+        found = self.by_angle()
+        for gap, way in self.sides:
+            _, place = self._side(gap, way)
+            for name, at in needed(self.network).items():
+                if name not in CONSTANT:
+                    text = BY_ANGLE.format(at=f"{place} + {at}")
+                    found[f"{name}_{way}_{gap.side}", "phi"] = f"{text} if area > 0.0 else 0.0"
+        return found
+
+    def path_flows(self) -> str:
+        """Return the text of the flow [kg/s] into the chamber through each path: ports, then both sides of each gap."""
+        network, to = self.network, Statements()
+        for port in network.ports:
+            to.add(f"out[{port.index}] = 0.0", f"area = E[E_AREAS + {port.index}]")
+            with to.within("if area > 0.0"):
+                read_place(to, network, port.cell, *self.line(port.number))
+                if port.opening:
+                    to.add(f"held_{port.index} = LOOSE")
+                port_flux(to, port, self.own, place_of(network, port.cell))
+                to.add(f"out[{port.index}] = area * flux")
+                if port.opening:
+                    to.add(f"own[OPENING + {port.index}] = opened")
+        for i, (gap, way) in enumerate(self.sides):
+            self._read(to, gap, way, f"out[{len(network.ports) + i}]", "flux")
+        return self._reading("path_flows", "mass flow [kg/s] into the chamber: ports, then each gap ahead and behind", to)
+
+    def film_flows(self) -> str:
+        """Return the text of the oil [kg/s] that flows into the chamber as films: each gap ahead and behind (M252)."""
+        to = Statements()
+        for i, (gap, way) in enumerate(self.sides):
+            self._read(to, gap, way, f"out[{i}]", "film")
+        return self._reading("film_flows", "oil [kg/s] that comes as films: each gap ahead and behind", to)
+
+    def _read(self, to: Statements, gap: Gap, way: str, out: str, what: str) -> None:
+        """Store the flow through one side of a gap, or its film."""
+        area, place = self._side(gap, way)
+        to.add(f"{out} = 0.0", f"area = E[{area}]")
+        if what == "film" and not gap.film:
+            return
+        cell = f"{way}_{gap.side}"
+        with to.within("if area > 0.0"):
+            read_place(to, self.network, cell, "E", place)
+            (film_flux if what == "film" else gap_flux)(to, gap, self.own, place_of(self.network, cell))
+            to.add(f"{out} = area * {what}")
+
+    def _reading(self, name: str, what: str, to: Statements) -> str:
+        """Return the text of a function that fills `out` for the state of a stored cycle, and the chamber's place."""
+        asked = {"p": "PRESSURE", "exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
+        asked |= {"rho_felt": "DENSITY"} if self.network.roomed else {}
+        place = ["places__fill_place(FREE, y, 0, P, TAB, own, 0)", *(f"{each} = own[{at}]" for each, at in asked.items())]
+        return function(
+            f"chamber__{name}(y, E, context, out)",
+            [f'"""Fill `out` with the {what}."""', CONTEXT],
+            [*self.states(), *place, *to.lines],
+        )

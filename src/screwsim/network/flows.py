@@ -1,0 +1,129 @@
+"""Flows through openings and the streams that they carry, each stated once: what every text takes from here.
+
+Source: docs/model.md M10–M13, M184–M186, M190, M250–M252. A flow [kg/s] is positive into the chamber. Its stream has the
+state of the place that it comes from: mass, enthalpy, oil, oil times temperature, gas that the oil holds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from screwsim.fluid.nozzle import flow
+from screwsim.network.network import Gap, Network, Port
+from screwsim.network.statements import Statements
+
+FLOW = flow.flat_name
+NUMBERS = {  # of a place, by the name that locals have for it: where it stands (slots.PRESSURE …)
+    "p": "PRESSURE",
+    "rho": "DENSITY",
+    "h": "ENTHALPY",
+    "exponent": "EXPONENT",
+    "choke": "CHOKE",
+    "choked": "CHOKED",
+    "oil_ratio": "OIL_RATIO",
+    "T_oil": "OIL_TEMPERATURE",
+    "held": "DISSOLVED",
+}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Names of the numbers of a place: of a chamber itself, or of what lies beyond an opening."""
+
+    p: str
+    rho: str  # that flows feel (M107)
+    h: str
+    exponent: str
+    choke: str
+    choked: str
+    oil_ratio: str
+    T_oil: str  # enthalpy over heat capacity of the oil (M108)
+    held: str
+
+    @property
+    def nozzle(self) -> str:
+        """What a nozzle asks of a place."""
+        return f"{self.p}, {self.rho}, {self.exponent}, {self.choke}, {self.choked}"
+
+
+def needed(network: Network) -> dict[str, str]:
+    """Return which numbers of a place flows and streams ask for, and where they stand in it."""
+    skipped = () if network.carried else ("oil_ratio", "T_oil")
+    skipped += () if network.dissolves else ("held",)
+    return {name: at for name, at in NUMBERS.items() if name not in skipped}
+
+
+def place_of(network: Network, cell: str) -> Place:
+    """Return the names of a place's numbers: `p_suction` …; 0.0 for what there is none of."""
+    asked = needed(network)
+    return Place(*(f"{name}_{cell}" if name in asked else "0.0" for name in NUMBERS))
+
+
+def read_place(to: Statements, network: Network, cell: str, array: str, at: str, instead: tuple[str, str] = ("", "")) -> None:
+    """Read the numbers of a place that stands in an array; in another one where a test holds."""
+    test, other = instead
+    for name, number in needed(network).items():
+        found = f"{array}[{at} + {number}]"
+        to.add(f"{name}_{cell} = {other}[{at} + {number}] if {test} else {found}" if test else f"{name}_{cell} = {found}")
+
+
+def add_stream(to: Statements, network: Network, sums: str, stream: str, source: Place) -> None:
+    """Add a stream with the state of a place to sums."""
+    terms = {"mass": stream, "energy": f"{stream} * {source.h}"}
+    if network.carried:
+        to.add(f"oil = {stream} * {source.oil_ratio}")
+        terms |= {"oil": "oil", "oil_heat": f"oil * {source.T_oil}"}
+        if network.dissolves:
+            terms["held"] = f"oil * {source.held}"
+    for quantity, term in terms.items():
+        to.add(f"{quantity}_{sums} += {term}")
+
+
+def add_film(to: Statements, network: Network, sums: str, source: Place) -> None:
+    """Add oil that flows as a film, `film` [kg/s], with the state of a place to sums (M252)."""
+    to.add(f"oil_{sums} += film", f"oil_heat_{sums} += film * {source.T_oil}")
+    if network.dissolves:
+        to.add(f"held_{sums} += film * {source.held}")
+
+
+def port_flux(to: Statements, port: Port, own: Place, beyond: Place) -> None:
+    """Set `flux` [kg/(m² s)], a nozzle's (M12), through a port; times its open share where that hangs on the state."""
+    if not port.opening:
+        to.add(f"flux = {FLOW}(1.0, {own.nozzle}, {beyond.nozzle}, {port.width})")
+        return
+    to.add(f"drop = {beyond.p} - {own.p}", f"width = {port.width}", f"held = held_{port.index}")
+    to.add(f"opened = {port.opening}")
+    to.add(f"flux = opened * {FLOW}(1.0, {own.nozzle}, {beyond.nozzle}, width)")
+
+
+def gap_flux(to: Statements, gap: Gap, own: Place, beyond: Place) -> None:
+    """Set `flux` [kg/(m² s)] through a gap (M12): a nozzle's, less what the gap holds back of it (M190)."""
+    nozzle = f"{FLOW}(1.0, {own.nozzle}, {beyond.nozzle}, P[P_GAP_WIDTH])"
+    if not gap.share:
+        to.add(f"flux = {nozzle}")
+        return
+    to.add(f"nozzle = {nozzle}")
+    for head, source in (("if nozzle >= 0.0", beyond), ("else", own)):
+        with to.within(head):
+            to.add(f"density = {source.rho}", f"oil_ratio = {source.oil_ratio}")
+    to.add("flux = abs(nozzle)", f"flux = nozzle * {gap.share}")
+
+
+def film_flux(to: Statements, gap: Gap, own: Place, beyond: Place) -> None:
+    """Set `film` [kg/(m² s)] of oil beside the gas through a gap, down the pressure difference (M252)."""
+    to.add(f"drop = {beyond.p} - {own.p}")
+    for head, sign, source in (("if drop >= 0.0", "", beyond), ("else", "-", own)):
+        with to.within(head):
+            to.add(f"oil_ratio = {source.oil_ratio}")
+            if sign:
+                to.add("drop = -drop")
+            to.add(f"film = {sign}{gap.film}")
+
+
+def by_direction(to: Statements, what: str, inward: Callable[[], None], outward: Callable[[], None]) -> None:
+    """Write what becomes of a flow into the chamber, and out of it."""
+    with to.within(f"if {what} >= 0.0"):
+        inward()
+    with to.within("else"):
+        outward()

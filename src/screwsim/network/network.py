@@ -1,0 +1,115 @@
+"""A machine as cells and connections: what a scene names, with the calls of its kernels as text.
+
+Cells are the chambers, both lines and the plenums of effects. Connections are ports (a chamber and a line or plenum),
+gaps (two chambers), oil ports, oil that gives off gas, heat rates and walls. What is not named is not there.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from screwsim.numerics.kernel import Kernel
+
+QUANTITIES = ("mass", "energy", "oil", "oil_heat", "held")  # of a stream: as many of them as there are sums
+
+
+@dataclass(frozen=True)
+class Port:
+    """An opening between a chamber and a line or plenum."""
+
+    index: int  # among the ports
+    effect: str
+    cell: str  # name of what lies beyond it, as an identifier
+    number: int  # of that plenum (slots.PLENUM)
+    width: str  # of the regularisation [Pa]
+    opening: str = ""  # call for the open share (drop, width, held, states); none where it is open by the angle alone
+    one_way: int = 0
+    narrow: bool = False
+
+
+@dataclass(frozen=True)
+class Gap:
+    """An opening between a chamber and the one `offset` lobe pitches ahead."""
+
+    index: int  # among the gaps
+    effect: str
+    side: int  # index of its offset
+    share: str = ""  # call for what passes of a nozzle's flux (flux, density, oil_ratio)
+    film: str = ""  # call for the flux of oil beside it (drop, oil_ratio)
+
+
+@dataclass(frozen=True)
+class Heat:
+    """Heat from the oil to the gas."""
+
+    call: str  # heat [W] into the gas
+    factor: str = ""  # of what the oil gives away
+
+
+@dataclass(frozen=True)
+class WallHeat:
+    """A wall that exchanges heat with the gas."""
+
+    call: str  # conductance [W/K]
+    temperature: str
+
+
+@dataclass
+class Network:
+    """Cells and connections of one machine, and the calls of their kernels."""
+
+    states: tuple[str, ...]
+    own_states: tuple[str, ...]
+    heated: bool
+    carried: bool
+    dissolves: bool
+    roomed: bool
+    ports: list[Port] = field(default_factory=list)
+    gaps: list[Gap] = field(default_factory=list)
+    offsets: list[int] = field(default_factory=list)  # lobe pitches between neighbours that gaps join
+    cells: list[str] = field(default_factory=list)  # lines and plenums by number, as identifiers; "" between
+    heats: list[Heat] = field(default_factory=list)
+    walls: list[WallHeat] = field(default_factory=list)
+    rates: list[str] = field(default_factory=list)  # calls [1/s] for the own states
+    gas: str = ""  # call for the state (phase, T, rho)
+    entropy: str = ""
+    phases: bool = False  # can the gas have two?
+    inflow: str = ""  # call for oil through ports [kg/s] (phi, p, width)
+    flash: tuple[str, str, str] | None = None  # share of oil that flashes (p), its enthalpy, its heat over c_oil
+    release: str = ""  # call for (gas, enthalpy, heat over c_oil) that oil gives off (m_oil, w, s, h, T_oil)
+    supply_holds: str = ""  # gas per oil that comes through ports
+    gas_cell: str = ""  # plenum whose gas flashes or is given off
+    stops: int = 0
+    pulsating: bool = False
+    across: bool = False
+    chambers: int = 1
+    slow: str = ""  # call for the factor of all that depends on time, where the speed changes over the pitch
+    kernels: dict[str, Kernel] = field(default_factory=dict)  # by flat name, all that the texts call
+
+    def __post_init__(self) -> None:
+        self.kernels = dict(self.kernels)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Return what is summed of a stream."""
+        return QUANTITIES[: 5 if self.dissolves else 4 if self.carried else 2]
+
+    @property
+    def ported(self) -> bool:
+        """Does oil come through ports?"""
+        return bool(self.inflow)
+
+    def key(self) -> tuple[Any, ...]:
+        """Return all that the texts depend on; `Network(*key)` is an equal network."""
+        return tuple(_fixed(getattr(self, each.name)) for each in fields(self))
+
+
+def _fixed(value: Any) -> Any:
+    return tuple(value.items()) if isinstance(value, dict) else tuple(value) if isinstance(value, list) else value
+
+
+def identifier(name: str) -> str:
+    """Return a name as part of an identifier."""
+    return re.sub(r"\W", "_", name)

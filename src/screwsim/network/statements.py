@@ -1,0 +1,79 @@
+"""Straight-line text: statements with named locals, and the same statements with their derivatives.
+
+What a scene does not call for is not written. Derivatives are made from the statements (`numerics.derivative`): those
+of kernels from the kernels' source, branch by branch.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+
+from screwsim.numerics.derivative import Forward
+from screwsim.numerics.kernel import Kernel, parsed
+
+
+class Statements:
+    """Lines of text, at a depth."""
+
+    def __init__(self, depth: int = 0) -> None:
+        self.lines: list[str] = []
+        self._depth = depth
+
+    def add(self, *lines: str) -> None:
+        """Add lines as they are."""
+        self.lines += [f"{'    ' * self._depth}{line}" for line in lines]
+
+    @contextmanager
+    def within(self, head: str) -> Iterator[None]:
+        """Put what is added meanwhile below a head: `if …`, `else`, `for …`."""
+        self.add(f"{head}:")
+        before, self._depth = len(self.lines), self._depth + 1
+        yield
+        if len(self.lines) == before:
+            self.add("pass")
+        self._depth -= 1
+
+
+class Tangent:
+    """Statements with their derivatives by seeds: names that are set outside, or that `given` has derivatives of.
+
+    `given` are texts of derivatives, by variable and seed: of one that the statements set, in place of its own; of one
+    set outside, the name that is set with it (`slope_name`). What is `held` is taken for constant.
+    """
+
+    def __init__(
+        self,
+        lines: Sequence[str],
+        seeds: tuple[str, ...],
+        kernels: Mapping[str, Kernel],
+        given: Mapping[tuple[str, str], str],
+        held: Collection[str] = (),
+    ) -> None:
+        body = parsed("\n".join(lines)).body
+        texts = {key: parsed(text).body[0].value for key, text in given.items()}  # type: ignore[attr-defined]
+        self._forward = Forward("network", body, seeds, kernels, texts, held)
+        found = self._forward.statements(body)
+        self.kernels = list(self._forward.uses.values())
+        names = {alias: item.flat_name for alias, item in self._forward.uses.items()}
+        for statement in found:
+            for node in ast.walk(statement):
+                if isinstance(node, ast.Name):
+                    node.id = names.get(node.id, node.id)
+        self.lines = [line for node in found for line in ast.unparse(ast.fix_missing_locations(node)).splitlines()]
+
+    def slope(self, name: str, seed: str) -> str:
+        """Return the text of the derivative of a variable behind the statements; 0.0 where there is none."""
+        found = self._forward.slope(name, seed)
+        return "0.0" if found is None else ast.unparse(found)
+
+
+def slope_name(name: str, seed: str) -> str:
+    """Return the name of a variable's derivative by a seed."""
+    return f"{name}__{seed}"
+
+
+def function(head: str, *parts: Sequence[str]) -> str:
+    """Return the text of a function."""
+    return "\n".join([f"def {head}:", *(f"    {line}" for part in parts for line in part)])
