@@ -32,6 +32,7 @@ from screwsim.model.slots import (
 )
 from screwsim.network import balances
 from screwsim.network.chamber import chamber_texts
+from screwsim.network.chambers import chambers_texts, room
 from screwsim.network.network import Gap, Network, Port, identifier
 from screwsim.model.writing import (
     Writer,
@@ -101,6 +102,7 @@ class Composition:
     signed: tuple[int, ...] = ()  # columns of the states that may be zero or negative
     starts: tuple[float, ...] = ()  # of the own states
     pulsating: bool = False
+    n_work_all: int = 0  # numbers that the functions of all chambers write aside
 
     @property
     def dissolves(self) -> bool:
@@ -239,15 +241,16 @@ def compose(parts: Parts) -> Composition:
     resting = (model_stops.keep_at_rest, model_stops.keep_rows_at_rest, model_stops.note_end, model_stops.note_start)
     for each in (*balances.KERNELS, nozzle.flow, *(resting if stops else ())):
         network.kernels[each.flat_name] = each
-    texts, kernels = chamber_texts(network.key())
-    writer.text += texts
-    writer.kernels += kernels
+    for written in (chamber_texts, chambers_texts)[: 1 + (geometry.chambers > 1)]:
+        texts, kernels = written(network.key())
+        writer.text += texts
+        writer.kernels += kernels
     n_areas = 4 + len(plenum)
     structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets)
     structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
     held = (FIRST_OWN + len(parts.plenums)) * PLACE if parts.pulsations else 0
     numbers = writer.numbers
-    constants |= numbers.places | SHARED | {name: structure[name] for name in (*OIL_NUMBERS, "E_LINES")}
+    constants |= numbers.places | SHARED | {name: structure[name] for name in (*OIL_NUMBERS, "E_LINES", "ALL_LINES")}
     return Composition(
         text=module_text(tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())),
         P=np.array(numbers.values),
@@ -278,6 +281,7 @@ def compose(parts: Parts) -> Composition:
         signed=tuple(i for i, name in enumerate(states) if name in signed),
         starts=tuple(part.start for part in own_states),
         pulsating=bool(parts.pulsations),
+        n_work_all=room(network),
     )
 
 
@@ -291,6 +295,7 @@ def _connect(network: Network, parts: Parts, plenum: Sequence[Any], gaps: Sequen
         port = Port(i, name, network.cells[number], number, width, one_way=path.one_way, narrow=path.narrow)
         network.ports.append(port)
     network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(gaps)]
+    network.across = _across(parts)
     network.pulsating, network.chambers = bool(parts.pulsations), parts.geometry.chambers
 
 
@@ -357,7 +362,7 @@ def _structure(parts: Parts) -> dict[str, int]:
     walls = len(parts.walls)
     found = {"OWN_PLENUMS": own, "PORTED": int(ported), "VOLUMED": int(parts.oil_room)}
     found["PULSATING"] = int(bool(parts.pulsations))
-    found["ACROSS"] = int(any(name not in PORTS and path.to in LINES for name, path in parts.all(FlowPath)))
+    found["ACROSS"] = int(_across(parts))
     found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
     found |= {"RESISTED": int(_resisted(parts)), "PUMPED": int(parts.pumped), "FILMED": int(any(parts.films))}
     gas = parts.oil_gas
@@ -366,6 +371,11 @@ def _structure(parts: Parts) -> dict[str, int]:
     found["FLASH"] = 2 * parts.number(gas.plenum) if gas is not None else 0
     found["CATEGORIES"] = PORT_OIL + 1 + 2 * own if own or ported else FEWEST
     return found | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}
+
+
+def _across(parts: Parts) -> bool:
+    """Tell whether effects open chambers beyond the injection angle to suction, or others to discharge."""
+    return any(name not in PORTS and path.to in LINES for name, path in parts.all(FlowPath))
 
 
 def _resisted(parts: Parts) -> bool:

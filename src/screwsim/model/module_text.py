@@ -35,8 +35,8 @@ ONE = {
 }
 ALL = {
     "surroundings": coupled.all_surroundings,
-    "rates": coupled.all_rates,
-    "jacobian": coupled_jacobian.all_jacobian,
+    "rates": "chambers__rates",
+    "jacobian": "chambers__jacobian",
     "error_size": coupled_steps.all_error_size,
     "share_in_phase": coupled_steps.all_share_in_phase,
     "conserve": coupled_steps.all_conserve,
@@ -85,7 +85,8 @@ def module_text(
     blocks = flatten(kernels, own, numbers=numbers)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
     blocks |= {name: text for name, text in model.items() if name not in blocks}
-    for kind, filling, chambers, more in (("_one", ONE, 1, 0), ("_all", ALL, constants["CHAMBERS"], 1)):
+    drivers = ("_one", ONE, 1, 0), ("_all", ALL, constants["CHAMBERS"], 1)
+    for kind, filling, chambers, more in drivers[: 1 + (constants["CHAMBERS"] > 1)]:
         slots = {name: filler if isinstance(filler, str) else filler.flat_name for name, filler in filling.items()}
         jumps = int(numbers["STOPS"] > 0 and filling is ONE)
         if jumps:

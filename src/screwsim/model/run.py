@@ -276,12 +276,11 @@ class Machinery:
     def coupled_space(self) -> dict[str, Any]:
         """Return the arrays of the coupled chambers, made when they are first wanted."""
         if not self._together:
-            c, n = self.composition, self.n
-            n_all = c.chambers * n
-            work = np.zeros(c.chambers * (c.n_sums * (n_all + 2) + PLACE) + n_all * PLACE + 2 * (n + c.first_stream))
+            c = self.composition
+            places = np.append(np.zeros((c.chambers + 1) * PLACE), np.full(c.chambers, FREE))
             self._together = {
-                "spaces": (np.append(np.zeros((c.chambers + 1) * PLACE), np.full(c.chambers, FREE)), np.zeros(n), work),
-                "history": self.new_history(self.max_steps, n_all, self.nq + 1),
+                "spaces": (places, np.zeros(self.n), np.zeros(c.n_work_all)),
+                "history": self.new_history(self.max_steps, c.chambers * self.n, self.nq + 1),
                 "kept": np.zeros(1, np.int64),
             }
         return self._together

@@ -42,7 +42,7 @@ def life(machinery: Any, check: Check, y: Array, rtol: float, h: float) -> tuple
         module.chamber__surroundings(phi, middle, context, E)
         module.chamber__surroundings(phi + 1e-6, middle, context, E_next)
         z = np.ascontiguousarray(state)
-        module.chamber_jacobian__jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
+        module.chamber__jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
         return np.vstack([J, Jq])
 
     scales = _scales(machinery, q_scale)
@@ -77,14 +77,14 @@ def pitch(machinery: Any, check: Check, y: Array, rtol: float, h: float) -> tupl
         machinery.watch()
         module.coupled__all_surroundings(s, middle, context, E)
         held[:] = FREE
-        module.coupled__all_rates(np.ascontiguousarray(state), E, context, f, g)
+        module.chambers__rates(np.ascontiguousarray(state), E, context, f, g)
         return np.concatenate([f, g[:-1]])
 
     def jacobian(s: float, middle: float, state: Array) -> Array:
         module.coupled__all_surroundings(s, middle, context, E)
         module.coupled__all_surroundings(s + 1e-6, middle, context, E_next)
         z = np.ascontiguousarray(state)
-        module.coupled_jacobian__all_jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
+        module.chambers__jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
         return np.vstack([J, Jq[:-1]])
 
     scales = _scales(machinery, q_scale)
