@@ -17,6 +17,10 @@ from screwsim.fluid import nozzle
 from screwsim.model import chamber, slots
 from screwsim.model import stops as model_stops
 from screwsim.model.module_text import module_text
+from screwsim.model.network import balances
+from screwsim.model.network.chamber import chamber_texts
+from screwsim.model.network.chambers import chambers_texts, room
+from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.parts import Parts
 from screwsim.model.sampled import unstated_knots
 from screwsim.model.slots import (
@@ -30,17 +34,12 @@ from screwsim.model.slots import (
     Q_WALLS,
     R_SIZE,
 )
-from screwsim.network import balances
-from screwsim.network.chamber import chamber_texts
-from screwsim.network.chambers import chambers_texts, room
-from screwsim.network.network import Gap, Network, Port, identifier
 from screwsim.model.writing import (
     Writer,
     operating,
     scales,
     symbols_of,
     write_areas,
-    write_films,
     write_flash,
     write_gas,
     write_heat,
@@ -48,7 +47,7 @@ from screwsim.model.writing import (
     write_own_states,
     write_ports,
     write_pulsations,
-    write_shares,
+    write_resistances,
     write_speed,
     write_stops,
     write_supply,
@@ -200,10 +199,8 @@ def compose(parts: Parts) -> Composition:
     if parts.oil_gas is not None:
         assert oil is not None
         write_flash(writer, parts, oil, parts.oil_gas)
-    if _resisted(parts):
-        write_shares(writer, [path for _, path in gaps])
-    if any(parts.films):
-        write_films(writer, [path for _, path in gaps])
+    _refuse_resistances(parts)
+    write_resistances(writer, [path for _, path in gaps])
     if own_states:
         write_own_states(writer, own_states, states)
     if opened:
@@ -364,7 +361,7 @@ def _structure(parts: Parts) -> dict[str, int]:
     found["PULSATING"] = int(bool(parts.pulsations))
     found["ACROSS"] = int(_across(parts))
     found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
-    found |= {"RESISTED": int(_resisted(parts)), "PUMPED": int(parts.pumped), "FILMED": int(any(parts.films))}
+    found |= {"PUMPED": int(parts.pumped), "FILMED": int(any(parts.films))}
     gas = parts.oil_gas
     dissolves = parts.dissolves
     found |= {"FLASHED": int(gas is not None and not dissolves), "DISSOLVES": int(dissolves)}
@@ -378,12 +375,10 @@ def _across(parts: Parts) -> bool:
     return any(name not in PORTS and path.to in LINES for name, path in parts.all(FlowPath))
 
 
-def _resisted(parts: Parts) -> bool:
-    """Tell whether a gap holds back a nozzle's flow; refuse what no gap can be."""
-    held = [path for _, path in parts.all(FlowPath) if path.resistance is not None]
-    if any(path.to != "neighbour" for path in held):
+def _refuse_resistances(parts: Parts) -> None:
+    """Refuse resistances that no gap has."""
+    if any(path.resistance is not None and path.to != "neighbour" for _, path in parts.all(FlowPath)):
         raise TypeError("a resistance belongs to a gap between chambers; an opening to a line or plenum is a nozzle")
-    return bool(held)
 
 
 def _fixed_numbers(parts: Parts) -> list[float]:

@@ -11,7 +11,6 @@ import math
 import numpy as np
 
 from screwsim.model.chamber import SIDE
-from screwsim.model.film import film_flow
 from screwsim.model.port_oil import released
 from screwsim.model.room import gas_mass
 from screwsim.model.slots import (
@@ -60,6 +59,7 @@ from screwsim.model.slots import (
     VOLUMED,
     WALLS,
     N,
+    film_flows,
     flash_terms,
     gas_entropy,
     heat_part,
@@ -269,6 +269,9 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
     rate. An outflow generates nothing in its donor: streams between chambers count where they arrive.
     """
     P, TAB, R, own = context.P, context.TAB, context.R, context.own
+    if FILMED == 1:
+        films = np.empty(2 * N_GAPS)
+        film_flows(y, E, context, films)
     T = y[S_T]
     s = gas_entropy(T, y[S_RHO], P, TAB)
     T_oil = y[S_T_OIL] if HEATED == 1 else 1.0
@@ -307,8 +310,7 @@ def add_moment(y, mass_rate, E, context, flows, entropies, s_suction, s_discharg
         if DISSOLVES == 1 and (m > 0.0 or E[b + PLACE] > 0.0):
             add_held(paths[N_PLENUM + i // 2], m, E, b, y[HELD], leaving, dt, P, TAB)
         if FILMED == 1 and E[E_AREAS + N_PLENUM + i] > 0.0:
-            q = film_flow(i // 2, E[E_AREAS + N_PLENUM + i], own, 0, E, b, P)
-            add_film_moment(paths[N_PLENUM + i // 2], q, E, b, own, y, dt, P, TAB)
+            add_film_moment(paths[N_PLENUM + i // 2], films[i], E, b, own, y, dt, P, TAB)
     if HEATED == 1:
         m_gas = y[S_RHO] * E[E_VOLUME]
         if VOLUMED == 1:

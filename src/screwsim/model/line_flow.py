@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from screwsim.model.chamber import path_flows, surroundings
+from screwsim.model.chamber import surroundings
 from screwsim.model.port_oil import given_off
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
@@ -27,6 +27,7 @@ from screwsim.model.slots import (
     S_X_OIL,
     VOLUMED,
     N,
+    path_flows,
     plenum_area,
 )
 from screwsim.numerics.history import locate, read

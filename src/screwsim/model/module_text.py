@@ -7,10 +7,8 @@ from typing import Any
 
 from screwsim.model import (
     chamber,
-    chamber_jacobian,
     chamber_steps,
     coupled,
-    coupled_jacobian,
     coupled_steps,
     landing,
     ledger,
@@ -46,12 +44,12 @@ ALL = {
 }
 
 # what a composition writes itself (slots.py)
-OWN = ("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area")
-OWN += ("gap_area", "heat_rates", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "gap_share")
-OWN += ("state_rate", "path_opening", "flash_terms", "stop_push", "restitution")
-OWN += ("gap_film", "release_terms", "held_gas", "solution_entropy")
-OWN += ("chamber__path_flows", "chamber__film_flows")
-OWN += ("gap_share_slopes", "gap_film_slopes", "oil_inflow_slope", "path_opening_slope")
+OWN = {name: name for name in (
+    *("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area"),
+    *("gap_area", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "path_opening"),
+    *("flash_terms", "stop_push", "restitution", "release_terms", "held_gas", "solution_entropy"),
+)}  # fmt: skip
+OWN |= {name: f"chamber__{name}" for name in ("path_flows", "film_flows")}
 
 
 @lru_cache(maxsize=64)
@@ -65,7 +63,7 @@ def module_text(
     constants, numbers = dict(named), dict(structure)
     quadratures = numbers["Q_STREAMS"] + numbers["CATEGORIES"] * numbers["WIDTH"]
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
-    own = {name: name for name in (*constants, *OWN)}
+    own = {name: name for name in constants} | OWN
     fillers = (each for each in (*ONE.values(), *ALL.values()) if not isinstance(each, str))
     rooms = *fillers, chamber_steps.inject, places.places_along
     model = flatten(rooms, own, numbers=numbers)

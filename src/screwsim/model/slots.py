@@ -3,14 +3,11 @@
 Functions: `gas_state(T, rho, P, TAB)`, `gas_phase(T, rho)` → 0 or 1, `phased_state(phase, T, rho, P, TAB)` (the state
 in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
 `volume_slope_at(phi, P, TAB)`, `plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
-`heat_rates(T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W],
-`heat_part(i, …)`: the same of one heat rate,
+`heat_part(i, T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W] of heat rate i,
 `wall_state(i, T, m, p, rho, V, phi, P)` → (conductance between gas and wall i [W/K], its temperature [K]),
 `line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself,
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p,
-`gap_share(i, flux, density, oil_ratio, P)` → share of a nozzle's flux [kg/(m² s)] that gap i lets pass,
-`gap_film(i, drop, oil_ratio, P)` → flux of oil [kg/(m² s)] that leaks through gap i as a film at a drop [Pa],
 `flash_terms(oil, p, P, TAB)` → gas [kg/s] that flashes out of oil that enters, its enthalpy [W], and the heat that it
 takes from the oil over the oil's heat capacity [kg K/s],
 `release_terms(phi, m_oil, w, T, rho, h, T_oil, P, TAB)` → the same of gas that comes out of a chamber's oil over time,
@@ -18,7 +15,7 @@ negative where the oil takes it up; w is what the oil holds [kg/kg],
 `held_gas(oil, P)` → gas [kg/s] that oil [kg/s] brings dissolved from its supply,
 `solution_entropy(w, P, TAB)` → entropy [J/(kg K)] of a kilogram dissolved in oil that holds w, and of all that a
 kilogram of oil holds,
-`state_rate(i, T, m, p, rho, V, phi, p_suction, p_discharge, y, at, P)` → change [1/s] of an effect's own state i,
+`path_flows(y, E, context, out)` → the flow [kg/s] into a chamber through each path, `film_flows` that of oil beside it,
 `path_opening(i, drop, width, held, y, at, P)` → open share of plenum path i at a pressure difference into the chamber,
 `stop_push(k, p, p_suction, p_discharge, y, at, P)` → acceleration at rest of what moves between seat and stop k,
 `restitution(k, P)` → speed after over speed before an impact on its seat, and on its stop.
@@ -31,8 +28,7 @@ and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches),
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
 ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE
 is a constant, too), STOPS (how many of them move between a seat and a stop; then STOP_POSITION and STOP_SPEED, where
-they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), RESISTED (1: gaps hold
-flow back), FILMED (1: oil leaks through gaps beside the gas), WALLS (how many exchange heat with the gas), PULSATING
+they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), FILMED (1: oil leaks through gaps beside the gas), WALLS (how many exchange heat with the gas), PULSATING
 (1: the lines' pressures pulsate), PUMPED (1: a pump feeds the oil port), ACROSS (1: effects open chambers beyond the
 injection angle to suction, or others to discharge), FLASHED (1: gas flashes out of its oil as it enters), DISSOLVES
 (1: over time; what the oil holds is a state) and FLASH (the category of that gas), CATEGORIES, WIDTH (sums of a
@@ -58,19 +54,11 @@ volume_at: Any = Slot("volume_at")
 volume_slope_at: Any = Slot("volume_slope_at")
 plenum_area: Any = Slot("plenum_area")
 gap_area: Any = Slot("gap_area")
-heat_rates: Any = Slot("heat_rates")
 heat_part: Any = Slot("heat_part")
 wall_state: Any = Slot("wall_state")
 line_pulse: Any = Slot("line_pulse")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
-gap_share: Any = Slot("gap_share")
-gap_film: Any = Slot("gap_film")
-gap_share_slopes: Any = Slot("gap_share_slopes")
-gap_film_slopes: Any = Slot("gap_film_slopes")
-oil_inflow_slope: Any = Slot("oil_inflow_slope")
-path_opening_slope: Any = Slot("path_opening_slope")
-state_rate: Any = Slot("state_rate")
 path_opening: Any = Slot("path_opening")
 flash_terms: Any = Slot("flash_terms")
 release_terms: Any = Slot("release_terms")
@@ -78,6 +66,8 @@ held_gas: Any = Slot("held_gas")
 solution_entropy: Any = Slot("solution_entropy")
 stop_push: Any = Slot("stop_push")
 restitution: Any = Slot("restitution")
+path_flows: Any = Slot("path_flows")
+film_flows: Any = Slot("film_flows")
 
 N: Any = Slot("N")
 VARIES: Any = Slot("VARIES")
@@ -103,7 +93,6 @@ OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
 PORTED: Any = Structure("PORTED")
 VOLUMED: Any = Structure("VOLUMED")
 WALLS: Any = Structure("WALLS")
-RESISTED: Any = Structure("RESISTED")
 FILMED: Any = Structure("FILMED")
 OWN_STATES: Any = Structure("OWN_STATES")
 OPENED: Any = Structure("OPENED")
@@ -168,8 +157,9 @@ Q_WORK, Q_HEAT, Q_WALLS = range(3)
 Q_STREAMS: Any = Structure("Q_STREAMS")
 
 # what written texts call by these names
-FIXED = """
-P_OMEGA P_PITCH P_LIFE P_INJECTION P_PORT_WIDTH P_DISCHARGE_WIDTH P_GAP_WIDTH
-PRESSURE DENSITY ENTHALPY EXPONENT CHOKE CHOKED OIL_RATIO OIL_TEMPERATURE C_V TPT DISSOLVED PLACE OPENING LOOSE FREE
-R_SUCTION R_DISCHARGE R_RATIO E_VOLUME E_SLOPE E_OILED E_ANGLE E_AREAS
-""".split()
+FIXED = (
+    *("P_OMEGA", "P_PITCH", "P_LIFE", "P_INJECTION", "P_PORT_WIDTH", "P_DISCHARGE_WIDTH", "P_GAP_WIDTH"),
+    *("PRESSURE", "DENSITY", "ENTHALPY", "EXPONENT", "CHOKE", "CHOKED", "OIL_RATIO", "OIL_TEMPERATURE", "C_V", "TPT"),
+    *("DISSOLVED", "PLACE", "OPENING", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
+    *("E_VOLUME", "E_SLOPE", "E_OILED", "E_ANGLE", "E_AREAS"),
+)

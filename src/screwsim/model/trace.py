@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from screwsim.model.chamber import SIDE, film_flows, path_flows, surroundings
+from screwsim.model.chamber import SIDE, surroundings
 from screwsim.model.port_oil import given_off
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
@@ -24,8 +24,10 @@ from screwsim.model.slots import (
     S_X_OIL,
     VOLUMED,
     N,
+    film_flows,
     gas_state,
     oil_inflow,
+    path_flows,
     volume_at,
     volume_slope_at,
 )

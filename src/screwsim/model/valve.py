@@ -5,9 +5,7 @@ Source: docs/reference/slider-crank.md S22, S25–S27; docs/explanation/numerics
 
 from __future__ import annotations
 
-from screwsim.model.places import perturbation
 from screwsim.model.slots import (
-    FREE,
     HOLDS,
     N_PLENUM,
     ONE_WAY,
@@ -19,35 +17,14 @@ from screwsim.model.slots import (
     R_DISCHARGE,
     S_RHO,
     S_T,
-    N,
     gas_state,
     path_opening,
-    path_opening_slope,
 )
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_coefficients, dense_value
 
 SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
 SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge plenum
-
-
-@kernel
-def opening_slope(i, drop, y, own, P):
-    """Return the opening of plenum path i and its derivative by the pressure difference [1/Pa]."""
-    width = P[P_PORT_WIDTH + PLENUM[i]]
-    held = own[OPENING + N_PLENUM + i]
-    return path_opening_slope(i, drop, width, held, y, 0, P)
-
-
-@kernel
-def opening_by_state(i, drop, j, y, state, P):
-    """Return the derivative of the opening of plenum path i by state j; `state` is a spare one."""
-    width = P[P_PORT_WIDTH + PLENUM[i]]
-    for k in range(N):
-        state[k] = y[k]
-    delta = perturbation(y, 0, j)
-    state[j] += delta
-    return (path_opening(i, drop, width, FREE, state, 0, P) - path_opening(i, drop, width, FREE, y, 0, P)) / delta
 
 
 @kernel

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from screwsim.model.chamber import path_flows, surroundings
+from screwsim.model.chamber import surroundings
 from screwsim.model.port_oil import given_off
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
@@ -31,6 +31,7 @@ from screwsim.model.slots import (
     S_RHO,
     S_X_OIL,
     VOLUMED,
+    path_flows,
 )
 from screwsim.numerics.history import read
 from screwsim.numerics.kernel import kernel

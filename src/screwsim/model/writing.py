@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,11 +18,10 @@ from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilP
 from screwsim.fluid import solubility
 from screwsim.fluid.orifice import orifice_flow
 from screwsim.model import pulsation
+from screwsim.model.network.network import Heat, Network, WallHeat, identifier
 from screwsim.model.parts import OilPart, Parts
 from screwsim.model.slots import P_DISCHARGE_WIDTH, P_OMEGA, P_PITCH
 from screwsim.model.speed import flat_curve, slowness
-from screwsim.network.network import Heat, Network, WallHeat, identifier
-from screwsim.numerics.derivative import tangent
 from screwsim.numerics.kernel import Kernel, kernel
 from screwsim.numerics.spline import pack_curve, table_value
 
@@ -76,7 +75,9 @@ class Numbers:
 class Writer:
     """Writes the composition's own small functions and collects the kernels they call."""
 
-    def __init__(self, symbols: Mapping[str, float], head: Sequence[float], made: Mapping[str, float], network: Network) -> None:
+    def __init__(
+        self, symbols: Mapping[str, float], head: Sequence[float], made: Mapping[str, float], network: Network
+    ) -> None:
         self.numbers = Numbers(list(head))
         self.made = {name: self.numbers.add(value, name) for name, value in made.items()}
         self.symbols = symbols
@@ -90,12 +91,12 @@ class Writer:
         kernel: Kernel,
         values: Mapping[str, float],
         tables: Mapping[str, Any],
-        free: Collection[str],
+        free: Sequence[str],
         prefix: str | None = None,
     ) -> str:
         """Return a call of the kernel.
 
-        Its arguments are free names (a mapping tells texts for them), numbers of its own (`operating` names them with the prefix, if any), what the
+        Its arguments are free names, numbers of its own (`operating` names them with the prefix, if any), what the
         cycle makes, or symbols of the scene.
         """
         self.kernels.append(kernel)
@@ -103,7 +104,7 @@ class Writer:
         arguments, whose = [], kernel.flat_name.partition("__")[0]
         for name in kernel.arguments:
             if name in free:
-                arguments.append(free[name] if isinstance(free, Mapping) else name)
+                arguments.append(name)
             elif name in values:
                 operating = None if prefix is None else prefix + name
                 arguments.append(self.numbers.add(values[name], f"{whose}_{name}", operating))
@@ -117,16 +118,6 @@ class Writer:
                 known = ", ".join(sorted({*free, *values, *tables, *self.made, *self.symbols}))
                 raise TypeError(f"kernel {kernel.flat_name}: nothing is called {name!r}; known here: {known}")
         return f"{kernel.flat_name}({', '.join(arguments)})"
-
-    def slopes(self, kernel: Kernel, call: str, by: Sequence[str], factor: str = "") -> list[str]:
-        """Return statements that return a kernel's call and its derivatives by free names, times a factor."""
-        asked = tuple(name for name in by if name in kernel.arguments)
-        both = tangent(kernel, asked) if asked else kernel
-        self.kernels.append(both)
-        targets = ", ".join(["value", *(f"by_{name}" for name in asked)])
-        found = ["value", *(f"by_{name}" if name in asked else "0.0" for name in by)]
-        returned = ", ".join(factor + each if each != "0.0" else each for each in found)
-        return [f"{targets} = {both.flat_name}{call.removeprefix(kernel.flat_name)}", f"return {returned}"]
 
     def function(self, head: str, body: Sequence[str]) -> None:
         self.text.append("\n".join([f"def {head}:", *(f"    {line}" for line in body)]))
@@ -182,7 +173,6 @@ def _at(slow: str, path: FlowPath) -> str:
 
 def write_heat(writer: Writer, heats: Sequence[HeatRate]) -> None:
     arguments = ", ".join([*HEAT_SYMBOLS, "P"])
-    body = ["total = 0.0", "lost = 0.0"]
     one = []
     slow = [f"slow = {writer.slow}"] if writer.slow else []
     factor_of_time = "slow * " if writer.slow else ""
@@ -190,9 +180,7 @@ def write_heat(writer: Writer, heats: Sequence[HeatRate]) -> None:
         call = factor_of_time + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
         factor = "d * " if part.oil_factor == "printed" else ""
         writer.network.heats.append(Heat(call, factor))
-        body += [f"heat = {call}", "total += heat", f"lost += {factor}heat"]
         one += [f"if i == {index}:", f"    heat = {call}", f"    return heat, {factor}heat"]
-    writer.function(f"heat_rates({arguments})", [*slow, *body, "return total, lost"])
     writer.function(f"heat_part(i, {arguments})", [*slow, *one, "return 0.0, 0.0"])
 
 
@@ -290,43 +278,21 @@ def write_ports(writer: Writer, parts: Parts, port: OilPort, trapped: int) -> No
         writer.network.inflow = f"slow * {inflow}" if slow else inflow
         inflow = slow + inflow
         writer.function("oil_inflow(phi, p, P, TAB)", [f"return {inflow}"])
-        writer.function("oil_inflow_slope(phi, p, P, TAB)", [f"return {inflow}, 0.0"])
         return
     call, width = writer.call(port.flow, port.values, {}, ("phi", "p", "width")), f"width = P[{P_DISCHARGE_WIDTH}]"
     slow = f"{writer.slow} * " if writer.slow else ""
     writer.network.inflow = f"slow * {call}" if slow else call
     writer.function("oil_inflow(phi, p, P, TAB)", [width, f"return {slow}{call}"])
-    writer.function("oil_inflow_slope(phi, p, P, TAB)", [width, *writer.slopes(port.flow, call, ("p",), slow)])
 
 
-def write_shares(writer: Writer, gaps: Sequence[FlowPath]) -> None:
-    body, slopes, free = [], [], ("flux", "density", "oil_ratio")
+def write_resistances(writer: Writer, gaps: Sequence[FlowPath]) -> None:
+    """Write what holds flow back in gaps, and the films of oil beside (M190, M252)."""
     for index, path in enumerate(gaps):
         if path.resistance is not None:
-            values = {**path.values, **path.resistance.values}
-            call = writer.call(path.resistance.share, values, {}, free)
-            writer.network.gaps[index] = replace(writer.network.gaps[index], share=call)
-            body += [f"if i == {index}:", f"    return {call}"]
-            slopes += [f"if i == {index}:", *_indented(writer.slopes(path.resistance.share, call, free))]
-    writer.function("gap_share(i, flux, density, oil_ratio, P)", [*body, "return 1.0"])
-    writer.function("gap_share_slopes(i, flux, density, oil_ratio, P)", [*slopes, "return 1.0, 0.0, 0.0, 0.0"])
-
-
-def _indented(lines: Sequence[str]) -> list[str]:
-    return [f"    {line}" for line in lines]
-
-
-def write_films(writer: Writer, gaps: Sequence[FlowPath]) -> None:
-    body, slopes, free = [], [], ("drop", "oil_ratio")
-    for index, path in enumerate(gaps):
-        if path.resistance is not None and path.resistance.film is not None:
-            values = {**path.values, **path.resistance.values}
-            call = writer.call(path.resistance.film, values, {}, free)
-            writer.network.gaps[index] = replace(writer.network.gaps[index], film=call)
-            body += [f"if i == {index}:", f"    return {call}"]
-            slopes += [f"if i == {index}:", *_indented(writer.slopes(path.resistance.film, call, free))]
-    writer.function("gap_film(i, drop, oil_ratio, P)", [*body, "return 0.0"])
-    writer.function("gap_film_slopes(i, drop, oil_ratio, P)", [*slopes, "return 0.0, 0.0, 0.0"])
+            held, values = path.resistance, {**path.values, **path.resistance.values}
+            share = writer.call(held.share, values, {}, ("flux", "density", "oil_ratio"))
+            film = writer.call(held.film, values, {}, ("drop", "oil_ratio")) if held.film is not None else ""
+            writer.network.gaps[index] = replace(writer.network.gaps[index], share=share, film=film)
 
 
 def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:
@@ -335,29 +301,21 @@ def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> lis
 
 
 def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequence[str]) -> None:
-    body, asked = [], set()
-    slow = f"{writer.slow} * " if writer.slow else ""
-    for index, part in enumerate(own):
+    for part in own:
         call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states))
-        writer.network.rates.append(f"slow * {call}" if slow else call)
-        body += [f"if i == {index}:", f"    return {slow}{call}"]
-        asked |= set(part.rate.arguments)
-    head = f"state_rate(i, {', '.join(STATE_SYMBOLS)}, y, at, P)"
-    writer.function(head, [*named_states(body, states, asked), "return 0.0"])
+        writer.network.rates.append(f"slow * {call}" if writer.slow else call)
 
 
 def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
-    body, slopes, asked = [], [], set()
+    body, asked = [], set()
     for index, path in enumerate(paths):
         if path.opening is not None:
             call = writer.call(path.opening, path.values, {}, (*OPENING_SYMBOLS, *states[2:]))
             writer.network.ports[index] = replace(writer.network.ports[index], opening=call)
             body += [f"if i == {index}:", f"    return {call}"]
-            slopes += [f"if i == {index}:", *_indented(writer.slopes(path.opening, call, ("drop",)))]
             asked |= set(path.opening.arguments)
     arguments = "(i, drop, width, held, y, at, P)"
     writer.function(f"path_opening{arguments}", [*named_states(body, states, asked), "return 1.0"])
-    writer.function(f"path_opening_slope{arguments}", [*named_states(slopes, states, asked), "return 1.0, 0.0"])
 
 
 def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -> None:

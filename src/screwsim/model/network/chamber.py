@@ -9,11 +9,11 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from screwsim.network import balances
-from screwsim.network.cell import BY_ANGLE, CONSTANT, Cell
-from screwsim.network.flows import film_flux, gap_flux, needed, place_of, port_flux, read_place
-from screwsim.network.network import Gap, Network
-from screwsim.network.statements import Statements, Tangent, function, slope_name
+from screwsim.model.network import balances
+from screwsim.model.network.cell import BY_ANGLE, CONSTANT, Cell
+from screwsim.model.network.flows import film_flux, gap_flux, needed, place_of, port_flux, read_place
+from screwsim.model.network.network import Gap, Network
+from screwsim.model.network.statements import Statements, Tangent, function, slope_name
 from screwsim.numerics.kernel import Kernel
 
 CONTEXT = "P, TAB, R, own = context.P, context.TAB, context.R, context.own"
@@ -75,7 +75,10 @@ class Chamber(Cell):
             read_place(to, network, cell, "E", place, instead)
             if way == "ahead":
                 line = f"E[{place} + PLACE]"
-                to.add(f"beyond_{gap.side} = " + (f"E_next[{place} + PLACE] if area == 0.0 else {line}" if slopes else line))
+                to.add(
+                    f"beyond_{gap.side} = "
+                    + (f"E_next[{place} + PLACE] if area == 0.0 else {line}" if slopes else line)
+                )
             sums = (f"{cell}_in", f"{cell}_out") if way == "ahead" else ("between", "between")
             self.gap(to, gap, *sums, place_of(network, cell))
 
@@ -161,7 +164,9 @@ class Chamber(Cell):
                     to.add(f"own[OPENING + {port.index}] = opened")
         for i, (gap, way) in enumerate(self.sides):
             self._read(to, gap, way, f"out[{len(network.ports) + i}]", "flux")
-        return self._reading("path_flows", "mass flow [kg/s] into the chamber: ports, then each gap ahead and behind", to)
+        return self._reading(
+            "path_flows", "mass flow [kg/s] into the chamber: ports, then each gap ahead and behind", to
+        )
 
     def film_flows(self) -> str:
         """Return the text of the oil [kg/s] that flows into the chamber as films: each gap ahead and behind (M252)."""
@@ -186,7 +191,10 @@ class Chamber(Cell):
         """Return the text of a function that fills `out` for the state of a stored cycle, and the chamber's place."""
         asked = {"p": "PRESSURE", "exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
         asked |= {"rho_felt": "DENSITY"} if self.network.roomed else {}
-        place = ["places__fill_place(FREE, y, 0, P, TAB, own, 0)", *(f"{each} = own[{at}]" for each, at in asked.items())]
+        place = [
+            "places__fill_place(FREE, y, 0, P, TAB, own, 0)",
+            *(f"{each} = own[{at}]" for each, at in asked.items()),
+        ]
         return function(
             f"chamber__{name}(y, E, context, out)",
             [f'"""Fill `out` with the {what}."""', CONTEXT],

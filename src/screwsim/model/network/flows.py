@@ -1,7 +1,7 @@
 """Flows through openings and the streams that they carry, each stated once: what every text takes from here.
 
-Source: docs/model.md M10–M13, M184–M186, M190, M250–M252. A flow [kg/s] is positive into the chamber. Its stream has the
-state of the place that it comes from: mass, enthalpy, oil, oil times temperature, gas that the oil holds.
+Source: docs/model.md M10–M13, M184–M186, M190, M250–M252. A flow [kg/s] is positive into the chamber. Its stream has
+the state of the place that it comes from: mass, enthalpy, oil, oil times temperature, gas that the oil holds.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from screwsim.fluid.nozzle import flow
-from screwsim.network.network import Gap, Network, Port
-from screwsim.network.statements import Statements
+from screwsim.model.network.network import Gap, Network, Port
+from screwsim.model.network.statements import Statements
 
 FLOW = flow.flat_name
 NUMBERS = {  # of a place, by the name that locals have for it: where it stands (slots.PRESSURE …)
@@ -60,12 +60,16 @@ def place_of(network: Network, cell: str) -> Place:
     return Place(*(f"{name}_{cell}" if name in asked else "0.0" for name in NUMBERS))
 
 
-def read_place(to: Statements, network: Network, cell: str, array: str, at: str, instead: tuple[str, str] = ("", "")) -> None:
+def read_place(
+    to: Statements, network: Network, cell: str, array: str, at: str, instead: tuple[str, str] = ("", "")
+) -> None:
     """Read the numbers of a place that stands in an array; in another one where a test holds."""
     test, other = instead
     for name, number in needed(network).items():
         found = f"{array}[{at} + {number}]"
-        to.add(f"{name}_{cell} = {other}[{at} + {number}] if {test} else {found}" if test else f"{name}_{cell} = {found}")
+        to.add(
+            f"{name}_{cell} = {other}[{at} + {number}] if {test} else {found}" if test else f"{name}_{cell} = {found}"
+        )
 
 
 def add_stream(to: Statements, network: Network, sums: str, stream: str, source: Place) -> None:

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from screwsim.model.balance import held_slope, oil_temperature_slope, temperature_slope
+from screwsim.model.network.network import Network
+from screwsim.model.network.statements import Statements
 from screwsim.model.room import gas_mass
-from screwsim.network.network import Network
-from screwsim.network.statements import Statements
 
 KERNELS = (temperature_slope, oil_temperature_slope, held_slope, gas_mass)
 
@@ -74,7 +74,9 @@ def rates(to: Statements, network: Network) -> None:
         oil, energy, felt = ("oil", "oil_heat", "T_felt" if network.roomed else "T_oil")
         if not network.carried:
             oil = energy = "0.0"
-        to.add(f"f_T_oil = {oil_temperature_slope.flat_name}({felt}, m_oil, m, P[P_C_OIL], {oil}, {energy}, lost, omega)")
+        to.add(
+            f"f_T_oil = {oil_temperature_slope.flat_name}({felt}, m_oil, m, P[P_C_OIL], {oil}, {energy}, lost, omega)"
+        )
     if network.carried:
         to.add("f_x_oil = (oil - x_oil * mass) / (m * omega)")
     if network.dissolves:

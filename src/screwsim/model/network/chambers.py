@@ -1,4 +1,4 @@
-"""All chambers alive at once, over one lobe pitch, as text: each gap is evaluated once, so what leaves one enters another.
+"""All chambers alive at once, over one lobe pitch, as text: a gap is evaluated once, what leaves one enters another.
 
 Source: docs/model.md M1–M13, M24. Chamber j stands at s + j pitch; its states are y[j N …]. What the chambers give each
 other is summed first, then each closes its balances with it. The derivatives of these are made by the chamber's own
@@ -13,11 +13,11 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from screwsim.network import balances
-from screwsim.network.cell import CONSTANT, Cell
-from screwsim.network.flows import Place, film_flux, gap_flux, place_of, read_place
-from screwsim.network.network import Gap, Network
-from screwsim.network.statements import Statements, Tangent, function, slope_name
+from screwsim.model.network import balances
+from screwsim.model.network.cell import CONSTANT, Cell
+from screwsim.model.network.flows import Place, place_of, read_place
+from screwsim.model.network.network import Gap, Network
+from screwsim.model.network.statements import Statements, Tangent, function, slope_name
 from screwsim.numerics.kernel import Kernel
 
 CONTEXT = "P, TAB, R, places, work = context.P, context.TAB, context.R, context.places, context.work"
@@ -41,7 +41,7 @@ def room(network: Network) -> int:
 
 
 class Chambers(Cell):
-    """The functions of all chambers; they write into `work`: what each is given, gas slopes, slopes of what it is given."""
+    """The functions of all chambers; `work` takes what each is given, slopes of its gas, and of what it is given."""
 
     e = "e + "
     lines = "ALL_LINES"
@@ -78,7 +78,12 @@ class Chambers(Cell):
         """Read states and gas of the chamber `ahead`."""
         states = [name for name in self.network.states if name not in self.network.own_states]
         to.add(*(f"{name}_2 = y[ahead * {self.n} + {i}]" for i, name in enumerate(states)))
-        to.add(*(f"{name}_2 = places[ahead * PLACE + {at}]" for name, at in ({"p": "PRESSURE", "h": "ENTHALPY"} | NOZZLE).items()))
+        to.add(
+            *(
+                f"{name}_2 = places[ahead * PLACE + {at}]"
+                for name, at in ({"p": "PRESSURE", "h": "ENTHALPY"} | NOZZLE).items()
+            )
+        )
         if slopes:
             self._read_slopes(to, "_2", "ahead")
 
@@ -93,7 +98,7 @@ class Chambers(Cell):
 
     def _between(self, slopes: bool) -> list[str]:
         """Return the statements that sum what the chambers give each other, and its derivatives."""
-        network, n = self.network, self.n
+        network = self.network
         to = Statements()
         end = self.slopes + network.chambers * self.width * self.columns if slopes else self.kept
         if slopes:
@@ -113,7 +118,9 @@ class Chambers(Cell):
                         self._read_other(to, slopes)
                         if not slopes:
                             to.add(*self._given(gap))
-                            self._gives(to, "work[{row} * " + str(self.width) + " + {k}]", lambda quantity: f"{quantity}_given")
+                            self._gives(
+                                to, "work[{row} * " + str(self.width) + " + {k}]", lambda quantity: f"{quantity}_given"
+                            )
                             continue
                         self._gives_with_slopes(to, gap)
         return to.lines
@@ -128,10 +135,17 @@ class Chambers(Cell):
     def _gives_with_slopes(self, to: Statements, gap: Gap) -> None:
         states = [name for name in self.network.states if name not in self.network.own_states]
         seeds = (*states, *(f"{name}_2" for name in states), "phi")
-        given = {(name + of, seed + of): slope_name(name + of, seed + of) for name in GAS for seed in BOTH for of in ("", "_2")}
+        given = {
+            (name + of, seed + of): slope_name(name + of, seed + of)
+            for name in GAS
+            for seed in BOTH
+            for of in ("", "_2")
+        }
         given["area", "phi"] = "(next_area - area) * per_delta"
         to.add(f"{slope_name('area', 'phi')} = {given['area', 'phi']}")
-        tangent = Tangent(self._given(gap), seeds, self.network.kernels, given, (*CONSTANT, *(f"{name}_2" for name in CONSTANT)))
+        tangent = Tangent(
+            self._given(gap), seeds, self.network.kernels, given, (*CONSTANT, *(f"{name}_2" for name in CONSTANT))
+        )
         self.tangents += tangent.kernels
         to.add(*tangent.lines)
         self._gives(to, "work[{row} * " + str(self.width) + " + {k}]", lambda quantity: f"{quantity}_given")
@@ -156,7 +170,9 @@ class Chambers(Cell):
             self.port(to, port, slopes)
         discharge = network.cells[1]
         for gap in network.gaps:
-            with to.within(f"if j + {network.offsets[gap.side]} >= {network.chambers}"):  # beyond lies the discharge line
+            with to.within(
+                f"if j + {network.offsets[gap.side]} >= {network.chambers}"
+            ):  # beyond lies the discharge line
                 at = f"{self.e}E_AREAS + {len(network.ports) + gap.index}"
                 with to.within(self.opened(to, f"{gap.effect} (M12)", at, slopes)):
                     read_place(to, network, discharge, *self.line(1))
@@ -212,7 +228,7 @@ class Chambers(Cell):
             self._taken(to)
             to.add(*self._body(False))
             self._stored(to)
-        text = '"""Fill f = dy/dphi of all chambers, and g: quadrature rates summed over them, gas between the sides last."""'
+        text = '"""Fill f = dy/dphi of all chambers, and g: their quadrature rates, gas between both sides last."""'
         return function("chambers__rates(y, E, context, f, g)", [text, CONTEXT], to.lines)
 
     def _gas(self, to: Statements) -> None:
@@ -254,7 +270,9 @@ class Chambers(Cell):
             self._stored(to)
             self._columns(to, tangent)
         text = '"""Fill f, g and their derivatives by y and by phi, for all chambers; E_next is E at phi + delta."""'
-        return function("chambers__jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)", [text, CONTEXT], to.lines)
+        return function(
+            "chambers__jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)", [text, CONTEXT], to.lines
+        )
 
     def _columns(self, to: Statements, tangent: Tangent) -> None:
         """Store the derivatives of a chamber's rates, by its own states and by what the others give it."""
@@ -264,7 +282,9 @@ class Chambers(Cell):
         def through(name: str, column: str) -> str:
             """Return what a derivative has through the sums between the chambers."""
             slopes = [tangent.slope(name, f"{quantity}_between") for quantity in quantities]
-            terms = [f"{slope} * {given.format(k=k, column=column)}" for k, slope in enumerate(slopes) if slope != "0.0"]
+            terms = [
+                f"{slope} * {given.format(k=k, column=column)}" for k, slope in enumerate(slopes) if slope != "0.0"
+            ]
             return " + ".join(terms) or "0.0"
 
         rows = {f"J[own + {i}, {{}}]": f"f_{name}" for i, name in enumerate(network.states)}

@@ -5,10 +5,20 @@ Source: docs/model.md M1–M13. Streams are summed by the cell beyond a connecti
 
 from __future__ import annotations
 
-from screwsim.network import balances
-from screwsim.network.flows import Place, add_film, add_stream, film_flux, gap_flux, needed, place_of, port_flux, read_place
-from screwsim.network.network import Gap, Network, Port
-from screwsim.network.statements import Statements
+from screwsim.model.network import balances
+from screwsim.model.network.flows import (
+    Place,
+    add_film,
+    add_stream,
+    film_flux,
+    gap_flux,
+    needed,
+    place_of,
+    port_flux,
+    read_place,
+)
+from screwsim.model.network.network import Gap, Network, Port
+from screwsim.model.network.statements import Statements
 
 CONSTANT = ("exponent", "choke", "choked")  # of the gas, in the derivatives of flows
 BY_ANGLE = "(E_next[{at}] - E[{at}]) * per_delta"  # over the step from E to E_next
