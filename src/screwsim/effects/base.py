@@ -66,6 +66,12 @@ class FlowPath:
     `one_way` (1: into the chamber, −1: out of it) makes it a switch: the pressure difference tells at the start of a
     step whether it is open, `held` 1 or 0 tells the kernel so, and the step ends where that changes. `held` is FREE
     where no step is held (scipy's integrators), LOOSE where a stored cycle is read (model.slots).
+
+    `law`, where given, is the flow in place of the nozzle's (M12): it returns the mass flux [kg/(m² s)] over the area
+    into the chamber, from the numbers of the chamber's own place, `p_1` [Pa], `rho_1` [kg/m³], `h_1` [J/kg],
+    `exponent_1` (1/k), `oil_ratio_1` (0 without carried oil), and of the place beyond, `p_2` …; with `width`, `values`
+    and symbols. It must be smooth, nothing at equal pressures, and have the sign of p_2 − p_1. Its stream brings what
+    the place that it comes from has.
     """
 
     to: str
@@ -81,6 +87,7 @@ class FlowPath:
     opening: Kernel | None = None
     narrow: bool = False
     one_way: int = 0
+    law: Kernel | None = None
 
     def mirrored(self, life: float, pitch: float) -> FlowPath:
         """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""

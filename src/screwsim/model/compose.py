@@ -43,6 +43,7 @@ from screwsim.model.writing import (
     write_flash,
     write_gas,
     write_heat,
+    write_laws,
     write_openings,
     write_own_states,
     write_ports,
@@ -199,6 +200,8 @@ def compose(parts: Parts) -> Composition:
     if parts.oil_gas is not None:
         assert oil is not None
         write_flash(writer, parts, oil, parts.oil_gas)
+    write_laws(writer, [path for _, path in plenum], network.ports)
+    write_laws(writer, [path for _, path in gaps], network.gaps)
     _refuse_resistances(parts)
     write_resistances(writer, [path for _, path in gaps])
     if own_states:

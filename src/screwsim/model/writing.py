@@ -18,7 +18,7 @@ from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilP
 from screwsim.fluid import solubility
 from screwsim.fluid.orifice import orifice_flow
 from screwsim.model import pulsation
-from screwsim.model.network.network import Heat, Network, WallHeat, identifier
+from screwsim.model.network.network import Heat, Law, Network, WallHeat, identifier
 from screwsim.model.parts import OilPart, Parts
 from screwsim.model.slots import P_DISCHARGE_WIDTH, P_OMEGA, P_PITCH
 from screwsim.model.speed import flat_curve, slowness
@@ -283,6 +283,18 @@ def write_ports(writer: Writer, parts: Parts, port: OilPort, trapped: int) -> No
     slow = f"{writer.slow} * " if writer.slow else ""
     writer.network.inflow = f"slow * {call}" if slow else call
     writer.function("oil_inflow(phi, p, P, TAB)", [width, f"return {slow}{call}"])
+
+
+LAW_SYMBOLS = tuple(f"{name}_{side}" for name in ("p", "rho", "h", "exponent", "oil_ratio") for side in "12")
+
+
+def write_laws(writer: Writer, paths: Sequence[FlowPath], openings: list[Any]) -> None:
+    """Write the flow laws that paths have of their own, into the ports or gaps of the network."""
+    for index, path in enumerate(paths):
+        if path.law is not None:
+            call = writer.call(path.law, path.values, path.tables, (*LAW_SYMBOLS, "width"))
+            asks = tuple(name for name in path.law.arguments if name in (*LAW_SYMBOLS, "width"))
+            openings[index] = replace(openings[index], law=Law(call, asks))
 
 
 def write_resistances(writer: Writer, gaps: Sequence[FlowPath]) -> None:

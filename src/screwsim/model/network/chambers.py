@@ -77,23 +77,23 @@ class Chambers(Cell):
     def _read_other(self, to: Statements, slopes: bool) -> None:
         """Read states and gas of the chamber `ahead`."""
         states = [name for name in self.network.states if name not in self.network.own_states]
-        to.add(*(f"{name}_2 = y[ahead * {self.n} + {i}]" for i, name in enumerate(states)))
+        to.add(*(f"{name}_ahead = y[ahead * {self.n} + {i}]" for i, name in enumerate(states)))
         to.add(
             *(
-                f"{name}_2 = places[ahead * PLACE + {at}]"
+                f"{name}_ahead = places[ahead * PLACE + {at}]"
                 for name, at in ({"p": "PRESSURE", "h": "ENTHALPY"} | NOZZLE).items()
             )
         )
         if slopes:
-            self._read_slopes(to, "_2", "ahead")
+            self._read_slopes(to, "_ahead", "ahead")
 
     def _given(self, gap: Gap) -> list[str]:
         """Return the statements of what a gap gives a chamber, from the states of both sides to the sums `…_given`."""
         to = Statements()
         balances.oil_room(to, self.network)
-        balances.oil_room(to, self.network, "_2")
+        balances.oil_room(to, self.network, "_ahead")
         self.begin(to, ["given"])
-        self.gap(to, gap, "given", "given", self._other("_2"))
+        self.gap(to, gap, "given", "given", self._other("_ahead"))
         return to.lines
 
     def _between(self, slopes: bool) -> list[str]:
@@ -134,17 +134,17 @@ class Chambers(Cell):
 
     def _gives_with_slopes(self, to: Statements, gap: Gap) -> None:
         states = [name for name in self.network.states if name not in self.network.own_states]
-        seeds = (*states, *(f"{name}_2" for name in states), "phi")
+        seeds = (*states, *(f"{name}_ahead" for name in states), "phi")
         given = {
             (name + of, seed + of): slope_name(name + of, seed + of)
             for name in GAS
             for seed in BOTH
-            for of in ("", "_2")
+            for of in ("", "_ahead")
         }
         given["area", "phi"] = "(next_area - area) * per_delta"
         to.add(f"{slope_name('area', 'phi')} = {given['area', 'phi']}")
         tangent = Tangent(
-            self._given(gap), seeds, self.network.kernels, given, (*CONSTANT, *(f"{name}_2" for name in CONSTANT))
+            self._given(gap), seeds, self.network.kernels, given, (*CONSTANT, *(f"{name}_ahead" for name in CONSTANT))
         )
         self.tangents += tangent.kernels
         to.add(*tangent.lines)
@@ -153,7 +153,7 @@ class Chambers(Cell):
             if seed == "phi":
                 column = str(self.columns - 1)
             else:
-                of, name = ("ahead", seed.removesuffix("_2")) if seed.endswith("_2") else ("j", seed)
+                of, name = ("ahead", seed.removesuffix("_ahead")) if seed.endswith("_ahead") else ("j", seed)
                 column = f"{of} * {self.n} + {states.index(name)}"
             at = f"work[{self.slopes} + ({{row}} * {self.width} + {{k}}) * {self.columns} + {column}]"
             self._gives(to, at, lambda quantity, seed=seed: tangent.slope(f"{quantity}_given", seed))

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from screwsim.fluid.nozzle import flow
-from screwsim.model.network.network import Gap, Network, Port
+from screwsim.model.network.network import Gap, Law, Network, Port
 from screwsim.model.network.statements import Statements
 
 FLOW = flow.flat_name
@@ -91,19 +91,31 @@ def add_film(to: Statements, network: Network, sums: str, source: Place) -> None
         to.add(f"held_{sums} += film * {source.held}")
 
 
+def _flux(to: Statements, law: Law | None, own: Place, beyond: Place, width: str) -> str:
+    """Return a call for the flux [kg/(m² s)] into the chamber: a nozzle's (M12), or that of a law of the path's own."""
+    if law is None:
+        return f"{FLOW}(1.0, {own.nozzle}, {beyond.nozzle}, {width})"
+    places = {"1": own, "2": beyond}
+    for name in law.asks:
+        number, _, side = name.rpartition("_")
+        to.add(f"{name} = {getattr(places[side], number)}" if side in places else f"{name} = {width}")
+    return law.call
+
+
 def port_flux(to: Statements, port: Port, own: Place, beyond: Place) -> None:
-    """Set `flux` [kg/(m² s)], a nozzle's (M12), through a port; times its open share where that hangs on the state."""
+    """Set `flux` [kg/(m² s)] through a port; times its open share where that hangs on the state."""
+    flux = _flux(to, port.law, own, beyond, port.width)
     if not port.opening:
-        to.add(f"flux = {FLOW}(1.0, {own.nozzle}, {beyond.nozzle}, {port.width})")
+        to.add(f"flux = {flux}")
         return
     to.add(f"drop = {beyond.p} - {own.p}", f"width = {port.width}", f"held = held_{port.index}")
     to.add(f"opened = {port.opening}")
-    to.add(f"flux = opened * {FLOW}(1.0, {own.nozzle}, {beyond.nozzle}, width)")
+    to.add(f"flux = opened * {flux}")
 
 
 def gap_flux(to: Statements, gap: Gap, own: Place, beyond: Place) -> None:
-    """Set `flux` [kg/(m² s)] through a gap (M12): a nozzle's, less what the gap holds back of it (M190)."""
-    nozzle = f"{FLOW}(1.0, {own.nozzle}, {beyond.nozzle}, P[P_GAP_WIDTH])"
+    """Set `flux` [kg/(m² s)] through a gap: less what the gap holds back of it (M190)."""
+    nozzle = _flux(to, gap.law, own, beyond, "P[P_GAP_WIDTH]")
     if not gap.share:
         to.add(f"flux = {nozzle}")
         return

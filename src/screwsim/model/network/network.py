@@ -16,6 +16,14 @@ QUANTITIES = ("mass", "energy", "oil", "oil_heat", "held")  # of a stream: as ma
 
 
 @dataclass(frozen=True)
+class Law:
+    """A flow's own law: the call for its flux, and which numbers of both places it asks for (`p_1` …)."""
+
+    call: str
+    asks: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Port:
     """An opening between a chamber and a line or plenum."""
 
@@ -27,6 +35,7 @@ class Port:
     opening: str = ""  # call for the open share (drop, width, held, states); none where it is open by the angle alone
     one_way: int = 0
     narrow: bool = False
+    law: Law | None = None  # in place of the nozzle's
 
 
 @dataclass(frozen=True)
@@ -38,6 +47,7 @@ class Gap:
     side: int  # index of its offset
     share: str = ""  # call for what passes of a nozzle's flux (flux, density, oil_ratio)
     film: str = ""  # call for the flux of oil beside it (drop, oil_ratio)
+    law: Law | None = None
 
 
 @dataclass(frozen=True)
