@@ -14,12 +14,13 @@ from screwsim.fluid.nozzle import (
     SMALL,
     choking,
     expansion,
-    expansion_with_slope,
     flow,
-    flow_slopes,
 )
 from screwsim.fluid.real_gas import RealGas
+from screwsim.numerics.derivative import tangent
 
+flow_slopes = tangent(flow, ("p_1", "rho_1", "p_2", "rho_2"))  # with the flow itself, as the models have them
+expansion_with_slope = tangent(expansion, ("x",))
 GAS = IdealGas(R=81.49, k=1.12)  # about R134a
 AREA = 1e-4
 WIDTH = 10.0  # Pa

@@ -10,7 +10,7 @@ import pkgutil
 import numpy as np
 import pytest
 
-from screwsim.fluid.nozzle import choking, flow_slopes
+from screwsim.fluid.nozzle import choking
 from screwsim.numerics.derivative import tangent
 from screwsim.numerics.kernel import Kernel, Slot, Structure, kernel
 
@@ -88,7 +88,6 @@ RANGES = {  # where a kernel has no meaning at numbers near one
     "lambda_21": (0.5, 0.9),
     "mass_ratio": (0.1, 0.3),
 }
-BY_DIFFERENCES = {"fluid.nozzle.expansion_with_slope", "fluid.nozzle.flow_slopes"}  # which take some themselves
 NO_LAWS = {"context", "dense", "which", "near"}  # arguments of what steps over arrays, or searches in a cubic
 
 
@@ -125,7 +124,7 @@ def all_kernels() -> dict[str, Kernel]:
     return found
 
 
-KERNELS = {name: item for name, item in all_kernels().items() if is_of_scalars(item) and name not in BY_DIFFERENCES}
+KERNELS = {name: item for name, item in all_kernels().items() if is_of_scalars(item)}
 
 
 def values_of(answer) -> tuple[float, ...]:
@@ -185,9 +184,9 @@ def test_most_laws_are_kernels_of_scalars():
         assert name in KERNELS
 
 
-def test_the_slopes_of_the_nozzle_are_those_of_its_source():
-    """They are written by hand; of small drops by a difference over 1e-4, whose error is second derivatives' of 10."""
-    random, by = np.random.default_rng(3), ("p_1", "rho_1", "p_2", "rho_2")
+def test_the_slopes_of_the_nozzle_are_homogeneous_as_its_flow_is():
+    """It is of first degree in pressures, densities and width together, and goes by the root of the density upstream."""
+    random, by = np.random.default_rng(3), ("p_1", "p_2", "width", "rho_1", "rho_2")
     flow = KERNELS["fluid.nozzle.flow"]
     both, ways = tangent(flow, by), set()
     for _ in range(DRAWS):
@@ -198,11 +197,12 @@ def test_the_slopes_of_the_nozzle_are_those_of_its_source():
         for side in ("1", "2"):
             arguments[f"choke_{side}"], arguments[f"choked_{side}"] = choking(1.0 / arguments[f"a_{side}"])
         ways.add(arguments["p_1"] < arguments["p_2"])
-        found, known = (each(*arguments.values()) for each in (both, flow_slopes))
-        scale = max(abs(found[1]), abs(found[3]))
-        assert found[0] == pytest.approx(known[0], rel=1e-14)
-        assert found[1::2] == pytest.approx(known[1::2], abs=1e-4 * scale)
-        assert found[2::2] == pytest.approx(known[2::2], rel=1e-12)
+        m, *slopes = both(*arguments.values())
+        terms = [arguments[name] * slope for name, slope in zip(by, slopes, strict=True)]
+        above, below = (3, 4) if arguments["p_1"] > arguments["p_2"] else (4, 3)
+        assert m == pytest.approx(flow(*arguments.values()), rel=1e-15)
+        assert sum(terms) == pytest.approx(m, rel=1e-11, abs=1e-11 * max(map(abs, terms)))
+        assert terms[above] == pytest.approx(0.5 * m, rel=1e-12) and terms[below] == 0.0
     assert len(ways) == 2
 
 
