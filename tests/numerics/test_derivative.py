@@ -185,7 +185,7 @@ def test_most_laws_are_kernels_of_scalars():
 
 
 def test_the_slopes_of_the_nozzle_are_homogeneous_as_its_flow_is():
-    """It is of first degree in pressures, densities and width together, and goes by the root of the density upstream."""
+    """It is of first degree in pressures, densities and width together, and goes by the root of ρ upstream."""
     random, by = np.random.default_rng(3), ("p_1", "p_2", "width", "rho_1", "rho_2")
     flow = KERNELS["fluid.nozzle.flow"]
     both, ways = tangent(flow, by), set()

@@ -137,7 +137,7 @@ def discharge_speed_rate(
 @kernel
 def opened(lift, curtain):
     """Return the open share of a port under a reed at lift ξ; `curtain`: full curtain's area over the port's (S27)."""
-    if lift <= 0.0:
+    if lift < 0.0:  # at none, its slope is that of a reed that opens
         return 0.0
     a = curtain * lift
     return a / math.sqrt(1.0 + a * a)

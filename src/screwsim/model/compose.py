@@ -14,12 +14,13 @@ import numpy as np
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
 from screwsim.fluid import nozzle
-from screwsim.model import chamber, slots
+from screwsim.model import chamber, ledger, slots
 from screwsim.model import stops as model_stops
 from screwsim.model.module_text import module_text
 from screwsim.model.network import balances
 from screwsim.model.network.chamber import chamber_texts
 from screwsim.model.network.chambers import chambers_texts, room
+from screwsim.model.network.moments import moment_text
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.parts import Parts
 from screwsim.model.sampled import unstated_knots
@@ -215,7 +216,6 @@ def compose(parts: Parts) -> Composition:
         "N": len(states),
         "VARIES": int(gas.varies),
         "PHASES": int(gas.phased_state is not None),
-        "N_HEATS": len(heats),
         "HEATED": int(heated),
         "CARRIED": int(carried),
         "OILED": int(oil is not None),
@@ -245,11 +245,13 @@ def compose(parts: Parts) -> Composition:
         texts, kernels = written(network.key())
         writer.text += texts
         writer.kernels += kernels
+    writer.text.append(moment_text(network.key()))
     n_areas = 4 + len(plenum)
     structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets)
     structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
     held = (FIRST_OWN + len(parts.plenums)) * PLACE if parts.pulsations else 0
     numbers = writer.numbers
+    constants |= {name: getattr(ledger, name) for name in ledger.SUMS}
     constants |= numbers.places | SHARED | {name: structure[name] for name in (*OIL_NUMBERS, "E_LINES", "ALL_LINES")}
     return Composition(
         text=module_text(tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())),
@@ -363,12 +365,11 @@ def _structure(parts: Parts) -> dict[str, int]:
     found = {"OWN_PLENUMS": own, "PORTED": int(ported), "VOLUMED": int(parts.oil_room)}
     found["PULSATING"] = int(bool(parts.pulsations))
     found["ACROSS"] = int(_across(parts))
-    found |= {"WALLS": walls, "Q_STREAMS": Q_WALLS + 2 * walls}
+    found["Q_STREAMS"] = Q_WALLS + 2 * walls
     found |= {"PUMPED": int(parts.pumped), "FILMED": int(any(parts.films))}
     gas = parts.oil_gas
     dissolves = parts.dissolves
     found |= {"FLASHED": int(gas is not None and not dissolves), "DISSOLVES": int(dissolves)}
-    found["FLASH"] = 2 * parts.number(gas.plenum) if gas is not None else 0
     found["CATEGORIES"] = PORT_OIL + 1 + 2 * own if own or ported else FEWEST
     return found | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}
 

@@ -46,10 +46,10 @@ ALL = {
 # what a composition writes itself (slots.py)
 OWN = {name: name for name in (
     *("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area"),
-    *("gap_area", "heat_part", "wall_state", "line_pulse", "injected_oil", "oil_inflow", "path_opening"),
-    *("flash_terms", "stop_push", "restitution", "release_terms", "held_gas", "solution_entropy"),
+    *("gap_area", "line_pulse", "injected_oil", "oil_inflow", "path_opening"),
+    *("flash_terms", "stop_push", "restitution", "release_terms", "solution_entropy"),
 )}  # fmt: skip
-OWN |= {name: f"chamber__{name}" for name in ("path_flows", "film_flows")}
+OWN |= {"path_flows": "chamber__path_flows", "film_flows": "chamber__film_flows", "add_moment": "ledger__add_moment"}
 
 
 @lru_cache(maxsize=64)
@@ -69,7 +69,9 @@ def module_text(
     model = flatten(rooms, own, numbers=numbers)
     model |= flatten((history.add_history, history.states_at))
     model |= flatten((trace.peak_pressure, trace.volumes, trace.sample, trace.work_along), own, numbers=numbers)
-    model |= flatten((ledger.account,), own, numbers=numbers)
+    moments = ledger.account, ledger.arriving, ledger.oil_arriving, ledger.pressed_oil_arriving
+    moments += (ledger.held_arriving,) if numbers["DISSOLVES"] else ()
+    model |= flatten(moments, own, numbers=numbers)
     if constants["HEATED"] and not constants["CARRIED"]:
         model |= flatten((trace.oil_with_outflow,), own, numbers=numbers)
     if numbers["PULSATING"]:

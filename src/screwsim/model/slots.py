@@ -16,24 +16,24 @@ negative where the oil takes it up; w is what the oil holds [kg/kg],
 `solution_entropy(w, P, TAB)` → entropy [J/(kg K)] of a kilogram dissolved in oil that holds w, and of all that a
 kilogram of oil holds,
 `path_flows(y, E, context, out)` → the flow [kg/s] into a chamber through each path, `film_flows` that of oil beside it,
+`add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)` → the ledger's sums,
 `path_opening(i, drop, width, held, y, at, P)` → open share of plenum path i at a pressure difference into the chamber,
 `stop_push(k, p, p_suction, p_discharge, y, at, P)` → acceleration at rest of what moves between seat and stop k,
 `restitution(k, P)` → speed after over speed before an impact on its seat, and on its stop.
 
 Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), PHASES (0 or
-1: can it have two phases), N_HEATS (heat rates), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass),
+1: can it have two phases), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass),
 OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge, from 3 on an effect's own plenum), N_GAPS
 and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
 
 Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
 ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE
 is a constant, too), STOPS (how many of them move between a seat and a stop; then STOP_POSITION and STOP_SPEED, where
-they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), FILMED (1: oil leaks through gaps beside the gas), WALLS (how many exchange heat with the gas), PULSATING
-(1: the lines' pressures pulsate), PUMPED (1: a pump feeds the oil port), ACROSS (1: effects open chambers beyond the
-injection angle to suction, or others to discharge), FLASHED (1: gas flashes out of its oil as it enters), DISSOLVES
-(1: over time; what the oil holds is a state) and FLASH (the category of that gas), CATEGORIES, WIDTH (sums of a
-category: mass, enthalpy, and with carried oil its mass, that times its temperature and, where it dissolves, what it
-holds),
+they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), FILMED (1: oil leaks
+through gaps beside the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump feeds the oil port), ACROSS
+(1: effects open chambers beyond the injection angle to suction, or others to discharge), FLASHED (1: gas flashes out of
+its oil as it enters), DISSOLVES (1: over time; what the oil holds is a state), CATEGORIES, WIDTH (sums of a category:
+mass, enthalpy, and with carried oil its mass, that times its temperature and, where it dissolves, what it holds),
 Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of all), and the indices into
 P that move with them.
 
@@ -54,25 +54,22 @@ volume_at: Any = Slot("volume_at")
 volume_slope_at: Any = Slot("volume_slope_at")
 plenum_area: Any = Slot("plenum_area")
 gap_area: Any = Slot("gap_area")
-heat_part: Any = Slot("heat_part")
-wall_state: Any = Slot("wall_state")
 line_pulse: Any = Slot("line_pulse")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
 path_opening: Any = Slot("path_opening")
 flash_terms: Any = Slot("flash_terms")
 release_terms: Any = Slot("release_terms")
-held_gas: Any = Slot("held_gas")
 solution_entropy: Any = Slot("solution_entropy")
 stop_push: Any = Slot("stop_push")
 restitution: Any = Slot("restitution")
 path_flows: Any = Slot("path_flows")
 film_flows: Any = Slot("film_flows")
+add_moment: Any = Slot("add_moment")
 
 N: Any = Slot("N")
 VARIES: Any = Slot("VARIES")
 PHASES: Any = Slot("PHASES")
-N_HEATS: Any = Slot("N_HEATS")
 HEATED: Any = Slot("HEATED")
 CARRIED: Any = Slot("CARRIED")
 OILED: Any = Slot("OILED")
@@ -92,7 +89,6 @@ STOP_SPEED: Any = Slot("STOP_SPEED")
 OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
 PORTED: Any = Structure("PORTED")
 VOLUMED: Any = Structure("VOLUMED")
-WALLS: Any = Structure("WALLS")
 FILMED: Any = Structure("FILMED")
 OWN_STATES: Any = Structure("OWN_STATES")
 OPENED: Any = Structure("OPENED")
@@ -100,7 +96,6 @@ STOPS: Any = Structure("STOPS")
 ACROSS: Any = Structure("ACROSS")
 PUMPED: Any = Structure("PUMPED")
 FLASHED: Any = Structure("FLASHED")
-FLASH: Any = Structure("FLASH")
 DISSOLVES: Any = Structure("DISSOLVES")
 WIDTH: Any = Structure("WIDTH")
 PULSATING: Any = Structure("PULSATING")
@@ -161,5 +156,5 @@ FIXED = (
     *("P_OMEGA", "P_PITCH", "P_LIFE", "P_INJECTION", "P_PORT_WIDTH", "P_DISCHARGE_WIDTH", "P_GAP_WIDTH"),
     *("PRESSURE", "DENSITY", "ENTHALPY", "EXPONENT", "CHOKE", "CHOKED", "OIL_RATIO", "OIL_TEMPERATURE", "C_V", "TPT"),
     *("DISSOLVED", "PLACE", "OPENING", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
-    *("E_VOLUME", "E_SLOPE", "E_OILED", "E_ANGLE", "E_AREAS"),
+    *("E_VOLUME", "E_SLOPE", "E_OILED", "E_ANGLE", "E_AREAS", "PLENUM_ENTROPY"),
 )

@@ -172,29 +172,19 @@ def _at(slow: str, path: FlowPath) -> str:
 
 
 def write_heat(writer: Writer, heats: Sequence[HeatRate]) -> None:
-    arguments = ", ".join([*HEAT_SYMBOLS, "P"])
-    one = []
-    slow = [f"slow = {writer.slow}"] if writer.slow else []
-    factor_of_time = "slow * " if writer.slow else ""
-    for index, part in enumerate(heats):
-        call = factor_of_time + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
-        factor = "d * " if part.oil_factor == "printed" else ""
-        writer.network.heats.append(Heat(call, factor))
-        one += [f"if i == {index}:", f"    heat = {call}", f"    return heat, {factor}heat"]
-    writer.function(f"heat_part(i, {arguments})", [*slow, *one, "return 0.0, 0.0"])
+    slow = "slow * " if writer.slow else ""
+    for part in heats:
+        call = slow + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
+        writer.network.heats.append(Heat(call, "d * " if part.oil_factor == "printed" else ""))
 
 
 def write_walls(writer: Writer, walls: Sequence[Wall]) -> None:
-    if not walls:
-        return
-    body, slow = ([f"slow = {writer.slow}"], "slow * ") if writer.slow else ([], "")
-    for index, wall in enumerate(walls):
+    slow = "slow * " if writer.slow else ""
+    for wall in walls:
         held = wall.temperature
         temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held, "wall_temperature")
-        call = writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
-        writer.network.walls.append(WallHeat(slow + call, temperature))
-        body += [f"if i == {index}:", f"    return {slow}{call}, {temperature}"]
-    writer.function(f"wall_state(i, {', '.join(WALL_SYMBOLS)}, P)", [*body, "return 0.0, 0.0"])
+        call = slow + writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
+        writer.network.walls.append(WallHeat(call, temperature))
 
 
 def write_pulsations(writer: Writer, parts: Parts) -> None:
@@ -375,8 +365,7 @@ def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
     slow = f"{writer.slow} * " if writer.slow else ""
     body = ["s = gas_entropy(T, rho, P, TAB)", f"m_oil = {slow}m_oil", f"return {call}"]
     writer.function("release_terms(phi, m_oil, w, T, rho, h, T_oil, P, TAB)", body)
-    supply = writer.network.supply_holds = writer.numbers.add(content.supply, "dissolved_in_supply")
-    writer.function("held_gas(oil, P)", [f"return oil * {supply}"])
+    writer.network.supply_holds = writer.numbers.add(content.supply, "dissolved_in_supply")
     tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest, _ends(-rise - content.rest))}
     call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"))
     writer.function("solution_entropy(w, P, TAB)", [f"return {call}"])

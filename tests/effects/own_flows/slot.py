@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from own_flows.viscous import slot_flux
+
 from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.numerics.kernel import kernel
@@ -27,7 +28,8 @@ def build(parameters, machine):
     """Return both paths."""
     values = {"size": parameters.height * parameters.width, "height": parameters.height, "length": parameters.length}
     values["viscosity"] = 2e-5
-    return [FlowPath(to, cross_section, values, law=slot_flux, offset=k) for to, k in (("neighbour", 1), ("suction", 0))]
+    ends = ("neighbour", 1), ("suction", 0)
+    return [FlowPath(to, cross_section, values, law=slot_flux, offset=offset) for to, offset in ends]
 
 
 EFFECT = Effect("slot", "laminar slots", (), "a test", Parameters, build)

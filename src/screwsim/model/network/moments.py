@@ -1,0 +1,199 @@
+"""What every stream and heat of one chamber moves and generates at a moment, as text: the ledger's terms.
+
+Source: docs/model.md M50–M57, M105, M109, M171, M197, M233, M254. An outflow generates nothing in its donor: streams
+between chambers count where they arrive.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+from screwsim.model.network import balances
+from screwsim.model.network.chamber import CONTEXT, Chamber
+from screwsim.model.network.flows import Place, place_of, read_place
+from screwsim.model.network.network import Gap, Network, Port
+from screwsim.model.network.statements import Statements, function
+
+
+@lru_cache(maxsize=64)
+def moment_text(key: tuple[Any, ...]) -> str:
+    """Return the function that adds a moment of a network, given by its key, to the sums of the ledger."""
+    return Moments(Network(*key)).moment()
+
+
+class Moments(Chamber):
+    """The ledger's terms of one chamber; sums of paths, heats and oil are rows of model.ledger."""
+
+    def moment(self) -> str:
+        """Return the text that adds a moment, weighted with the time dt [s] that it stands for."""
+        network, to = self.network, Statements()
+        to.add("c_oil = P[P_C_OIL]", "p = own[PRESSURE]", "h = own[ENTHALPY]")
+        if network.roomed:
+            to.add("T_felt = own[OIL_TEMPERATURE]")
+        to.add("s = gas_entropy(T, rho, P, TAB)")
+        balances.gas_inside(to, network)
+        to.add(f"leaving = {'x_oil' if network.carried else 'oiled * R[R_RATIO]' if network.heated else '0.0'}")
+        if network.dissolves:
+            to.add("s_held, all_held = solution_entropy(w_gas, P, TAB)")
+        to.add("discharged = 0.0")
+        for port in network.ports:
+            self._through_port(to, port)
+        for side in range(len(network.offsets)):
+            for way in ("ahead", "behind"):
+                self._entropy(to, side, way)
+        for i, (gap, way) in enumerate(self.sides):
+            self._through_gap(to, gap, way, i)
+        self._heats(to)
+        self._oil(to)
+        films = []
+        if any(gap.film for gap in network.gaps):
+            films = [f"films = np.empty({len(self.sides)})", "chamber__film_flows(y, E, context, films)"]
+        head = "ledger__add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)"
+        text = '"""Add a moment of the cycle, which stands for the time dt [s], to the sums of the ledger."""'
+        states = [line for line in self.states() if not line.startswith("phi =")]
+        return function(head, [text, CONTEXT], [*states, *films, *to.lines])
+
+    # ---- streams -----------------------------------------------------------------------------------------------
+
+    def _through_port(self, to: Statements, port: Port) -> None:
+        network, row, beyond = self.network, f"paths[{port.index}, {{}}]", place_of(self.network, port.cell)
+        s = {0: "s_suction", 1: "s_discharge"}.get(port.number, f"R[{port.number} * PLACE + PLENUM_ENTROPY]")
+        to.add(f"flow = flows[{port.index}]  # {port.effect}")
+        with to.within("if flow >= 0.0"):
+            read_place(to, network, port.cell, *self.line(port.number))
+            self._arrival(to, row, beyond, s)
+        with to.within("else"):
+            with_oil = network.heated and (port.number == 1 or network.carried)
+            self._departure(to, row, "leaving" if with_oil else "0.0")
+            if with_oil:
+                to.add("discharged -= leaving * flow")
+
+    def _through_gap(self, to: Statements, gap: Gap, way: str, index: int) -> None:
+        network, cell = self.network, f"{way}_{gap.side}"
+        row, beyond = f"paths[{len(network.ports) + gap.index}, {{}}]", place_of(network, cell)
+        area, place = self._side(gap, way)
+        to.add(f"flow = flows[{len(network.ports) + index}]  # {gap.effect}, {way}")
+        if gap.film:
+            to.add(f"film = films[{index}]")
+        with to.within(f"if E[{area}] > 0.0"):
+            read_place(to, network, cell, "E", place)
+            with to.within("if flow > 0.0"):
+                self._arrival(to, row, beyond, f"s_{cell}")
+            if way == "ahead":
+                with to.within(f"elif flow < 0.0 and E[{place} + PLACE] > 0.0"):
+                    self._departure(to, row, "leaving" if network.heated else "0.0")
+                    to.add("discharged -= leaving * flow")
+            if gap.film:
+                self._film(to, row, beyond, f"E[{place} + PLACE] > 0.0" if way == "ahead" else "")
+
+    def _entropy(self, to: Statements, side: int, way: str) -> None:
+        """Set the specific entropy of the neighbours that gas comes from, where `surroundings` found them."""
+        network, cell = self.network, f"{way}_{side}"
+        gaps = [(i, gap) for i, (gap, one) in enumerate(self.sides) if gap.side == side and one == way]
+        coming = " or ".join(f"flows[{len(network.ports) + i}] > 0.0" for i, _ in gaps)
+        _, place = self._side(gaps[0][1], way)
+        hint, shift = 2 * side + (way == "behind"), network.offsets[side] * (1 if way == "ahead" else -1)
+        to.add(f"s_{cell} = s_discharge")
+        with to.within(f"if ({coming}) and not (E[{place} + PLACE] > 0.0)"):
+            to.add(f"i = context.hints[{hint}]", f"there = phi + {shift} * P[P_PITCH]")
+            to.add("theta = (there - context.t_old[i]) / (context.t_old[i + 1] - context.t_old[i])")
+            for name, column in (("T", 0), ("rho", 1)):
+                pieces = ", ".join(f"context.d_old[i, {piece}, {column}]" for piece in range(4))
+                to.add(f"{name}_there = rodas__dense_value(theta, {pieces})")
+            rho = "rho_there" if network.roomed else f"E[{place} + DENSITY]"
+            to.add(f"s_{cell} = gas_entropy(T_there, {rho}, P, TAB)")
+
+    def _oil_arrival(self, stream: str, beyond: Place) -> str:
+        """Return a call for what oil generates that mixes with the chamber's (M51, M109)."""
+        if self.network.roomed:
+            return f"ledger__pressed_oil_arriving({stream}, {beyond.T_oil}, {beyond.p}, T_felt, p, T_oil)"
+        return f"ledger__oil_arriving({stream}, {beyond.T_oil}, T_oil)"
+
+    def _held_arrival(self, stream: str, held: str) -> str:
+        """Return a call for what generates the gas that such oil holds (M233)."""
+        return f"ledger__held_arriving({stream}, {held}, w_gas, s_held, all_held, P, TAB)"
+
+    def _arrival(self, to: Statements, row: str, beyond: Place, s: str) -> None:
+        """Add what an inflow moves, and generates in the chamber."""
+        to.add(f"{row.format('MOVED')} += dt * flow", f"{row.format('CARRIES')} += dt * flow * {beyond.h}")
+        generated = row.format("GENERATED")
+        to.add(f"{generated} += dt * ledger__arriving(flow, {beyond.h}, {s}, h, s, T)")
+        if self.network.carried:
+            with to.within(f"if {beyond.oil_ratio} > 0.0"):
+                to.add(f"mixed = flow * {beyond.oil_ratio}")
+                to.add(f"{generated} += dt * c_oil * {self._oil_arrival('mixed', beyond)}")
+                if self.network.dissolves:
+                    to.add(f"{generated} += dt * {self._held_arrival('mixed', beyond.held)}")
+
+    def _departure(self, to: Statements, row: str, ratio: str) -> None:
+        """Add what an outflow takes to a line, `ratio` oil per gas with it."""
+        to.add(f"{row.format('MOVED')} -= dt * flow", f"{row.format('CARRIES')} -= dt * flow * h")
+        to.add(f"{row.format('OUT_MASS')} -= dt * flow", f"{row.format('OUT_ENTHALPY')} -= dt * flow * h")
+        to.add(f"{row.format('OUT_ENTROPY')} -= dt * flow * s")
+        if ratio != "0.0":
+            with to.within(f"if {ratio} > 0.0 and T_oil > 0.0"):
+                self._oil_out(to, row, f"flow * {ratio}")
+
+    def _oil_out(self, to: Statements, row: str, oil: str) -> None:
+        """Add oil that leaves, a negative stream, and what it holds."""
+        T = "T_felt" if self.network.roomed else "T_oil"
+        to.add(f"{row.format('OUT_OIL')} -= dt * {oil}", f"{row.format('OUT_OIL_T')} -= dt * {oil} * {T}")
+        to.add(f"{row.format('OUT_OIL_LOG')} -= dt * {oil} * math.log(T_oil)")
+        if self.network.dissolves:
+            to.add(f"{row.format('OUT_HELD')} -= dt * {oil} * w_gas")
+            to.add(f"{row.format('OUT_HELD_ENTROPY')} -= dt * {oil} * all_held")
+
+    def _film(self, to: Statements, row: str, beyond: Place, line: str) -> None:
+        """Add what a film of oil generates in the chamber, or takes to the line beyond it (M254)."""
+        generated = row.format("GENERATED")
+        with to.within("if film > 0.0"):
+            to.add(f"{generated} += dt * c_oil * {self._oil_arrival('film', beyond)}")
+            if self.network.dissolves:
+                to.add(f"{generated} += dt * {self._held_arrival('film', beyond.held)}")
+        if line:
+            with to.within(f"elif film < 0.0 and {line} and T_oil > 0.0"):
+                self._oil_out(to, row, "film")
+
+    # ---- heats and oil -----------------------------------------------------------------------------------------
+
+    def _heats(self, to: Statements) -> None:
+        """Add the heats of oil and walls, and what they generate (M52, M171)."""
+        network = self.network
+        if network.heated:
+            to.add("d = R[R_RATIO]")
+        for i, each in enumerate(network.heats):
+            to.add(f"heat = {each.call}", f"beyond = {each.factor}heat - heat", f"heats[{i}, HEAT] += dt * heat")
+            to.add(f"heats[{i}, HEAT_GENERATED] += dt * heat * (1.0 / T - 1.0 / T_oil)")
+            to.add("oil[LOST] += dt * beyond", "oil[LOST_OVER_T] += dt * beyond / T_oil")
+        if network.heated and not network.carried:
+            with to.within("if oiled > 0.0"):
+                to.add("made = dt * (R[R_RATIO] * mass_rate + discharged)", "oil[MADE] += made")
+                to.add("oil[MADE_T] += made * T_oil", "oil[MADE_LOG] += made * math.log(T_oil)")
+        for i, wall in enumerate(network.walls, len(network.heats)):
+            to.add(f"warmth = {wall.temperature}", f"heat = dt * {wall.call} * (warmth - T)")
+            to.add(f"heats[{i}, HEAT] += heat", f"heats[{i}, HEAT_GENERATED] += heat * (1.0 / T - 1.0 / warmth)")
+
+    def _oil(self, to: Statements) -> None:
+        """Add the oil that comes through ports (M105, M109), and the gas that oil gives off (M197, M233)."""
+        network = self.network
+        if not network.ported:
+            return
+        T = "T_felt" if network.roomed else "T_oil"
+        to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {network.inflow}")
+        to.add("oil[PORT_MASS] += dt * inflow", "oil[PORT_PRESSURE] += dt * inflow * p")
+        with to.within("if T_oil > 0.0"):
+            to.add(f"rise = (P[P_H_PORT] - {T}) / T_oil")
+            to.add("oil[PORT_GENERATED] += dt * inflow * c_oil * (rise - math.log(P[P_T_OIL] / T_oil))")
+        if network.flash is not None:
+            share, enthalpy, heat = network.flash
+            entropy = f"R[{network.cells.index(network.gas_cell)} * PLACE + PLENUM_ENTROPY]"
+            to.add(f"gas = inflow * max(0.0, {share})", "oil[FLASH_MASS] += dt * gas")
+            with to.within("if gas > 0.0"):
+                to.add(f"oil[FLASH_GENERATED] += dt * ledger__arriving(gas, {enthalpy}, {entropy}, h, s, T)")
+                to.add(f"oil[FLASH_GENERATED] += dt * gas * {heat} * c_oil * (1.0 / P[P_T_OIL] - 1.0 / T_oil)")
+        if network.release:
+            to.add(f"gas, enthalpy, warmth = {network.release}", "warmth = warmth * c_oil")
+            to.add("oil[FLASH_MASS] += dt * gas", "oil[RELEASED] += dt * warmth")
+            to.add("oil[FLASH_GENERATED] += dt * (gas * (s - s_held) - warmth / T_oil)")
+            to.add(f"oil[FLASH_GENERATED] += dt * {self._held_arrival('inflow', network.supply_holds)}")
