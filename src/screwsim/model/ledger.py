@@ -34,8 +34,8 @@ RELEASED = 10  # of gas that oil gives off over time: energy that the oil loses 
 OIL_SUMS = 11
 SUMS = (  # what the text of a moment calls by these names
     *("MOVED", "CARRIES", "GENERATED", "OUT_MASS", "OUT_ENTHALPY", "OUT_ENTROPY", "OUT_OIL", "OUT_OIL_T"),
-    *("OUT_OIL_LOG", "OUT_HELD", "OUT_HELD_ENTROPY", "HEAT", "HEAT_GENERATED", "MADE", "MADE_T", "MADE_LOG", "LOST", "LOST_OVER_T"),
-    *("PORT_MASS", "PORT_PRESSURE", "PORT_GENERATED", "FLASH_MASS", "FLASH_GENERATED", "RELEASED"),
+    *("OUT_OIL_LOG", "OUT_HELD", "OUT_HELD_ENTROPY", "HEAT", "HEAT_GENERATED", "MADE", "MADE_T", "MADE_LOG"),
+    *("LOST", "LOST_OVER_T", "PORT_MASS", "PORT_PRESSURE", "PORT_GENERATED", "FLASH_MASS", "FLASH_GENERATED", "RELEASED"),
 )
 
 
