@@ -14,17 +14,17 @@ import pytest
 from scenes import make, scene_dict
 
 from screwsim import simulate
+from screwsim.build import build_parts
 from screwsim.effects import catalogue
 from screwsim.effects.base import PowerLoss
 from screwsim.engineering import engineering
 from screwsim.errors import error_scale
+from screwsim.evaluate.performance import _losses
 from screwsim.explain import explain
 from screwsim.faults import UsageError
 from screwsim.figures import Performance, called_for, declared, known, merged, packed, unpacked
 from screwsim.model.parts import Effects
 from screwsim.outputs import EFFICIENCY, ITSELF, PERFORMANCE, Figure, Figures, Result, Scale, over
-from screwsim.performance import _losses
-from screwsim.prepared import build_parts
 from screwsim.report.page import data, tables
 from screwsim.results import open_results, save
 from screwsim.results.schema import axes_of

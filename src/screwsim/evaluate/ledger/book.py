@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
+import numpy as np
+
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.suction import SuctionState
+from screwsim.evaluate.known import CycleFigures
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.intake import Suction
-from screwsim.model.residues import Array
-from screwsim.model.run import Machinery
+from screwsim.model.compose import Composition
+from screwsim.model.parts import OilPart, Parts
 from screwsim.model.slots import FIRST_OWN, PLACE, PRESSURE
-from screwsim.performance import CycleFigures, Lines
+from screwsim.model.trajectory import Trajectory
+from screwsim.scene.lines import Lines
+
+Array = np.ndarray
 
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
 SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"
@@ -70,45 +76,69 @@ class Book:
         entry.entropy_generated += destroyed / self.T_0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cycle:
-    """What the ledger asks of a closed cycle.
+    """What the ledger asks of a closed cycle; `streams` are the sums over one chamber's life."""
 
-    `streams` are the sums over one chamber's life (model.residues.Balances.streams); `line_given` tells that
-    the state of the discharge line is not that of the outflow.
-    """
-
-    parts: Any
-    lines: Lines
-    machinery: Machinery
+    problem: Problem
+    life: Trajectory
     streams: Array
     known: CycleFigures
     shaft_power: float
-    T_0: float
-    line_given: bool
-    intake: Suction
 
-    def pressed(self, p: float) -> float:
-        """Return p/(ρ_oil c_oil) [K] where the oil takes room, else 0 (M108)."""
-        oil = self.parts.oil
-        return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
+    @property
+    def parts(self) -> Parts:
+        return self.problem.parts
+
+    @property
+    def oil(self) -> OilPart:
+        """The oil, where there is one."""
+        assert self.problem.parts.oil is not None
+        return self.problem.parts.oil
+
+    @property
+    def lines(self) -> Lines:
+        return self.problem.lines
+
+    @property
+    def suction(self) -> SuctionState:
+        return self.problem.suction
+
+    @property
+    def composition(self) -> Composition:
+        return self.life.composition
+
+    @property
+    def R(self) -> Array:
+        return self.life.R
+
+    @property
+    def T_0(self) -> float:
+        """Ambient temperature [K]."""
+        return self.problem.scene.operation.ambient_temperature
 
     @property
     def rate(self) -> float:
-        """Return chamber lives per second."""
-        return self.parts.omega / self.parts.geometry.pitch
+        """Chamber lives per second."""
+        return self.problem.rate
+
+    @property
+    def line_given(self) -> bool:
+        """Is the state of the discharge line another than that of the outflow?"""
+        delivers = bool(self.streams[2, 0] + self.streams[3, 0] < 0.0)
+        return self.problem.scene.operation.discharge.temperature is not None or not delivers
 
     def state(self, T: float, rho: float, h: float) -> State:
         """Return a state of the gas with its entropy."""
-        c = self.machinery.composition
-        return State(T, rho, h, float(self.machinery.module.gas_entropy(T, rho, c.P, c.TAB)))
+        c = self.composition
+        return State(T, rho, h, float(self.life.module.gas_entropy(T, rho, c.P, c.TAB)))
 
     def behind(self, to: str, line: State) -> State:
         """Return the mean state that the chambers meet in a line: throttled where its pressure has an offset (M184)."""
         for part in self.parts.pulsations:
             if part.to == to:
-                c, gas = self.machinery.composition, self.parts.gas
-                p = float(self.machinery.R[self.parts.number(to) * PLACE + PRESSURE])
+                c, gas = self.composition, self.parts.gas
+                p = float(self.R[self.parts.number(to) * PLACE + PRESSURE])
                 p *= 1.0 + float(c.P[c.made[list(self.parts.made).index(part.offset)]])
                 return self.state(gas.temperature(p, line.h), gas.place_of_enthalpy(p, line.h)[1], line.h)
         return line
@@ -121,7 +151,7 @@ class Cycle:
     @property
     def paths(self) -> list[str]:
         """Return whose flow paths there are, in the order of their sums."""
-        c = self.machinery.composition
+        c = self.composition
         return [*c.plenum_paths, *(name for name, _ in c.gap_paths)]
 
     def pressure(self, end: str) -> float:
