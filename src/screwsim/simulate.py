@@ -13,8 +13,7 @@ from screwsim.build import blamed, faults_of_own, prepare
 from screwsim.cycle import feedback
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Problem, problem_of
-from screwsim.cycle.series import Series
+from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.evaluate import own_effects, performance, plausible, verdict
 from screwsim.evaluate.evaluation import balance as balance_of
 from screwsim.evaluate.ledger.total import Ledger, ledger

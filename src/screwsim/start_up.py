@@ -14,8 +14,7 @@ import numpy as np
 
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Problem, problem_of
-from screwsim.cycle.series import Series
+from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.effects.base import OilSolution
 from screwsim.effects.gas_torque import raw_torque
 from screwsim.evaluate.evaluation import Evaluation, evaluate, loss_torque

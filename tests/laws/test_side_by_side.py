@@ -11,8 +11,7 @@ from scenes import SOLUBLE, make
 from screwsim import simulate
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Problem, problem_of
-from screwsim.cycle.series import Series
+from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.cycle.solution import CycleSolution
 from screwsim.evaluate.evaluation import balance, evaluate
 from screwsim.evaluate.ledger.total import ledger

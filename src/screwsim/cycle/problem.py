@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.build import build_parts, build_site
-from screwsim.cycle.series import Series
+from screwsim.build import Stock, build_parts
+from screwsim.cycle.continuation import Course
 from screwsim.cycle.suction import Place, SuctionState, suction_of
 from screwsim.cycle.wanted import Wanted, wanted_of
-from screwsim.effects.base import Made, Site
+from screwsim.effects.base import Made
 from screwsim.figures import called_for
-from screwsim.model.compose import Composition
+from screwsim.model.compose import Composer, Composition
 from screwsim.model.parts import Parts
 from screwsim.model.slots import DENSITY, ENTHALPY
 from screwsim.numerics.integrators import Rosenbrock, find_integrator
@@ -68,11 +68,6 @@ class Problem:
         return _h_isentropic(self.parts, self.lines, self.inlet)
 
     @cached_property
-    def site(self) -> Site:
-        """What the states of plenums are made of."""
-        return build_site(self.scene, self.parts.gas)
-
-    @cached_property
     def refrigerating_effect(self) -> float | None:
         """What a kilogram of refrigerant takes up in the evaporator [J/kg]; None where the scene tells none."""
         return refrigerating_effect(self.scene)
@@ -90,6 +85,13 @@ class Problem:
     def gas_share(self, rho: float, ratio: float) -> float:
         """Return the gas's share of a volume, 1 where the oil takes no room (M106)."""
         return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
+
+
+class Series:
+    """What scenes solved one after the other leave to the next: what was built, what was composed, what closed."""
+
+    def __init__(self) -> None:
+        self.stock, self.composer, self.course = Stock(), Composer(), Course()
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:

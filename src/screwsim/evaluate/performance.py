@@ -9,14 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.cycle.balances import discharge_enthalpy
-from screwsim.cycle.problem import Inlet, Problem
+from screwsim.cycle.problem import Inlet
 from screwsim.effects.base import Given, Plenum, PowerLoss, Reading
 from screwsim.evaluate.known import CycleFigures
 from screwsim.faults import own_number
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.machine.settings import TURN
 from screwsim.model.parts import Parts
 from screwsim.scene.lines import Lines
 
@@ -25,10 +23,6 @@ Array = np.ndarray
 
 MOTOR_POWER = "motor_power"
 NONE_DELIVERED = "no net gas is delivered: the machine leaks more than it takes in"
-
-
-def _quotient(a: float, b: float) -> float | None:
-    return a / b if b != 0.0 and np.isfinite(a / b) else None
 
 
 def efficiencies(
@@ -88,69 +82,10 @@ def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
 def loss_power(parts: Parts, lines: Lines, known: CycleFigures) -> float:
     """Return the shaft power beside the indicated power [W]: losses, and the lift of the oil."""
     lift = oil_lift(parts, lines, known) if parts.oil is not None else 0.0
-    return sum(_losses(parts, known).values()) + lift
+    return sum(power_losses(parts, known).values()) + lift
 
 
-def figures(
-    problem: Problem,
-    streams: Array,
-    known: CycleFigures,
-    work: float,
-    trapped: float,
-    d: float,
-    peak: float,
-    delivered: float,
-) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the performance figures of one closed cycle and why some are None.
-
-    `streams` are the sums over one chamber's life (cycle.balances.streams_of), `work` [J] that of one life, `d` the oil
-    per gas; `delivered` is the share of the gas that does not go back to suction (M163).
-    """
-    parts, lines, inlet, rate = problem.parts, problem.lines, problem.inlet, problem.rate
-    geometry, gas, oil = parts.geometry, parts.gas, parts.oil
-    flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate) + 0.0  # nothing has no sign
-    losses = _losses(parts, known)
-    lift = oil_lift(parts, lines, known) if oil is not None else None
-    shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
-    etas, notes = efficiencies(gas, lines, inlet, flow, shaft, _drawn(parts, streams, rate))
-    swept = inlet.density * geometry.swept_volume * rate
-    mean = discharge_enthalpy(streams)
-    found: dict[str, float | None] = {
-        **etas,
-        **losses,
-        "volumetric_efficiency": flow / swept,
-        "gas_mass_flow": flow,
-        "indicated_power": known.indicated_power,
-        "shaft_power": shaft,
-        "shaft_torque": shaft / parts.omega,
-        "discharge_temperature": None if mean is None else gas.temperature(lines.p_d, mean[0]),
-        "peak_pressure": peak,
-        "work_per_cycle": work,
-        "trapped_mass": trapped,
-        "suction_pressure": lines.p_s,
-        "suction_temperature": lines.T_s,
-        "discharge_pressure": lines.p_d,
-        "pressure_ratio": lines.p_s / lines.p_d if geometry.expands else lines.p_d / lines.p_s,
-        "displacement": geometry.swept_volume * TURN / geometry.pitch,
-        "displacement_flow": geometry.swept_volume * rate,
-    }
-    if mean is None:
-        notes["discharge_temperature"] = "nothing flows out to the discharge line"
-    if oil is not None:
-        found |= {
-            "oil_mass_flow": known.oil_mass_flow,
-            "oil_ratio": d,
-            "oil_flow_ratio": _quotient(known.oil_mass_flow, flow) if flow > 0.0 else None,
-            "oil_lift_power": lift,
-            "oil_discharge_temperature": known.oil_discharge_temperature,
-            "injection_pressure": known.injection_pressure,
-        }
-        notes["oil_flow_ratio"] = "no net gas is delivered"
-        notes["oil_discharge_temperature"] = "next to no oil flows out to the discharge line"
-    return found, notes
-
-
-def _drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
+def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
     """Return the net flow [kg/s] from each own plenum whose gas is a product, and its state."""
     products = {part.name for _, part in parts.all(Plenum) if part.product}
     rows = ((2 * parts.number(name), state) for name, state in parts.plenums.items() if name in products)
@@ -177,7 +112,7 @@ def refrigeration(
     return figures, {} if power > 0.0 else {"cop": "the shaft power is not positive"}
 
 
-def _losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
+def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
     """Return the power losses [W], of one name their sum; raise Impossible where an own effect gives none or a gain."""
     found = {}
     for name, part in parts.all(PowerLoss):

@@ -6,8 +6,9 @@ whatever its workspace does next.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import ModuleType
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,8 +20,7 @@ from screwsim.model.contexts import ChamberContext
 Array = np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory:
+class Trajectory(NamedTuple):
     """Times, dense output and quadratures of a life's steps; `composition.P` and `R` are the numbers it was made with.
 
     What a workspace shows of its last turn stands until it integrates again; a copy stands for good.

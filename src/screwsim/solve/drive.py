@@ -12,8 +12,7 @@ import numpy as np
 
 from screwsim.cycle.close import again, close
 from screwsim.cycle.guess import leased
-from screwsim.cycle.problem import Problem, problem_of
-from screwsim.cycle.series import Series
+from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
 from screwsim.evaluate.evaluation import Evaluation, evaluate

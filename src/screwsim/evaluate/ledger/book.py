@@ -7,15 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from screwsim.cycle.problem import Problem
-from screwsim.cycle.suction import SuctionState
-from screwsim.evaluate.known import CycleFigures
+from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.model.compose import Composition
-from screwsim.model.parts import OilPart, Parts
+from screwsim.model.parts import OilPart
 from screwsim.model.slots import FIRST_OWN, PLACE, PRESSURE
-from screwsim.model.trajectory import Trajectory
-from screwsim.scene.lines import Lines
 
 Array = np.ndarray
 
@@ -76,57 +71,23 @@ class Book:
         entry.entropy_generated += destroyed / self.T_0
 
 
-@dataclass(frozen=True, eq=False)
 class Cycle:
-    """What the ledger asks of a closed cycle; `streams` are the sums over one chamber's life."""
+    """What the ledger asks of a closed cycle; `line_given`: is the discharge line another than that of the outflow?"""
 
-    problem: Problem
-    life: Trajectory
-    streams: Array
-    known: CycleFigures
-    shaft_power: float
-
-    @property
-    def parts(self) -> Parts:
-        return self.problem.parts
+    def __init__(self, of: Evaluation) -> None:
+        self.problem, self.life, self.streams, self.known = of.problem, of.life, of.streams, of.known
+        self.parts, self.lines, self.suction = of.problem.parts, of.problem.lines, of.problem.suction
+        self.composition, self.R, self.rate = of.life.composition, of.life.R, of.problem.rate
+        operation = of.problem.scene.operation
+        self.T_0, self.shaft_power = operation.ambient_temperature, of.figures.shaft_power
+        delivers = of.streams[2, 0] + of.streams[3, 0] < 0.0
+        self.line_given = operation.discharge.temperature is not None or not delivers
 
     @property
     def oil(self) -> OilPart:
         """The oil, where there is one."""
-        assert self.problem.parts.oil is not None
-        return self.problem.parts.oil
-
-    @property
-    def lines(self) -> Lines:
-        return self.problem.lines
-
-    @property
-    def suction(self) -> SuctionState:
-        return self.problem.suction
-
-    @property
-    def composition(self) -> Composition:
-        return self.life.composition
-
-    @property
-    def R(self) -> Array:
-        return self.life.R
-
-    @property
-    def T_0(self) -> float:
-        """Ambient temperature [K]."""
-        return self.problem.scene.operation.ambient_temperature
-
-    @property
-    def rate(self) -> float:
-        """Chamber lives per second."""
-        return self.problem.rate
-
-    @property
-    def line_given(self) -> bool:
-        """Is the state of the discharge line another than that of the outflow?"""
-        delivers = bool(self.streams[2, 0] + self.streams[3, 0] < 0.0)
-        return self.problem.scene.operation.discharge.temperature is not None or not delivers
+        assert self.parts.oil is not None
+        return self.parts.oil
 
     def state(self, T: float, rho: float, h: float) -> State:
         """Return a state of the gas with its entropy."""

@@ -80,8 +80,7 @@ class Ledger:
 
 def ledger(of: Evaluation) -> Ledger:
     """Return where the shaft power of a closed cycle goes (contract: ledger)."""
-    cycle = Cycle(of.problem, of.life, of.streams, of.known, of.figures.shaft_power)
-    R = cycle.R
+    cycle, R = Cycle(of), of.life.R
     place = cycle.suction.place(float(R[R_DISCHARGE + ENTHALPY]))
     T_suction = cycle.suction.temperature(place, cycle.lines.T_s)
     suction = cycle.state(T_suction, float(R[R_SUCTION + DENSITY]), float(R[R_SUCTION + ENTHALPY]))

@@ -18,8 +18,7 @@ import numpy as np
 from screwsim.build import WIDTH
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import rehearse
-from screwsim.cycle.problem import Problem, problem_of
-from screwsim.cycle.series import Series
+from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
