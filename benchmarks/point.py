@@ -17,10 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from screwsim.estimate import close_accurately
+from screwsim.cycle.guess import rehearse
+from screwsim.cycle.problem import problem_of
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate, simulate_many
-from screwsim.study.coolprop_back_end import solution_with_coolprop
+from screwsim.solve.accurately import solve
+from screwsim.study.coolprop_back_end import machinery_with_coolprop
 
 ROOT = Path(__file__).resolve().parent.parent
 POINT = ROOT / "configs" / "paper" / "point.yaml"
@@ -86,13 +88,13 @@ def gases_table() -> None:
     for name, result, ms in (("ideal", ideal, ms_ideal), ("real, compiled", real, ms_real)):
         eta = result.performance.isentropic_efficiency
         print(f"{name:>20} {ms:>8.2f} {result.numerics.rhs_evaluations:>16} {eta:>9.6f} {ms / ms_ideal:>7.2f}")
-    slow = solution_with_coolprop(scene)
-    slow.machinery.warm_up(slow.rehearse)
-    runs = [close_accurately(slow) for _ in range(5)]
+    problem, slow = problem_of(scene), machinery_with_coolprop(scene)
+    slow.warm_up(lambda: rehearse(problem, slow))
+    runs = [solve(problem, slow) for _ in range(5)]
     ms = 1e3 * statistics.median(run.closing_time for run in runs)
     counts = runs[-1].counts
-    evaluations = int(counts[2] + counts[3] * len(slow.machinery.composition.states))
-    eta = slow.figures(runs[-1].closed.q)[0].isentropic_efficiency
+    evaluations = slow.evaluations_of(counts)
+    eta = runs[-1].evaluation.figures.isentropic_efficiency
     print(f"{'real, CoolProp':>20} {ms:>8.2f} {evaluations:>16} {eta:>9.6f} {ms / ms_ideal:>7.2f}")
 
 

@@ -14,11 +14,14 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.codegen.modules import load as compiled
+from screwsim.cycle.close import close
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import problem_of
+from screwsim.cycle.simultaneous import chambers_at_pitches
 from screwsim.fluid import nozzle
-from screwsim.model import close as closing
+from screwsim.model.run import Machinery
 from screwsim.numerics.rodas import ANGLE_STEP
 from screwsim.scene import Scene, load
-from screwsim.solution import Solution
 
 POINT = Path(__file__).resolve().parent.parent / "configs" / "paper" / "point.yaml"
 MOMENTS = 100  # of a life, at which parts of a step are timed
@@ -75,28 +78,26 @@ def nanoseconds(work: Callable[[int], object], times: int) -> float:
     return 1e9 * min(found)
 
 
-def closed(scene: Scene) -> tuple[Solution, Callable[[int], None]]:
-    """Return the solution of a scene, closed, and so many turns of its life among closed neighbours."""
-    solution = Solution(scene)
-    machinery = solution.machinery
-    machinery.warm_up(solution.rehearse)
-    rtol = solution.close().rtol
+def closed(scene: Scene) -> tuple[Machinery, Callable[[int], None]]:
+    """Return the machinery of a closed scene, and so many turns of its life among closed neighbours."""
+    problem = problem_of(scene)
+    machinery = leased(problem)
+    rtol = close(problem, machinery, problem.wanted).rtol
     times, dense, quads, steps = machinery.last()
     new = machinery.histories[1]  # neighbours behind are read from the turn being integrated: the same one
     new[0][: steps + 1], new[1][:steps], new[2][:steps] = times[: steps + 1], dense[:steps], quads[:steps]
     machinery.kept[0] = steps
-    start = closing.chambers_at_pitches(machinery)[: machinery.n]
+    start = chambers_at_pitches(machinery)[: machinery.n]
 
     def turns(times: int) -> None:
         for _ in range(times):
             machinery.turn(start.copy(), rtol, 1e-3)
 
-    return solution, turns
+    return machinery, turns
 
 
-def timers(solution: Solution) -> dict[str, Callable[[int], object]]:
+def timers(machinery: Machinery) -> dict[str, Callable[[int], object]]:
     """Return what is timed: the parts of a step, as compiled for the scene."""
-    machinery = solution.machinery
     module = compiled(machinery.composition.text + LOOPS, "step_times")
     n, nq, context = machinery.n, machinery.nq, machinery.context
     at, dense, _, steps = machinery.last()
@@ -126,15 +127,14 @@ def timers(solution: Solution) -> dict[str, Callable[[int], object]]:
 
 def main() -> None:
     """Print the parts of a step, the nozzle flow among them, which is part of rates and Jacobian."""
-    solution, turns = closed(load(sys.argv[1] if len(sys.argv) > 1 else str(POINT)))
-    machinery = solution.machinery
-    work = timers(solution)
+    machinery, turns = closed(load(sys.argv[1] if len(sys.argv) > 1 else str(POINT)))
+    work = timers(machinery)
     before = machinery.counts.copy()
     turns(1)
     counts = machinery.counts - before  # steps, rejected ones, evaluations, Jacobians
     tries = int(counts[0] + counts[1])
     step, jacobians = nanoseconds(turns, 20) / tries, counts[3] / tries
-    _, through = machinery.sample(np.linspace(0.0, float(machinery.composition.knots[-1]), 1025))
+    _, through = machinery.trajectory.sample(np.linspace(0.0, float(machinery.composition.knots[-1]), 1025))
     paths = float(np.count_nonzero(through, axis=1).mean())
     calls = {
         "surroundings": STAGES + jacobians,

@@ -8,11 +8,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import screwsim
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
+from screwsim.cycle.guess import begin, leased
+from screwsim.cycle.problem import problem_of
+from screwsim.errors import relative_errors, worst
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
-from screwsim.solution import Solution
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("r134a", "air")
@@ -158,12 +158,12 @@ def print_restless() -> None:
     for accuracy in (1e-2, 1e-3, 1e-4, 1e-5):
         found = solved(with_values(scene, {"numerics.accuracy": accuracy})).performance
         print(f"  accuracy {accuracy:g}: lambda {found.volumetric_efficiency:.5f}, work {found.work_per_cycle:.4f} J")
-    solution = Solution(scene)
-    solution.machinery.warm_up(solution.rehearse)
-    y, works = solution.start(), []
+    problem = problem_of(scene)
+    machinery = leased(problem)
+    y, works = begin(problem, machinery), []
     for _ in range(TURNS):
-        works.append(solution.machinery.turn(y, 1e-4, 1e-3)[3][0])
-        solution.machinery.swap()
+        works.append(machinery.turn(y, 1e-4, 1e-3)[3][0])
+        machinery.swap()
     late = works[TURNS // 2 :]
     print(f"  turns {TURNS // 2} to {TURNS} of its course: work {min(late):.3f} to {max(late):.3f} J")
 

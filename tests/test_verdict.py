@@ -5,22 +5,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from screwsim.evaluate.verdict import REMEDIES, refused
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.outputs import Figures, Result
 from screwsim.study.accuracy.kept import warns
-from screwsim.verdict import REMEDIES, refused
 
 
-def a_solution(limit: Limit, what: str):
-    gas = SimpleNamespace(first_outside=lambda T, rho: 0, why_outside=lambda T, rho: Outside(limit, what))
-    last = np.radians([0.0, 90.0]), np.ones((1, 4, 2)), np.ones((1, 1)), 1
-    return SimpleNamespace(parts=SimpleNamespace(gas=gas), machinery=SimpleNamespace(last=lambda: last))
+def a_gas(limit: Limit, what: str):
+    return SimpleNamespace(first_outside=lambda T, rho: 0, why_outside=lambda T, rho: Outside(limit, what))
 
 
 @pytest.mark.parametrize("limit", Limit)
 def test_each_limit_has_its_remedy_even_where_the_words_name_another(limit):
     words = "the highest and the lowest of it"
-    assert refused(a_solution(limit, words)) == f"at 90.00 deg {words}; {REMEDIES[limit]}"
+    life = SimpleNamespace(times=np.radians([0.0, 90.0]), ends=(np.ones(1), np.ones(1)))
+    assert refused(a_gas(limit, words), life) == f"at 90.00 deg {words}; {REMEDIES[limit]}"
 
 
 @pytest.mark.parametrize(("error", "warned"), [(2e-3, True), (5e-4, False)])

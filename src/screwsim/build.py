@@ -31,7 +31,6 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.settings import GasSettings
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
-from screwsim.model import close as closing
 from screwsim.model.parts import Effects, OilPart, Parts
 from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, only
@@ -67,8 +66,6 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
 
 Numbered = FlowPath | HeatRate | Wall | ChamberState
 WIDTH = 0.5  # of the regularisation over the wanted accuracy
-HISTORIES_FINER = 1e-4  # wanted accuracy from which on steps of histories are finer in proportion to it ...
-HISTORIES_FINEST = 0.1  # ... down to this factor
 LEAST = 1e-300  # above nothing
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
@@ -261,14 +258,6 @@ def regularisation(scene: Scene) -> tuple[float, float, float]:
 def _widths(scene: Scene, at: Lines) -> tuple[float, float, float]:
     width = WIDTH * scene.numerics.accuracy
     return width * at.p_s, width * at.p_d, width * max(at.p_s, at.p_d)
-
-
-def wanted_of(scene: Scene) -> closing.Wanted:
-    """Return tolerances from the wanted accuracy (docs/explanation/numerics.md)."""
-    numerics = scene.numerics
-    rtol = numerics.rtol or 0.3 * numerics.accuracy
-    of_histories = 1.0 if numerics.rtol else max(HISTORIES_FINEST, min(1.0, numerics.accuracy / HISTORIES_FINER))
-    return closing.Wanted(rtol, 0.2 * numerics.accuracy, numerics.accuracy, numerics.closing, of_histories)
 
 
 def prepare(scene: Scene) -> None:

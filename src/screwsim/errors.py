@@ -66,3 +66,12 @@ def error_scale(name: str, scale: Scale, known: Mapping[str, Any], larger: Calla
         least = least * (known.get(scale.where, 0.0) != 0.0) if scale.where else least
         size = least if scale.alone else larger(size, least)
     return size * larger(1.0, abs(known.get(TIMES["ideal"], 0.0))) if scale.times == "ideal" else size
+
+
+def worst(errors: Figures) -> tuple[str, float]:
+    """Return the figure of the largest error, and that error."""
+    found, largest = "", 0.0
+    for name, error in errors.items():
+        if error is not None and (error > largest or not found):
+            found, largest = name, error
+    return found, largest

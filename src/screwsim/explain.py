@@ -11,7 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.build import build_parts, faults_of_own, regularisation, wanted_of
+from screwsim.build import build_parts, faults_of_own, regularisation
+from screwsim.cycle.wanted import wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
 from screwsim.effects.base import (
@@ -343,7 +344,7 @@ def _oil(scene: Scene, parts: Parts) -> Iterator[str]:
 
 
 def _numerics(scene: Scene) -> Iterator[str]:
-    numerics, wanted = scene.numerics, wanted_of(scene)
+    numerics, wanted = scene.numerics, wanted_of(scene.numerics, regularisation(scene))
     yield _row("accuracy", f"{numerics.accuracy:g} wanted of the performance figures; bound of the balances")
     origin = "given" if numerics.rtol is not None else "from the accuracy"
     histories = f", of histories {wanted.of_histories * wanted.rtol:.3g}" if wanted.of_histories < 1.0 else ""

@@ -7,31 +7,39 @@ import operator
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from screwsim import own, plausible, settling, shaft, verdict
+import numpy as np
+
 from screwsim.build import blamed, faults_of_own, prepare
-from screwsim.estimate import TRIES, Accurate, close_accurately, close_tighter
+from screwsim.cycle import feedback
+from screwsim.cycle.continuation import Course
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.evaluate import own_effects, performance, plausible, verdict
+from screwsim.evaluate.evaluation import balance as balance_of
+from screwsim.evaluate.ledger.total import Ledger, ledger
+from screwsim.evaluate.traces import traces
 from screwsim.faults import Impossible, UsageError
 from screwsim.figures import Performance
-from screwsim.ledger.total import Ledger
-from screwsim.model import compiled
+from screwsim.model import compiled, leases, speed
+from screwsim.model.run import Machinery
 from screwsim.numerics import sources
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
-from screwsim.prepared import Series
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
-from screwsim.solution import Solution
+from screwsim.solve import drive, stability
+from screwsim.solve.accurately import TRIES, Accurate, solve, solve_tighter
 
 
-def _numerics(solution: Solution, accurate: Accurate) -> Figures:
-    counts, closed = accurate.counts, accurate.closed
+def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
+    counts, cycle = accurate.counts, accurate.cycle
     return Figures(
-        integrator=solution.scene.numerics.integrator,
-        closing=closed.how,
-        rtol=closed.rtol,
-        turns=closed.turns,
+        integrator=accurate.evaluation.problem.scene.numerics.integrator,
+        closing=cycle.how,
+        rtol=cycle.rtol,
+        turns=cycle.turns,
         steps=int(counts[0]),
-        rhs_evaluations=solution.machinery.evaluations_of(counts),
+        rhs_evaluations=machinery.evaluations_of(counts),
         jacobians=int(counts[3]),
         wall_time=accurate.closing_time,
         estimating_time=accurate.estimating_time,
@@ -42,17 +50,13 @@ def _finite(table: Figures) -> bool:
     return all(map(math.isfinite, [value for value in table.values() if value is not None]))
 
 
-def _judged(
-    solution: Solution, accurate: Accurate, trace: bool
-) -> tuple[Figures, dict[str, str], Figures, Ledger | None]:
-    """Return figures, why some are None, the balances and the ledger of a closed cycle, None where none is wanted."""
-    closed = accurate.closed
-    found, notes = accurate.figures or solution.figures(closed.q)
-    balance = solution.balance(closed.q)
-    wanted = trace or solution.scene.numerics.error == "estimate"
-    book = solution.ledger(closed.q, found.shaft_power) if wanted else None
-    balance["entropy"] = None if book is None else book.entropy_residue(solution.least(closed.q)[0])
-    return found, notes, balance, book
+def _balanced(accurate: Accurate, trace: bool) -> tuple[Figures, Ledger | None]:
+    """Return the balances and the ledger of a closed cycle, None where none is wanted."""
+    of = accurate.evaluation
+    balance = balance_of(of)
+    book = ledger(of) if trace or of.problem.scene.numerics.error == "estimate" else None
+    balance["entropy"] = None if book is None else book.entropy_residue(of.least[0])
+    return balance, book
 
 
 def simulate(scene: Scene, trace: bool = True) -> Result:
@@ -61,7 +65,7 @@ def simulate(scene: Scene, trace: bool = True) -> Result:
     `trace` keeps the cycle over the angle; the ledger is left out without it where the scene says `numerics.error:
     none`. Raises UsageError when the scene asks for a fluid that is not there.
     """
-    return _told(scene, trace, Series())
+    return _told(scene, trace, None)
 
 
 def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Result]:
@@ -75,7 +79,7 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
         yield _told(scene, trace, series)
 
 
-def _told(scene: Scene, trace: bool, series: Series) -> Result:
+def _told(scene: Scene, trace: bool, series: Series | None) -> Result:
     """Return the result of a scene; what goes wrong inside an effect of the user's own is told as a fault of that."""
     own = scene.own
     if not own:
@@ -89,7 +93,8 @@ def _told(scene: Scene, trace: bool, series: Series) -> Result:
         name = blamed(error, own)
         if name is None:
             raise
-        series.course.forget()
+        if series is not None:
+            series.course.forget()
         text = " ".join(f"{type(error).__name__}: {error}".split())
         what = "ends the program" if isinstance(error, SystemExit) else "fails"
         return Result("failed", f"{own[name]}: {what} ({text}); mend that module", effects=tuple(scene.effects))
@@ -104,7 +109,7 @@ def _survived(scene: Scene) -> None:
     known = _tried.get(names, [])
     if len(known) == len(modules) and all(map(operator.is_, known, modules)):
         return
-    how = how_it_died(lambda: _simulate(scene, False, Series()))
+    how = how_it_died(lambda: _simulate(scene, False, None))
     if how:
         what = f"a process that built, compiled and ran them died {how}"
         which = "the effects" if scene.machine.kind not in scene.own else "what is"
@@ -113,87 +118,105 @@ def _survived(scene: Scene) -> None:
     _tried[names] = modules
 
 
-def _simulate(scene: Scene, trace: bool, series: Series) -> Result:
+def _simulate(scene: Scene, trace: bool, series: Series | None) -> Result:
+    course = None if series is None else series.course
+    series = series or Series()
     try:
         with faults_of_own(scene):
             with compiled.equation_announced(scene.gas.fluid):
-                solution = Solution(scene, series)
-            solution.machinery.warm_up(solution.rehearse)
-        solution = shaft.at_its_speed(solution)
-        result = _solved(solution, trace)
-        solution.release()
+                problem = problem_of(scene, series)
+            machinery = leased(problem)
+        at_speed = drive.at_its_speed(problem, series)
+        if at_speed is not problem:
+            leases.give_back(machinery)
+            problem, machinery = at_speed, leased(at_speed)
+        result = _solved(problem, machinery, trace, course)
+        leases.give_back(machinery)
     except Impossible as wrong:
         result = Result("failed", str(wrong), scene_warnings(scene), tuple(scene.effects))
-    if result.status != "ok":
-        series.course.forget()
+    if course is not None and result.status != "ok":
+        course.forget()
     return result
 
 
-def _solved(solution: Solution, trace: bool) -> Result:
-    scene, machinery = solution.scene, solution.machinery
-    accurate = close_accurately(solution)
-    closed = accurate.closed
-    numerics = _numerics(solution, accurate)
-    effects, states = tuple(scene.effects), machinery.composition.states
-    refused = own.impossible(solution, closed)
-    if not refused and closed.status == "failed":
-        refused = verdict.failure(solution, closed)
-    refused = refused or verdict.refused(solution) or solution.beyond()
+def _solved(problem: Problem, machinery: Machinery, trace: bool, course: Course | None) -> Result:
+    scene, parts = problem.scene, problem.parts
+    accurate = solve(problem, machinery, course)
+    cycle, of = accurate.cycle, accurate.evaluation
+    numerics = _numerics(machinery, accurate)
+    effects, states = tuple(scene.effects), problem.composition.states
+    refused = own_effects.impossible(problem, cycle)
+    if not refused and cycle.status == "failed":
+        refused = verdict.failure(problem, cycle)
+    refused = refused or verdict.refused(parts.gas, of.life) or feedback.at_its_end(problem, of.life)
     if refused:
-        shut = "".join(f"; {words}" for words in plausible.shut_ways(scene, solution.parts))
-        none = Performance({}, solution.called)
+        shut = "".join(f"; {words}" for words in plausible.shut_ways(scene, parts))
+        none = Performance({}, problem.called)
         return Result("failed", refused + shut, scene_warnings(scene), effects, states, none, numerics=numerics)
-    found, notes, balance, book = _judged(solution, accurate, trace)
+    balance, book = _balanced(accurate, trace)
     for _ in range(TRIES):
-        if closed.status != "ok" or (balance.entropy or 0.0) <= balance.bound or scene.numerics.rtol is not None:
+        if cycle.status != "ok" or (balance.entropy or 0.0) <= balance.bound or scene.numerics.rtol is not None:
             break
         # mass and energy are judged while closing, entropy only here: it needs the ledger
-        accurate = close_tighter(solution, accurate)
-        closed, numerics = accurate.closed, _numerics(solution, accurate)
-        found, notes, balance, book = _judged(solution, accurate, trace)
-    solution.note(closed)
+        accurate = solve_tighter(machinery, accurate)
+        cycle, of, numerics = accurate.cycle, accurate.evaluation, _numerics(machinery, accurate)
+        balance, book = _balanced(accurate, trace)
+    if course is not None:
+        _note(course, accurate)
+    found, notes = of.read
     sound = book is None or book.finite
-    if not _finite(found) or (closed.status == "ok" and not sound):
+    if not _finite(found) or (cycle.status == "ok" and not sound):
         message = "a figure is not finite; ask for a tighter numerics.accuracy"
-        none = Performance({}, solution.called)
+        none = Performance({}, found.about)
         return Result("failed", message, (), effects, states, none, numerics=numerics)
     if not sound:  # of a cycle that is none, states between steps may be none of the gas
         book, balance["entropy"] = None, None
-    forbidden, of_drive, balance["drive"] = shaft.judged(solution, closed)
-    overloaded, of_loads = solution.judged(closed.q)
+    forbidden, of_drive, balance["drive"] = drive.judged(of)
+    overloaded, of_loads = performance.judged(parts, of.known, found)
     forbidden = forbidden or overloaded
-    status, message = closed.status, ""
-    residues = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
-    shown = ", ".join(f"{name} {size:.2g}" for name, size in residues.items())
-    if status == "not_closed" or max(residues.values()) > balance.bound:
+    status, message = cycle.status, ""
+    residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
+    shown = ", ".join(f"{name} {size:.2g}" for name, size in residuals.items())
+    if status == "not_closed" or max(residuals.values()) > balance.bound:
         status = "not_closed"
         message = (
-            f"{shown} against the bound {balance.bound:.2g}, last change {closed.change:.2g}; "
-            f"{verdict.unclosed(solution, closed)}"
+            f"{shown} against the bound {balance.bound:.2g}, last change {cycle.change:.2g}; "
+            f"{verdict.unclosed(of, cycle)}"
         )
-    unknown = solution.open_question(closed.q, status == "ok")
+    unknown = verdict.open_question(of, status == "ok")
     if unknown:
         unsettled = f"; their cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
         status, message = "failed", unknown + unsettled
-    swings = "" if status == "ok" or unknown else verdict.beyond_its_mean(solution)
+    swings = "" if status == "ok" or unknown else verdict.beyond_its_mean(problem, of.life)
     if swings:
         status, message = "failed", f"{swings}; its cycle does not close: {shown}, bound {balance.bound:.2g}"
     if forbidden:
         status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
-    cycle, kept = solution.cycle(closed.q) if trace else {}, book.figures() if trace and book else Figures()
-    tried = (f"the cycle closed only with {closed.needed}",) if closed.needed else ()
-    of_turns = settling.warnings(solution, closed)
+    over_angle, kept = traces(of) if trace else {}, book.figures() if trace and book else Figures()
+    errors = accurate.errors
+    tried = (f"the cycle closed only with {cycle.needed}",) if cycle.needed else ()
     warnings = (
-        *verdict.doubts(solution, found if status == "ok" else Figures(), accurate.errors),
+        *verdict.doubts(problem, found if status == "ok" else Figures(), errors),
         *of_loads,
         *tried,
         *of_drive,
-        *of_turns,
-        *verdict.warnings(solution, found),
-        *verdict.inaccurate(scene.numerics.accuracy, accurate.errors),
+        *stability.warnings(problem, machinery, cycle, accurate.wanted.rtol),
+        *verdict.warnings(of),
+        *verdict.inaccurate(scene.numerics.accuracy, errors),
     )
-    errors = accurate.errors
-    return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, cycle, kept)
+    return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, over_angle, kept)
+
+
+def _note(course: Course, accurate: Accurate) -> None:
+    """Leave the closed cycle to the scenes that follow on a course.
+
+    What the cycle makes goes as the last turn made it: one that closes at once would hand on what it was given, and
+    errors of guesses would add up along the course.
+    """
+    of, cycle = accurate.evaluation, accurate.cycle
+    curve = speed.curve_at(of.life.composition) if cycle.speed_curve is None else cycle.speed_curve
+    made = np.concatenate([of.problem.entries.possible(of.image), curve])
+    course.add(cycle, of.problem.parameters, made, accurate.wanted, accurate.tightness)
 
 
 def warm_up(scene: Scene) -> None:

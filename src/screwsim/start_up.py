@@ -12,19 +12,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim import shaft
+from screwsim.cycle.close import close
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.effects.base import OilSolution
 from screwsim.effects.gas_torque import raw_torque
+from screwsim.evaluate.evaluation import Evaluation, evaluate, loss_torque
+from screwsim.evaluate.pitch import POINTS
 from screwsim.faults import UsageError
 from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.machine.drive.run_up import Motion, run_up
 from screwsim.machine.drive.train import Train
-from screwsim.model import compiled, speed
-from screwsim.model.pitch import POINTS
+from screwsim.model import compiled, leases, speed
+from screwsim.model.run import Machinery
 from screwsim.model.slots import P_OMEGA, R_SUCTION
 from screwsim.outputs import Figures
 from screwsim.scene.types import Scene
-from screwsim.solution import Solution
+from screwsim.solve import drive
 
 Array = np.ndarray
 CREEP = 30.0 * math.pi / 30.0  # rad/s, of the start
@@ -70,64 +74,68 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
 
     Raises UsageError where the scene has no drive, or its motor no limit.
     """
-    solution = steadily(scene, creep)
-    closed = shaft.settled(solution, solution.close())
-    part = solution.parts.shaft
+    problem = steadily(scene, creep)
+    machinery, part = leased(problem), problem.parts.shaft
     assert part is not None  # `steadily`
-    if closed.status == "failed":
+    cycle = drive.settled(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted))
+    if cycle.status == "failed":
         return StartUp("failed", UNCLOSED)
+    of = evaluate(problem, cycle)
     try:
-        steady = part.respond(solution.complete(closed.q))
+        steady = part.respond(of.complete)
     except NoMotion as reason:
         return StartUp("failed", f"there is no steady speed to start to: {reason}")
-    if closed.status != "ok":
-        return StartUp(closed.status, UNCLOSED)
+    if cycle.status != "ok":
+        return StartUp(cycle.status, UNCLOSED)
     if creep >= steady.mean_speed:
         target = _rpm(steady.mean_speed)
         raise UsageError(f"the start creeps at {_rpm(creep)}, the steady speed is {target} (creep slower)")
-    return Run(solution, steady, creep, longest).run()
+    found = Run(of, machinery, steady, creep, longest).run()
+    leases.give_back(machinery)
+    return found
 
 
-def steadily(scene: Scene, creep: float) -> Solution:
-    """Return the scene at its steady speed, prepared; raise UsageError where it cannot be started."""
+def steadily(scene: Scene, creep: float) -> Problem:
+    """Return the problem at its steady speed; raise UsageError where it cannot be started."""
+    series = Series()
     with compiled.equation_announced(scene.gas.fluid):
-        solution = Solution(scene)
-    part = solution.parts.shaft
+        problem = problem_of(scene, series)
+    part = problem.parts.shaft
     if part is None:
         raise UsageError("the scene has no drive to start (name drive under effects)")
-    if solution.parts.geometry.expands:
+    if problem.parts.geometry.expands:
         raise UsageError("a start-up is that of a compressor, and the scene's machine is an expander")
     if not math.isfinite(part.train(1.0).motor.most):
         raise UsageError("a start needs the motor's limit (give effects.drive.motor.torque_limit)")
     if not creep > 0.0:
         raise UsageError("a start begins from a creeping speed above 0 (e.g. 30 rpm)")
-    solution.machinery.warm_up(solution.rehearse)
-    return shaft.at_its_speed(solution)
+    return drive.at_its_speed(problem, series)
 
 
 class Run:
     """A start under way: state of chambers and drive, and what is kept of the pitches behind."""
 
-    def __init__(self, solution: Solution, steady: Response, creep: float, longest: float) -> None:
-        self.solution, self.steady, self.creep, self.longest = solution, steady, creep, longest
+    def __init__(
+        self, of: Evaluation, machinery: Machinery, steady: Response, creep: float, longest: float
+    ) -> None:
+        """Begin at rest; `of` is the steady cycle, on which the machinery stands."""
+        self.problem, self.machinery = of.problem, machinery
+        self.steady, self.creep, self.longest = steady, creep, longest
         self.train: Train = steady.train
         self.pitches: list[Pitch] = []
         self.chambers = self._at_rest()
-        loss = float(np.mean(steady.load)) - float(solution.complete(self._q).pitch().torque_mean)
+        work = float(of.life.quads[of.life.steps - 1, 0])
+        loss = float(np.mean(steady.load)) - work / of.problem.parts.geometry.pitch
         twist = self.train.coupling.twist(min(max(loss, 0.0), self.train.motor.most))
         self.drive = np.array([creep**2, creep, twist, 0.0])
         self.load = np.full(POINTS + 1, loss)
         self.begins = self.train.stored(creep, creep, twist)
 
-    @property
-    def _q(self) -> Array:
-        return self.solution.machinery.last()[2][self.solution.machinery.last()[3] - 1]
-
     def _at_rest(self) -> Array:
         """Return the states of all chambers full of gas of the suction line, without oil of their own."""
-        machinery, lines, parts = self.solution.machinery, self.solution.lines, self.solution.parts
-        composition, suction = machinery.composition, self.solution.suction
-        one = [suction.temperature(suction.line, lines.T_s), float(machinery.R[R_SUCTION + 1])]
+        parts, composition, suction = self.problem.parts, self.problem.composition, self.problem.suction
+        T_s = suction.temperature(suction.line, self.problem.lines.T_s)
+        one = [T_s, float(self.machinery.R[R_SUCTION + 1])]
         if parts.oil is not None and "T_oil" in composition.states:
             one.append(parts.oil.temperature)
         if composition.carried:
@@ -140,7 +148,7 @@ class Run:
 
     def advance(self) -> Pitch | str:
         """Return the next pitch; a text where the chambers could not be integrated."""
-        tolerance, change = self.solution.wanted.tolerance, math.inf
+        tolerance, change = self.problem.wanted.tolerance, math.inf
         gas, loss, work, end = self.load, 0.0, 0.0, self.chambers
         motion = run_up(self.train, self.steady.no_load_speed, self.drive, self.load, self.creep)
         for _ in range(MOST_TURNS):
@@ -167,23 +175,23 @@ class Run:
 
     def _chambers_under(self, motion: Motion) -> tuple[Array, float, float, Array] | str:
         """Return gas torque, torque of the losses, gas work and the end's states, under the course of the speed."""
-        solution = self.solution
-        machinery, pitch = solution.machinery, solution.parts.geometry.pitch
-        composition = machinery.composition
+        problem, machinery = self.problem, self.machinery
+        composition, pitch = machinery.composition, problem.parts.geometry.pitch
         mean = _mean(motion, pitch)
         at = composition.speed_curve
         assert at is not None  # the scene has a drive
         composition.P[P_OMEGA] = mean
         speed.put(composition.P, at, speed.curve_of(motion.squares / mean**2, motion.slopes / mean**2, pitch))
         y = self.chambers.copy()
-        status, angle, _, q = machinery.pitch(y, solution.wanted.rtol, STEP, INSET)
+        status, angle, _, q = machinery.pitch(y, problem.wanted.rtol, STEP, INSET)
         if status != 0 or not np.isfinite(y).all():
             return f"the chambers could not be integrated beyond {math.degrees(angle):.2f} deg of a pitch"
         machinery.install_coupled()
-        torque = raw_torque(solution.pitch_of(q))
+        of = Evaluation(problem, machinery.trajectory, q)
+        torque = raw_torque(of.pitch)
         gas = np.append(torque, 2.0 * torque[-1] - torque[-2])
         gas += (float(q[0]) - float(np.trapezoid(gas, dx=pitch / POINTS))) / pitch
-        return gas, solution.loss_torque(q, mean), float(q[0]), machinery.shift(y)
+        return gas, loss_torque(of, mean), float(q[0]), machinery.shift(y)
 
     # ---- all of it -------------------------------------------------------------------------------------------
 

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.build import regularisation, wanted_of
+from screwsim.build import regularisation
+from screwsim.cycle.balances import LEAST_WORK
+from screwsim.cycle.wanted import wanted_of
+from screwsim.evaluate.known import CycleFigures
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.kinds import kind_of
 from screwsim.model.parts import OilPart, Parts
-from screwsim.model.residues import LEAST_WORK
 from screwsim.model.writing import HEAT_SYMBOLS, OPENING_SYMBOLS, PUSH_SYMBOLS, STATE_SYMBOLS, symbols_of
-from screwsim.performance import CycleFigures
 from screwsim.scene import loads
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -42,7 +43,7 @@ def test_the_page_lists_constants():
 
 def test_tolerances_follow_from_the_accuracy_as_stated():
     scene = loads(SCENE)
-    wanted = wanted_of(scene)
+    wanted = wanted_of(scene.numerics, regularisation(scene))
     assert "| 0.3 · accuracy, or `numerics.rtol` |" in NUMERICS
     assert wanted.rtol == pytest.approx(0.3e-3)
     assert "openings to the suction line | `WIDTH` · accuracy · p_s |" in NUMERICS

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from screwsim.build import build_parts
 from screwsim.effects import catalogue
 from screwsim.effects.base import Reading
 from screwsim.explain import explain
 from screwsim.figures import called_for
 from screwsim.machine.kinds import MACHINES
-from screwsim.prepared import build_parts
 from screwsim.simulate import simulate
 
 ROOT = Path(__file__).parents[2]

@@ -14,17 +14,17 @@ import pytest
 from scenes import make, scene_dict
 
 from screwsim import simulate
+from screwsim.build import build_parts
 from screwsim.effects import catalogue
 from screwsim.effects.base import PowerLoss
 from screwsim.engineering import engineering
 from screwsim.errors import error_scale
+from screwsim.evaluate.performance import power_losses
 from screwsim.explain import explain
 from screwsim.faults import UsageError
 from screwsim.figures import Performance, called_for, declared, known, merged, packed, unpacked
 from screwsim.model.parts import Effects
 from screwsim.outputs import EFFICIENCY, ITSELF, PERFORMANCE, Figure, Figures, Result, Scale, over
-from screwsim.performance import _losses
-from screwsim.prepared import build_parts
 from screwsim.report.page import data, tables
 from screwsim.results import open_results, save
 from screwsim.results.schema import axes_of
@@ -289,7 +289,7 @@ def test_losses_of_one_name_add_up():
     """Two effects may give one figure, declared once: neither is lost in the shaft power."""
     parts = Effects({"a.b": [PowerLoss("mechanical_power", lambda known: 2.0)],
                      "mechanical": [PowerLoss("mechanical_power", lambda known: 3.0)]})  # fmt: skip
-    assert _losses(parts, SimpleNamespace(indicated_power=1.0)) == {"mechanical_power": 5.0}
+    assert power_losses(parts, SimpleNamespace(indicated_power=1.0)) == {"mechanical_power": 5.0}
 
 
 # ---- scales are declared -------------------------------------------------------------------------------------------

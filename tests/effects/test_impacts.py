@@ -10,11 +10,12 @@ from cylinder import SHUT, K, cylinder
 from scipy.optimize import brentq
 
 from screwsim.build import build_parts
+from screwsim.cycle.guess import first_guess
 from screwsim.effects.base import ChamberState, Stops
 from screwsim.model.compose import compose
-from screwsim.model.guess import first_guess
 from screwsim.model.run import Machinery
 from screwsim.model.stops import LOW, MOST_IMPACTS, NEAR
+from screwsim.numerics.integrators import check_of
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import OK, TOO_MANY_JUMPS
 
@@ -82,14 +83,13 @@ def turned(weight=2.0, restitution=0.5, start=1.0, rtol=RTOL, held=2.5e5, method
     )
     composition = compose(parts)
     machinery = Machinery(composition)
-    machinery.integrator = method
-    y = first_guess(parts, composition, machinery, P_S, T_S, 4e5)
+    y = first_guess(parts, machinery, P_S, T_S, 4e5)
     R = machinery.R
     R[:8] = *parts.gas.place(P_S, T_S), 0.0, T_S
     R[10:18] = *parts.gas.place(4e5, T_S), 0.0, T_S
     y[list(GAS)] = T_S, parts.gas.density(4e5, T_S)
     y[list(BALL + LID)] = start, 0.0, 0.0, 0.0
-    status, _, _, _ = machinery.pitch(y, rtol, 1e-3)
+    status, _, _, _ = machinery.pitch(y, rtol, 1e-3, check=check_of(method))
     machinery.swap()
     return status, machinery
 

@@ -64,5 +64,5 @@ def test_a_later_case_of_a_sweep_does_not_suffer_from_one_that_failed():
 
 
 def test_a_scene_without_own_effects_asks_nothing(monkeypatch):
-    monkeypatch.setattr(sys.modules["screwsim.own"], "_points", None)
+    monkeypatch.setattr(sys.modules["screwsim.evaluate.own_effects"], "_points", None)
     assert simulate(make({})).status == "ok"

@@ -5,16 +5,15 @@ import math
 import numpy as np
 import pytest
 from cylinder import REEDS, cylinder
+from scenes import closed
 
 from screwsim.effects import check_valves, reed_valves
 from screwsim.effects.reed_valves import discharge_push, opened, push_of, reed_acceleration, suction_push
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
+from screwsim.errors import relative_errors, worst
 from screwsim.model.slots import FREE, LOOSE
 from screwsim.numerics.rodas import dense_value
 from screwsim.scene import with_values
 from screwsim.simulate import simulate
-from screwsim.solution import Solution
 
 
 def test_a_free_reed_swings_at_its_own_frequency():
@@ -49,10 +48,8 @@ def test_a_check_valve_is_open_along_its_flow_only(sign):
 
 def works(scene, side: str) -> tuple[float, float, float]:
     """Return the work of the gas on a reed over a closed turn, and what damping and impacts take of it [J]."""
-    solution = Solution(scene)
-    machinery = solution.machinery
-    machinery.warm_up(solution.rehearse)
-    assert solution.close().status == "ok"
+    _, machinery, cycle = closed(scene)
+    assert cycle.status == "ok"
     states = machinery.composition.states
     lift, speed = (states.index(f"{side}_valve_{name}") for name in ("lift", "speed"))
     times, dense, _, steps = machinery.last()

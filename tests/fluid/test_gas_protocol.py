@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from covolume import CovolumeGas
 
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
+from screwsim.errors import relative_errors, worst
+from screwsim.evaluate.verdict import REMEDIES
 from screwsim.fluid.constants import gas_constant
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
@@ -20,7 +20,6 @@ from screwsim.fluid.real_gas import RealGas
 from screwsim.numerics.kernel import Kernel
 from screwsim.scene import loads
 from screwsim.simulate import simulate
-from screwsim.verdict import REMEDIES
 
 GASES = {
     "ideal": IdealGas(81.49, 1.12),

@@ -5,9 +5,9 @@ import pytest
 from scenes import DROP, make, run
 
 from screwsim import outputs
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
-from screwsim.model import close, places
+from screwsim.cycle import coordinates, relaxation
+from screwsim.errors import relative_errors, worst
+from screwsim.model import places
 from screwsim.model.balance import oil_temperature_slope
 from screwsim.simulate import simulate
 
@@ -27,10 +27,10 @@ SHUT = {"effects": {}, "oil": DROP, "oil_supply": DROP}
 @pytest.mark.parametrize("factor", [0.1, 10.0])
 @pytest.mark.parametrize("d", [1e-5, 1e-4, 1e-3])
 def test_the_least_oil_that_counts_moves_no_figure(factor, d, monkeypatch):
-    """`close.LEAST_OIL`: oil below 1e-4 of the gas is not waited for; the gas does not notice, within the accuracy."""
+    """`LEAST_OIL`: oil below 1e-4 of the gas is not waited for; the gas does not notice, within the accuracy."""
     changes = {**CARRIED, "oil_supply.ratio": d}
     usual = run(changes)
-    monkeypatch.setattr(close, "LEAST_OIL", factor * close.LEAST_OIL)
+    monkeypatch.setattr(coordinates, "LEAST_OIL", factor * coordinates.LEAST_OIL)
     found = simulate(make(changes))
     assert found.status == usual.status == "ok"
     for name in GAS:
@@ -48,7 +48,7 @@ def test_figures_are_continuous_over_the_least_oil(transport):
 
 
 def test_errors_of_oil_have_the_same_least_scale():
-    assert outputs.LEAST_OIL == close.LEAST_OIL
+    assert outputs.LEAST_OIL == coordinates.LEAST_OIL
     for name in ("oil_ratio", "oil_flow_ratio", "oil_mass_flow"):
         assert outputs.PERFORMANCE[name].scale.least == outputs.LEAST_OIL
 
@@ -59,17 +59,17 @@ def test_next_to_no_oil_is_as_no_oil(d):
     none, found = run({"oil_supply.ratio": 0}), run({**CARRIED, "oil_supply.ratio": d})
     for name in GAS:  # with the paper's transport, none is as without oil heat: tests/laws
         assert found.performance[name] == pytest.approx(none.performance[name], rel=ACCURACY), name
-    assert found.performance.oil_ratio == pytest.approx(d, abs=close.LEAST_OIL * ACCURACY)
-    assert abs(found.performance.oil_flow_ratio) <= d + close.LEAST_OIL
+    assert found.performance.oil_ratio == pytest.approx(d, abs=coordinates.LEAST_OIL * ACCURACY)
+    assert abs(found.performance.oil_flow_ratio) <= d + coordinates.LEAST_OIL
 
 
 @pytest.mark.parametrize("factor", [0.1, 10.0])
 @pytest.mark.parametrize("p_d", ["12 bar", "1.50015 bar"])
 def test_the_least_work_moves_no_figure(p_d, factor, monkeypatch):
-    """`close.LEAST_WORK`: work below 1e-6 p V is rounding; a pressure ratio of 1.0001 still asks for more."""
+    """`LEAST_WORK`: work below 1e-6 p V is rounding; a pressure ratio of 1.0001 still asks for more."""
     changes = {"operation.discharge": {"pressure": p_d}}
     usual = simulate(make(changes))
-    monkeypatch.setattr(close, "LEAST_WORK", factor * close.LEAST_WORK)
+    monkeypatch.setattr(relaxation, "LEAST_WORK", factor * relaxation.LEAST_WORK)
     found = simulate(make(changes))
     assert found.status == usual.status == "ok"
     assert worst(relative_errors(found.performance, usual.performance))[1] <= ACCURACY
@@ -79,7 +79,7 @@ def test_a_chamber_that_does_no_work_is_within_the_least_work():
     """A chamber that never opens gives back what it takes: without the floor, nothing would close its balance."""
     found = simulate(make(SHUT))
     assert found.status == "ok"
-    assert abs(found.performance.work_per_cycle) <= close.LEAST_WORK * 1.5e5 * 600e-6  # p V of the full chamber [J]
+    assert abs(found.performance.work_per_cycle) <= relaxation.LEAST_WORK * 1.5e5 * 600e-6  # p V of the full chamber
 
 
 @pytest.mark.parametrize("x", [1e-9, 1e-6, 1e-3, 1.0])

@@ -1,6 +1,7 @@
 """Each hard case: the status that it deserves, finite and positive numbers, closed balances, bounded work."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +10,13 @@ from hard_cases import CASES
 from hard_page import RADAU, REASONS, page, to_compare
 from scenes import make, run
 
-from screwsim import solution
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
+from screwsim.cycle import close, guess
+from screwsim.cycle.fallbacks import fallbacks
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import problem_of
+from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
+from screwsim.errors import relative_errors, worst
+from screwsim.evaluate.evaluation import evaluate
 from screwsim.faults import SceneError
 from screwsim.simulate import simulate
 
@@ -44,13 +49,11 @@ def numbers(result):
 def solved(case, monkeypatch):
     """Return the result of a case, from its own first guess where it has one."""
     if case.guess is not None:
-        plain, (p, T) = solution.first_guess, case.guess
+        plain, (p, T) = guess.first_guess, case.guess
         monkeypatch.setattr(
-            solution,
+            guess,
             "first_guess",
-            lambda parts, composition, machinery, p_s, T_s, p_d: plain(
-                parts, composition, machinery, p * p_s, T * T_s, p * p_d
-            ),
+            lambda parts, machinery, p_s, T_s, p_d: plain(parts, machinery, p * p_s, T * T_s, p * p_d),
         )
     return simulate(make(case.changes))
 
@@ -161,13 +164,9 @@ def test_a_result_does_not_depend_on_what_was_run_before():
 
 
 def test_a_further_try_says_which_one_it_needed(monkeypatch):
-    from screwsim.model import close
-
-    plain = close.by_coupling
-
-    def not_closed(task, y, hope):
-        done = plain(task, close.chambers_at_pitches(task.machinery))
-        return close.Closed("not_closed", done.q, y, 1, "coupled", 1e-4)
+    def not_closed(problem, machinery, wanted, y, hope):
+        done = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+        return replace(done, status="not_closed", y=y)
 
     monkeypatch.setattr(close, "_close", not_closed)
     result = simulate(make({}))
@@ -177,12 +176,8 @@ def test_a_further_try_says_which_one_it_needed(monkeypatch):
 
 @pytest.mark.parametrize("index", range(4))
 def test_every_further_try_closes_a_cycle_that_is_there(index):
-    from screwsim.model.tries import further_tries
-    from screwsim.solution import Solution
-
     wanted = simulate(make({}), trace=False).performance
-    solution = Solution(make({}))
-    closed = list(further_tries(solution, solution.start))[index][1]()
-    assert closed.status == "ok"
-    assert solution.figures(closed.q)[0].work_per_cycle == pytest.approx(wanted.work_per_cycle, rel=3e-4)
-    assert solution.wanted.rtol == pytest.approx(0.3 * 3e-4)
+    problem = problem_of(make({}))
+    cycle = list(fallbacks(problem, leased(problem), problem.wanted))[index][1]()
+    assert cycle.status == "ok"
+    assert evaluate(problem, cycle).figures.work_per_cycle == pytest.approx(wanted.work_per_cycle, rel=3e-4)

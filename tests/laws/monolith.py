@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from screwsim.cycle.simultaneous import chambers_at_pitches
 from screwsim.machine.drive.train import Train
-from screwsim.model.close import chambers_at_pitches
 from screwsim.model.slots import E_AREAS, E_SLOPE, FREE, P_OMEGA, PLACE, PRESSURE
 
 
@@ -76,7 +76,7 @@ class Monolith:
         return np.concatenate(angles), np.concatenate(states), end
 
 
-def start_of(solution, motion) -> np.ndarray:
+def start_of(machinery, motion) -> np.ndarray:
     """Return the state at 0° of a cycle closed with its drive."""
     own = [motion.speed[0], motion.motor_speed[0], motion.twist[0], 0.0]
-    return np.concatenate([chambers_at_pitches(solution.machinery), own])
+    return np.concatenate([chambers_at_pitches(machinery), own])

@@ -7,6 +7,11 @@ import json
 from functools import cache
 from typing import Any
 
+from screwsim.cycle.close import close
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import Problem, problem_of
+from screwsim.cycle.solution import CycleSolution
+from screwsim.model.run import Machinery
 from screwsim.outputs import Result
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
@@ -113,6 +118,13 @@ def scene_dict(changes: dict[str, Any] | None = None) -> dict[str, Any]:
 def make(changes: dict[str, Any] | None = None) -> Scene:
     """Return the scene of `scene_dict` (JSON is YAML)."""
     return loads(json.dumps(scene_dict(changes)))
+
+
+def closed(scene: Scene) -> tuple[Problem, Machinery, CycleSolution]:
+    """Return a scene's problem, its machinery, and the cycle on which it stands, closed once."""
+    problem = problem_of(scene)
+    machinery = leased(problem)
+    return problem, machinery, close(problem, machinery, problem.wanted)
 
 
 def run(changes: dict[str, Any] | None = None) -> Result:

@@ -2,8 +2,14 @@
 
 import numpy as np
 import pytest
-from scenes import SPEEDS, make, run
+from scenes import SPEEDS, closed, make, run
 
+from screwsim.cycle.close import close
+from screwsim.cycle.problem import problem_of
+from screwsim.evaluate.evaluation import evaluate
+from screwsim.evaluate.traces import traces
+from screwsim.model import leases
+from screwsim.model.run import Machinery
 from screwsim.simulate import simulate
 
 SEEN = (
@@ -105,15 +111,12 @@ def test_gas_between_chambers_cancels():
 
 def exchanged(transport):
     """Return the summed streams between chambers of a coupled solution [kg, J, …] and the mass moved [kg] in a life."""
-    from screwsim.solution import Solution
-
     scene = make({"operation.speed": "1000 rpm", "oil.transport": transport, "numerics": {"closing": "coupled"}})
-    solution = Solution(scene)
-    closed = solution.close()
-    traces = solution.cycle(closed.q)
-    flows = [trace for name, trace in traces.items() if name.startswith("mass_flow_") and "port" not in name]
-    life = solution.parts.geometry.life / solution.parts.omega
-    return solution.balances.streams(closed.q)[4], float(np.mean(np.abs(flows).sum(axis=0))) * life
+    problem, _, cycle = closed(scene)
+    of = evaluate(problem, cycle)
+    flows = [trace for name, trace in traces(of).items() if name.startswith("mass_flow_") and "port" not in name]
+    life = problem.parts.geometry.life / problem.parts.omega
+    return of.streams[4], float(np.mean(np.abs(flows).sum(axis=0))) * life
 
 
 def test_energy_between_chambers_cancels():
@@ -171,17 +174,12 @@ def test_a_scene_leaves_nothing_behind_for_the_next(way, transport):
 
 @pytest.mark.parametrize("way", ["histories", "coupled"])
 def test_every_scene_is_solved_as_if_it_were_the_first(way):
-    from screwsim.model.run import Machinery
-    from screwsim.solution import Solution
-
     numerics = {"closing": way, "error": "none"}  # an estimate may close again
     ours, other = (make({"numerics": numerics, **changes}) for changes in ({}, OTHER_ANGLES))
     simulate(ours)
     after = simulate(other)
-    solution = Solution(other)
-    lent, fresh = solution.machinery, Machinery(solution.machinery.composition)
+    problem = problem_of(other)
+    lent, fresh = leases.lease(problem.composition), Machinery(problem.composition)
     assert lent.last()[0].any() and not fresh.last()[0].any()  # the first has been used before
-    solution.machinery = solution.balances.machinery = fresh
-    fresh.warm_up(solution.start)
-    found, _ = solution.figures(solution.close().q)
+    found = evaluate(problem, close(problem, fresh, problem.wanted)).figures
     assert found == after.performance

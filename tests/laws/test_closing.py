@@ -3,16 +3,15 @@
 import pytest
 from scenes import make, run
 
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
-from screwsim.model import close
+from screwsim.cycle import relaxation
+from screwsim.errors import relative_errors, worst
 from screwsim.simulate import simulate
 
 LEAKY = {"operation.speed": "50 rpm"}  # histories contract slowly
 
 
 def solved(monkeypatch, dear, **changes):
-    monkeypatch.setattr(close, "DEAR", dear)
+    monkeypatch.setattr(relaxation, "DEAR", dear)
     return simulate(make({**LEAKY, **changes}))
 
 
@@ -31,7 +30,7 @@ def test_the_two_ways_together_cost_little_more_than_twice_the_limit(monkeypatch
 
 def test_histories_may_cost_as_much_more_as_finer_steps_do():
     """A method of order 4 needs ten times the steps for an error of a ten-thousandth."""
-    assert close.dear(1e-4 * close.DEAR_RTOL) == pytest.approx(10.0 * close.dear(close.DEAR_RTOL))
+    assert relaxation.dear(1e-4 * relaxation.DEAR_RTOL) == pytest.approx(10.0 * relaxation.dear(relaxation.DEAR_RTOL))
 
 
 def test_what_leaks_hide_of_an_error_is_counted():

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scenes import make
 
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
-from screwsim.model.continuation import _weights
+from screwsim.cycle.continuation import _weights
+from screwsim.errors import relative_errors, worst
 from screwsim.scene import case, load
 from screwsim.simulate import simulate, simulate_many
 

@@ -6,14 +6,17 @@ from functools import cache
 import numpy as np
 import pytest
 from monolith import Monolith, start_of
-from scenes import SOLUBLE_RATE, make, run
+from scenes import SOLUBLE_RATE, closed, make, run
 
-from screwsim import shaft
 from screwsim.build import build_parts
+from screwsim.cycle.close import close
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import problem_of
+from screwsim.evaluate.evaluation import evaluate
 from screwsim.faults import SceneError, UsageError
 from screwsim.model.compose import compose
 from screwsim.model.slots import P_OMEGA
-from screwsim.solution import Solution
+from screwsim.solve import drive
 from screwsim.start_up import Run, start_up, steadily
 
 DRIVE = {
@@ -32,21 +35,19 @@ CYCLE = ("shaft_power", "gas_mass_flow", "isothermal_efficiency", "peak_pressure
 
 @cache
 def closed_with_drive(accuracy):
-    solution = Solution(make({**SLOW, "numerics": {"accuracy": accuracy}}))
-    solution.machinery.warm_up(solution.rehearse)
-    closed = shaft.settled(solution, solution.close())
-    return solution, closed, solution.parts.shaft.respond(solution.complete(closed.q))
+    problem, machinery, cycle = closed(make({**SLOW, "numerics": {"accuracy": accuracy}}))
+    cycle = drive.settled(problem, machinery, problem.wanted, cycle)
+    of = evaluate(problem, cycle)
+    return of, machinery, cycle, problem.parts.shaft.respond(of.complete)
 
 
-def beside(solution, motion, changes):
-    """Return the monolith of a solution: the same scene at a constant speed, with its plenums and widths."""
-    constant = Solution(make({path: value for path, value in changes.items() if "drive" not in path}))
-    constant.machinery.warm_up(constant.rehearse)
-    constant.machinery.R[:] = solution.machinery.R
-    here, there = constant.machinery.composition, solution.machinery.composition
+def beside(of, motion, changes):
+    """Return the monolith of a cycle: the same scene at a constant speed, with its plenums and widths."""
+    constant = leased(problem_of(make({path: value for path, value in changes.items() if "drive" not in path})))
+    constant.R[:] = of.life.R
+    here, there = constant.composition, of.life.composition
     here.P[here.widths] = there.P[there.widths]
-    low = solution.complete(solution.machinery.last()[2][solution.machinery.last()[3] - 1]).pitch().low_pressure
-    return Monolith(constant.machinery, motion.train, motion.no_load_speed, low, 0.0)
+    return Monolith(constant, motion.train, motion.no_load_speed, of.pitch.low_pressure, 0.0)
 
 
 # ---- not named, not there ----
@@ -87,12 +88,12 @@ def test_the_ripple_falls_with_the_inertia():
 
 def test_chambers_and_drive_in_one_system_repeat_the_motion_that_was_closed_by_turns():
     """Radau on all states together, from the closed state: it comes back to it, with the same speed on the way."""
-    solution, closed, motion = closed_with_drive(1e-6)
-    assert closed.status == "ok" and motion.ripple > 0.05
-    together = beside(solution, motion, {**SLOW, **FINE})
-    complete = solution.complete(closed.q)
+    of, machinery, cycle, motion = closed_with_drive(1e-6)
+    assert cycle.status == "ok" and motion.ripple > 0.05
+    together = beside(of, motion, {**SLOW, **FINE})
+    complete = of.complete
     together.loss = (complete.shaft_power - complete.indicated_power) / complete.omega
-    start = start_of(solution, motion)
+    start = start_of(machinery, motion)
     angles, states, end = together.pitch(start)
     n = together.n
     assert np.max(np.abs(end[:n] / start[:n] - 1.0)) < 1e-4
@@ -107,9 +108,10 @@ def test_chambers_and_drive_in_one_system_repeat_the_motion_that_was_closed_by_t
 
 
 def test_the_chambers_feel_the_mean_speed_of_the_drive_over_time():
-    solution, _, motion = closed_with_drive(1e-6)
-    assert motion.mean_speed == pytest.approx(solution.machinery.composition.P[P_OMEGA], rel=1e-9)
-    assert shaft.set_course(solution, motion) <= solution.wanted.tolerance
+    of, machinery, _, motion = closed_with_drive(1e-6)
+    assert motion.mean_speed == pytest.approx(of.life.composition.P[P_OMEGA], rel=1e-9)
+    tolerance = of.problem.wanted.tolerance
+    assert drive.set_course(of.problem, machinery, motion, tolerance)[0] <= tolerance
 
 
 def test_the_balances_close_under_a_speed_that_changes():
@@ -266,16 +268,18 @@ def test_a_start_takes_along_what_an_effect_adds_to_the_states():
 def test_a_pitch_of_a_start_is_that_of_chambers_and_drive_in_one_system():
     """The fifth pitch, at about 88 rad/s: Radau from the same state, under the same constant torque of the losses."""
     changes = {**DRIVEN, "numerics": {"accuracy": 1e-5}, "operation.speed": "900 rpm"}
-    solution = steadily(make(changes), CREEP)
-    closed = shaft.settled(solution, solution.close())
-    steady = solution.parts.shaft.respond(solution.complete(closed.q))
-    start = Run(solution, steady, CREEP, 10.0)
+    problem = steadily(make(changes), CREEP)
+    machinery = leased(problem)
+    cycle = drive.settled(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted))
+    of = evaluate(problem, cycle)
+    steady = problem.parts.shaft.respond(of.complete)
+    start = Run(of, machinery, steady, CREEP, 10.0)
     for _ in range(4):
         start.go_on(start.advance())
     omega_2, motor_speed, twist, _ = start.drive
     begins = np.concatenate([start.chambers, [math.sqrt(omega_2), motor_speed, twist, 0.0]])
     step = start.advance()
-    together = beside(solution, steady, changes)
+    together = beside(of, steady, changes)
     together.loss = step.loss_torque
     end = together.pitch(begins)[2]
     n, m = together.n, step.motion

@@ -5,15 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import make, run
+from scenes import closed, make, run
 
 from screwsim.build import build_parts
-from screwsim.errors import relative_errors
-from screwsim.estimate import estimated_errors, worst
+from screwsim.cycle.close import again
+from screwsim.errors import relative_errors, worst
+from screwsim.evaluate.evaluation import evaluate
 from screwsim.model.compose import compose
 from screwsim.scene import load
 from screwsim.simulate import simulate
-from screwsim.solution import Solution
+from screwsim.solve.estimate import estimated_errors
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 3e-4  # the default
@@ -65,43 +66,36 @@ def test_histories_keep_the_net_flow_where_much_is_asked():
     assert abs(found / exact - 1.0) < 2e-6
 
 
-def state_of(machinery):
-    """Return copies of all that a reading of the last turn depends on."""
-    times, dense, quads, steps = machinery.last()
-    history = times[: steps + 1].copy(), dense[:steps].copy(), quads[:steps].copy()
-    return *history, machinery.composition.P.copy(), machinery.R.copy(), machinery.kept.copy()
+def numbers_of(life):
+    """Return copies of all that a reading of a life depends on."""
+    return [a.copy() for a in (life.times, life.dense, life.quads, life.composition.P, life.R, life.context.kept)]
 
 
 @pytest.mark.parametrize("case", CASES)  # one turn, two, all chambers together
 def test_a_cycle_is_left_as_it_was_by_the_estimate(case):
-    solution = Solution(make(CASES[case]))
-    closed = solution.close()
-    before, stamp, figures = state_of(solution.machinery), solution.machinery.stamp, solution.figures(closed.q)[0]
-    estimated_errors(solution, closed)
-    assert all(np.array_equal(a, b) for a, b in zip(before, state_of(solution.machinery), strict=True))
-    assert solution.machinery.stamp is stamp
-    assert solution._new_figures(closed.q)[0] == figures
-    assert len({id(arrays[1]) for arrays in solution.machinery.histories}) == 2
+    problem, machinery, cycle = closed(make(CASES[case]))
+    of = evaluate(problem, cycle)
+    before, figures = numbers_of(cycle.trajectory), dict(of.figures)
+    assert estimated_errors(of, machinery, problem.wanted, cycle)
+    assert all(map(np.array_equal, before, numbers_of(cycle.trajectory)))
+    assert dict(evaluate(problem, cycle).figures) == figures
 
 
-def test_what_is_set_aside_stands_when_longer_turns_come_after_it():
-    solution = Solution(make(CASES["paper"]))
-    closed = solution.close()
-    machinery = solution.machinery
-    before = state_of(machinery)
-    _, dense, quads, steps = machinery.last()
-    longer = [np.repeat(part[:steps], 2 + machinery.max_steps // steps, axis=0) for part in (dense, quads)]
-    longer_times = np.arange(len(longer[0]) + 1.0)
-    with machinery.set_aside():
-        machinery.install(longer_times, longer[0][:, :, : machinery.n], longer[1])
-        assert machinery.last()[3] == len(longer[0])
-    assert all(np.array_equal(a, b) for a, b in zip(before, state_of(machinery), strict=True))
+def test_a_cycle_stands_when_longer_turns_come_after_it():
+    problem, machinery, cycle = closed(make(CASES["paper"]))
+    life, figures = cycle.trajectory, evaluate(problem, cycle).figures
+    before = numbers_of(life)
+    longer = [np.repeat(part, 2 + machinery.max_steps // life.steps, axis=0) for part in (life.dense, life.quads)]
+    machinery.install(np.arange(len(longer[0]) + 1.0), longer[0][:, :, : machinery.n], longer[1])
+    assert machinery.last()[3] == len(longer[0])
+    assert all(map(np.array_equal, before, numbers_of(life)))
     assert all(len(arrays[1]) >= machinery.max_steps for arrays in machinery.histories)
-    again = solution.close()  # and turns go on from there
-    assert again.status == closed.status
-    assert solution.figures(again.q)[0].shaft_power == pytest.approx(
-        solution.figures(closed.q)[0].shaft_power, rel=1e-4
-    )
+    assert len({id(arrays[1]) for arrays in machinery.histories}) == 2
+    machinery.put(life)  # and turns go on from there
+    assert all(map(np.array_equal, before, numbers_of(machinery.trajectory.copy())))
+    found = again(problem, machinery, problem.wanted, cycle)
+    assert found.status == "ok"
+    assert evaluate(problem, found).figures.shaft_power == pytest.approx(figures.shaft_power, rel=1e-4)
 
 
 def test_an_estimate_above_the_accuracy_closes_again():
@@ -119,7 +113,7 @@ def test_no_estimate_is_made_where_none_is_wanted():
 
 
 def test_an_estimate_that_cannot_be_made_is_said(monkeypatch):
-    monkeypatch.setattr("screwsim.estimate._finer", lambda solution, closed, found: [])
+    monkeypatch.setattr("screwsim.solve.estimate._finer", lambda of, machinery, wanted, cycle: [])
     result = simulate(make({}))
     assert all(size is None for size in result.error.values())
     assert any("could not be estimated" in warning for warning in result.warnings)

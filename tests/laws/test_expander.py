@@ -8,9 +8,9 @@ import pytest
 from scenes import DROP, make, run
 
 from screwsim.build import build_parts
+from screwsim.evaluate.pitch import _slopes
 from screwsim.faults import SceneError
 from screwsim.machine.geometry import Geometry
-from screwsim.model.pitch import _slopes
 from screwsim.outputs import ledger_entries
 from screwsim.scene import load
 from screwsim.simulate import simulate

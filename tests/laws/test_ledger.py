@@ -6,18 +6,17 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import DROP, SPEEDS, make, run
+from scenes import DROP, SPEEDS, closed, make, run
 from vessel import plain
 
 import screwsim
+from screwsim.evaluate.ledger.book import Entry
+from screwsim.evaluate.ledger.total import Ledger
 from screwsim.fluid.ideal_gas import IdealGas
-from screwsim.ledger.book import Entry
-from screwsim.ledger.total import Ledger
 from screwsim.model import ledger as kernels
-from screwsim.model.run import Machinery
+from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import ledger_entries
 from screwsim.simulate import simulate
-from screwsim.solution import Solution
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 TRANSPORTS = ("paper", "carried")
@@ -135,13 +134,10 @@ def test_oil_that_mixes_generates_entropy(T_i, T):
 
 def moments(transport):
     """Return entropy rates [W/K] generated in the chamber by each path and heat, and those of outflows, each degree."""
-    solution = Solution(make({"oil.transport": transport, "operation.speed": "1000 rpm"}))
-    machinery = solution.machinery
-    machinery.warm_up(solution.start)
-    solution.close()
+    problem, machinery, _ = closed(make({"oil.transport": transport, "operation.speed": "1000 rpm"}))
     c, names, R = machinery.composition, plain(machinery.composition.text), machinery.R
     s_suction, s_discharge = (
-        names["gas_entropy"](R[at + 2] / solution.parts.gas.c_p, R[at + 1], c.P, c.TAB) for at in (0, 10)
+        names["gas_entropy"](R[at + 2] / problem.parts.gas.c_p, R[at + 1], c.P, c.TAB) for at in (0, 10)
     )
     times, dense, _, steps = machinery.last()
     E, y = np.zeros(c.n_E), np.zeros(len(c.states))
@@ -235,14 +231,14 @@ HURRIED = {"numerics": {"error": "none"}}
 
 def test_without_traces_and_errors_nothing_is_computed(monkeypatch):
     scene = make(HURRIED)
-    monkeypatch.setattr(Machinery, "account", lambda *_: pytest.fail("the ledger was computed"))
+    monkeypatch.setattr(Trajectory, "account", lambda *_: pytest.fail("the ledger was computed"))
     assert simulate(scene, trace=False).ledger == {}
 
 
 def test_a_sweep_that_keeps_no_cycle_computes_none(monkeypatch, tmp_path):
     from screwsim.study.sweep import run_sweep
 
-    monkeypatch.setattr(Machinery, "account", lambda *_: pytest.fail("the ledger was computed"))
+    monkeypatch.setattr(Trajectory, "account", lambda *_: pytest.fail("the ledger was computed"))
     scene = make({**HURRIED, "sweep": {"operation.speed": ["1000 rpm", "3000 rpm"]}})
     assert run_sweep(scene, tmp_path / "x.h5", jobs=1).ok == 2
     assert len(screwsim.open_results(tmp_path / "x.h5").ledger) == 0

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import DROP, FILM, FILMS, OIL_VOLUME, SOLUBLE_RATE, TOGETHER, make, run
+from scenes import DROP, FILM, FILMS, OIL_VOLUME, SOLUBLE_RATE, TOGETHER, closed, make, run
 
 from screwsim.build import build_parts
 from screwsim.explain import explain
@@ -10,7 +10,6 @@ from screwsim.faults import SceneError
 from screwsim.fluid.gap_flow import film_flux
 from screwsim.model.compose import compose
 from screwsim.model.slots import OIL_TEMPERATURE, PLACE, PRESSURE
-from screwsim.solution import Solution
 
 ACCURACY = 3e-4  # numerics.accuracy
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "trapped_mass")
@@ -115,9 +114,9 @@ def test_the_ledger_has_what_films_generate(room):
     """
     scene = {**tip(ROOM if room else FILMS), "machine.volume.min": "20 cm^3"}
     entry = run(scene).ledger.entropy_generated_tip_leakage
-    solution = Solution(make(scene))
-    assert solution.close().status == "ok"
-    m, per_life = solution.machinery, 0.5 * np.pi
+    _, _, cycle = closed(make(scene))
+    assert cycle.status == "ok"
+    m, per_life = cycle.trajectory, 0.5 * np.pi
 
     def generated(q, T_u, p_u, T, p):
         drop = (p_u - p) / OIL_DENSITY if room else 0.0

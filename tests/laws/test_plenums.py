@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
-from scenes import make, run
+from scenes import closed, make, run
 from scipy.integrate import solve_ivp
 
 from screwsim.effects.base import LineFlow
 from screwsim.effects.plenums import offset, pulsation
+from screwsim.evaluate.evaluation import evaluate
 from screwsim.explain import explain
 from screwsim.faults import SceneError
 from screwsim.model.slots import DENSITY, DISCHARGE_IN, EXPONENT, P_OMEGA, P_PITCH, PLACE, PRESSURE
 from screwsim.scene import loads
 from screwsim.simulate import simulate
-from screwsim.solution import Solution
 
 ACCURACY = 3e-4
 CARRIED = {"oil.transport": "carried"}
@@ -149,16 +149,14 @@ def monolith(scene, pitches):
 
     Plenum: dp/dt = c²(p)/V · (flow in − mean flow − A (p − p_d)/c); the mean flow is that of our solution.
     """
-    solution = Solution(scene)
-    machinery = solution.machinery
-    machinery.warm_up(solution.rehearse)
-    closed = solution.close()
-    assert closed.status == "ok"
-    assert closed.how == "coupled"
-    ours = solution.figures(closed.q)[0]
+    problem, machinery, cycle = closed(scene)
+    assert cycle.status == "ok"
+    assert cycle.how == "coupled"
+    of = evaluate(problem, cycle)
+    ours = of.figures
     c, module, context = machinery.composition, machinery.module, machinery.coupled_context
     size, omega, pitch = scene.effects["plenums"].parameters, c.P[P_OMEGA], c.P[P_PITCH]
-    flow = -solution.balances.streams(closed.q)[2:4, 0].sum() * omega / pitch
+    flow = -of.streams[2:4, 0].sum() * omega / pitch
     lines, width = c.n_E_all - 3 * PLACE + PLACE, 4
     p_d, rho_d, inverse = (machinery.R[PLACE + cell] for cell in (PRESSURE, DENSITY, EXPONENT))
     sound = np.sqrt(p_d / (inverse * rho_d))

@@ -7,8 +7,8 @@ from scenes import DROP, make, run
 
 from screwsim.build import build_gas
 from screwsim.errors import relative_errors
+from screwsim.evaluate.performance import refrigeration
 from screwsim.outputs import Figures
-from screwsim.performance import refrigeration
 from screwsim.scene import lines, refrigerating_effect, suction_enthalpy
 
 RATED = {

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scenes import DROP, make, run
+from scenes import DROP, closed, make, run
 
 from screwsim.effects import gas_torque
+from screwsim.evaluate.evaluation import evaluate
+from screwsim.evaluate.pitch import POINTS, Pitch, _slopes
 from screwsim.faults import SceneError
 from screwsim.machine.geometry import Geometry
-from screwsim.model.pitch import POINTS, Pitch, _slopes
 from screwsim.outputs import ledger_entries
 from screwsim.scene import load
-from screwsim.solution import Solution
 
 LOADED = {
     "effects.oil_drag": {"tip_gap": "0.1 mm", "tip_land": "3 mm", "end_gap": "0.1 mm", "end_solidity": 0.6},
@@ -32,11 +32,10 @@ CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def solved(changes):
-    """Return a closed solution and its pitch."""
-    solution = Solution(make(changes))
-    solution.machinery.warm_up(solution.rehearse)
-    closed = solution.close()
-    return solution, closed, solution._pitch(closed.q)
+    """Return a closed cycle being read, and its pitch."""
+    problem, _, cycle = closed(make(changes))
+    of = evaluate(problem, cycle)
+    return of, of.pitch
 
 
 # ---- torque ----
@@ -51,18 +50,19 @@ def test_the_mean_torque_is_the_indicated_power_over_the_speed():
 
 @pytest.mark.parametrize(("accuracy", "least"), [(3e-4, 3e-4), (1e-5, 1e-5)])
 def test_the_trace_has_that_mean_itself_within_the_accuracy(accuracy, least):
-    _, _, pitch = solved({"numerics": {"accuracy": accuracy}})
+    _, pitch = solved({"numerics": {"accuracy": accuracy}})
     assert gas_torque.raw_torque(pitch).mean() == pytest.approx(pitch.torque_mean, rel=least)
     assert gas_torque.torque(pitch).mean() == pytest.approx(pitch.torque_mean, rel=1e-12)
 
 
 def test_the_torque_of_closed_chambers_is_that_of_isentropic_springs():
     """No port, no leak: p = p_s (ρ/ρ_s)^k in every chamber from its rest at 0°; M = −Σ (p − p_s) dV/dφ, mean zero."""
-    solution, _, pitch = solved({"effects": {}, "oil": DROP, "oil_supply": DROP, "numerics": {"accuracy": 1e-6}})
-    k, p_0, V_0 = solution.parts.gas.k, None, None
-    law, n = solution.parts.geometry.volume_law(), solution.parts.geometry.chambers
+    of, pitch = solved({"effects": {}, "oil": DROP, "oil_supply": DROP, "numerics": {"accuracy": 1e-6}})
+    parts = of.problem.parts
+    k, p_0, V_0 = parts.gas.k, None, None
+    law, n = parts.geometry.volume_law(), parts.geometry.chambers
     V_max, V_min, phi_A = (law.values[name] for name in ("V_max", "V_min", "phi_A"))
-    grid = pitch.angle[:, None] + solution.parts.geometry.pitch * np.arange(n)
+    grid = pitch.angle[:, None] + parts.geometry.pitch * np.arange(n)
     V = np.array([[law.volume(phi, V_max, V_min, phi_A) for phi in row] for row in grid])
     p_0, V_0 = pitch.pressure[0, n // 2], V[0, n // 2]
     expected = p_0 * (V_0 / V) ** k

@@ -1,4 +1,4 @@
-"""Solutions live side by side: in threads, in one series, half done; none sees another."""
+"""Cycles live side by side: in threads, in one series, half done; none sees another."""
 
 from __future__ import annotations
 
@@ -6,15 +6,22 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from scenes import make
+from scenes import SOLUBLE, make
 
 from screwsim import simulate
+from screwsim.cycle.close import close
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.solution import CycleSolution
+from screwsim.evaluate.evaluation import balance, evaluate
+from screwsim.evaluate.ledger.total import ledger
+from screwsim.evaluate.traces import traces
 from screwsim.fluid import constants
+from screwsim.model import leases
 from screwsim.outputs import Result
-from screwsim.prepared import Series
 from screwsim.scene import Scene
 from screwsim.simulate import simulate_many
-from screwsim.solution import Solution
+from screwsim.solve.accurately import solve
 
 SPEEDS = ("1000 rpm", "2000 rpm", "3000 rpm")
 REAL = {
@@ -23,6 +30,10 @@ REAL = {
     "oil_supply.temperature": "333 K",
     "operation.suction": {"pressure": "3.15 bar", "temperature": "285 K"},
     "operation.discharge": {"pressure": "11.6 bar"},
+}
+PLENUMS = {
+    "oil.transport": "carried",
+    "effects.plenums": {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2"},
 }
 THREADS, EACH = 8, 200
 
@@ -68,30 +79,44 @@ def test_a_series_in_each_thread_is_that_series_alone():
         assert list(pool.map(run, range(THREADS))) == alone
 
 
+def all_of(problem: Problem, cycle: CycleSolution) -> tuple[dict, dict, dict, dict]:
+    """Return all that is read of a cycle, traces as bytes."""
+    of = evaluate(problem, cycle)
+    book = ledger(of).figures()
+    return dict(of.figures), dict(balance(of)), dict(book), {name: a.tobytes() for name, a in traces(of).items()}
+
+
 @pytest.mark.parametrize("shared", [False, True])
-def test_a_solution_stays_while_others_are_solved(shared):
-    """Also two of one series: what is composed for the second leaves the first as it was."""
-    slow, fast = make({"operation.speed": "1000 rpm"}), make({})
+@pytest.mark.parametrize("changes", [{}, REAL, SOLUBLE, PLENUMS], ids=("paper", "real gas", "soluble", "plenums"))
+@pytest.mark.parametrize("closing", ["histories", "coupled"])
+def test_a_cycle_is_read_after_another_one_of_its_structure_was_solved(closing, changes, shared):
+    """Also in one series, and in one machinery: what is done for the second leaves the first as it was."""
+    both = ({"operation.speed": speed, "numerics.closing": closing, **changes} for speed in ("1000 rpm", "3000 rpm"))
+    slow, fast = map(make, both)
+    alone = all_of(*solved(problem_of(slow)))
     series = Series() if shared else None
-    first = Solution(slow, series)
-    closed = first.close()
-    before = dict(first.figures(closed.q)[0])
-    second = Solution(fast, series)
-    other = second.close()
+    problem, other = problem_of(slow, series), problem_of(fast, series)
+    machinery = leased(problem)
+    first = solve(problem, machinery).cycle
+    leases.give_back(machinery)
+    if shared:
+        machinery = leases.lease(other.composition)  # the same one
+    second = solve(other, machinery if shared else leased(other)).cycle
     simulate(fast)
-    first._read.clear()  # what it remembers of the closed cycle: it reads its arrays again
-    assert dict(first.figures(closed.q)[0]) == before
-    assert dict(second.figures(other.q)[0]) != before
-    assert first.machinery is not second.machinery
-    assert not np.shares_memory(first.machinery.composition.P, second.machinery.composition.P)
+    assert all_of(problem, first) == alone
+    assert all_of(other, second) != alone
 
 
-def test_what_is_given_back_cannot_be_read_any_more():
-    solution = Solution(make({}))
-    closed = solution.close()
-    solution.release()
-    with pytest.raises(AttributeError):
-        solution.figures(closed.q)
+def solved(problem: Problem) -> tuple[Problem, CycleSolution]:
+    return problem, solve(problem, leased(problem)).cycle
+
+
+def test_what_is_solved_cannot_be_written_into():
+    problem, cycle = solved(problem_of(make({})))
+    life = cycle.trajectory
+    for array in (problem.composition.P, life.composition.P, life.R, life.times, life.dense, life.quads):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0
 
 
 def test_an_interrupted_solution_keeps_its_arrays_from_the_next():
@@ -103,11 +128,12 @@ def test_an_interrupted_solution_keeps_its_arrays_from_the_next():
     def stop() -> None:
         raise Stop
 
-    solution = Solution(make({}))
-    solution.machinery.watch = stop
+    problem = problem_of(make({}))
+    machinery = leased(problem)
+    machinery.watch = stop
     with pytest.raises(Stop):
-        solution.close()
-    assert Solution(make({})).machinery is not solution.machinery
+        close(problem, machinery, problem.wanted)
+    assert leased(problem) is not machinery
 
 
 def test_threads_ask_coolprop_one_after_the_other(monkeypatch):

@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 from scenes import DROP, OIL_VOLUME, SOLUBLE, SOLUBLE_RATE, make, run
 
-from screwsim.build import build_site
+from screwsim.build import build_parts, build_site
 from screwsim.effects import refrigerant_solubility as effect
 from screwsim.effects.base import OilSolution
 from screwsim.explain import explain
 from screwsim.faults import SceneError
 from screwsim.fluid.solubility import given_off
+from screwsim.model import compiled
+from screwsim.model.compose import compose
 from screwsim.numerics.spline import pack_curve
-from screwsim.solution import Solution
 
 NAME = "effects.refrigerant_solubility"
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "trapped_mass", "oil_mass_flow")
@@ -40,12 +41,12 @@ def change(one, other, names=FLASH):
     return max(abs(a[name] - b[name]) / sizes[name] for name in names)
 
 
-def solution_of(changes):
-    """Return the scene's solution, what its oil holds, and the site of its plenum."""
+def parts_of(changes):
+    """Return a scene's parts, what its oil holds, and the site of its plenum."""
     scene = make(changes)
-    solution = Solution(scene)
-    assert isinstance(solution.parts.oil_content, OilSolution)
-    return solution, solution.parts.oil_content, build_site(scene, solution.parts.gas)
+    parts = build_parts(scene)
+    assert isinstance(parts.oil_content, OilSolution)
+    return parts, parts.oil_content, build_site(scene, parts.gas)
 
 
 @pytest.mark.slow
@@ -100,8 +101,8 @@ def test_slow_oil_is_a_machine_without_dissolved_gas():
 
 def equilibrium(changes):
     """Return what the oil of every chamber would hold in equilibrium, over the angle, from traces and tables (M232)."""
-    solution, content, _ = solution_of(changes)
-    cycle, gas = run(changes).cycle, solution.parts.gas
+    parts, content, _ = parts_of(changes)
+    cycle, gas = run(changes).cycle, parts.gas
     curve = pack_curve(content.entropy[::-1], content.log_held[::-1])
     held = []
     for p, T, T_oil in zip(cycle["pressure"], cycle["gas_temperature"], cycle["oil_temperature"], strict=True):
@@ -161,9 +162,9 @@ def test_the_slower_the_less_gas_to_compress():
 
 def test_no_transfer_destroys_entropy():
     """Wherever gas and oil stand to each other (M233)."""
-    solution, content, site = solution_of(SOLUBLE_RATE)
-    gas = solution.parts.gas
-    c, module = solution.machinery.composition, solution.machinery.module
+    parts, content, site = parts_of(SOLUBLE_RATE)
+    gas, c = parts.gas, compose(parts)
+    module = compiled.load(c.text)
     assert site.oil is not None
     generator = np.random.default_rng(5)
     for _ in range(400):
@@ -182,8 +183,8 @@ def test_no_transfer_destroys_entropy():
 
 
 def test_entropy_of_all_is_the_integral_of_that_of_each():
-    machinery = solution_of(SOLUBLE_RATE)[0].machinery
-    c, of = machinery.composition, machinery.module.solution_entropy
+    c = compose(parts_of(SOLUBLE_RATE)[0])
+    of = compiled.load(c.text).solution_entropy
     for w in (1e-3, 0.05, 0.3, 1.0):
         above, below = (of(w * (1.0 + sign * 1e-3), c.P, c.TAB)[1] for sign in (1, -1))
         assert (above - below) / (2e-3 * w) == pytest.approx(of(w, c.P, c.TAB)[0], abs=1e-3)  # of 80 J/(kg K) per ln w

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
+from screwsim.errors import relative_errors, worst
 from screwsim.machine import paper_law
 from screwsim.machine.geometry import Geometry, area_knots
 from screwsim.scene import load, value_at

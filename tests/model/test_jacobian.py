@@ -5,10 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from scenes import FILMS, HELD_GAPS, SOLUBLE, SOLUBLE_RATE, make
+from scenes import FILMS, HELD_GAPS, SOLUBLE, SOLUBLE_RATE, closed, make
 from scenes import TOGETHER as PORTS_AND_ROOM
-
-from screwsim.solution import Solution
 
 Array = np.ndarray
 # off the knots: there the derivatives of both sides differ
@@ -47,11 +45,10 @@ CASES = {
 @pytest.fixture(scope="module", params=CASES)
 def machinery(request):
     scene = make({"operation.speed": "1000 rpm", "numerics": {"closing": "coupled"}, **CASES[request.param]})
-    solution = Solution(scene)
-    solution.machinery.warm_up(solution.start)
-    assert solution.close().status == "ok"
-    solution.machinery.kept[0] = 0  # both sides are read from the last turn
-    return solution.machinery
+    _, machinery, cycle = closed(scene)
+    assert cycle.status == "ok"
+    machinery.kept[0] = 0  # both sides are read from the last turn
+    return machinery
 
 
 @pytest.fixture(params=["chamber", "coupled"])

@@ -29,15 +29,21 @@ from hard_page import COLD, OF_STEPS, RADAU, to_compare  # noqa: E402
 from judging import Stopped, limited  # noqa: E402
 from scenes import make  # noqa: E402
 
+from screwsim.cycle.balances import LEAST_WORK  # noqa: E402
+from screwsim.cycle.guess import leased  # noqa: E402
+from screwsim.cycle.problem import Problem, problem_of  # noqa: E402
+from screwsim.cycle.simultaneous import chambers_at_pitches, close_together  # noqa: E402
+from screwsim.cycle.solution import CycleSolution  # noqa: E402
+from screwsim.cycle.wanted import Wanted  # noqa: E402
 from screwsim.errors import relative_errors  # noqa: E402
-from screwsim.estimate import close_accurately  # noqa: E402
-from screwsim.model import close as closing  # noqa: E402
-from screwsim.model.residues import LEAST_WORK  # noqa: E402
+from screwsim.evaluate.evaluation import evaluate  # noqa: E402
+from screwsim.model.run import Machinery  # noqa: E402
+from screwsim.numerics.integrators import check_of  # noqa: E402
 from screwsim.numerics.store import write_atomically  # noqa: E402
 from screwsim.outputs import Figures, Result  # noqa: E402
 from screwsim.scene import Scene  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
-from screwsim.solution import Solution  # noqa: E402
+from screwsim.solve.accurately import solve  # noqa: E402
 
 GUESS, OWN, TIGHTENED, FOLLOWED = COLD, "own cycle", "own cycle, tightened", "own cycle, followed for a life"
 FINER = 1e-2  # accuracy of scipy's cycle over the case's
@@ -70,42 +76,51 @@ def from_guess(case: Case, scene: Scene, method: str, of_steps: float) -> tuple[
 
 def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tuple[str, Figures, float | None]:
     """Return status, figures and last change under one of scipy's methods from where the case itself closed."""
-    solution, accuracy = Solution(scene), scene.numerics.accuracy
-    machinery = solution.machinery
-    machinery.warm_up(solution.rehearse)
-    closed = close_accurately(solution).closed
-    P, widths, wanted = machinery.composition.P, machinery.composition.widths, solution.wanted
-    loose = P[widths].copy()
-    y = closing.chambers_at_pitches(machinery) if closed.how == "histories" else closed.y
+    problem, accuracy = problem_of(scene), scene.numerics.accuracy
+    machinery = leased(problem)
+    own = solve(problem, machinery)
+    cycle, wanted = own.cycle, own.wanted
+    machinery.put(cycle.trajectory)
+    y = chambers_at_pitches(machinery) if cycle.how == "histories" else cycle.y
+
+    def tightened(share: float, **others: Any) -> Wanted:
+        return replace(wanted, widths=tuple(share * width for width in wanted.widths), **others)
+
     for stage in range(1, STAGES + 1) if start == TIGHTENED else ():
         share = FINER ** (stage / STAGES)
-        P[widths] = share * loose
-        solution.wanted = replace(wanted, rtol=share * wanted.rtol, tolerance=share * wanted.tolerance)
-        closed = closing.by_coupling(solution, y.copy())
-        if closed.status != "ok":
-            return f"{closed.status} before", Figures(), None
-        y = closed.y
-    P[widths] = FINER * loose
-    solution.wanted = replace(
-        wanted, rtol=of_steps * accuracy, tolerance=0.2 * FINER * accuracy, bound=BALANCED * accuracy
+        finer = tightened(share, rtol=share * wanted.rtol, tolerance=share * wanted.tolerance)
+        cycle = close_together(problem, machinery, finer, y.copy())
+        if cycle.status != "ok":
+            return f"{cycle.status} before", Figures(), None
+        y = cycle.y
+    finest = tightened(
+        FINER,
+        rtol=of_steps * accuracy,
+        tolerance=0.2 * FINER * accuracy,
+        bound=BALANCED * accuracy,
+        check=check_of(method),
     )
-    machinery.integrator = method
-    closed = followed(solution, y.copy()) if start == FOLLOWED else closing.by_coupling(solution, y.copy())
-    return closed.status, solution.figures(closed.q)[0], closed.change
+    if start == FOLLOWED:
+        cycle = followed(problem, machinery, finest, y.copy())
+    else:
+        cycle = close_together(problem, machinery, finest, y.copy())
+    return cycle.status, evaluate(problem, cycle).figures, cycle.change
 
 
-def followed(solution: Solution, y: np.ndarray) -> closing.Closed:
+def followed(problem: Problem, machinery: Machinery, wanted: Wanted, y: np.ndarray) -> CycleSolution:
     """Return what one life makes of all chambers, without closing: ok where they come back within the accuracy."""
-    machinery, rtol, began, q = solution.machinery, solution.wanted.rtol, y.copy(), np.zeros(0)
-    for _ in range(machinery.composition.chambers):
-        status, angle, _, q = machinery.pitch(y, rtol, 1e-3)
+    began, q, c = y.copy(), np.zeros(0), machinery.composition
+    c.P[c.widths] = wanted.widths
+    for _ in range(c.chambers):
+        status, angle, _, q = machinery.pitch(y, wanted.rtol, 1e-3, check=wanted.check)
         if status != 0:
-            return closing.Closed("failed", q, y, 1, "coupled", rtol, angle)
+            return CycleSolution("failed", machinery.trajectory.copy(), q, y, 1, "coupled", wanted.rtol, angle)
         y = machinery.shift(y)
     machinery.install_coupled()
     change = float(np.max(np.abs(y / began - 1.0)))
-    came_back = change <= solution.scene.numerics.accuracy
-    return closing.Closed("ok" if came_back else "not_closed", q, y, 1, "coupled", rtol, change=change)
+    status = "ok" if change <= problem.scene.numerics.accuracy else "not_closed"
+    life = machinery.trajectory.copy()
+    return CycleSolution(status, life, q, y, 1, "coupled", wanted.rtol, change=change)
 
 
 def attempts(case: Case, limit: float) -> Iterator[dict[str, Any]]:
@@ -124,13 +139,11 @@ def attempts(case: Case, limit: float) -> Iterator[dict[str, Any]]:
         except Stopped:
             yield row | {"no_answer": f"not within {limit:g} s of processor time"}
             continue
-        finally:
-            Solution(scene).machinery.integrator = "rodas4"
         if status != "ok":
             yield row | {"no_answer": status}
             continue
         last = {} if change is None else {"last_change": change}
-        yield row | {"difference": difference(found, better, Solution(scene).pv, start)} | last
+        yield row | {"difference": difference(found, better, problem_of(scene).pv, start)} | last
         return
 
 

@@ -19,7 +19,7 @@ from typing import Any
 
 from judging import finite
 
-from screwsim.estimate import worst
+from screwsim.errors import worst
 from screwsim.faults import SceneError
 from screwsim.outputs import Result
 from screwsim.scene import Scene

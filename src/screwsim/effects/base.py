@@ -288,7 +288,7 @@ class Reading:
     """Figures and traces [SI] read from a closed cycle and its powers; they change nothing of it (plain Python).
 
     `read` returns the values of `figures`, all losses known, or a text that says why there is none; `traces` curves
-    over the points of one pitch (`model.pitch.POINTS`), which repeat every pitch. `judge` returns what
+    over the points of one pitch (`evaluate.pitch.POINTS`), which repeat every pitch. `judge` returns what
     forbids the point (it is `failed`), or an empty text, and warnings of it.
     """
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import threading
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
 from types import ModuleType
 
 from screwsim.codegen import modules
@@ -31,6 +32,17 @@ def load(text: str) -> ModuleType:
 def warm(module: ModuleType) -> set[str]:
     """Return the drivers of a module that this process has compiled or loaded, to be added to."""
     return module.__dict__.setdefault("drivers_ready", set())
+
+
+@contextmanager
+def first(module: ModuleType, driver: str) -> Iterator[None]:
+    """Announce the compilation of a driver where it is called for the first time."""
+    if driver in warm(module):
+        yield
+        return
+    with alone, announced(driver):
+        yield
+    warm(module).add(driver)
 
 
 def announced(driver: str) -> AbstractContextManager[None]:

@@ -1,4 +1,4 @@
-"""Working arrays on loan: a solution has its own for as long as it lives, and leaves them to the next of its structure.
+"""Working arrays on loan: a problem has its own while it is solved, and leaves them to the next of its structure.
 
 Making them anew costs a twentieth of a solution, most of it for pages that are written for the first time. What is
 lent is nobody else's; what is not given back, as after an error, is left to the collector.

@@ -1,37 +1,41 @@
 """A composition at work: buffers, one turn of a chamber, one pitch of all chambers.
 
-`Machinery` owns the arrays that the compiled module reads and writes; nothing here knows what a solution is good for.
+`Machinery` owns the arrays that the compiled module reads and writes; nothing here knows what a cycle is good for.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
+from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from screwsim.codegen.calls import Context
-from screwsim.model import compiled, ledger, under_scipy
+from screwsim.model import compiled, under_scipy
 from screwsim.model.compose import Composition
 from screwsim.model.contexts import ChamberContext, CoupledContext
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
-from screwsim.numerics.integrators import DEFAULT, check_of
+from screwsim.model.trajectory import Trajectory
+from screwsim.numerics.integrators import Check
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
 MOST_CONTEXTS = 6  # remembered
-KEPT_IMAGES = 7  # histories kept for acceleration, one more than Anderson's depth + 1
 Array = np.ndarray
 
 
 class Machinery:
-    """Arrays and drivers of one composition; `R` holds the plenums and what happened at the injection angle."""
+    """Arrays and drivers of one composition; `R` holds the plenums and what happened at the injection angle.
 
-    def __init__(self, composition: Composition, max_steps: int = MAX_STEPS) -> None:
-        self.composition = composition
-        self.module: ModuleType = compiled.load(composition.text)
+    The numbers of the composition are its own: what is written into them changes nobody else's.
+    """
+
+    def __init__(self, composition: Composition, module: ModuleType | None = None, max_steps: int = MAX_STEPS) -> None:
+        self.composition = composition = _own(composition)
+        self.module = compiled.load(composition.text) if module is None else module
         n, n_sums = len(composition.states), composition.n_sums
         self.n = n
         self.nq = composition.n_quadratures
@@ -39,9 +43,6 @@ class Machinery:
         self.max_steps = max_steps
         self.columns = n + composition.n_place
         self.histories = [self.new_history(max_steps, self.columns, self.nq) for _ in range(2)]
-        self._aside: tuple[Array, Array, Array] | None = None  # the history that nothing may be written into
-        self._spare: tuple[Array, Array, Array] | None = None  # arrays that are in no use
-        self.images: list[tuple[Array, Array, int]] = []
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
         work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + composition.first_stream)
@@ -54,17 +55,15 @@ class Machinery:
         self._contexts: dict[tuple[int, ...], Context] = {}  # by the arrays that change; it holds them
         self._together: dict[str, Any] = {}
         self.compile_time = 0.0
-        self.integrator = DEFAULT
-        self.stamp = object()  # another one with every other last history
         self.watch: Callable[[], None] = lambda: None  # called now and then; what it raises ends the work
 
     def begin(self, composition: Composition) -> None:
         """Take on another composition of the same structure; of the one before nothing stays."""
-        self.composition = composition
+        self.composition = _own(composition)
         self._contexts.clear()
         self.reset()
         self.counts[:] = 0
-        self.compile_time, self.integrator = 0.0, DEFAULT
+        self.compile_time = 0.0
         self.watch = lambda: None
 
     @staticmethod
@@ -91,8 +90,6 @@ class Machinery:
         self.spaces[1][:] = self._at_first
         self.hints[:] = 0
         self.kept[:] = 0
-        self.stamp = object()
-        self.images.clear()
 
     def warm_up(self, start: Callable[[], Array]) -> None:
         """Compile (or load) the driver of one chamber, announced when it takes long; not counted as solution time."""
@@ -101,29 +98,25 @@ class Machinery:
                 self.turn(start(), 1e-2, 1e-3)
                 self.swap()
                 self.states_at(np.array([0.1]))
-                self.remember()
-                self.images.append(self.images[0])
-                self.mix(np.array([0.5, 0.5]))
+                self.blend([self.image(), self.image()], np.array([0.5, 0.5]))
                 if self.composition.pulsating:
-                    self.into_lines(1)
+                    self.trajectory.into_lines(1)
 
     @contextmanager
     def _compiling(self, driver: str) -> Iterator[None]:
         started, counts, R = time.perf_counter(), self.counts.copy(), self.R.copy()
-        with compiled.alone, compiled.announced(driver):
+        with compiled.first(self.module, driver):
             yield
         self.counts[:], self.R[:] = counts, R
-        compiled.warm(self.module).add(driver)
         self.compile_time += time.perf_counter() - started
 
     def turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
         """Integrate one life from y (changed in place); return (status, angle reached, last step, quadratures)."""
         self.watch()
         c = self.composition
-        new = self._writable(1)
         q = np.zeros(self.nq)
         status, phi, h = self.module.rodas__integrate_one(
-            c.knots, len(c.knots), y, q, self.context, rtol, h, c.n_E, *new, self.kept, self.counts
+            c.knots, len(c.knots), y, q, self.context, rtol, h, c.n_E, *self.histories[1], self.kept, self.counts
         )
         return int(status), float(phi), float(h), q
 
@@ -142,60 +135,37 @@ class Machinery:
         self.histories.reverse()
         self.kept[1] = self.kept[0]
         self.kept[0] = 0
-        self.stamp = object()
-
-    def _writable(self, place: int) -> tuple[Array, Array, Array]:
-        """Return the arrays of a history to be written; other ones take the place of what is set aside."""
-        if self.histories[place] is self._aside:
-            spare = self._spare
-            if spare is None or len(spare[1]) < self.max_steps:
-                spare = self.new_history(self.max_steps, self.columns, self.nq)
-            self.histories[place], self._spare = spare, None
-        return self.histories[place]
-
-    @contextmanager
-    def set_aside(self) -> Iterator[None]:
-        """Leave the machinery as it is, whatever is integrated meanwhile; of the last turn nothing is copied."""
-        P, R, kept, stamp = self.composition.P.copy(), self.R.copy(), self.kept.copy(), self.stamp
-        history = self._aside = self.histories[0]
-        try:
-            yield
-        finally:
-            self._aside = None
-            others = [arrays for arrays in self.histories if arrays is not history]
-            if len(history[1]) < self.max_steps:  # turns since then took more steps than it has room for
-                room = self.new_history(self.max_steps, self.columns, self.nq)
-                for larger, whole in zip(room, history, strict=True):
-                    larger[: len(whole)] = whole
-                history = room
-                others = [arrays for arrays in others if len(arrays[1]) >= self.max_steps]
-            self.histories = [history, others[0] if others else self.new_history(self.max_steps, self.columns, self.nq)]
-            self._spare = others[1] if len(others) > 1 else self._spare
-            self.composition.P[:], self.R[:], self.kept[:] = P, R, kept
-            self.stamp = stamp
 
     def last(self) -> tuple[Array, Array, Array, int]:
         """Return (times, dense, quadratures, steps) of the last turn."""
         return (*self.histories[0], int(self.kept[1]))
 
-    def remember(self) -> None:
-        """Keep a copy of the last turn's history as an image of the fixed-point map."""
-        times, dense, _, steps = self.last()
-        self.images.append((times[: steps + 1].copy(), dense[:steps].copy(), steps))
-        if len(self.images) > KEPT_IMAGES:
-            self.images.pop(0)
+    @property
+    def trajectory(self) -> Trajectory:
+        """The last turn as it stands here: the next one overwrites it."""
+        return Trajectory(self.composition, self.module, self.R, *self.last(), self.context)
 
-    def mix(self, weights: Array) -> None:
-        """Replace the last history by the weighted sum of the newest images."""
-        self.blend(self.images[-len(weights) :], weights)
+    def put(self, trajectory: Trajectory) -> None:
+        """Make a life the last turn, with the numbers that it was integrated with."""
+        self.composition.P[:], self.R[:] = trajectory.composition.P, trajectory.R
+        steps = trajectory.steps
+        self._make_room(steps)
+        times, dense, quads = self.histories[0]
+        times[: steps + 1], dense[:steps], quads[:steps] = trajectory.times, trajectory.dense, trajectory.quads
+        self.kept[:] = 0, steps
+
+    def image(self) -> tuple[Array, Array, int]:
+        """Return a copy of the last turn's history, to be blended with others."""
+        times, dense, _, steps = self.last()
+        return times[: steps + 1].copy(), dense[:steps].copy(), steps
 
     def blend(self, histories: Sequence[tuple[Array, Array, int]], weights: Array) -> None:
         """Replace the last history by the weighted sum of whole histories, on the steps of the last of them."""
         times, dense, steps = histories[-1]
-        old = self._writable(0)
+        self._make_room(steps)
+        old = self.histories[0]
         old[0][: steps + 1], target = times, old[1][:steps]
         self.kept[:] = 0, steps
-        self.stamp = object()
         np.multiply(dense, weights[-1], out=target)
         for weight, (t, d, n) in zip(weights[:-1], histories[:-1], strict=True):
             self.module.history__add_history(times, steps, t, d, n, weight, target)
@@ -210,66 +180,16 @@ class Machinery:
     def install(self, times: Array, dense: Array, quads: Array) -> None:
         """Put a history of states in place as the last turn's, and fill the places of its steps."""
         steps = len(dense)
+        self._make_room(steps)
+        old = self.histories[0]
+        old[0][: steps + 1], old[1][:steps, :, : self.n], old[2][:steps] = times, dense, quads
+        self.kept[:] = 0, steps
+        self.module.places__places_along(old[1], steps, self.context)
+
+    def _make_room(self, steps: int) -> None:
         if steps > self.max_steps:
             self.max_steps = steps
             self.histories = [self.new_history(steps, self.columns, self.nq) for _ in range(2)]
-        old = self._writable(0)
-        old[0][: steps + 1], old[1][:steps, :, : self.n], old[2][:steps] = times, dense, quads
-        self.kept[:] = 0, steps
-        self.stamp = object()
-        self.module.places__places_along(old[1], steps, self.context)
-
-    def sample(self, angles: Array) -> tuple[Array, Array]:
-        """Return rows of (V, p, work, dm/dφ, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""
-        c = self.composition
-        out = np.empty((len(angles), 4 + self.n))
-        flows = np.empty((len(angles), len(c.plenum_paths) + 2 * len(c.gap_paths)))
-        self.module.trace__sample(angles, *self.last(), self.context, c.n_E, out, flows)
-        return out, flows
-
-    def oil_films(self, angles: Array) -> Array:
-        """Return rows of the oil [kg/s] that flows in through gaps as films, each ahead and behind, at angles [rad]."""
-        c, (times, dense, _, steps) = self.composition, self.last()
-        out = np.empty((len(angles), 2 * len(c.gap_paths)))
-        self.module.trace__oil_films(angles, times, dense, steps, self.context, c.n_E, out)
-        return out
-
-    def into_lines(self, points: int) -> tuple[Array, Array]:
-        """Return the flow [kg/s] into suction and discharge line, and the mean volume [m³] that is open to each.
-
-        The flow at `points` even angles of a pitch, from the youngest chamber's 0° on; only of lines that pulsate.
-        """
-        into, volume = np.zeros((2, points)), np.zeros(2)
-        times, dense, _, steps = self.last()
-        self.module.line_flow__into_lines(times, dense, steps, self.context, self.composition.n_E, into, volume)
-        return into, volume
-
-    def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:
-        """Return what the last turn's paths, heat rates and walls, and oil sum up to over one life (`model.ledger`).
-
-        `s_…` are the specific entropies [J/(kg K)] of the lines' gas. Compiled when it is first asked for.
-        """
-        c, (times, dense, _, steps) = self.composition, self.last()
-        paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), ledger.PATH_SUMS))
-        warming = len(c.heats) + len(c.walls)
-        heats, oil = np.zeros((max(warming, 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
-        with self._compiling("ledger") if "ledger" not in compiled.warm(self.module) else nullcontext():
-            self.module.ledger__account(
-                times, dense, steps, self.context, c.n_E, s_suction, s_discharge, paths, heats, oil
-            )
-        return paths, heats[:warming], oil
-
-    def port_oil(self) -> tuple[float, float]:
-        """Return the oil [kg] that came through ports over the last life, and that times the chamber's pressure."""
-        times, dense, _, steps = self.last()
-        return self.module.trace__port_oil(times, dense, steps, self.composition.P, self.composition.TAB)
-
-    def restore(self, times: Array, dense: Array, quads: Array) -> None:
-        """Put back a whole history, places included, as the last turn's."""
-        old, steps = self._writable(0), len(dense)
-        old[0][: steps + 1], old[1][:steps], old[2][:steps] = times, dense, quads
-        self.kept[:] = 0, steps
-        self.stamp = object()
 
     # ---- all chambers together -------------------------------------------------------------------------------
 
@@ -298,12 +218,14 @@ class Machinery:
         c = self.composition
         return CoupledContext(c.P, c.TAB, self.R, *self.coupled_space()["spaces"])
 
-    def pitch(self, y: Array, rtol: float, h: float, inset: float = 0.0) -> tuple[int, float, float, Array]:
+    def pitch(
+        self, y: Array, rtol: float, h: float, inset: float = 0.0, check: Check | None = None
+    ) -> tuple[int, float, float, Array]:
         """Integrate all chambers over one pitch from y (in place), after injecting; return as `turn`.
 
-        `inset` [rad] is left out at both ends: where the speed's course does not repeat, it jumps there.
+        `inset` [rad] is left out at both ends: where the speed's course does not repeat, it jumps there. With a `check`
+        its method integrates.
         """
-        check = check_of(self.integrator)
         if self.alone:
             return self.turn(y, rtol, h) if check is None else under_scipy.life(self, check, y, rtol, h)
         if "all" not in compiled.warm(self.module):
@@ -367,3 +289,8 @@ class Machinery:
         life = np.concatenate([states[:, :, j] for j in range(c.chambers)])
         self.install(t, life, np.zeros((len(life), self.nq)))
         self.module.trace__work_along(*self.last(), self.context)
+
+
+def _own(composition: Composition) -> Composition:
+    """Return a composition with a copy of its numbers, to be written into."""
+    return replace(composition, P=composition.P.copy())

@@ -9,12 +9,15 @@ on.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import pack_curve
+
+if TYPE_CHECKING:
+    from screwsim.model.compose import Composition
 
 Array = np.ndarray
 ROWS = 361  # of the curve over a pitch
@@ -58,13 +61,13 @@ def squares_at(P: Array, at: int) -> Array:
     return P[first : first + 4 * (ROWS - 1) : 4].copy()
 
 
-def curve_at(composition: Any) -> Array:
+def curve_at(composition: Composition) -> Array:
     """Return a composition's curve; none where its speed is constant."""
     at = composition.speed_curve
     return composition.P[at : at + 5 * ROWS - 3].copy() if at is not None else np.empty(0)
 
 
-def put_back(composition: Any, course: Array) -> None:
+def put_back(composition: Composition, course: Array) -> None:
     """Put a curve, or a weighted sum of such, in place; not one that falls to a standstill."""
     at = composition.speed_curve
     if at is not None and len(course) and squares_at(course, 0).min() > (1.0 - TOO_LARGE) ** 2:

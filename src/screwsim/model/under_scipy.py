@@ -5,7 +5,7 @@ Source: docs/explanation/numerics.md, "Independent check".
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,10 +14,13 @@ from screwsim.model.slots import FREE, OPENING, P_INJECTION, PLACE, Q_WALLS
 from screwsim.numerics.integrators import Check
 from screwsim.numerics.scipy_integrators import integrate
 
+if TYPE_CHECKING:
+    from screwsim.model.run import Machinery
+
 Array = np.ndarray
 
 
-def life(machinery: Any, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
     """Do what `Machinery.turn` does with a check; a loose own turn gives the quadratures' scale."""
     _, _, _, q_scale = machinery.turn(y.copy(), 1e-3, h)
     c, module, context, own = machinery.composition, machinery.module, machinery.context, machinery.spaces[1]
@@ -62,7 +65,7 @@ def life(machinery: Any, check: Check, y: Array, rtol: float, h: float) -> tuple
     return int(path.message != ""), path.times[-1], h, q
 
 
-def pitch(machinery: Any, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
     """Do what `Machinery.pitch` does with a check; a loose own one gives the quadratures' scale."""
     _, _, _, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
     space, c = machinery.coupled_space(), machinery.composition
@@ -99,7 +102,7 @@ def pitch(machinery: Any, check: Check, y: Array, rtol: float, h: float) -> tupl
     return int(path.message != ""), path.times[-1], h, q
 
 
-def _scales(machinery: Any, q: Array) -> Array:
+def _scales(machinery: Machinery, q: Array) -> Array:
     """Return the scale of each quadrature: the largest of its kind, so that an idle path demands no accuracy."""
     first = machinery.composition.first_stream
     streams = np.abs(q[first:]).reshape(-1, machinery.composition.width)

@@ -12,9 +12,10 @@ import re
 from typing import Any
 
 from screwsim.codegen.modules import Module
+from screwsim.cycle.problem import problem_of
 from screwsim.fluid.nozzle import choking
+from screwsim.model.run import Machinery
 from screwsim.scene.types import Scene
-from screwsim.solution import Solution
 
 STATE = """def phased_state(phase, T, rho, P, TAB):
     found = np.empty(7)
@@ -47,15 +48,15 @@ def state_function(fluid: str) -> Any:
     return ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_double, ctypes.c_void_p)(fill)
 
 
-def solution_with_coolprop(scene: Scene) -> Solution:
-    """Return the solution of a real-gas scene whose chambers ask CoolProp; compiled anew in every process.
+def machinery_with_coolprop(scene: Scene) -> Machinery:
+    """Return a machinery for a real-gas scene whose chambers ask CoolProp; compiled anew in every process.
 
     Raises ValueError for an ideal gas.
     """
     if scene.gas.model != "real":
         raise ValueError("gas.model: only a real gas can be asked of CoolProp")
-    solution = Solution(scene)
-    text = solution.machinery.composition.text
+    composition = problem_of(scene).composition
+    text = composition.text
     found = re.search(r"def phased_state\(.*?\n\n", text, flags=re.DOTALL)
     assert found is not None
     state = state_function(scene.gas.fluid)
@@ -63,5 +64,4 @@ def solution_with_coolprop(scene: Scene) -> Solution:
     assert address is not None
     module = Module("coolprop back end", text.replace(found.group(0), STATE + "\n\n"), {"coolprop_state": address})
     vars(module)["state of CoolProp"] = state  # kept as long as what calls it
-    solution.machinery.module = module
-    return solution
+    return Machinery(composition, module)

@@ -6,8 +6,7 @@ import math
 import statistics
 from dataclasses import dataclass, replace
 
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
+from screwsim.errors import relative_errors, worst
 from screwsim.numerics.integrators import DEFAULT
 from screwsim.scene import Scene
 from screwsim.simulate import simulate

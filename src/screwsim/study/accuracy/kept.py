@@ -12,14 +12,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
+from screwsim.errors import relative_errors, worst
+from screwsim.evaluate.verdict import inaccurate
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
 from screwsim.study.accuracy.solving import WorkLimit, solve, way
-from screwsim.verdict import inaccurate
 
 RPM = 2.0 * math.pi / 60.0
 FINER = 2e-2, 5e-3, 1e-3  # accuracies of finer solutions over the wanted one: as many as it takes until two agree
@@ -138,7 +137,7 @@ def _by_radau(scene: Scene) -> tuple[str, Figures]:
         found = solve(scene, how, LIMIT)
     except WorkLimit as error:
         return str(error), Figures()
-    return found.closed.status, found.figures() if found.closed.status != "failed" else Figures()
+    return found.cycle.status, found.figures() if found.cycle.status != "failed" else Figures()
 
 
 def kept(scene: Scene, changes: dict[str, Any], radau: bool = False) -> Kept:

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.errors import relative_errors
-from screwsim.estimate import worst
+from screwsim.errors import relative_errors, worst
 from screwsim.faults import SceneError, UsageError
 from screwsim.outputs import Figures
 from screwsim.study.accuracy.cases import Case, Extent
@@ -98,9 +97,9 @@ def _reference(scene: Any, extent: Extent, wanted: float) -> tuple[Solved, float
         except WorkLimit as error:
             reasons.append(f"the reference (coupled, {fine:g}) {error}")
             continue
-        if first.closed.status == "ok":
+        if first.cycle.status == "ok":
             return first, fine
-        reasons.append(f"the reference (coupled, {fine:g}) ended {first.closed.status.replace('_', ' ')}")
+        reasons.append(f"the reference (coupled, {fine:g}) ended {first.cycle.status.replace('_', ' ')}")
     raise NoReference(reasons[0])
 
 
@@ -123,11 +122,11 @@ def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
     apart = (np.nan, np.nan)
     try:
         other = solve(scene, tight, extent.check_limit)
-        if other.closed.status == "ok":
+        if other.cycle.status == "ok":
             difference = worst(relative_errors(other.figures(), figures))
             apart = trace_errors(other.traces(), traces)
         else:
-            second += f" ({other.closed.status.replace('_', ' ')})"
+            second += f" ({other.cycle.status.replace('_', ' ')})"
     except WorkLimit as error:
         second += f" ({error})"
     seconds = time.perf_counter() - started
@@ -149,7 +148,7 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
         return Measured(*head, "left out", str(error))
     except (SceneError, UsageError, ValueError) as error:
         return Measured(*head, "left out", one_line(str(error)))
-    closed = solved.closed
+    closed = solved.cycle
     reason = ""
     if closed.status == "failed":
         reason = f"stopped at {np.degrees(closed.angle):.1f} deg"
@@ -181,14 +180,14 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
 
 def _repeated(case: Case, extent: Extent) -> tuple[Solved, list[float]]:
     """Return the last of several solutions and their times, without the first where there are more."""
-    solution = None
+    machinery = None
     if case.back_end == "coolprop":
-        from screwsim.study.coolprop_back_end import solution_with_coolprop
+        from screwsim.study.coolprop_back_end import machinery_with_coolprop
 
-        solution = solution_with_coolprop(case.scene)
-    solved = solve(case.scene, case.way, extent.limit, solution)
+        machinery = machinery_with_coolprop(case.scene)
+    solved = solve(case.scene, case.way, extent.limit, machinery)
     times = [solved.time]
     while len(times) < extent.runs and sum(times) + times[-1] < extent.seconds:
-        solved = solve(case.scene, case.way, extent.limit, solution)
+        solved = solve(case.scene, case.way, extent.limit, machinery)
         times.append(solved.time)
     return solved, times[1:] or times

@@ -15,15 +15,24 @@ from typing import Any
 
 import numpy as np
 
-from screwsim import shaft
 from screwsim.build import WIDTH
-from screwsim.estimate import Watch
-from screwsim.model import close as closing
+from screwsim.cycle.close import close
+from screwsim.cycle.guess import rehearse
+from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
+from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.wanted import Wanted
+from screwsim.evaluate.evaluation import evaluate
+from screwsim.evaluate.traces import traces
+from screwsim.model import leases
+from screwsim.model.compose import Composition
+from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.integrators import DEFAULT, check_of
 from screwsim.outputs import Figures
 from screwsim.scene import Scene
-from screwsim.solution import Solution
+from screwsim.solve.accurately import Watch
+from screwsim.solve.drive import at_its_speed, settled
 
 START = 1e-2  # accuracy of the cycle from which scipy's integrators start
 NARROWEST = 1e-12  # of a pressure: stands for a regularisation of zero, of which the model would divide 0 by 0
@@ -61,23 +70,23 @@ def way(accuracy: float, integrator: str = DEFAULT, closing: str = "coupled", **
 class Solved:
     """A solution with its cost: wall time [s] of the closing and evaluations of one chamber's right-hand side."""
 
-    solution: Solution
-    closed: closing.Closed
+    problem: Problem
+    cycle: CycleSolution
     time: float
     evaluations: int
     steps: int
 
     def figures(self) -> Figures:
         """Return the performance figures."""
-        return self.solution.figures(self.closed.q)[0]
+        return evaluate(self.problem, self.cycle).figures
 
     def traces(self) -> dict[str, np.ndarray]:
         """Return the cycle over the angle."""
-        return self.solution.cycle(self.closed.q)
+        return traces(evaluate(self.problem, self.cycle))
 
 
 @contextmanager
-def limited(machinery: Any, seconds: float) -> Iterator[None]:
+def limited(machinery: Machinery, seconds: float) -> Iterator[None]:
     """Raise WorkLimit inside this block when the processor time [s] is used up; compilation does not count."""
     end = time.process_time() + seconds - machinery.compile_time
 
@@ -90,48 +99,45 @@ def limited(machinery: Any, seconds: float) -> Iterator[None]:
         yield
     finally:
         machinery.watch = lambda: None
-        machinery.integrator = DEFAULT
 
 
-def solve(scene: Scene, how: Way, limit: float = math.inf, solution: Solution | None = None) -> Solved:
+def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery | None = None) -> Solved:
     """Return the scene solved that way. Raises WorkLimit after `limit` seconds.
 
     scipy's integrators start from a loose cycle (`START`) of our own, whose cost is counted; so does ours when it is
-    `closing: coupled`, for which that is the rule.
+    `closing: coupled`, for which that is the rule. `machinery` is one of the scene's, or it is lent one.
     """
+    series = Series()
     scene = replace(scene, numerics=replace(scene.numerics, integrator=how.integrator))
-    solution = solution or shaft.at_its_speed(Solution(scene))
-    machinery = solution.machinery
-    machinery.warm_up(solution.rehearse)
-    composition = machinery.composition
-    machinery.composition = replace(composition, P=composition.P.copy(), knots=_knots(composition, how.landing))
-    at = solution.lines
+    problem = at_its_speed(problem_of(scene, series), series)
+    composition = replace(problem.composition, knots=_knots(problem.composition, how.landing))
+    at, check = problem.lines, check_of(how.integrator)
     gaps = max(at.p_s, at.p_d)  # of gaps and of ports to plenums of effects
     pressures = np.array([at.p_s, at.p_d, *(gaps for _ in range(composition.n_widths - 2))])
-    widths = max(how.regularised, NARROWEST) * pressures
-    wanted = closing.Wanted(how.rtol, how.tolerance, how.bound, how.closing)
-    scipys = check_of(how.integrator) is not None
-    solution.wanted = closing.Wanted(0.3 * START, 0.2 * START, START, "auto") if scipys else wanted
-    machinery.composition.P[composition.widths] = START * pressures if scipys else widths
+    widths = tuple((max(how.regularised, NARROWEST) * pressures).tolist())
+    wanted = Wanted(how.rtol, how.tolerance, how.bound, how.closing, widths, check=check)
+    loose = Wanted(0.3 * START, 0.2 * START, START, "auto", tuple((START * pressures).tolist()))
+    problem = replace(problem, composition=composition, wanted=wanted)
+    lent = machinery is None
+    machinery = machinery or leases.lease(composition)
+    machinery.begin(composition)
+    machinery.warm_up(lambda: rehearse(problem, machinery))
     watch = Watch(machinery)
     with limited(machinery, limit), warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # explicit methods overflow on their way to a shorter step
-        try:
-            closed = shaft.settled(solution, closing.close(solution, solution.start()))
-            if scipys and closed.status != "failed":
-                solution.wanted = wanted
-                machinery.composition.P[composition.widths] = widths
-                machinery.integrator = how.integrator
-                closed = closing.by_coupling(solution, closing.chambers_at_pitches(machinery))
-                closed = shaft.settled(solution, closed)
-        finally:
-            watch.lap("closing")
-    counts = watch.counts["closing"]
-    evaluations = machinery.evaluations_of(counts)
-    return Solved(solution, closed, watch.times["closing"], evaluations, int(counts[0]))
+        first = wanted if check is None else loose
+        cycle = settled(problem, machinery, first, close(problem, machinery, first))
+        if check is not None and cycle.status != "failed":
+            cycle = close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+            cycle = settled(problem, machinery, wanted, cycle)
+    watch.lap("closing")
+    counts, evaluations = watch.counts["closing"], machinery.evaluations_of(watch.counts["closing"])
+    if lent:
+        leases.give_back(machinery)
+    return Solved(problem, cycle, watch.times["closing"], evaluations, int(counts[0]))
 
 
-def _knots(composition: Any, landing: bool) -> np.ndarray:
+def _knots(composition: Composition, landing: bool) -> np.ndarray:
     """Return the angles to land on: all, or only those where chambers are born, end, and oil comes in."""
     if landing:
         return composition.knots

@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.build import build_gas
+from screwsim.cycle.problem import Inlet
+from screwsim.evaluate.performance import efficiencies
 from screwsim.faults import UsageError
 from screwsim.fluid import constants
 from screwsim.outputs import Figures, Result
-from screwsim.performance import Inlet, efficiencies
 from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthalpy, with_values
 from screwsim.simulate import simulate
 from screwsim.study.stages.read import Chain, Intercooler

@@ -6,29 +6,26 @@ Source: docs/model.md M233, M234. For the ledger, where what the oil holds is a 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
-
-import numpy as np
 
 from screwsim.effects.base import OilSolution
+from screwsim.evaluate.ledger.book import Cycle, State
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import DISSOLVED, PORT_OIL, R_DISCHARGE
-
-Array = np.ndarray
 
 
 class Held:
     """The gas that the oil holds: entropy and exergy (M233, M234) over gas at the state (h, s) of the suction line."""
 
-    def __init__(self, cycle: Any, suction: Any) -> None:
+    def __init__(self, cycle: Cycle, suction: State) -> None:
         self.cycle, self.suction = cycle, suction
-        self.content: OilSolution = cycle.parts.oil_content
+        assert isinstance(cycle.parts.oil_content, OilSolution)  # `Parts.dissolves`
+        self.content = cycle.parts.oil_content
 
     def entropies(self, w: float) -> tuple[float, float]:
         """Return the entropy [J/(kg K)] of gas in oil that holds w, and of all that a kilogram of it holds."""
-        c = self.cycle.machinery.composition
-        s, total = self.cycle.machinery.module.solution_entropy(w, c.P, c.TAB)
+        c = self.cycle.composition
+        s, total = self.cycle.life.module.solution_entropy(w, c.P, c.TAB)
         return float(s), float(total)
 
     def exergy(self, held: float, entropy: float) -> float:
@@ -70,6 +67,6 @@ class Held:
         cycle = self.cycle
         out, held = self.flow_out()
         back, supplied = cycle.rate * float(cycle.streams[2, 2]), cycle.rate * float(cycle.streams[PORT_OIL, 2])
-        w_line = float(cycle.machinery.R[R_DISCHARGE + DISSOLVED])
+        w_line = float(cycle.R[R_DISCHARGE + DISSOLVED])
         found = self.of_oil(out, held / out) if out > 0.0 else 0.0
         return found - self.of_oil(back, w_line) - self.of_oil(supplied, self.content.supply)

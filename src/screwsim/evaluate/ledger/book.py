@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any
 
+import numpy as np
+
+from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.intake import Suction
-from screwsim.model.residues import Array
-from screwsim.model.run import Machinery
+from screwsim.model.parts import OilPart
 from screwsim.model.slots import FIRST_OWN, PLACE, PRESSURE
-from screwsim.performance import CycleFigures, Lines
+
+Array = np.ndarray
 
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
 SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"
@@ -70,45 +71,35 @@ class Book:
         entry.entropy_generated += destroyed / self.T_0
 
 
-@dataclass(frozen=True)
 class Cycle:
-    """What the ledger asks of a closed cycle.
+    """What the ledger asks of a closed cycle; `line_given`: is the discharge line another than that of the outflow?"""
 
-    `streams` are the sums over one chamber's life (model.residues.Balances.streams); `line_given` tells that
-    the state of the discharge line is not that of the outflow.
-    """
-
-    parts: Any
-    lines: Lines
-    machinery: Machinery
-    streams: Array
-    known: CycleFigures
-    shaft_power: float
-    T_0: float
-    line_given: bool
-    intake: Suction
-
-    def pressed(self, p: float) -> float:
-        """Return p/(ρ_oil c_oil) [K] where the oil takes room, else 0 (M108)."""
-        oil = self.parts.oil
-        return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
+    def __init__(self, of: Evaluation) -> None:
+        self.problem, self.life, self.streams, self.known = of.problem, of.life, of.streams, of.known
+        self.parts, self.lines, self.suction = of.problem.parts, of.problem.lines, of.problem.suction
+        self.composition, self.R, self.rate = of.life.composition, of.life.R, of.problem.rate
+        operation = of.problem.scene.operation
+        self.T_0, self.shaft_power = operation.ambient_temperature, of.figures.shaft_power
+        delivers = of.streams[2, 0] + of.streams[3, 0] < 0.0
+        self.line_given = operation.discharge.temperature is not None or not delivers
 
     @property
-    def rate(self) -> float:
-        """Return chamber lives per second."""
-        return self.parts.omega / self.parts.geometry.pitch
+    def oil(self) -> OilPart:
+        """The oil, where there is one."""
+        assert self.parts.oil is not None
+        return self.parts.oil
 
     def state(self, T: float, rho: float, h: float) -> State:
         """Return a state of the gas with its entropy."""
-        c = self.machinery.composition
-        return State(T, rho, h, float(self.machinery.module.gas_entropy(T, rho, c.P, c.TAB)))
+        c = self.composition
+        return State(T, rho, h, float(self.life.module.gas_entropy(T, rho, c.P, c.TAB)))
 
     def behind(self, to: str, line: State) -> State:
         """Return the mean state that the chambers meet in a line: throttled where its pressure has an offset (M184)."""
         for part in self.parts.pulsations:
             if part.to == to:
-                c, gas = self.machinery.composition, self.parts.gas
-                p = float(self.machinery.R[self.parts.number(to) * PLACE + PRESSURE])
+                c, gas = self.composition, self.parts.gas
+                p = float(self.R[self.parts.number(to) * PLACE + PRESSURE])
                 p *= 1.0 + float(c.P[c.made[list(self.parts.made).index(part.offset)]])
                 return self.state(gas.temperature(p, line.h), gas.place_of_enthalpy(p, line.h)[1], line.h)
         return line
@@ -121,7 +112,7 @@ class Cycle:
     @property
     def paths(self) -> list[str]:
         """Return whose flow paths there are, in the order of their sums."""
-        c = self.machinery.composition
+        c = self.composition
         return [*c.plenum_paths, *(name for name, _ in c.gap_paths)]
 
     def pressure(self, end: str) -> float:

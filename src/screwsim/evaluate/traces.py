@@ -7,19 +7,30 @@ import math
 import numpy as np
 
 from screwsim.effects.base import FlowPath
-from screwsim.model.parts import Parts
-from screwsim.model.run import Machinery
+from screwsim.evaluate.evaluation import Evaluation
+from screwsim.evaluate.performance import pitch_traces
 from screwsim.model.slots import FIRST_OWN, HELD, R_RATIO
 from screwsim.model.speed import slowness
 
 TRACE_STEP = 1.0  # degree
 
 
-def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
-    """Return the traces of the machinery's last history (contract: cycle)."""
-    m, c, geometry = machinery, machinery.composition, parts.geometry
+def traces(of: Evaluation) -> dict[str, np.ndarray]:
+    """Return the traces of a closed cycle (contract: cycle)."""
+    found, parts = _of_life(of), of.problem.parts
+    degrees, pitch = found["angle"], math.degrees(parts.geometry.pitch)
+    for name, values in pitch_traces(parts, of.known if parts.shaft is None else of.complete).items():
+        grid = np.linspace(0.0, pitch, len(values) + 1)
+        found[name] = np.interp(degrees, grid, np.append(values, values[0]), period=pitch)
+    return found
+
+
+def _of_life(of: Evaluation) -> dict[str, np.ndarray]:
+    """Return states and flows over the angle."""
+    life, c, parts = of.life, of.life.composition, of.problem.parts
+    geometry = parts.geometry
     degrees = trace_angles(geometry.life)
-    out, flows = m.sample(np.minimum(np.radians(degrees), geometry.life))
+    out, flows = life.sample(np.minimum(np.radians(degrees), geometry.life))
     found = {"angle": degrees, "volume": out[:, 0], "pressure": out[:, 1], "work": out[:, 2]}
     found |= {"gas_temperature": out[:, 4], "gas_mass": out[:, 5] * out[:, 0]}
     if c.oil_room and parts.oil is not None:
@@ -27,7 +38,7 @@ def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
     if "T_oil" in c.states:
         present = c.carried | (degrees >= math.degrees(geometry.injection_angle))
         found["oil_temperature"] = np.where(present, out[:, 6], np.nan)
-        ratio = out[:, 7] if c.carried else np.where(present, float(m.R[R_RATIO]), 0.0)
+        ratio = out[:, 7] if c.carried else np.where(present, float(life.R[R_RATIO]), 0.0)
         found["oil_mass"] = ratio * found["gas_mass"]
     if parts.dissolves:
         found["dissolved_gas_ratio"] = out[:, 4 + HELD]
@@ -36,7 +47,7 @@ def traces(parts: Parts, machinery: Machinery) -> dict[str, np.ndarray]:
     plenum_paths = [path for _, path in parts.all(FlowPath) if path.to != "neighbour"]
     to_lines = [i for i, path in enumerate(plenum_paths) if parts.number(path.to) < FIRST_OWN and not path.narrow]
     _smooth_plenum_flows(flows, to_lines, parts.omega * out[:, 3])
-    films = m.oil_films(np.minimum(np.radians(degrees), geometry.life)) if any(parts.films) else np.empty((0, 0))
+    films = life.oil_films(np.minimum(np.radians(degrees), geometry.life)) if any(parts.films) else np.empty((0, 0))
     if c.speed_curve is not None:  # the model's flows are those over the mean speed
         slow = np.array([slowness(phi, geometry.pitch, c.speed_curve, c.P) for phi in np.radians(degrees).tolist()])
         flows /= slow[:, None]

@@ -15,8 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilPort, Stops
-from screwsim.model import close as closing
+from screwsim.model.parts import Parts
 from screwsim.model.slots import (
     LOOSE,
     P_PORT_WIDTH,
@@ -26,9 +28,9 @@ from screwsim.model.slots import (
     R_RATIO,
     R_SUCTION,
 )
+from screwsim.model.trajectory import Trajectory
 from screwsim.model.within import NODES as GAUSS
 from screwsim.numerics.rodas import NODES, dense_value
-from screwsim.solution import Solution
 
 Array = np.ndarray
 SHARES = np.unique([*NODES[:4], GAUSS[1]])  # of a step; the first of the quadrature's is next to a node of the method
@@ -59,28 +61,28 @@ class Asked(NamedTuple):
     most: float = math.inf
 
 
-def impossible(solution: Solution, closed: closing.Closed) -> str:
+def impossible(problem: Problem, cycle: CycleSolution) -> str:
     """Return which own effect returned what cannot be, where, in one line; empty where none did."""
-    scene = solution.scene
+    scene, parts, life = problem.scene, problem.parts, cycle.trajectory
     own = {name for name in scene.effects if "." in name}
     if scene.machine.kind in scene.own:
         own |= {"suction_port", "discharge_port"}  # whose areas are the machine's
     if not own:
         return ""
-    wrong = next(_declared(solution, own), "")
+    wrong = next(_declared(parts, own), "")
     if wrong:
         return wrong
-    phi, rows = _along(solution) if closed.status != "failed" else (np.empty(0), np.empty((0, 1)))
-    degrees = np.radians(np.arange(0.0, math.degrees(solution.parts.geometry.life), 1.0))
+    phi, rows = _along(life) if cycle.status != "failed" else (np.empty(0), np.empty((0, 1)))
+    degrees = np.radians(np.arange(0.0, math.degrees(parts.geometry.life), 1.0))
     by_angle = [Point(angle, rows, 0.0, 0.0, 0.0) for angle in np.union1d(phi, degrees).tolist()]
-    for asked in _areas(solution):
+    for asked in _areas(parts, life):
         if asked.effect in own and (wrong := _first(asked, by_angle)):
             return wrong
-    stopped = closed.status == "failed"  # what is no number does not close: of a cycle only signs and shares are asked
-    rates = [asked for asked in _rates(solution) if asked.effect in own and (stopped or asked.least > -math.inf)]
+    stopped = cycle.status == "failed"  # what is no number does not close: of a cycle only signs and shares are asked
+    rates = [asked for asked in _rates(parts, life) if asked.effect in own and (stopped or asked.least > -math.inf)]
     if not rates:
         return ""
-    points = list(_points(solution, phi, rows)), *(_stopped(solution, closed) if stopped else ())
+    points = list(_points(parts, life, phi, rows)), *(_stopped(parts, cycle) if stopped else ())
     return next(filter(None, (_first(asked, some) for some in points for asked in rates)), "")
 
 
@@ -102,9 +104,9 @@ def _told(asked: Asked, point: Point, value: float) -> str:
     return f"effects.{asked.effect}: its {asked.what} is {shown} {where}, which cannot be; mend that module"
 
 
-def _declared(solution: Solution, own: set[str]) -> Iterator[str]:
+def _declared(parts: Parts, own: set[str]) -> Iterator[str]:
     """Yield the numbers that own effects state and that cannot be."""
-    for name, path in solution.parts.all(FlowPath):
+    for name, path in parts.all(FlowPath):
         if name not in own:
             continue
         numbers = {"flow_coefficient": path.flow_coefficient, **path.values}
@@ -116,40 +118,40 @@ def _declared(solution: Solution, own: set[str]) -> Iterator[str]:
             yield f"effects.{name}: one of its knots is {knots[0]:.6g} rad, which cannot be; mend that module"
 
 
-def _along(solution: Solution) -> tuple[Array, Array]:
+def _along(life: Trajectory) -> tuple[Array, Array]:
     """Return angles [rad] of the cycle that stands, and the states and pressure there, a row each."""
-    times, dense, _, steps = solution.machinery.last()
-    curves = [dense[:steps, k, : solution.machinery.n + 1] for k in range(4)]
+    times, dense, steps = life.times, life.dense, life.steps
+    curves = [dense[:steps, k, : len(life.composition.states) + 1] for k in range(4)]
     phis = [times[:steps] + share * np.diff(times[: steps + 1]) for share in SHARES]
     return np.concatenate(phis), np.concatenate([dense_value(share, *curves) for share in SHARES])
 
 
-def _points(solution: Solution, phi: Array, rows: Array) -> Iterator[Point]:
+def _points(parts: Parts, life: Trajectory, phi: Array, rows: Array) -> Iterator[Point]:
     """Yield the points of a cycle at angles, where its states and pressure are the rows, in the order of the angles."""
     order = np.argsort(phi, kind="stable")
     y = np.ascontiguousarray(rows[order, :-1])
     for angle, state, p in zip(phi[order].tolist(), y, rows[order, -1].tolist(), strict=True):
-        yield _point(solution, angle, state, p)
+        yield _point(parts, life, angle, state, p)
 
 
-def _stopped(solution: Solution, closed: closing.Closed) -> tuple[list[Point], list[Point]]:
+def _stopped(parts: Parts, cycle: CycleSolution) -> tuple[list[Point], list[Point]]:
     """Return points at, and around, the states of the chambers where an integration stopped."""
-    machinery, pitch, life = solution.machinery, solution.parts.geometry.pitch, solution.parts.geometry.life
+    geometry, n = parts.geometry, len(cycle.trajectory.composition.states)
     here, around = [], []
-    for j, y in enumerate(np.asarray(closed.y).reshape(-1, machinery.n)):
+    for j, y in enumerate(np.asarray(cycle.y).reshape(-1, n)):
         if not np.all(np.isfinite(y)):
             continue
         for factor in AROUND:
             for more in BEYOND:
-                phi = min(closed.angle + j * pitch + float(more), life)
+                phi = min(cycle.angle + j * geometry.pitch + float(more), geometry.life)
                 state = np.array(y)
                 state[0] *= factor
-                (here if factor == 1.0 else around).append(_point(solution, phi, state))
+                (here if factor == 1.0 else around).append(_point(parts, cycle.trajectory, phi, state))
     return here, around
 
 
-def _point(solution: Solution, phi: float, y: Array, p: float | None = None) -> Point:
-    c, module, oil = solution.machinery.composition, solution.machinery.module, solution.parts.oil
+def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None = None) -> Point:
+    c, module, oil = life.composition, life.module, parts.oil
     V, rho = module.volume_at(phi, c.P, c.TAB), float(y[1])
     if p is None:
         p = float(module.gas_state(float(y[0]), rho, c.P, c.TAB)[0])
@@ -157,10 +159,10 @@ def _point(solution: Solution, phi: float, y: Array, p: float | None = None) -> 
     return Point(phi, y, p, V, rho * V / room)
 
 
-def _areas(solution: Solution) -> Iterator[Asked]:
+def _areas(parts: Parts, life: Trajectory) -> Iterator[Asked]:
     """Yield the areas of all paths: of the angle alone."""
-    c, module = solution.machinery.composition, solution.machinery.module
-    paths = solution.parts.all(FlowPath)
+    c, module = life.composition, life.module
+    paths = parts.all(FlowPath)
     for to_plenum, area in ((True, module.plenum_area), (False, module.gap_area)):
         some = [(name, path) for name, path in paths if (path.to != "neighbour") == to_plenum]
         for i, (name, path) in enumerate(some):
@@ -171,10 +173,10 @@ def _areas(solution: Solution) -> Iterator[Asked]:
             yield Asked(name, "area", "m^2", at, 0.0)
 
 
-def _rates(solution: Solution) -> Iterator[Asked]:
+def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
     """Yield what effects return of the state of a chamber."""
-    parts, c, R = solution.parts, solution.machinery.composition, solution.machinery.R
-    module, P, TAB = solution.machinery.module, c.P, c.TAB
+    c, R, module = life.composition, life.R, life.module
+    P, TAB = c.P, c.TAB
     lines = float(R[R_SUCTION + PRESSURE]), float(R[R_DISCHARGE + PRESSURE])
 
     def oil_of(point: Point) -> float:
@@ -215,13 +217,12 @@ def _rates(solution: Solution) -> Iterator[Asked]:
         yield Asked(name, "push", "", push)
     for name, _ in parts.all(OilPort):
         yield Asked(name, "oil flow", "kg/s", lambda point: float(module.oil_inflow(point.phi, point.p, P, TAB)), 0.0)
-    yield from _shares(solution, oil_of)
+    yield from _shares(parts, life, oil_of)
 
 
-def _shares(solution: Solution, oil_of: Callable[[Point], float]) -> Iterator[Asked]:
+def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) -> Iterator[Asked]:
     """Yield the shares of valves and gaps, and the films of gaps."""
-    parts, machinery = solution.parts, solution.machinery
-    module, R, P = machinery.module, machinery.R, machinery.composition.P
+    module, R, P = life.module, life.R, life.composition.P
     named = parts.all(FlowPath)
     for i, (name, path) in enumerate(each for each in named if each[1].to != "neighbour"):
         if path.opening is None:

@@ -1,4 +1,4 @@
-"""How closing of coupled chambers goes on from one pitch to the next: its acceleration, the tolerance of its steps.
+"""How simultaneous closing goes on from one pitch to the next: its acceleration, the tolerance of its steps.
 
 Source: docs/explanation/numerics.md, closing the cycle.
 """
@@ -65,20 +65,20 @@ class Refining:
         self.rtol, self.tolerance, self.bound = rtol, tolerance, bound
         self.hoped, self.share = np.inf, 1.0
 
-    def consider(self, gap: float, residue: float) -> None:
+    def consider(self, gap: float, residual: float) -> None:
         """Refine, or not; where the last time was of no avail, pitches must change less before the next."""
-        explained = self.share * min(1.0, self.bound / max(residue, 1e-300))
+        explained = self.share * min(1.0, self.bound / max(residual, 1e-300))
         if gap > self.tolerance * max(LEAST_GAP, explained):
             return
-        if residue > self.hoped:
+        if residual > self.hoped:
             self.share *= OF_NO_AVAIL
-        refined = finer(self.rtol, residue / self.bound)
-        self.hoped, self.rtol = residue * (refined / self.rtol) ** 0.5, refined
+        refined = finer(self.rtol, residual / self.bound)
+        self.hoped, self.rtol = residual * (refined / self.rtol) ** 0.5, refined
 
 
-def finer(rtol: float, residue: float) -> float:
+def finer(rtol: float, residual: float) -> float:
     """Return the next tolerance where the cycle stands but its balances show the error of the integration.
 
-    `residue` is the larger one over its bound.
+    `residual` is the larger one over its bound.
     """
-    return max(min(0.7, max(0.25, 0.5 / residue)) * rtol, min(rtol, FINEST_RTOL))
+    return max(min(0.7, max(0.25, 0.5 / residual)) * rtol, min(rtol, FINEST_RTOL))

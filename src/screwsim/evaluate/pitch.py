@@ -7,11 +7,12 @@ history, slopes from the volume law itself; nothing is compiled for it.
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.model.run import Machinery
+from screwsim.machine.protocol import MachineGeometry
+from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 POINTS = 360  # of a pitch: 0.25° with four lobes
@@ -35,21 +36,19 @@ class Pitch(NamedTuple):
 
 
 def pitch_of(
-    machinery: Machinery, geometry: Any, low_pressure: float, torque_mean: float, high_pressure: float
+    life: Trajectory, geometry: MachineGeometry, low_pressure: float, torque_mean: float, high_pressure: float
 ) -> Pitch:
-    """Return the pitch of the last history."""
+    """Return the pitch of a life."""
     angle = np.arange(POINTS) * (geometry.pitch / POINTS)
     grid = angle[:, None] + geometry.pitch * np.arange(geometry.chambers)
-    times, dense, _, steps = machinery.last()
-    found = np.empty((grid.size, len(machinery.composition.states) + 1))  # the pressure follows the states
-    machinery.module.history__states_at(grid.T.ravel(), times, dense, steps, found)
+    found = life.states_at(grid.T.ravel())
     pressure = np.ascontiguousarray(found[:, -1].reshape(geometry.chambers, POINTS).T)
     slope, male = _slopes(geometry)
     return Pitch(angle, pressure, slope, male, low_pressure, torque_mean, high_pressure)
 
 
 @lru_cache(maxsize=16)
-def _slopes(geometry: Any) -> tuple[Array, Array | None]:
+def _slopes(geometry: MachineGeometry) -> tuple[Array, Array | None]:
     """Return dV/dφ of all chambers over a pitch [m³/rad], and the male rotor's part of it where rotors are known."""
     grid = np.arange(POINTS)[:, None] * (geometry.pitch / POINTS) + geometry.pitch * np.arange(geometry.chambers)
     return geometry.volume_law().along(grid)[1], geometry.male_slope(grid)

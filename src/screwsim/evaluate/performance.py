@@ -2,66 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import Given, Plenum, PowerLoss, Reading, Turn
+from screwsim.cycle.problem import Inlet
+from screwsim.effects.base import Given, Plenum, PowerLoss, Reading
+from screwsim.evaluate.known import CycleFigures
 from screwsim.faults import own_number
+from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.machine.settings import TURN
 from screwsim.model.parts import Parts
-from screwsim.model.pitch import Pitch
-from screwsim.model.residues import Array, discharge_enthalpy
 from screwsim.scene.lines import Lines
 
-
-@dataclass(frozen=True)
-class CycleFigures:
-    """What a power loss or a reading can ask of a closed cycle (SI units); the last six are for readings only."""
-
-    omega: float
-    tip_speed: float
-    indicated_power: float
-    oil_mass_flow: float
-    oil_volume_flow: float
-    oil_viscosity: float | None
-    injection_pressure: float
-    oil_source_pressure: float
-    oil_temperature: float | None
-    oil_discharge_temperature: float | None
-    oil_viscosity_at: Callable[[float], float | None]
-    oil_density_at: Callable[[float], float | None]
-    pitch: Callable[[], Pitch]
-    set_speed: float | None = None  # that the scene states; omega where it is constant
-    shaft_power: float | None = None
-    isothermal_efficiency: float | None = None
-    isentropic_efficiency: float | None = None
-    cop: float | None = None
-    motor_power: float | None = None  # where a drive lies between motor and shaft
-    turn: Turn | None = None
+Array = np.ndarray
 
 
 MOTOR_POWER = "motor_power"
 NONE_DELIVERED = "no net gas is delivered: the machine leaks more than it takes in"
 
 
-def _quotient(a: float, b: float) -> float | None:
-    return a / b if b != 0.0 and np.isfinite(a / b) else None
-
-
-class Inlet(NamedTuple):
-    """What is sucked in: density [kg/m³] and specific enthalpy [J/kg] in the suction line."""
-
-    density: float
-    enthalpy: float
-
-
 def efficiencies(
-    gas: Any,
+    gas: Gas,
     lines: Lines,
     inlet: Inlet,
     flow: float,
@@ -90,7 +55,7 @@ def efficiencies(
 
 
 @lru_cache(maxsize=8)
-def _ideal_works(gas: Any, lines: Lines, inlet: Inlet) -> tuple[tuple[float | None, float, float], str | None]:
+def _ideal_works(gas: Gas, lines: Lines, inlet: Inlet) -> tuple[tuple[float | None, float, float], str | None]:
     """Return isothermal, ideal isothermal and isentropic work [J/kg], and why there is no isothermal one."""
     ends = lines.p_s, lines.p_d, lines.T_s
     ideal = gas.ideal_isothermal_work(*ends)
@@ -101,30 +66,12 @@ def _ideal_works(gas: Any, lines: Lines, inlet: Inlet) -> tuple[tuple[float | No
 
 
 @lru_cache(maxsize=8)
-def _plenum_works(gas: Any, p_d: float, state: Reservoir) -> tuple[tuple[float | None, float, float], str | None]:
+def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float | None, float, float], str | None]:
     """Return what `_ideal_works` does, of the fluid of a plenum."""
     isentropic = gas.isentropic_work_of_enthalpy(state.p, p_d, state.h)
     obstacle = gas.isothermal_obstacle(state.p, p_d, state.T)
     isothermal = None if obstacle else gas.isothermal_work(state.p, p_d, state.T)
     return (isothermal, gas.ideal_isothermal_work(state.p, p_d, state.T), isentropic), obstacle
-
-
-def cycle_figures(parts: Parts, work: float, injected: float, **others: Any) -> CycleFigures:
-    """Return what a power loss can ask: `work` [J] and `injected` oil [kg] are those of one chamber's life.
-
-    `others` are the fields that do not follow from these.
-    """
-    rate = parts.omega / parts.geometry.pitch
-    oil_flow = injected * rate if parts.oil is not None else 0.0
-    return CycleFigures(
-        omega=parts.omega,
-        tip_speed=parts.geometry.settings.surface_speed(parts.omega),
-        indicated_power=work * rate,
-        oil_mass_flow=oil_flow,
-        oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
-        set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
-        **others,
-    )
 
 
 def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
@@ -135,71 +82,10 @@ def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
 def loss_power(parts: Parts, lines: Lines, known: CycleFigures) -> float:
     """Return the shaft power beside the indicated power [W]: losses, and the lift of the oil."""
     lift = oil_lift(parts, lines, known) if parts.oil is not None else 0.0
-    return sum(_losses(parts, known).values()) + lift
+    return sum(power_losses(parts, known).values()) + lift
 
 
-def figures(
-    parts: Parts,
-    lines: Lines,
-    inlet: Inlet,
-    streams: Array,
-    known: CycleFigures,
-    work: float,
-    trapped: float,
-    d: float,
-    peak: float,
-    delivered: float = 1.0,
-) -> tuple[dict[str, float | None], dict[str, str]]:
-    """Return the performance figures of one closed cycle and why some are None.
-
-    `streams` are the sums over one chamber's life (model.residues.Balances.streams), `work` [J] that of one life;
-    `delivered` is the share of the gas that does not go back to suction (M163).
-    """
-    geometry, gas, oil = parts.geometry, parts.gas, parts.oil
-    rate = parts.omega / geometry.pitch  # chamber lives per second
-    flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate) + 0.0  # nothing has no sign
-    losses = _losses(parts, known)
-    lift = oil_lift(parts, lines, known) if oil is not None else None
-    shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
-    etas, notes = efficiencies(gas, lines, inlet, flow, shaft, _drawn(parts, streams, rate))
-    swept = inlet.density * geometry.swept_volume * rate
-    mean = discharge_enthalpy(streams)
-    found: dict[str, float | None] = {
-        **etas,
-        **losses,
-        "volumetric_efficiency": flow / swept,
-        "gas_mass_flow": flow,
-        "indicated_power": known.indicated_power,
-        "shaft_power": shaft,
-        "shaft_torque": shaft / parts.omega,
-        "discharge_temperature": None if mean is None else gas.temperature(lines.p_d, mean[0]),
-        "peak_pressure": peak,
-        "work_per_cycle": work,
-        "trapped_mass": trapped,
-        "suction_pressure": lines.p_s,
-        "suction_temperature": lines.T_s,
-        "discharge_pressure": lines.p_d,
-        "pressure_ratio": lines.p_s / lines.p_d if geometry.expands else lines.p_d / lines.p_s,
-        "displacement": geometry.swept_volume * TURN / geometry.pitch,
-        "displacement_flow": geometry.swept_volume * rate,
-    }
-    if mean is None:
-        notes["discharge_temperature"] = "nothing flows out to the discharge line"
-    if oil is not None:
-        found |= {
-            "oil_mass_flow": known.oil_mass_flow,
-            "oil_ratio": d,
-            "oil_flow_ratio": _quotient(known.oil_mass_flow, flow) if flow > 0.0 else None,
-            "oil_lift_power": lift,
-            "oil_discharge_temperature": known.oil_discharge_temperature,
-            "injection_pressure": known.injection_pressure,
-        }
-        notes["oil_flow_ratio"] = "no net gas is delivered"
-        notes["oil_discharge_temperature"] = "next to no oil flows out to the discharge line"
-    return found, notes
-
-
-def _drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
+def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
     """Return the net flow [kg/s] from each own plenum whose gas is a product, and its state."""
     products = {part.name for _, part in parts.all(Plenum) if part.product}
     rows = ((2 * parts.number(name), state) for name, state in parts.plenums.items() if name in products)
@@ -226,7 +112,7 @@ def refrigeration(
     return figures, {} if power > 0.0 else {"cop": "the shaft power is not positive"}
 
 
-def _losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
+def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
     """Return the power losses [W], of one name their sum; raise Impossible where an own effect gives none or a gain."""
     found = {}
     for name, part in parts.all(PowerLoss):

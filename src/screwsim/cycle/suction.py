@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 from screwsim.effects.base import Intake
+from screwsim.fluid.gas import Gas
+from screwsim.model.parts import Parts
 from screwsim.model.slots import ENTHALPY, PRESSURE
 
 Place = tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Suction:
+class SuctionState:
     """The gas, the suction line's place, the pressure ratio over a throttle, and the share of gas that is returned."""
 
-    gas: Any
+    gas: Gas
     line: Place
     pressure_ratio: float = 1.0
     returned: float = 0.0
@@ -45,10 +45,9 @@ class Suction:
         return T_s if place is self.line else self.gas.temperature(place[PRESSURE], place[ENTHALPY])
 
 
-def suction_of(gas: Any, line: Place, effects: Iterable[Iterable[Any]]) -> Suction:
-    """Return the suction that the effects of a scene make of the line's gas."""
-    parts = [part for items in effects for part in items if isinstance(part, Intake)]
+def suction_of(parts: Parts, line: Place) -> SuctionState:
+    """Return what the effects of a scene make of the line's gas."""
     ratio, returned = 1.0, 0.0
-    for part in parts:
+    for _, part in parts.all(Intake):
         ratio, returned = ratio * part.pressure_ratio, max(returned, part.returned)
-    return Suction(gas, line, ratio, returned)
+    return SuctionState(parts.gas, line, ratio, returned)

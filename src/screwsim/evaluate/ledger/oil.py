@@ -6,12 +6,21 @@ from math import log
 
 import numpy as np
 
-from screwsim.dissolved import Held
-from screwsim.effects.base import OilGas, PowerLoss
-from screwsim.ledger.book import NOT_CONSERVED, OIL_INJECTION, OIL_SUPPLY, SUCTION_LINE, Book, Cycle, Rows, State
+from screwsim.effects.base import OilGas, OilSolution, PowerLoss
+from screwsim.evaluate.ledger.book import (
+    NOT_CONSERVED,
+    OIL_INJECTION,
+    OIL_SUPPLY,
+    SUCTION_LINE,
+    Array,
+    Book,
+    Cycle,
+    Rows,
+    State,
+)
+from screwsim.evaluate.ledger.dissolved import Held
+from screwsim.evaluate.performance import oil_lift
 from screwsim.model import ledger as kernels
-from screwsim.model.parts import OilPart
-from screwsim.model.residues import Array
 from screwsim.model.slots import (
     OIL_TEMPERATURE,
     P_INJECTION,
@@ -20,20 +29,19 @@ from screwsim.model.slots import (
     R_OIL_BEFORE,
     R_RATIO,
 )
-from screwsim.performance import oil_lift
 
 
 def cool_at_lines(cycle: Cycle, paths: Rows) -> None:
     """Let oil that takes room have the temperature to which throttling to its line brings it, in place (M109)."""
     if not cycle.parts.oil_room:
         return
-    for row, end in zip(paths, cycle.machinery.composition.ends, strict=True):
-        row[kernels.OUT_OIL_T] -= row[kernels.OUT_OIL] * cycle.pressed(cycle.pressure(end))
+    for row, end in zip(paths, cycle.composition.ends, strict=True):
+        row[kernels.OUT_OIL_T] -= row[kernels.OUT_OIL] * cycle.problem.pressed(cycle.pressure(end))
 
 
 def oil_rise(book: Book, cycle: Cycle, suction: State, paths: Rows, heats: Array, sums: Array) -> float:
     """Return the exergy rise of the oil [W] (M56), and enter its heat, injection, supply and what is not conserved."""
-    c, known = cycle.machinery.composition, cycle.known
+    c, known = cycle.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
         book.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
     lift = oil_lift(cycle.parts, cycle.lines, known)
@@ -54,18 +62,18 @@ def _flash(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array) -
     content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
     if content is None:
         return 0.0
-    if cycle.parts.dissolves:
+    if isinstance(content, OilSolution):
         return _released(book, cycle, suction, paths, sums)
     for name, _ in cycle.parts.all(OilGas):
         generated = float(sums[kernels.FLASH_GENERATED])
         book.add(name, gas=flashed, energy=flashed * content.latent, entropy=generated)
-    return flashed * content.latent * (1.0 - cycle.T_0 / cycle.parts.oil.temperature)
+    return flashed * content.latent * (1.0 - cycle.T_0 / cycle.oil.temperature)
 
 
 def _released(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array) -> float:
     """Enter the gas that oil gives off over time; return the rise [W] of what it holds, and of that gas (M234)."""
     held, ends = Held(cycle, suction), {}
-    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths, strict=True):
+    for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
         entry = {"discharge": "", "suction": SUCTION_LINE}.get(end, f"{end}_plenum")
         ends.setdefault(entry, []).append((name, row))
     held.at_lines(ends, book.add)
@@ -97,7 +105,7 @@ def _throttled(cycle: Cycle) -> float:
 
 def _thermal(cycle: Cycle, mass: float, mass_T: float, mass_log: float) -> float:
     """Return the exergy [W] of oil above that of injected oil at equal pressure, from Σ ṁ, Σ ṁ T, Σ ṁ ln T (M56)."""
-    oil: OilPart = cycle.parts.oil
+    oil = cycle.oil
     T = oil.temperature
     return oil.heat_capacity * ((mass_T - mass * T) - cycle.T_0 * (mass_log - mass * log(T)))
 
@@ -109,8 +117,8 @@ def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
 
 def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float) -> None:
     """Enter the mixing of the oil that leaves to the discharge line to its mean temperature there (M53)."""
-    c_oil = cycle.parts.oil.heat_capacity
-    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths, strict=True):
+    c_oil = cycle.oil.heat_capacity
+    for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
         mass, mass_T, mass_log = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG))
         if mass > 0.0 and end == "discharge":
             book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
@@ -118,14 +126,14 @@ def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float) -> None:
 
 def _carried(book: Book, cycle: Cycle, paths: Rows) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
-    oil: OilPart = cycle.parts.oil
+    oil = cycle.oil
     out, out_T = (-float(cycle.streams[3, i]) * cycle.rate for i in (2, 3))
-    out_T -= out * cycle.pressed(cycle.lines.p_d)
+    out_T -= out * cycle.problem.pressed(cycle.lines.p_d)
     back = float(cycle.streams[2, 2]) * cycle.rate
     if out > 0.0:
         _mixing(book, cycle, paths, out_T / out)
     lost = 0.0
-    columns, ends = slice(kernels.OUT_OIL, kernels.OUT_OIL_LOG + 1), cycle.machinery.composition.ends
+    columns, ends = slice(kernels.OUT_OIL, kernels.OUT_OIL_LOG + 1), cycle.composition.ends
     for end in dict.fromkeys(end for end in ends if end != "discharge"):
         rows = [row[columns] for row, other in zip(paths, ends, strict=True) if other == end]
         taken = [sum(column) for column in zip(*rows, strict=True)]
@@ -137,18 +145,18 @@ def _carried(book: Book, cycle: Cycle, paths: Rows) -> float:
             energy = oil.heat_capacity * (taken[1] - taken[0] * oil.temperature)
             entry = SUCTION_LINE if end == "suction" else f"{end}_plenum"
             book.add(entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
-    if not cycle.machinery.composition.ported:
+    if not cycle.composition.ported:
         book.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
-    T_line = float(cycle.machinery.R[R_DISCHARGE + OIL_TEMPERATURE]) - cycle.pressed(cycle.lines.p_d)
+    T_line = float(cycle.R[R_DISCHARGE + OIL_TEMPERATURE]) - cycle.problem.pressed(cycle.lines.p_d)
     return _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
 
 
 def _injection(cycle: Cycle) -> float:
     """Return the entropy [J/K] that one injection generates by mixing with the oil that is there (M53)."""
-    oil, R = cycle.parts.oil, cycle.machinery.R
+    oil, R = cycle.oil, cycle.R
     before, injected = float(R[R_OIL_BEFORE]), float(R[R_INJECTED])
-    times, dense, _, steps = cycle.machinery.last()
-    i = int(np.searchsorted(times[: steps + 1], cycle.machinery.composition.P[P_INJECTION] + 1e-9)) - 1
+    times, dense, steps = cycle.life.times, cycle.life.dense, cycle.life.steps
+    i = int(np.searchsorted(times[: steps + 1], cycle.composition.P[P_INJECTION] + 1e-9)) - 1
     T_before, T_after = float(dense[i - 1, 1, 2]), float(dense[i, 0, 2])
     mixed = injected * log(T_after / oil.temperature)
     return oil.heat_capacity * (mixed + (before * log(T_after / T_before) if before > 0.0 else 0.0))
@@ -156,14 +164,14 @@ def _injection(cycle: Cycle) -> float:
 
 def _not_carried(book: Book, cycle: Cycle, paths: Rows, sums: Array) -> float:
     """Return the thermal exergy rise of oil at a constant ratio [W], and enter what appears and vanishes (M57)."""
-    oil, R = cycle.parts.oil, cycle.machinery.R
+    oil, R = cycle.oil, cycle.R
     out, out_T = (sum([row[column] for row in paths]) for column in (kernels.OUT_OIL, kernels.OUT_OIL_T))
     T_mean = out_T / out if out > 0.0 else oil.temperature
     _mixing(book, cycle, paths, T_mean)
     injected = cycle.known.oil_mass_flow
-    times, dense, _, steps = cycle.machinery.last()
-    c = cycle.machinery.composition
-    volume = float(cycle.machinery.module.volume_at(times[steps], c.P, c.TAB))
+    times, dense, steps = cycle.life.times, cycle.life.dense, cycle.life.steps
+    c = cycle.composition
+    volume = float(cycle.life.module.volume_at(times[steps], c.P, c.TAB))
     rest = cycle.rate * float(R[R_RATIO] * dense[steps - 1, 1, 1]) * volume
     rise = _thermal(cycle, *_mixed(injected, injected * T_mean))
     entry = _thermal(cycle, *_mixed(rest, rest * float(dense[steps - 1, 1, 2])))

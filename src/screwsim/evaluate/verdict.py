@@ -6,20 +6,22 @@ import math
 
 import numpy as np
 
-from screwsim import plausible
+from screwsim.cycle.problem import LEAST_OIL, Problem
+from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import OilRoom, Stops
-from screwsim.estimate import worst
+from screwsim.errors import worst
+from screwsim.evaluate import plausible
+from screwsim.evaluate.evaluation import Evaluation
+from screwsim.fluid.gas import Gas
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.orifice import outside_fit
-from screwsim.model import close as closing
 from screwsim.model.pulsation import LOWEST
-from screwsim.model.residues import LEAST_OIL
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
 from screwsim.model.stops import MOST_IMPACTS
+from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.integrators import check_of
 from screwsim.outputs import Figures
 from screwsim.scene.plausible import scene_warnings
-from screwsim.solution import Solution
 
 ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integration that stops there shows a lock
 LESS = "use more or cooler oil, a wider discharge port, a larger machine.volume.min or smaller leaks"
@@ -36,14 +38,12 @@ RESTLESS = 500  # impacts of a turn that does not settle, above which the reeds 
 UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
 
 
-def refused(solution: Solution) -> str:
-    """Return where and why the closed cycle leaves what the gas's equation covers; empty when it does not."""
-    gas = solution.parts.gas
-    times, dense, _, steps = solution.machinery.last()
-    T, rho = (np.ascontiguousarray(dense[:steps, 1, column]) for column in (0, 1))
+def refused(gas: Gas, life: Trajectory) -> str:
+    """Return where and why a closed cycle leaves what the gas's equation covers; empty when it does not."""
+    T, rho = life.ends
     i = gas.first_outside(T, rho)
     found = None if i is None else gas.why_outside(float(T[i]), float(rho[i]))
-    return "" if i is None or found is None else f"at {math.degrees(times[i + 1]):.2f} deg {_remedied(found)}"
+    return "" if i is None or found is None else f"at {math.degrees(life.times[i + 1]):.2f} deg {_remedied(found)}"
 
 
 def _remedied(found: Outside) -> str:
@@ -51,33 +51,37 @@ def _remedied(found: Outside) -> str:
     return f"{found.what}; {REMEDIES[found.limit]}"
 
 
-def beyond_its_mean(solution: Solution) -> str:
+def beyond_its_mean(problem: Problem, life: Trajectory) -> str:
     """Return that a plenum's pressure swings beyond its mean, where no M186 holds; empty where none does."""
-    machinery, c = solution.machinery, solution.machinery.composition
-    for part in solution.parts.pulsations:
-        line = solution.parts.number(part.to)
-        angles = np.linspace(0.0, solution.parts.geometry.pitch, PHASES, endpoint=False)
-        pulses = np.array([machinery.module.line_pulse(line, angle, c.P) for angle in angles])
+    for part in problem.parts.pulsations:
+        line = problem.parts.number(part.to)
+        angles = np.linspace(0.0, problem.parts.geometry.pitch, PHASES, endpoint=False)
+        pulses = np.array([life.module.line_pulse(line, angle, life.composition.P) for angle in angles])
         if np.min(1.0 + pulses[:, 1] / (1.0 + pulses[:, 0])) < LOWEST:
             return part.swings or f"the pressure of the {part.to} line would swing beyond its mean"
     return ""
 
 
-def unclosed(solution: Solution, closed: closing.Closed) -> str:
+def open_question(of: Evaluation, closed: bool) -> str:
+    """Return what the scene leaves open of a cycle, and what to do; empty where nothing is open."""
+    asked = (part.open_question for part in of.problem.parts.pulsations if part.open_question is not None)
+    return next(filter(None, (ask(of.turn, closed) for ask in asked)), "")
+
+
+def unclosed(of: Evaluation, cycle: CycleSolution) -> str:
     """Return what may help a cycle that did not close."""
-    numerics = solution.scene.numerics
-    if solution.machinery.impacts > RESTLESS:
-        return f"its turns do not settle, with {_restless(solution)}"
-    for part in solution.parts.pulsations:
-        if part.shut is not None and part.shut(solution.turn(closed.q)):
+    problem, numerics = of.problem, of.problem.scene.numerics
+    if cycle.impacts > RESTLESS:
+        return f"its turns do not settle, with {_restless(problem, cycle)}"
+    for part in problem.parts.pulsations:
+        if part.shut is not None and part.shut(of.turn):
             return part.stuck or f"the {part.to} line stays shut and the turns do not settle"
-    if check_of(numerics.integrator) or numerics.closing == "histories" or closed.status != "not_closed":
-        coupled = "numerics.closing: coupled, or " if closed.how != "coupled" else ""
+    if check_of(numerics.integrator) or numerics.closing == "histories" or cycle.status != "not_closed":
+        coupled = "numerics.closing: coupled, or " if cycle.how != "coupled" else ""
         return f"try {coupled}a tighter numerics.accuracy"
-    if closed.change < UNSETTLED:
+    if cycle.change < UNSETTLED:
         return "no further try closed it either: the accuracy may be too fine (a larger numerics.accuracy)"
-    _, dense, _, steps = solution.machinery.last()
-    hottest = dense[:steps, 1, 0].max()
+    hottest = of.life.ends[0].max()
     if hottest < HOT:
         return "no further try closed it either: its turns do not settle (smaller leaks, or another speed)"
     return (
@@ -87,44 +91,44 @@ def unclosed(solution: Solution, closed: closing.Closed) -> str:
     )
 
 
-def _restless(solution: Solution) -> str:
+def _restless(problem: Problem, cycle: CycleSolution) -> str:
     """Return what to do about reeds that hardly come to rest."""
-    remedies = dict.fromkeys(part.remedy for _, part in solution.parts.all(Stops) if part.remedy)
+    remedies = dict.fromkeys(part.remedy for _, part in problem.parts.all(Stops) if part.remedy)
     what = "impacts of its reeds in a turn; reeds that lose so little at an impact bounce on and on"
-    return f"{solution.machinery.impacts} {what}" + (f" ({'; '.join(remedies)})" if remedies else "")
+    return f"{cycle.impacts} {what}" + (f" ({'; '.join(remedies)})" if remedies else "")
 
 
-def failure(solution: Solution, closed: closing.Closed) -> str:
-    y = ", ".join(
-        f"{name} = {value:.6g}" for name, value in zip(solution.machinery.composition.states, closed.y, strict=False)
-    )
-    lock = _hydraulic_lock(solution, closed)
+def failure(problem: Problem, cycle: CycleSolution) -> str:
+    """Return where and why an integration stopped, and what to do."""
+    states = zip(problem.composition.states, cycle.y, strict=False)
+    y = ", ".join(f"{name} = {value:.6g}" for name, value in states)
+    lock = _hydraulic_lock(problem, cycle)
     if lock:
         return lock
-    if solution.machinery.impacts > MOST_IMPACTS:
-        return f"the turn was left at {math.degrees(closed.angle):.2f} deg after {_restless(solution)}"
-    reason = solution.parts.gas.why_outside(float(closed.y[0]), float(closed.y[1]))
+    if cycle.impacts > MOST_IMPACTS:
+        return f"the turn was left at {math.degrees(cycle.angle):.2f} deg after {_restless(problem, cycle)}"
+    reason = problem.parts.gas.why_outside(float(cycle.y[0]), float(cycle.y[1]))
     if reason is not None:
-        return f"the integration stopped at {math.degrees(closed.angle):.2f} deg: {_remedied(reason)}"
+        return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg: {_remedied(reason)}"
     return (
-        f"the integration stopped at {math.degrees(closed.angle):.2f} deg ({y}); "
+        f"the integration stopped at {math.degrees(cycle.angle):.2f} deg ({y}); "
         "check port areas, clearances and pressures, or ask for a tighter numerics.accuracy"
     )
 
 
-def _hydraulic_lock(solution: Solution, closed: closing.Closed) -> str:
+def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
     """Return that and where the oil fills the chamber; empty where it does not, or takes no room (M111)."""
-    parts, R, n = solution.parts, solution.machinery.R, solution.machinery.n
+    parts, R, n = problem.parts, cycle.trajectory.R, len(problem.composition.states)
     if not parts.oil_room or parts.oil is None:
         return ""
-    angle = closed.angle
-    rho, x = closed.y[1::n], closed.y[3::n]
+    angle = cycle.angle
+    rho, x = cycle.y[1::n], cycle.y[3::n]
     shares = 1.0 - 1.0 / (1.0 + x * rho / parts.oil.density)
     if R[R_LOCK] > 0.0:
         angle, share = parts.geometry.injection_angle, 1.0
     else:
         fullest = int(np.argmax(np.nan_to_num(shares)))
-        angle, share = closed.angle + fullest * parts.geometry.pitch, float(shares[fullest])
+        angle, share = cycle.angle + fullest * parts.geometry.pitch, float(shares[fullest])
     if not share >= ALL_BUT_LOCKED:
         return ""
     remedies = "".join(f", or {part.remedy}" for _, part in parts.all(OilRoom) if part.remedy)
@@ -135,27 +139,29 @@ def _hydraulic_lock(solution: Solution, closed: closing.Closed) -> str:
     )
 
 
-def warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
-    R, supply = solution.machinery.R, solution.scene.oil_supply
+def warnings(of: Evaluation) -> tuple[str, ...]:
+    """Return what of the oil, of effects and of the flow deserves a word."""
+    problem, found = of.problem, of.figures
+    parts, supply = problem.parts, problem.scene.oil_supply
     told = []
     if (
         supply is not None
         and supply.kind == "pump"
-        and solution.parts.oil_port is None
+        and parts.oil_port is None
         and found.oil_ratio
         and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL
     ):
         told.append(
-            f"leaks bring more oil ({float(R[R_OIL_BEFORE]):.3g} kg) into the chamber than oil_supply.ratio asks for; "
-            f"nothing is injected and the ratio is {found.oil_ratio:.4g}"
+            f"leaks bring more oil ({of.life.R[R_OIL_BEFORE]:.3g} kg) into the chamber than oil_supply.ratio asks "
+            f"for; nothing is injected and the ratio is {found.oil_ratio:.4g}"
         )
-    told += _drowned(solution, found)
-    told += _unfitted_bore(solution, found)
-    asked = (active.effect.warnings for active in solution.scene.effects.values() if active.effect.warnings)
+    told += _drowned(of)
+    told += _unfitted_bore(of)
+    asked = (active.effect.warnings for active in problem.scene.effects.values() if active.effect.warnings)
     told += [words for warn in asked for words in warn(found)]
-    idle = [part.idle for part in solution.parts.pulsations if part.shut is not None]
+    idle = [part.idle for part in parts.pulsations if part.shut is not None]
     if found.gas_mass_flow == 0.0 and idle:
-        nothing = "takes nothing in" if solution.parts.plenums else "delivers nothing"
+        nothing = "takes nothing in" if parts.plenums else "delivers nothing"
         told.append(idle[0].format(nothing=nothing) or f"a valve stays shut: the machine {nothing}")
     elif found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
         told.append(
@@ -165,24 +171,24 @@ def warnings(solution: Solution, found: Figures) -> tuple[str, ...]:
     return tuple(told)
 
 
-def doubts(solution: Solution, found: Figures, error: Figures) -> tuple[str, ...]:
+def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[str, ...]:
     """Return what of the scene, and of the figures of its cycle, can be and hardly is."""
-    scene, parts = solution.scene, solution.parts
-    told = plausible.Told(scene, parts, solution.lines, found, error)
+    scene, parts = problem.scene, problem.parts
+    told = plausible.Told(scene, parts, problem.lines, found, error)
     return (*scene_warnings(scene), *plausible.shut_ways(scene, parts), *plausible.doubts(told))
 
 
-def _drowned(solution: Solution, found: Figures) -> list[str]:
+def _drowned(of: Evaluation) -> list[str]:
     """Return a warning where the oil of a chamber is more than its volume holds when the discharge port opens.
 
     An expander's chamber has that volume when its inlet closes.
     """
-    oil, geometry = solution.parts.oil, solution.parts.geometry
+    parts, found = of.problem.parts, of.figures
+    oil, geometry = parts.oil, parts.geometry
     opens = geometry.discharge_opens
-    if oil is None or opens is None or not found.oil_ratio or not found.trapped_mass or solution.parts.oil_room:
+    if oil is None or opens is None or not found.oil_ratio or not found.trapped_mass or parts.oil_room:
         return []
-    c = solution.machinery.composition
-    share = found.oil_ratio * found.trapped_mass / oil.density / solution.machinery.module.volume_at(opens, c.P, c.TAB)
+    share = found.oil_ratio * found.trapped_mass / oil.density / of.life.volume(opens)
     if share < 1.0:
         return []
     when = "inlet closes" if geometry.expands else "discharge port opens"
@@ -192,14 +198,14 @@ def _drowned(solution: Solution, found: Figures) -> list[str]:
     ]
 
 
-def _unfitted_bore(solution: Solution, found: Figures) -> list[str]:
+def _unfitted_bore(of: Evaluation) -> list[str]:
     """Return a warning where the bore that lets the oil in lies outside what the formula of its flow was fitted to."""
-    oil, port = solution.parts.oil, solution.parts.oil_port
+    oil, port = of.problem.parts.oil, of.problem.parts.oil_port
     if oil is None or "diameter" not in oil.supply:
         return []
     bore, source = oil.supply, oil.supply["separator_pressure"]
     before = source - (0.0 if port is None else port.loss(source))
-    drop = max(before - (found.injection_pressure or 0.0), 0.0)
+    drop = max(before - (of.figures.injection_pressure or 0.0), 0.0)
     reynolds = bore["diameter"] * math.sqrt(2.0 * drop * bore["density"]) / bore["viscosity"]
     why = outside_fit(bore["length"] / bore["diameter"], reynolds)
     return [f"the formula of the oil's flow is stretched beyond its range: {why}"] if why else []

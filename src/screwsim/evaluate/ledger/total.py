@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+from screwsim.cycle.balances import discharge_enthalpy
 from screwsim.effects.base import PowerLoss, Reading
+from screwsim.evaluate.evaluation import Evaluation
+from screwsim.evaluate.ledger.book import Book, Cycle, Entry
+from screwsim.evaluate.ledger.gas import enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
+from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise
 from screwsim.faults import own_number
-from screwsim.ledger.book import Book, Cycle, Entry
-from screwsim.ledger.gas import enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
-from screwsim.ledger.oil import cool_at_lines, oil_rise
-from screwsim.model.residues import discharge_enthalpy
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
 from screwsim.outputs import Figures
 
@@ -77,18 +78,18 @@ class Ledger:
         return Figures(found)
 
 
-def ledger(cycle: Cycle) -> Ledger:
-    """Return the ledger of a closed cycle."""
-    R = cycle.machinery.R
-    place = cycle.intake.place(float(R[R_DISCHARGE + ENTHALPY]))
-    T_suction = cycle.intake.temperature(place, cycle.lines.T_s)
+def ledger(of: Evaluation) -> Ledger:
+    """Return where the shaft power of a closed cycle goes (contract: ledger)."""
+    cycle, R = Cycle(of), of.life.R
+    place = cycle.suction.place(float(R[R_DISCHARGE + ENTHALPY]))
+    T_suction = cycle.suction.temperature(place, cycle.lines.T_s)
     suction = cycle.state(T_suction, float(R[R_SUCTION + DENSITY]), float(R[R_SUCTION + ENTHALPY]))
     line = cycle.at_discharge(float(R[R_DISCHARGE + ENTHALPY]))
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at_discharge(mean[0])
     sucked, given = cycle.behind("suction", suction), cycle.behind("discharge", discharge)
     moved, heats, oil = (
-        cycle.rate * sums for sums in cycle.machinery.account(sucked.s, cycle.behind("discharge", line).s)
+        cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind("discharge", line).s)
     )
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
@@ -96,9 +97,9 @@ def ledger(cycle: Cycle) -> Ledger:
     enter_paths(book, cycle, paths, sucked, given)
     enter_pulsations(book, cycle, (suction, sucked), (given, discharge), line)
     of_gas = gas_rise(book, cycle, suction, line, discharge)
-    if cycle.intake.changed:
+    if cycle.suction.changed:
         of_gas = enter_intake(book, cycle, of_gas, discharge)
-    warmed = len(cycle.machinery.composition.heats)
+    warmed = len(cycle.composition.heats)
     enter_walls(book, cycle, heats[warmed:])
     of_oil = None
     if cycle.parts.oil is not None:

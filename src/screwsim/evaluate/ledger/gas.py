@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from screwsim.effects.base import Intake, Pulsation
-from screwsim.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, Rows, State
+from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Array, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
-from screwsim.model.residues import Array
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE
 
 
@@ -14,7 +13,7 @@ def enter_paths(book: Book, cycle: Cycle, paths: Rows, suction: State, discharge
     states = {"suction": suction, "discharge": discharge} | {
         name: State(own.T, own.rho, own.h, own.s) for name, own in cycle.parts.plenums.items()
     }
-    for name, end, row in zip(cycle.paths, cycle.machinery.composition.ends, paths, strict=True):
+    for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
         target = states[end]
         left = target.generated(row[kernels.OUT_MASS], row[kernels.OUT_ENTHALPY], row[kernels.OUT_ENTROPY])
         moved = row[kernels.MOVED]
@@ -61,8 +60,8 @@ def enter_pulsations(
 
 def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttle (M163)."""
-    intake, T_s = cycle.intake, cycle.lines.T_s
-    h_d = float(cycle.machinery.R[R_DISCHARGE + ENTHALPY])
+    intake, T_s = cycle.suction, cycle.lines.T_s
+    h_d = float(cycle.R[R_DISCHARGE + ENTHALPY])
     drawn = list(cycle.drawn())
     flow = -float(cycle.streams[2, 0] + cycle.streams[3, 0]) * cycle.rate - sum(net for net, _ in drawn)
 
@@ -88,7 +87,7 @@ def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> f
 
 def enter_walls(book: Book, cycle: Cycle, heats: Array) -> None:
     """Enter the heat between walls and gas, and what leaves the walls at their temperature (M171)."""
-    c = cycle.machinery.composition
+    c = cycle.composition
     for (name, wall), (heat, generated) in zip(cycle.parts.walls, heats.tolist(), strict=True):
         held = wall.temperature
         T = float(c.P[c.made[list(cycle.parts.made).index(held)]]) if isinstance(held, str) else held

@@ -1,27 +1,69 @@
-"""A first guess of the cycle: suction at line pressure, polytropic compression, discharge at line pressure."""
+"""With what a cycle begins: a guess from cycles nearby, or suction, polytropic compression and discharge."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from screwsim.cycle.continuation import Course, Guess
+from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
+from screwsim.cycle.problem import Problem
 from screwsim.effects.base import OilSolution
-from screwsim.model.compose import Composition
+from screwsim.fluid.gas import Gas
+from screwsim.model import leases, speed
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
+from screwsim.model.slots import PRESSURE
 
 Array = np.ndarray
 
 
-def first_guess(
-    parts: Parts, composition: Composition, machinery: Machinery, p_s: float, T_s: float, p_d: float
-) -> Array:
+def leased(problem: Problem) -> Machinery:
+    """Return a machinery on loan for a problem, compiled; whoever is done with it gives it back (`leases`)."""
+    machinery = leases.lease(problem.composition)
+    machinery.warm_up(lambda: rehearse(problem, machinery))
+    return machinery
+
+
+def begin(problem: Problem, machinery: Machinery) -> Array:
+    """Set the lines and a first guess; return the state at 0°."""
+    _anew(problem, machinery)
+    parts, lines, suction, c = problem.parts, problem.lines, problem.suction, machinery.composition
+    place = suction.place(problem.h_isentropic) if suction.changed else suction.line
+    y = first_guess(parts, machinery, place[PRESSURE], suction.temperature(place, lines.T_s), lines.p_d)
+    set_lines(problem, machinery, float(y[0]), float(y[3]) if c.carried else 0.0)
+    return y
+
+
+def continued(problem: Problem, machinery: Machinery, course: Course) -> Guess | None:
+    """Set the lines and a guess from the course of the cycles before; return it, None where there is none."""
+    _anew(problem, machinery)
+    guess = course.guess(machinery, problem.parameters)
+    if guess is not None:
+        set_lines(problem, machinery, float(guess.y[0]), 0.0)
+        made = len(problem.entries)
+        set_unknowns(problem, machinery, guess.made[:made])
+        speed.put_back(machinery.composition, guess.made[made:])
+    return guess
+
+
+def rehearse(problem: Problem, machinery: Machinery) -> Array:
+    """Do what `begin` does, and set the unknowns once, so that all it needs is compiled."""
+    y = begin(problem, machinery)
+    set_unknowns(problem, machinery, unknowns(problem, machinery))
+    return y
+
+
+def _anew(problem: Problem, machinery: Machinery) -> None:
+    machinery.reset()
+    machinery.composition.P[:] = problem.composition.P
+
+
+def first_guess(parts: Parts, machinery: Machinery, p_s: float, T_s: float, p_d: float) -> Array:
     """Install a guessed history and return the state to start from at 0°.
 
     The polytropic exponent is that of gas and oil at one temperature, n = 1 + R/(c_v + d c_oil).
     """
-    gas, oil, geometry = parts.gas, parts.oil, parts.geometry
+    gas, oil, geometry, composition = parts.gas, parts.oil, parts.geometry, machinery.composition
     heated = "T_oil" in composition.states
     d = (oil.supply.get("ratio", 3.0) if oil is not None else 0.0) if heated else 0.0
     n = 1.0 + (gas.c_p - gas.c_v) / (gas.c_v + d * (oil.heat_capacity if oil is not None else 0.0))
@@ -53,7 +95,7 @@ def first_guess(
     return states[-1].copy()
 
 
-def _vapour(gas: Any, p: Array, T: Array) -> tuple[Array, Array]:
+def _vapour(gas: Gas, p: Array, T: Array) -> tuple[Array, Array]:
     """Return temperatures, not below saturation, and densities; the lines' states, which repeat, are asked once."""
     known: dict[tuple[float, float], tuple[float, float]] = {}
     states = list(zip(p.tolist(), T.tolist(), strict=True))

@@ -14,7 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.model.close import Closed, Hope, Wanted, seen_of
+from screwsim.cycle.solution import CycleSolution, Hope
+from screwsim.cycle.wanted import Wanted
+from screwsim.model.compose import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.made import LEAST
@@ -23,7 +25,7 @@ Array = np.ndarray
 DEPTH = 3
 ON_LINE = 0.1  # share of a step in the parameters that may be off the line of the steps before
 LARGEST = 8.0  # weight of a polynomial: beyond it errors of the cycles count more than their trend
-WELL = 0.2  # of the bound: a residue below it lets the next cycle begin with coarser steps
+WELL = 0.2  # of the bound: a residual below it lets the next cycle begin with coarser steps
 COARSER = 2.0  # by this factor
 STEEP = 2.0  # change of a cycle over the largest relative change of its parameters, where no guess has told yet
 
@@ -63,23 +65,23 @@ class Course:
         self._guessed = False
         self._share = self.tightness = 1.0
 
-    def add(self, machinery: Machinery, parameters: Array, closed: Closed, made: Array, wanted: Wanted) -> None:
-        """Note the machinery's last turn, and what it makes, as the closed cycle of these parameters."""
-        if machinery.composition.text != self._text:
+    def add(self, cycle: CycleSolution, parameters: Array, made: Array, wanted: Wanted, tightness: float) -> None:
+        """Note a closed cycle of these parameters, what its last turn makes, and how tight its tolerances had to be."""
+        life, c = cycle.trajectory, cycle.trajectory.composition
+        self.tightness = tightness
+        if c.text != self._text:
             if self._text:
                 self.forget()
-            self._text = machinery.composition.text
-        times, dense, _, steps = machinery.last()
-        history = times[: steps + 1].copy(), dense[:steps].copy(), steps
-        values = np.concatenate([closed.y[: machinery.n], seen_of(machinery, closed), made])
-        self._gap = closed.first_gap if self._guessed else None
-        self._share = _share(closed, wanted)
+            self._text = c.text
+        values = np.concatenate([cycle.y[: len(c.states)], cycle.seen, made])
+        self._gap = cycle.first_gap if self._guessed else None
+        self._share = _share(cycle, wanted)
         if self._told:
             off = _distances(np.array([*self._told.values()]), values)
             for cycles, missed in zip(self._told, off.tolist(), strict=True):
                 self._missed[cycles] = 0.5 * (self._missed.get(cycles, missed) + missed)
-        cycle = _Cycle(_angles(machinery), parameters, history, values)
-        self._cycles = [*self._cycles, cycle][-DEPTH:]
+        noted = _Cycle(_angles(c), parameters, (life.times, life.dense, life.steps), values)
+        self._cycles = [*self._cycles, noted][-DEPTH:]
 
     def guess(self, machinery: Machinery, parameters: Array) -> Guess | None:
         """Install a history for these parameters and return what goes with it; None where no cycle is near."""
@@ -108,24 +110,23 @@ class Course:
         """Return the cycles of the same composition that live the same angles."""
         if machinery.composition.text != self._text:
             return []
-        here = _angles(machinery)
+        here = _angles(machinery.composition)
         return [cycle for cycle in self._cycles if cycle.angles == here]
 
 
-def _share(closed: Closed, wanted: Wanted) -> float:
+def _share(cycle: CycleSolution, wanted: Wanted) -> float:
     """Return the share of the wanted tolerance of a step with which the next cycle begins.
 
     It is the one that made the balances of the last cycle close by histories, or coarser where they closed with ease.
     """
-    if closed.how != "histories":
+    if cycle.how != "histories":
         return 1.0
-    share = closed.rtol / (wanted.of_histories * wanted.rtol)
-    return min(1.0, COARSER * share if closed.residue < WELL else share)
+    share = cycle.rtol / (wanted.of_histories * wanted.rtol)
+    return min(1.0, COARSER * share if cycle.residual < WELL else share)
 
 
-def _angles(machinery: Machinery) -> tuple[float, ...]:
-    P = machinery.composition.P
-    return float(P[P_PITCH]), float(P[P_LIFE]), float(P[P_INJECTION])
+def _angles(c: Composition) -> tuple[float, ...]:
+    return float(c.P[P_PITCH]), float(c.P[P_LIFE]), float(c.P[P_INJECTION])
 
 
 def _possible(states: Array, signed: Sequence[int]) -> bool:

@@ -1,0 +1,107 @@
+"""What a cycle leaves open: residuals of mass, energy and oil, and the mean of what flows out, from its quadratures.
+
+Source: docs/model.md M27, M37–M39.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.problem import LEAST_OIL, Problem
+from screwsim.model.compose import Composition
+from screwsim.model.slots import BETWEEN, Q_HEAT, Q_WALLS, R_INJECTED, R_PRESSURE, R_TRAPPED
+
+Array = np.ndarray
+LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
+
+
+class Residuals(NamedTuple):
+    """Relative residuals of gas mass, energy and oil mass over one life (M37–M39).
+
+    The last is that of the oil where there is little of it: as a share of the trapped gas.
+    """
+
+    mass: float
+    energy: float
+    oil: float
+    oil_share: float
+
+    @property
+    def largest(self) -> float:
+        """The largest, little oil as a share of the gas."""
+        return max(self.mass, self.energy, self.oil_share)
+
+
+def streams_of(c: Composition, q: Array) -> Array:
+    """Return the sums as rows, by the categories of slots: suction in, suction out, discharge in …"""
+    return q[Q_WALLS + 2 * len(c.walls) :].reshape(-1, c.width)
+
+
+def walls_of(c: Composition, q: Array) -> Array:
+    """Return of each wall the heat into the gas [J] and the conductance times time [J/K] over one life (M170)."""
+    return q[Q_WALLS : Q_WALLS + 2 * len(c.walls)].reshape(-1, 2)
+
+
+def mass_in(c: Composition, q: Array) -> float:
+    """Return the gas [kg] that a life takes in beyond what it gives back: nothing, where the cycle is closed."""
+    return float(_outer(c, q)[:, 0].copy().sum())
+
+
+def _outer(c: Composition, q: Array) -> Array:
+    """Return the sums of all categories but that between chambers."""
+    streams = streams_of(c, q)
+    return np.concatenate([streams[:BETWEEN], streams[BETWEEN + 1 :]])
+
+
+def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
+    """Return what a life leaves open, from its quadratures and the run-time cells that it left."""
+    c, trapped = problem.composition, float(R[R_TRAPPED])
+    flows = _outer(c, q)
+    mass = flows[:, 0]
+    enthalpy = flows[:, 1] - problem.inlet.enthalpy * mass
+    energy = enthalpy.sum() + q[0]
+    scale = np.abs(enthalpy).sum() + abs(q[0])
+    oil = oil_share = 0.0
+    if c.carried:
+        injected, T_oil = _injected(problem, R)
+        c_oil = problem.parts.oil.heat_capacity if problem.parts.oil is not None else 0.0
+        energy += c_oil * (flows[:, 3].sum() - T_oil * flows[:, 2].sum())
+        lost, through = abs(flows[:, 2].sum() + injected), max(injected, np.abs(flows[:, 2]).sum() / 2)
+        oil, oil_share = lost / max(through, LEAST_OIL * trapped), lost / max(through, trapped)
+        if c.dissolves:  # what it holds dissolved, over the gas
+            held = abs(flows[:, 4].sum()) / max(trapped, np.abs(flows[:, 4]).sum() / 2)
+            oil, oil_share = max(oil, held), max(oil_share, held)
+    else:
+        energy += q[Q_HEAT]
+    if c.walls:
+        heats = walls_of(c, q)[:, 0]
+        energy, scale = energy + heats.sum(), scale + np.abs(heats).sum()
+    mass_scale = max(trapped, 0.5 * np.abs(mass).sum())
+    open_energy = abs(energy) / max(scale, LEAST_WORK * trapped * problem.pv)
+    return Residuals(abs(mass.sum()) / mass_scale, open_energy, oil, oil_share)
+
+
+def _injected(problem: Problem, R: Array) -> tuple[float, float]:
+    """Return the oil [kg] injected at one angle, and its enthalpy over its heat capacity [K]."""
+    oil = problem.parts.oil
+    if oil is None:
+        return 0.0, 0.0
+    return float(R[R_INJECTED]), oil.temperature + problem.pressed(max(oil.source_pressure, float(R[R_PRESSURE])))
+
+
+def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:
+    """Return (h, oil per gas, T_oil) of the outflow's flow-weighted mean; None when nothing flows out."""
+    out = streams[3]
+    if not out[0] < 0.0:
+        return None
+    ratio = out[2] / out[0] if len(out) >= 4 else 0.0
+    T_oil = out[3] / out[2] if len(out) >= 4 and out[2] < 0.0 else 0.0
+    return float(out[1] / out[0]), float(ratio), float(T_oil)
+
+
+def discharge_held(streams: Array) -> float:
+    """Return the gas [kg/kg] that the outflow's oil holds in the mean, 0 where it is no state or none flows out."""
+    out = streams[3]
+    return float(out[4] / out[2]) if len(out) == 5 and out[2] < 0.0 else 0.0

@@ -1,0 +1,58 @@
+"""Closing the cycle: the periodic state of a chamber among neighbours that live the same life, a pitch apart.
+
+Two ways (docs/explanation/numerics.md): waveform relaxation (`histories`), and all chambers together (`coupled`).
+`auto` takes the first as long as it has not cost as much as the second would.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from screwsim.cycle.continuation import Course
+from screwsim.cycle.guess import begin, continued
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.relaxation import relax
+from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
+from screwsim.cycle.solution import NO_HOPE, Array, CycleSolution, Hope
+from screwsim.cycle.wanted import Wanted
+from screwsim.model.run import Machinery
+
+
+def close(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course | None = None) -> CycleSolution:
+    """Close the cycle: continued from a course's last ones where that closes it, else from the first guess."""
+    guess = None if course is None else continued(problem, machinery, course)
+    if guess is not None:
+        cycle = close_from(problem, machinery, wanted, guess.y, guess.hope)
+        if cycle.status == "ok":
+            return cycle
+    return close_from(problem, machinery, wanted, begin(problem, machinery))
+
+
+def close_from(
+    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope = NO_HOPE
+) -> CycleSolution:
+    """Close the cycle from a state at 0° and a guess that is installed as the last history.
+
+    With a check the chambers are closed together under it, from where our own method closes.
+    """
+    cycle = _close(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, y, hope)
+    if wanted.check is None or cycle.status == "failed":
+        return cycle
+    return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
+
+
+def again(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
+    """Close a closed cycle, on which the machinery stands, once more with what is wanted now."""
+    if cycle.how == "histories":
+        found = _close(problem, machinery, wanted, cycle.y, Hope(cycle.seen, 0.0))
+    else:
+        found = close_together(problem, machinery, wanted, cycle.y.copy())
+    return replace(found, needed=cycle.needed, first_gap=cycle.first_gap) if found.status == "ok" else found
+
+
+def _close(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope = NO_HOPE) -> CycleSolution:
+    if wanted.closing in ("auto", "histories"):
+        first = relax(problem, machinery, wanted, y.copy(), wanted.closing == "histories", hope)
+        if first is not None:
+            return first
+    return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))

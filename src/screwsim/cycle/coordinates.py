@@ -1,0 +1,53 @@
+"""What closing iterates on: logarithms of the states, and those that may be negative as they are."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from screwsim.cycle.problem import LEAST_OIL
+from screwsim.model.compose import Composition
+from screwsim.model.slots import HELD
+
+Array = np.ndarray
+NEAR = 0.1  # weight of a change of the states, which stall above the tolerance, beside that of mass and work
+
+
+def logarithms(states: Array, c: Composition) -> Array:
+    """Return ln of states, those that may be negative as they are.
+
+    Oil not above LEAST_OIL of the gas counts as that, of one temperature, without dissolved gas.
+    """
+    raw, signed = states.reshape(-1, len(c.states)), list(c.signed)
+    rows = np.maximum(raw, 1e-300)
+    little = rows[:, 3] <= LEAST_OIL if c.carried else np.zeros(len(rows), bool)
+    if little.any():
+        rows[little, 2:4] = 1.0, LEAST_OIL
+    logs = np.log(rows)
+    if signed:
+        logs[:, signed] = raw[:, signed]
+    if c.dissolves and little.any():
+        logs[little, HELD] = 0.0
+    return logs.ravel()
+
+
+def states_of(mixed: Array, raw: Array, c: Composition) -> Array:
+    """Return states from mixed `logarithms`; oil too little to count keeps its raw value: mixing makes none."""
+    rows, raw, signed = mixed.reshape(-1, len(c.states)), raw.reshape(-1, len(c.states)), list(c.signed)
+    logs = rows.copy()
+    if signed:
+        logs[:, signed] = 0.0
+    states = np.exp(logs)
+    if signed:
+        states[:, signed] = rows[:, signed]
+    if c.carried:
+        little = raw[:, 3] <= LEAST_OIL
+        if little.any():
+            oil = slice(2, HELD + 1 if c.dissolves else HELD)
+            states[little, oil] = raw[little, oil]
+    return states.ravel()
+
+
+def change(new: tuple[float, float], old: tuple[float, float], least_work: float) -> float:
+    """Return the larger relative change of trapped mass and work."""
+    mass = abs(new[0] - old[0]) / max(new[0], old[0], 1e-300)
+    return max(mass, abs(new[1] - old[1]) / max(abs(new[1]), abs(old[1]), least_work))

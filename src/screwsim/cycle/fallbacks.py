@@ -1,0 +1,53 @@
+"""What else may close a cycle that did not close: finer steps, damping, no acceleration, continuation in the speed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+from screwsim.cycle.guess import begin
+from screwsim.cycle.mixing import FULL, Pace
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
+from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.wanted import Wanted
+from screwsim.model.run import Machinery
+from screwsim.model.slots import P_OMEGA
+
+MOST_OF_A_TRY = 2_000_000  # evaluations of one chamber's rates in one further try
+PITCHES_OF_A_TRY = 2000  # and pitches: what contracts slowly but surely is waited for
+DAMPED_DEPTH = 5  # of Anderson's method where closing is damped
+DAMPING = 0.3  # share of the way to the mixed image that damped closing goes
+NEAR_DAMPED = 0.05  # change of a pitch below which damped closing goes all the way
+NEAR_PLAIN = 1e-3  # change of a pitch below which closing without acceleration is accelerated
+FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
+
+
+def fallbacks(
+    problem: Problem, machinery: Machinery, wanted: Wanted
+) -> Iterator[tuple[str, Callable[[], CycleSolution]]]:
+    """Yield what else may close a cycle that did not close, the cheapest first: (what it is, how to do it).
+
+    All begin from the first guess and close all chambers together, which conserves exactly.
+    """
+
+    def closed(pace: Pace = FULL, most: int = MOST_OF_A_TRY, wanted: Wanted = wanted) -> CycleSolution:
+        begin(problem, machinery)
+        return close_together(problem, machinery, wanted, chambers_at_pitches(machinery), pace, most, PITCHES_OF_A_TRY)
+
+    def faster() -> CycleSolution:
+        begin(problem, machinery)
+        P, omega = machinery.composition.P, problem.parts.omega
+        P[P_OMEGA] = FASTER * omega
+        y = chambers_at_pitches(machinery)
+        easier = close_together(problem, machinery, wanted, y, most=MOST_OF_A_TRY, pitches=PITCHES_OF_A_TRY)
+        P[P_OMEGA] = omega
+        if easier.status == "failed":
+            return easier
+        return close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY)
+
+    tighter = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
+    yield "a tighter tolerance of the steps", lambda: closed(wanted=tighter)
+    yield "damped closing", lambda: closed(Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED))
+    yield "closing without acceleration", lambda: closed(Pace(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY)
+    yield f"continuation from {FASTER:g} times the speed", faster

@@ -1,0 +1,191 @@
+"""What a cycle makes beside its states and that acts back on it: the discharge line, and what effects declare.
+
+They are the feedback unknowns of a cycle; one turn maps them to the next (`image`), together with the states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+
+from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_of, walls_of
+from screwsim.cycle.problem import Problem
+from screwsim.effects.base import LineFlow, Made, OilSolution, Turn
+from screwsim.effects.gap import ClearanceParameters
+from screwsim.faults import UsageError, own_number
+from screwsim.model.run import Machinery
+from screwsim.model.slots import (
+    DENSITY,
+    DISSOLVED,
+    ENTHALPY,
+    FIRST_OWN,
+    OIL_RATIO,
+    OIL_TEMPERATURE,
+    PLACE,
+    PLENUM_ENTROPY,
+    PRESSURE,
+    R_DISCHARGE,
+    R_SUCTION,
+)
+from screwsim.model.trajectory import Trajectory
+
+Array = np.ndarray
+LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
+
+
+def unknowns(problem: Problem, machinery: Machinery) -> Array:
+    """Return the unknowns as the next turn meets them: the discharge line, and what effects declare."""
+    composition = machinery.composition
+    return np.concatenate([_line(problem, machinery.R), composition.P[list(composition.made)]])
+
+
+def set_unknowns(problem: Problem, machinery: Machinery, values: Array) -> None:
+    """Let the next turn be integrated with these."""
+    line = len(values) - len(problem.parts.made)
+    _set_line(problem, machinery.R, values[:line])
+    machinery.composition.P[list(machinery.composition.made)] = values[line:]
+
+
+def image(problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None) -> Array:
+    """Return what a life of these quadratures makes of the unknowns; `turn`, where it is known already."""
+    line = _outflow(problem, life.R, q)
+    if not problem.parts.made:
+        return line
+    return np.concatenate([line, list((turn or turn_of(problem, life, q)).made.values())])
+
+
+def turn_of(problem: Problem, life: Trajectory, q: Array) -> Turn:
+    """Return what a life of these quadratures tells of itself, with what it makes of the effects' unknowns."""
+    parts, P, c = problem.parts, life.composition.P, problem.composition
+    sums = problem.rate * walls_of(c, q)
+    names = [wall.name for _, wall in parts.walls]
+    held = dict(zip(parts.made, P[list(c.made)].tolist(), strict=True))
+    made = dict(held)
+    turn = Turn(
+        held,
+        made,
+        dict(zip(names, sums[:, 0].tolist(), strict=True)),
+        dict(zip(names, sums[:, 1].tolist(), strict=True)),
+        _gaps(problem),
+        problem.scene.operation.ambient_temperature,
+        _line_flows(problem, life, q),
+        parts.omega,
+        parts.geometry.pitch,
+        not parts.plenums,
+    )
+    for name, part in parts.all(Made):
+        found = part.image(turn)
+        if np.isfinite(q[0]):
+            own_number(name, f"what the cycle makes of {part.entry.name}", found)
+        made[part.entry.name] = max(float(found), part.least)
+    return turn
+
+
+def _line_flows(problem: Problem, life: Trajectory, q: Array) -> Callable[[str], LineFlow]:
+    """Return a function that tells of the flow to a line; all is read once, when it is first asked."""
+    taken = cache(lambda: life.into_lines(LINE_POINTS))
+    return cache(lambda to: _line_flow(problem, life.R, q, problem.parts.number(to), *taken()))
+
+
+def _line_flow(problem: Problem, R: Array, q: Array, number: int, flows: Array, volumes: Array) -> LineFlow:
+    """Return the flow of the chambers into a line over one pitch; its mean is that of the quadratures."""
+    flow = flows[number]
+    streams = streams_of(problem.composition, q)[2 * number : 2 * number + 2, 0]
+    mean = -float(streams.sum()) * problem.parts.omega / problem.parts.geometry.pitch
+    place = R[number * PLACE : (number + 1) * PLACE]
+    gas = problem.parts.gas
+    p, rho, _h, exponent, *_ = gas.place_of_enthalpy(float(place[PRESSURE]), float(place[ENTHALPY]))
+    return LineFlow(flow + (mean - flow.mean()), float(volumes[number]), p, rho, 1.0 / exponent)
+
+
+def _gaps(problem: Problem) -> dict[str, float]:
+    """Return the stated clearances [m] by effect."""
+    stated = ((name, active.parameters) for name, active in problem.scene.effects.items())
+    return {name: parameters.gap for name, parameters in stated if isinstance(parameters, ClearanceParameters)}
+
+
+def at_its_end(problem: Problem, life: Trajectory) -> str:
+    """Return why an unknown stopped at its end, and what to do; empty where none did."""
+    values = life.composition.P[list(problem.composition.made)]
+    for (_, part), value in zip(problem.parts.all(Made), values, strict=True):
+        if value <= part.least + 1e-9 * abs(part.least):
+            return part.beyond
+    return ""
+
+
+# ---- the lines ---------------------------------------------------------------------------------------------------
+
+
+def _line(problem: Problem, R: Array) -> Array:
+    """Return the discharge line's enthalpy [J/kg]; with carried oil ratio, temperature [K], gas held if a state."""
+    place = R[R_DISCHARGE:]
+    cells = (ENTHALPY, OIL_RATIO, OIL_TEMPERATURE) if problem.composition.carried else (ENTHALPY,)
+    cells = (*cells, DISSOLVED) if problem.parts.dissolves else cells
+    return np.array([max(float(place[cell]), 1e-9) for cell in cells])
+
+
+def _outflow(problem: Problem, R: Array, q: Array) -> Array:
+    """Return the discharge line that an outflow makes (M27): its flow-weighted mean, or the given temperature.
+
+    What flows back beyond the outflow comes from the line and brings no oil. So the plenum is a continuous function
+    of the flows: a state that jumped where the net flow passes zero would leave such a machine without a cycle.
+    A check valve lets nothing of the line back: what flows back had flowed out, in this turn or before.
+    """
+    parts, streams = problem.parts, streams_of(problem.composition, q)
+    mean = discharge_enthalpy(streams)
+    plenum = _line(problem, R)
+    if parts.held_back and mean is None:
+        return plenum
+    given = problem.scene.operation.discharge.temperature is not None
+    back, out = float(streams[2, 0]), -float(streams[3, 0])
+    all_own = back <= max(out, 0.0) or parts.held_back
+    own = 1.0 if all_own else out / back  # share of what flows back that had flowed out before
+    if not given:
+        plenum[0] = mean[0] if mean is not None else 0.0
+        if mean is None or own < 1.0:
+            plenum[0] = own * plenum[0] + (1.0 - own) * problem.h_isentropic
+    if len(plenum) >= 3:
+        assert parts.oil is not None  # carried
+        present = mean is not None and mean[2] > 0.0
+        dry = 1e-9, parts.oil.temperature + problem.pressed(problem.lines.p_d)
+        plenum[1:3] = (max(own * mean[1], 1e-9), mean[2]) if mean and present else dry
+        plenum[3:] = discharge_held(streams)
+    return plenum
+
+
+def _set_line(problem: Problem, R: Array, plenum: Array) -> None:
+    """Give the discharge line its enthalpy and oil.
+
+    An enthalpy on the way that no state of the gas has, extrapolated or of an outflow of nothing, leaves the place.
+    """
+    suction = problem.suction
+    try:
+        place = problem.parts.gas.place_of_enthalpy(problem.lines.p_d, float(plenum[0]))
+        if suction.returned > 0.0:
+            R[R_SUCTION : R_SUCTION + OIL_RATIO] = suction.place(float(plenum[0]))
+    except UsageError:
+        place = None
+    if place is not None:
+        R[R_DISCHARGE : R_DISCHARGE + len(place)] = place
+    if len(plenum) >= 3:
+        R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[1:3]
+        R[R_DISCHARGE + DISSOLVED : R_DISCHARGE + DISSOLVED + len(plenum) - 3] = plenum[3:]
+        if place is not None:
+            R[R_DISCHARGE + DENSITY] *= problem.gas_share(place[DENSITY], float(plenum[1])) ** 2
+
+
+def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float) -> None:
+    """Set the lines to begin with; T_d [K] and the oil ratio d of the discharge line are guesses."""
+    parts, R, p_d = problem.parts, machinery.R, problem.lines.p_d
+    T_oil, gas = parts.oil.temperature if parts.oil else problem.lines.T_s, parts.gas
+    discharge = gas.place(p_d, problem.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))
+    R[R_SUCTION : R_SUCTION + 8] = *problem.suction.place(discharge[ENTHALPY]), 0.0, T_oil
+    R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil + problem.pressed(p_d)
+    R[R_DISCHARGE + DENSITY] *= problem.gas_share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
+    if isinstance(parts.oil_content, OilSolution):
+        R[R_DISCHARGE + DISSOLVED] = parts.oil_content.supply
+    for i, state in enumerate(parts.plenums.values(), FIRST_OWN):
+        R[i * PLACE : i * PLACE + 8] = *state.place, 0.0, T_oil
+        R[i * PLACE + PLENUM_ENTROPY] = state.s

@@ -1,0 +1,148 @@
+"""What is to be solved: a scene, what it names built and composed, the lines between which it works, the accuracy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.build import Stock, build_parts
+from screwsim.cycle.continuation import Course
+from screwsim.cycle.suction import Place, SuctionState, suction_of
+from screwsim.cycle.wanted import Wanted, wanted_of
+from screwsim.effects.base import Made
+from screwsim.figures import called_for
+from screwsim.model.compose import Composer, Composition
+from screwsim.model.parts import Parts
+from screwsim.model.slots import DENSITY, ENTHALPY
+from screwsim.numerics.integrators import Rosenbrock, find_integrator
+from screwsim.numerics.made import Entries, Entry
+from screwsim.outputs import Figure
+from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
+from screwsim.scene.types import Scene
+
+Array = np.ndarray
+LEAST_OIL = 1e-4  # oil per gas below which its change does not count
+
+
+class Inlet(NamedTuple):
+    """What is sucked in: density [kg/m³] and specific enthalpy [J/kg] in the suction line."""
+
+    density: float
+    enthalpy: float
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What is to be solved, and with which numbers every solution of it begins (`composition.P`, read-only).
+
+    `entries` are the feedback unknowns: numbers that the cycle makes and that act back on it. `parameters` tell one
+    problem of a series from the next.
+    """
+
+    scene: Scene
+    parts: Parts
+    composition: Composition
+    lines: Lines
+    inlet: Inlet
+    suction: SuctionState
+    entries: Entries
+    parameters: Array
+    wanted: Wanted
+
+    @property
+    def rate(self) -> float:
+        """Chambers born a second [1/s]."""
+        return self.parts.omega / self.parts.geometry.pitch
+
+    @property
+    def pv(self) -> float:
+        """p/ρ of the suction line [J/kg], the scale of work."""
+        return self.lines.p_s / self.inlet.density
+
+    @cached_property
+    def h_isentropic(self) -> float:
+        """Enthalpy [J/kg] of the suction gas compressed to the discharge pressure at its entropy."""
+        return _h_isentropic(self.parts, self.lines, self.inlet)
+
+    @cached_property
+    def refrigerating_effect(self) -> float | None:
+        """What a kilogram of refrigerant takes up in the evaporator [J/kg]; None where the scene tells none."""
+        return refrigerating_effect(self.scene)
+
+    @cached_property
+    def called(self) -> dict[str, Figure]:
+        """The figures that the scene calls for."""
+        return called_for(self.scene, self.parts)
+
+    def pressed(self, p: float) -> float:
+        """Return p/(ρ_oil c_oil) [K], by which a place's oil temperature is higher where the oil takes room (M108)."""
+        oil = self.parts.oil
+        return p / (oil.density * oil.heat_capacity) if oil is not None and self.parts.oil_room else 0.0
+
+    def gas_share(self, rho: float, ratio: float) -> float:
+        """Return the gas's share of a volume, 1 where the oil takes no room (M106)."""
+        return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
+
+
+class Series:
+    """What scenes solved one after the other leave to the next: what was built, what was composed, what closed."""
+
+    def __init__(self) -> None:
+        self.stock, self.composer, self.course = Stock(), Composer(), Course()
+
+
+def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:
+    """Return what a scene asks; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
+    series = series or Series()
+    parts, at = build_parts(scene, series.stock, set_speed), lines(scene)
+    composition = _by(scene.numerics.integrator, series.composer.compose(parts))
+    composition.P.flags.writeable = False
+    line = _line_place(scene, parts, at)
+    inlet, suction = Inlet(line[DENSITY], line[ENTHALPY]), suction_of(parts, line)
+    begins = suction.place(_h_isentropic(parts, at, inlet)) if suction.changed else line
+    parameters = np.concatenate([composition.P, [*begins, at.p_d, *parts.geometry.outcomes]])
+    entries = _entries((*_discharge_line(composition), *(part.entry for _, part in parts.all(Made))))
+    wanted = wanted_of(scene.numerics, tuple(composition.P[composition.widths].tolist()))
+    return Problem(scene, parts, composition, at, inlet, suction, entries, parameters, wanted)
+
+
+def _line_place(scene: Scene, parts: Parts, at: Lines) -> Place:
+    """Return the place of the suction line; wet where the scene gives a quality."""
+    if at.quality is None:
+        return parts.gas.place(at.p_s, at.T_s)
+    return parts.gas.place_of_enthalpy(at.p_s, suction_enthalpy(scene))
+
+
+def _h_isentropic(parts: Parts, at: Lines, inlet: Inlet) -> float:
+    if at.quality is not None:
+        return inlet.enthalpy + parts.gas.isentropic_work_of_enthalpy(at.p_s, at.p_d, inlet.enthalpy)
+    return inlet.enthalpy + parts.gas.isentropic_work(at.p_s, at.p_d, at.T_s)
+
+
+def _by(integrator: str, composition: Composition) -> Composition:
+    """Return a composition that goes by an integrator; a check's own method is Rodas4."""
+    found = find_integrator(integrator)
+    if not isinstance(found, Rosenbrock):
+        return composition
+    text = found.into(composition.text)
+    return composition if text is composition.text else replace(composition, text=text)
+
+
+def _discharge_line(composition: Composition) -> tuple[Entry, ...]:
+    """Return the entries of the discharge line (M27): its enthalpy, and with carried oil its ratio and temperature.
+
+    Where oil dissolves gas, also what it holds there (M230).
+    """
+    ratio = Entry("discharge_oil_ratio", floor=LEAST_OIL)
+    oil = (ratio, Entry("discharge_oil_temperature", of=ratio.name)) if composition.carried else ()
+    if composition.dissolves:
+        oil = (*oil, Entry("discharge_held_gas", of=ratio.name, scale=1.0))
+    return Entry("discharge_enthalpy"), *oil
+
+
+@lru_cache(maxsize=8)
+def _entries(entries: tuple[Entry, ...]) -> Entries:
+    return Entries(entries)

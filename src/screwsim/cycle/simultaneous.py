@@ -1,0 +1,109 @@
+"""Simultaneous closing: all chambers over one pitch, accelerated by Anderson's method.
+
+It evaluates each flow between chambers once, so that it conserves exactly, and converges where leakage rules
+(docs/explanation/numerics.md).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from screwsim.cycle.balances import LEAST_WORK, residuals
+from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
+from screwsim.cycle.feedback import image as image_of
+from screwsim.cycle.feedback import set_unknowns, unknowns
+from screwsim.cycle.mixing import FULL, Mixing, Pace, Refining
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.wanted import ENOUGH, Wanted
+from screwsim.model.run import Machinery
+from screwsim.model.slots import P_PITCH, R_TRAPPED
+from screwsim.numerics.rodas import dense_value
+
+Array = np.ndarray
+STALL = 3  # pitches without progress of the states
+MAX_PITCHES = 400
+MAX_EVALUATIONS = 10_000_000  # of one chamber's rates, after which a cycle that does not close is given up
+
+
+def close_together(
+    problem: Problem,
+    machinery: Machinery,
+    wanted: Wanted,
+    y: Array,
+    pace: Pace = FULL,
+    most: int = MAX_EVALUATIONS,
+    pitches: int = MAX_PITCHES,
+) -> CycleSolution:
+    """Close all chambers from their states y; the fixed point in logarithms of the states, accelerated."""
+    c, entries = machinery.composition, problem.entries
+    c.P[c.widths] = wanted.widths
+    mixing, refining = Mixing(pace), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
+    met = unknowns(problem, machinery)
+    seen: list[tuple[float, float]] = []
+    gaps: list[float] = []
+    n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
+    rtol = wanted.rtol
+    budget = int(machinery.counts[2]) + most
+
+    def ended(status: str, y: Array, pitch: int, angle: float = 0.0) -> CycleSolution:
+        if status != "failed":
+            machinery.install_coupled()
+        life, turns, moved = machinery.trajectory.copy(), pitch / c.chambers, 0.0 if status == "failed" else gap
+        return CycleSolution(status, life, q, y, turns, "coupled", rtol, angle, moved, impacts=machinery.impacts)
+
+    for pitch in range(1, pitches + 1):
+        if machinery.counts[2] > budget:
+            break
+        point = np.concatenate([logarithms(y, c), entries.coordinates(met)])
+        end, rtol = y.copy(), refining.rtol
+        status, angle, _, q = machinery.pitch(end, rtol, 1e-3, check=wanted.check)
+        if status != 0:
+            return ended("failed", end, pitch, angle)
+        seen.append((float(machinery.R[R_TRAPPED]), float(q[0])))
+        if c.pulsating:  # the image reads the flows of the pitch
+            machinery.install_coupled()
+        made = image_of(problem, machinery.trajectory, q)
+        image = np.concatenate([logarithms(machinery.shift(end), c), entries.coordinates(made)])
+        gap = float(np.max(np.abs(image - point)))
+        gaps.append(gap)
+        if _settled(seen, wanted.tolerance, LEAST_WORK * seen[-1][0] * problem.pv) and _stands(gaps, wanted.tolerance):
+            residual = residuals(problem, machinery.R, q).largest
+            if residual <= ENOUGH * wanted.bound:
+                return ended("ok", y, pitch)
+            refining.consider(gap, residual)
+        mixed = mixing.next(point, image, gap)
+        if refining.rtol < rtol:
+            mixing.restart()
+        y, met = states_of(mixed[:n], machinery.shift(end), c), entries.values(mixed[n:], made)
+        set_unknowns(problem, machinery, met)
+    return ended("not_closed", y, pitch)
+
+
+def _settled(seen: list[tuple[float, float]], tolerance: float, least: float) -> bool:
+    """Tell whether trapped mass and work of the last three pitches agree."""
+    return len(seen) >= 3 and max(change(seen[-1], old, least) for old in seen[-3:-1]) <= tolerance
+
+
+def _stands(gaps: list[float], tolerance: float) -> bool:
+    """Tell whether the states of the last pitch agree, or stall near that: what is left is noise of the steps."""
+    if gaps[-1] <= tolerance:
+        return True
+    stalled = len(gaps) > 2 * STALL and min(gaps[-STALL:]) >= 0.5 * min(gaps[:-STALL])
+    return stalled and NEAR * gaps[-1] <= tolerance
+
+
+def chambers_at_pitches(machinery: Machinery) -> Array:
+    """Return the states of all chambers at the start of a pitch, read from the last history."""
+    c = machinery.composition
+    times, dense, _, steps = machinery.last()
+    states = []
+    for j in range(c.chambers):
+        i = int(np.searchsorted(times[: steps + 1], j * c.P[P_PITCH] + 1e-9, side="right")) - 1
+        i = max(0, i - 1) if abs(times[i] - j * c.P[P_PITCH]) < 1e-9 and i > 0 else i
+        theta = (j * c.P[P_PITCH] - times[i]) / (times[i + 1] - times[i])
+        states.append(dense_value(theta, *dense[i])[: machinery.n])
+    states = np.array(states)
+    oil = slice(2, len(c.states) - len(c.own_states))
+    states[:, oil] = np.maximum(states[:, oil], 0.0)  # the cubic of an oil ratio may dip below none by its error
+    return states.ravel()

@@ -1,0 +1,55 @@
+"""A cycle as closing left it, and what is hoped of one before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.model.slots import R_TRAPPED
+from screwsim.model.trajectory import Trajectory
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class CycleSolution:
+    """The outcome of closing: one chamber's life and its quadratures, how far it got, why it stopped.
+
+    `y` are the states from which it goes on: of the chamber at 0°, or of all chambers, as it was closed.
+    """
+
+    status: str  # 'ok' | 'not_closed' | 'failed'
+    trajectory: Trajectory
+    q: Array
+    y: Array
+    turns: float
+    how: str
+    rtol: float
+    angle: float = 0.0
+    change: float = 0.0
+    needed: str = ""  # the fallback that it took; empty where the first way closed
+    first_gap: float = 1.0  # what the first turn changed: how far the guess was off
+    residual: float = 0.0  # of waveforms: the larger residual of mass and energy over their bound
+    impacts: int = 0  # of the last turn, where something moves between seat and stop
+    speed_curve: Array | None = None  # of the speed that the drive made last (model.speed)
+
+    @property
+    def seen(self) -> tuple[float, float]:
+        """Trapped mass [kg] and work [J]."""
+        return float(self.trajectory.R[R_TRAPPED]), float(self.q[0])
+
+
+class Hope(NamedTuple):
+    """What is hoped of a guess: its trapped mass [kg] and work [J], and what the first turn will change.
+
+    `share` is that of the wanted tolerance of a step with which the balances will close.
+    """
+
+    seen: tuple[float, float]
+    gap: float
+    share: float = 1.0
+
+
+NO_HOPE = Hope((0.0, 0.0), 1.0)

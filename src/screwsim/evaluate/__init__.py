@@ -1,0 +1,1 @@
+"""What a cycle tells: figures, balances, ledger, traces, and what is said of it."""

@@ -1,0 +1,122 @@
+"""A closed cycle being read: what several readings ask for is found once, and only where one of them asks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
+from screwsim.cycle.feedback import image, turn_of
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.solution import CycleSolution
+from screwsim.effects.base import Reading, Turn
+from screwsim.evaluate.figures import Read, figures_of
+from screwsim.evaluate.known import CycleFigures, known_of, uncarried_oil_temperature
+from screwsim.evaluate.performance import loss_power
+from screwsim.evaluate.pitch import Pitch, pitch_of
+from screwsim.figures import Performance
+from screwsim.model.slots import PRESSURE, R_INJECTED, R_SUCTION, R_TRAPPED
+from screwsim.model.trajectory import Trajectory
+from screwsim.outputs import Figures
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """A life of a problem's chambers, and its quadratures q."""
+
+    problem: Problem
+    life: Trajectory
+    q: Array
+
+    @cached_property
+    def streams(self) -> Array:
+        """Sums over the life by category (`cycle.balances.streams_of`)."""
+        return streams_of(self.problem.composition, self.q)
+
+    @cached_property
+    def residuals(self) -> Residuals:
+        """What the life leaves open."""
+        return residuals(self.problem, self.life.R, self.q)
+
+    @cached_property
+    def turn(self) -> Turn:
+        """What the life tells of itself, and what it makes of the feedback unknowns."""
+        return turn_of(self.problem, self.life, self.q)
+
+    @property
+    def image(self) -> Array:
+        """What the life makes of the feedback unknowns, as a vector."""
+        return image(self.problem, self.life, self.q, self.turn if self.problem.parts.made else None)
+
+    @cached_property
+    def pitch(self) -> Pitch:
+        """One pitch of all chambers."""
+        geometry, p_d = self.problem.parts.geometry, self.problem.lines.p_d
+        suction = float(self.life.R[R_SUCTION + PRESSURE])
+        return pitch_of(self.life, geometry, min(suction, p_d), float(self.q[0]) / geometry.pitch, max(suction, p_d))
+
+    @cached_property
+    def known(self) -> CycleFigures:
+        """What a power loss or a reading can ask."""
+        turn = self.turn if self.problem.parts.all(Reading) else None
+        return known_of(self.problem, self.life, self.q, lambda: self.pitch, turn)
+
+    @cached_property
+    def read(self) -> Read:
+        """The performance figures, and why some are None."""
+        return figures_of(self.problem, self.life, self.q, self.known)
+
+    @property
+    def figures(self) -> Performance:
+        """The performance figures."""
+        return self.read[0]
+
+    @property
+    def complete(self) -> CycleFigures:
+        """What a shaft asks of the cycle: what is known of it, and the shaft power."""
+        return replace(self.known, shaft_power=self.figures.shaft_power)
+
+    @property
+    def least(self) -> tuple[float, float]:
+        """The power [W] and the work of a cycle [J] below which they are rounding."""
+        work = LEAST_WORK * max(float(self.life.R[R_TRAPPED]), 0.0) * self.problem.pv
+        return work * self.problem.rate, work
+
+
+def evaluate(problem: Problem, cycle: CycleSolution) -> Evaluation:
+    """Return the evaluation of a cycle."""
+    return Evaluation(problem, cycle.trajectory, cycle.q)
+
+
+def balance(of: Evaluation) -> Figures:
+    """Return the balances of a closed cycle (contract: balance)."""
+    c, left = of.problem.composition, of.residuals
+    uncarried = "T_oil" in c.states and not c.carried
+    return Figures(
+        mass=left.mass,
+        energy=left.energy,
+        oil_mass=left.oil if c.carried else None,
+        oil_residue=_oil_residual(of) if uncarried else None,
+        bound=of.problem.wanted.bound,
+    )
+
+
+def _oil_residual(of: Evaluation) -> float | None:
+    """Return the heat [W] that the oil takes up beyond what the injected oil carries to discharge (M40)."""
+    oil, T_out = of.problem.parts.oil, uncarried_oil_temperature(of.life)
+    if oil is None or T_out is None:
+        return None
+    carried = float(of.life.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
+    return float(-of.q[1] - carried) * of.problem.rate
+
+
+def loss_torque(of: Evaluation, omega: float) -> float:
+    """Return the torque of the losses and of the oil's lift at a mean speed [rad/s], from one pitch's q (M213)."""
+    share = omega / of.problem.parts.omega
+    names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow")
+    known = replace(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
+    return loss_power(of.problem.parts, of.problem.lines, known) / omega

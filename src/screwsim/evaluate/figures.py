@@ -1,0 +1,151 @@
+"""The performance figures that a scene calls for, of a closed cycle."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from screwsim.build import build_site
+from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_of
+from screwsim.cycle.problem import Problem
+from screwsim.effects.base import Drawn, Plenum, Turn
+from screwsim.evaluate import expander, performance
+from screwsim.evaluate.known import CycleFigures
+from screwsim.figures import Performance, borrowed
+from screwsim.machine.built_in import built_in_volume_ratio
+from screwsim.machine.settings import TURN
+from screwsim.model.slots import ENTHALPY, PRESSURE, Q_WALLS, R_DISCHARGE, R_RATIO, R_TRAPPED
+from screwsim.model.trajectory import Trajectory
+from screwsim.outputs import Figure
+
+Array = np.ndarray
+Read = tuple[Performance, dict[str, str]]  # figures, and why some are None
+NO_REASON = "this cycle has none"
+
+
+def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures) -> Read:
+    """Return the performance figures of a life of these quadratures, and why some are None."""
+    about: dict[str, Figure] = dict(problem.called)
+    found, notes = _figures(problem, life, q, known, about)
+    values = {name: found.get(name) for name in about}
+    reasons = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
+    return Performance(values, about), reasons
+
+
+def _figures(
+    problem: Problem, life: Trajectory, q: Array, known: CycleFigures, about: dict[str, Figure]
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return whatever figures there are; to `about` go those that effects give by others' names."""
+    parts, lines, geometry, rate = problem.parts, problem.lines, problem.parts.geometry, problem.rate
+    streams = streams_of(problem.composition, q)
+    delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
+    flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate) + 0.0  # nothing has no sign
+    losses = performance.power_losses(parts, known)
+    lift = performance.oil_lift(parts, lines, known) if parts.oil is not None else None
+    shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
+    drawn = performance.drawn(parts, streams, rate)
+    etas, notes = performance.efficiencies(parts.gas, lines, problem.inlet, flow, shaft, drawn)
+    mean = discharge_enthalpy(streams)
+    found: dict[str, Any] = {
+        **etas,
+        **losses,
+        "volumetric_efficiency": flow / (problem.inlet.density * geometry.swept_volume * rate),
+        "gas_mass_flow": flow,
+        "indicated_power": known.indicated_power,
+        "shaft_power": shaft,
+        "shaft_torque": shaft / parts.omega,
+        "discharge_temperature": None if mean is None else parts.gas.temperature(lines.p_d, mean[0]),
+        "peak_pressure": life.peak_pressure(geometry.life if geometry.expands else geometry.widest_discharge()),
+        "work_per_cycle": float(q[0]),
+        "trapped_mass": float(life.R[R_TRAPPED]),
+        "suction_pressure": lines.p_s,
+        "suction_temperature": lines.T_s,
+        "discharge_pressure": lines.p_d,
+        "pressure_ratio": lines.p_s / lines.p_d if geometry.expands else lines.p_d / lines.p_s,
+        "displacement": geometry.swept_volume * TURN / geometry.pitch,
+        "displacement_flow": geometry.swept_volume * rate,
+        "built_in_volume_ratio": built_in_volume_ratio(geometry, life.volume),
+    }
+    notes["discharge_temperature"] = "nothing flows out to the discharge line"
+    notes["built_in_volume_ratio"] = "the machine has no discharge port whose opening ends it"
+    if parts.oil is not None:
+        found |= _of_oil(problem, life, known, flow) | {"oil_lift_power": lift}
+        notes["oil_flow_ratio"] = "no net gas is delivered"
+        notes["oil_discharge_temperature"] = "next to no oil flows out to the discharge line"
+    if parts.dissolves:
+        found["discharge_dissolved_gas_ratio"] = discharge_held(streams)
+    own, reasons = _of_plenums(problem, streams[:, 0], about)
+    found |= own
+    notes |= reasons
+    gain = sum(own.get(part.gain) or 0.0 for _, part in parts.all(Plenum))
+    effect = problem.refrigerating_effect
+    effect = None if effect is None else effect * (1.0 + gain)
+    cooling, reasons = performance.refrigeration(found, problem.inlet.density, effect)
+    found |= cooling
+    notes |= reasons
+    if "intake_pressure" in problem.called:
+        place = problem.suction.place(float(life.R[R_DISCHARGE + ENTHALPY]))
+        found["intake_pressure"] = place[PRESSURE]
+        found["intake_temperature"] = problem.suction.temperature(place, lines.T_s)
+    if geometry.expands:
+        work = problem.h_isentropic - problem.inlet.enthalpy
+        changed, reasons = expander.figures(found, work, _filled(problem, life))
+        found |= changed
+        notes = {name: why for name, why in notes.items() if name not in changed} | reasons
+    if parts.walls:
+        found["wall_heat"] = float(q[Q_WALLS : Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
+    read, reasons = performance.readings(parts, known, found)
+    return found | read, notes | reasons
+
+
+def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float) -> dict[str, float | None]:
+    """Return the figures of the oil; its ratio is that at the injection angle, or where a port's injection ends."""
+    port, ratio = problem.parts.oil_port, known.oil_mass_flow / flow if flow > 0.0 else math.inf
+    d = life.R[R_RATIO] if port is None else life.states_at(np.array([port.closes]))[0, 3]
+    return {
+        "oil_mass_flow": known.oil_mass_flow,
+        "oil_ratio": float(d),
+        "oil_flow_ratio": ratio if math.isfinite(ratio) else None,
+        "oil_discharge_temperature": known.oil_discharge_temperature,
+        "injection_pressure": known.injection_pressure,
+    }
+
+
+def _shut(problem: Problem, turn: Turn | None) -> bool:
+    """Tell whether a check valve lets nothing in from the suction line for good, but for rounding.
+
+    A shut discharge line does so where what comes in can go nowhere else.
+    """
+    lines = [part for part in problem.parts.pulsations if part.to == "suction" or not problem.parts.plenums]
+    return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
+
+
+def _filled(problem: Problem, life: Trajectory) -> float | None:
+    """Return the gas that fills an expander's chambers where its inlet closes, at the inlet's state [kg/s]."""
+    geometry = problem.parts.geometry
+    closes = geometry.inlet_closes
+    if closes is None:
+        return None
+    return problem.inlet.density * life.volume(closes) * problem.parts.omega / geometry.pitch
+
+
+def _of_plenums(
+    problem: Problem, gas: Array, about: dict[str, Figure]
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return what effects say of the cycle by their own plenums, and why some nothing; `gas` is that of the streams."""
+    found, notes, parts = {}, {}, problem.parts
+    suction = float(gas[0] + gas[1]) * problem.rate * (1.0 - problem.suction.returned)  # from the line alone
+    why = "" if suction > 0.0 else performance.NONE_DELIVERED
+    for name, plenum in parts.all(Plenum):
+        if plenum.figures is None:
+            continue
+        i, state = 2 * parts.number(plenum.name), parts.plenums[plenum.name]
+        site = build_site(problem.scene, parts.gas)
+        drawn = Drawn(float(gas[i] + gas[i + 1]) * problem.rate, suction, state, site)
+        given, reasons = performance.valued(plenum.figures(drawn), name, why)
+        about |= borrowed(name, problem.scene.effects[name].effect, given)
+        found |= given
+        notes |= reasons
+    return found, notes

@@ -1,0 +1,96 @@
+"""What a power loss or a reading can ask of a closed cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from screwsim.cycle.balances import discharge_enthalpy, streams_of
+from screwsim.cycle.problem import Problem
+from screwsim.effects.base import Turn
+from screwsim.evaluate.pitch import Pitch
+from screwsim.model.places import SOME_OIL
+from screwsim.model.slots import PORT_OIL, R_INJECTED, R_PRESSURE
+from screwsim.model.trajectory import Trajectory
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class CycleFigures:
+    """What a power loss or a reading can ask of a closed cycle (SI units); the last six are for readings only."""
+
+    omega: float
+    tip_speed: float
+    indicated_power: float
+    oil_mass_flow: float
+    oil_volume_flow: float
+    oil_viscosity: float | None
+    injection_pressure: float
+    oil_source_pressure: float
+    oil_temperature: float | None
+    oil_discharge_temperature: float | None
+    oil_viscosity_at: Callable[[float], float | None]
+    oil_density_at: Callable[[float], float | None]
+    pitch: Callable[[], Pitch]
+    set_speed: float | None = None  # that the scene states; omega where it is constant
+    shaft_power: float | None = None
+    isothermal_efficiency: float | None = None
+    isentropic_efficiency: float | None = None
+    cop: float | None = None
+    motor_power: float | None = None  # where a drive lies between motor and shaft
+    turn: Turn | None = None
+
+
+def known_of(
+    problem: Problem, life: Trajectory, q: Array, pitch: Callable[[], Pitch], turn: Turn | None
+) -> CycleFigures:
+    """Return what is known of a life of these quadratures; `turn` is None where nobody asks for it."""
+    parts, oil = problem.parts, problem.scene.oil
+    T_oil = parts.oil.temperature if parts.oil is not None else None
+    injected, p_injection = float(life.R[R_INJECTED]), float(life.R[R_PRESSURE])
+    if problem.composition.ported:
+        injected = float(streams_of(problem.composition, q)[PORT_OIL, 2])
+        mass, pressure = life.port_oil()
+        p_injection = pressure / mass if mass > 0.0 else p_injection
+    rate = problem.rate
+    oil_flow = injected * rate if parts.oil is not None else 0.0
+    return CycleFigures(
+        omega=parts.omega,
+        tip_speed=parts.geometry.settings.surface_speed(parts.omega),
+        indicated_power=float(q[0]) * rate,
+        oil_mass_flow=oil_flow,
+        oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
+        oil_viscosity=oil.at(T_oil).viscosity if oil is not None and T_oil is not None else None,
+        injection_pressure=p_injection,
+        oil_source_pressure=parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d,
+        oil_temperature=T_oil,
+        oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
+        oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
+        oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
+        pitch=pitch,
+        set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
+        turn=turn,
+    )
+
+
+def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> float | None:
+    """Return the oil's flow-weighted mean temperature [K] at discharge; None without an oil temperature.
+
+    Oil of less than `SOME_OIL` of the gas has none that the solver would answer for.
+    """
+    c = problem.composition
+    if not c.carried:
+        return uncarried_oil_temperature(life) if "T_oil" in c.states else None
+    mean = discharge_enthalpy(streams_of(c, q))
+    if mean is None or not mean[2] > 0.0 or mean[1] < SOME_OIL:
+        return None
+    return mean[2] - problem.pressed(problem.lines.p_d)
+
+
+def uncarried_oil_temperature(life: Trajectory) -> float | None:
+    """Return the oil temperature [K] weighted with the gas outflow, oil leaving at constant d (transport: paper)."""
+    heat, mass = life.oil_with_outflow()
+    return float(heat / mass) if mass != 0.0 else None

@@ -1,0 +1,122 @@
+"""One life of a chamber as it was integrated: what is read of a cycle is read from here.
+
+The dense output of its steps goes together with the numbers that it was integrated with, so that it can be read
+whatever its workspace does next.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import ModuleType
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.codegen.calls import Context
+from screwsim.model import compiled, ledger
+from screwsim.model.compose import Composition
+from screwsim.model.contexts import ChamberContext
+
+Array = np.ndarray
+
+
+class Trajectory(NamedTuple):
+    """Times, dense output and quadratures of a life's steps; `composition.P` and `R` are the numbers it was made with.
+
+    What a workspace shows of its last turn stands until it integrates again; a copy stands for good.
+    """
+
+    composition: Composition
+    module: ModuleType
+    R: Array
+    times: Array
+    dense: Array
+    quads: Array
+    steps: int
+    context: Context
+
+    def copy(self) -> Trajectory:
+        """Return the same, in arrays of its own that nobody writes into."""
+        c, steps = self.composition, self.steps
+        own = [self.times[: steps + 1], self.dense[:steps], self.quads[:steps], c.P, self.R]
+        times, dense, quads, P, R = (array.copy() for array in own)
+        scratch = (array.copy() for array in self.context[-4:])
+        kept = np.array([0, steps])
+        context = Context(ChamberContext(P, c.TAB, R, times, dense, times, dense, kept, *scratch))
+        for array in (times, dense, quads, P, R):
+            array.flags.writeable = False
+        return Trajectory(replace(c, P=P), self.module, R, times, dense, quads, steps, context)
+
+    @property
+    def ends(self) -> tuple[Array, Array]:
+        """Temperature [K] and density [kg/m³] at the end of every step."""
+        T, rho = (np.ascontiguousarray(self.dense[: self.steps, 1, column]) for column in (0, 1))
+        return T, rho
+
+    def volume(self, angle: float) -> float:
+        """Return the volume [m³] of a chamber at an angle [rad]."""
+        return float(self.module.volume_at(angle, self.composition.P, self.composition.TAB))
+
+    def states_at(self, angles: Array) -> Array:
+        """Return the states at increasing angles [rad], and the pressure [Pa] behind them, one row an angle."""
+        out = np.empty((len(angles), len(self.composition.states) + 1))
+        self.module.history__states_at(angles, self.times, self.dense, self.steps, out)
+        return out
+
+    def sample(self, angles: Array) -> tuple[Array, Array]:
+        """Return rows of (V, p, work, dm/dφ, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""
+        c = self.composition
+        out = np.empty((len(angles), 4 + len(c.states)))
+        flows = np.empty((len(angles), len(c.plenum_paths) + 2 * len(c.gap_paths)))
+        self.module.trace__sample(
+            angles, self.times, self.dense, self.quads, self.steps, self.context, c.n_E, out, flows
+        )
+        return out, flows
+
+    def oil_films(self, angles: Array) -> Array:
+        """Return rows of the oil [kg/s] that flows in through gaps as films, each ahead and behind, at angles [rad]."""
+        c = self.composition
+        out = np.empty((len(angles), 2 * len(c.gap_paths)))
+        self.module.trace__oil_films(angles, self.times, self.dense, self.steps, self.context, c.n_E, out)
+        return out
+
+    def peak_pressure(self, limit: float) -> float:
+        """Return the highest pressure [Pa] from the injection up to an angle [rad]."""
+        return float(self.module.trace__peak_pressure(self.times, self.dense, self.steps, limit, self.context))
+
+    def into_lines(self, points: int) -> tuple[Array, Array]:
+        """Return the flow [kg/s] into suction and discharge line, and the mean volume [m³] that is open to each.
+
+        The flow at `points` even angles of a pitch, from the youngest chamber's 0° on; only of lines that pulsate.
+        """
+        into, volume = np.zeros((2, points)), np.zeros(2)
+        self.module.line_flow__into_lines(
+            self.times, self.dense, self.steps, self.context, self.composition.n_E, into, volume
+        )
+        return into, volume
+
+    def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:
+        """Return what paths, heat rates and walls, and oil sum up to over the life (`model.ledger`).
+
+        `s_…` are the specific entropies [J/(kg K)] of the lines' gas. Compiled when it is first asked for.
+        """
+        c = self.composition
+        paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), ledger.PATH_SUMS))
+        warming = len(c.heats) + len(c.walls)
+        heats, oil = np.zeros((max(warming, 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
+        with compiled.first(self.module, "ledger"):
+            self.module.ledger__account(
+                self.times, self.dense, self.steps, self.context, c.n_E, s_suction, s_discharge, paths, heats, oil
+            )
+        return paths, heats[:warming], oil
+
+    def port_oil(self) -> tuple[float, float]:
+        """Return the oil [kg] that came through ports over the life, and that times the chamber's pressure."""
+        c = self.composition
+        return self.module.trace__port_oil(self.times, self.dense, self.steps, c.P, c.TAB)
+
+    def oil_with_outflow(self) -> tuple[float, float]:
+        """Return Σ ṁ T_oil and Σ ṁ of what flows out to the discharge line."""
+        return self.module.trace__oil_with_outflow(
+            self.times, self.dense, self.steps, self.context, self.composition.n_E
+        )

@@ -1,0 +1,1 @@
+"""Solving a problem: closed as accurately as it asks, together with its drive."""

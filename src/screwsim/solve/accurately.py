@@ -1,0 +1,147 @@
+"""Closing a cycle, by fallbacks where it must be, and again more tightly until its figures are accurate enough."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import NamedTuple
+
+from screwsim.cycle.close import again, close
+from screwsim.cycle.continuation import Course
+from screwsim.cycle.fallbacks import fallbacks
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.wanted import Wanted
+from screwsim.errors import worst
+from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.model.run import Machinery
+from screwsim.outputs import Figures
+from screwsim.solve.drive import settled
+from screwsim.solve.estimate import estimated_errors
+
+TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
+AIM = 0.6  # of the wanted accuracy, at which the next try aims
+EASY = 0.4  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
+LOOSER = 1.5  # by this factor, AIM over EASY: none of them is estimated above AIM then
+TIGHTEST = 0.05  # factor of the tolerances with which a scene of a course may begin
+TRIES = 7
+
+
+class Accurate(NamedTuple):
+    """A closed cycle being read, the estimated error of its figures ({} where nothing is estimated), what both took.
+
+    `counts` and times [s] are those of closing and of estimating, apart; `wanted` is what was asked last, `tightness`
+    the factor of the tolerances with which the next scene of a course begins.
+    """
+
+    cycle: CycleSolution
+    evaluation: Evaluation
+    wanted: Wanted
+    errors: Figures
+    tightness: float
+    counts: list[int]
+    closing_time: float
+    estimating_time: float
+
+
+def solve(problem: Problem, machinery: Machinery, course: Course | None = None) -> Accurate:
+    """Close the cycle, and again more tightly while the estimated error exceeds the wanted accuracy.
+
+    Nothing is estimated of a cycle that did not close, that a check closed, or where the scene says
+    `numerics.error: none`. A course lends its guess; that the cycle is noted there is its owner's to see to.
+    """
+    numerics, watch = problem.scene.numerics, Watch(machinery)
+    tightness = 1.0 if course is None else course.tightness
+    wanted = problem.wanted.tighter(tightness)
+    cycle = settled(problem, machinery, wanted, _close_somehow(problem, machinery, wanted, course))
+    of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
+    watch.lap("closing")
+    for attempt in range(TRIES):
+        if cycle.status != "ok" or wanted.check or numerics.error == "none":
+            break
+        errors = estimated_errors(of, machinery, wanted, cycle)
+        largest = worst(errors)[1]
+        watch.lap("estimating")
+        if largest <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
+            break
+        factor = max(TIGHTER, AIM * numerics.accuracy / largest)
+        tightness, wanted = tightness * factor, wanted.tighter(factor)
+        tighter = _tighter(problem, machinery, wanted, cycle)
+        watch.lap("closing")
+        if tighter.status != "ok":
+            break
+        cycle, of = tighter, evaluate(problem, tighter)
+    tightness = _next_tightness(tightness, largest / numerics.accuracy)
+    times, counts = watch.times, watch.counts["closing"]
+    return Accurate(cycle, of, wanted, errors, tightness, counts, times["closing"], times["estimating"])
+
+
+def _next_tightness(used: float, estimated: float) -> float:
+    """Return the factor of the tolerances with which the next scene of a course begins; error over accuracy."""
+    if estimated < EASY:
+        used = min(1.0, LOOSER * used)
+    return max(used, TIGHTEST)
+
+
+def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
+    """Close a closed cycle once more, with finer tolerances; the old one stays where that fails."""
+    watch, problem = Watch(machinery), accurate.evaluation.problem
+    wanted = accurate.wanted.tighter(TIGHTER)
+    cycle = _tighter(problem, machinery, wanted, accurate.cycle)
+    watch.lap("closing")
+    counts = [before + more for before, more in zip(accurate.counts, watch.counts["closing"], strict=True)]
+    spent = accurate.closing_time + watch.times["closing"]
+    accurate = accurate._replace(counts=counts, closing_time=spent)
+    if cycle.status != "ok":
+        return accurate
+    return accurate._replace(cycle=cycle, evaluation=evaluate(problem, cycle), wanted=wanted)
+
+
+def _tighter(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
+    """Return a closed cycle closed again, with its drive."""
+    machinery.put(cycle.trajectory)
+    return settled(problem, machinery, wanted, again(problem, machinery, wanted, cycle))
+
+
+def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course | None) -> CycleSolution:
+    """Close the cycle; by fallbacks where the first way does not close it and the scene leaves the way to us.
+
+    A gas outside its equation stays there, whatever is tried. What nothing closes is left as the first way left it.
+    """
+    cycle = close(problem, machinery, wanted, course)
+    if cycle.status == "ok" or wanted.check or wanted.closing == "histories" or _outside(problem, cycle):
+        return cycle
+    for name, attempt in fallbacks(problem, machinery, wanted):
+        better = attempt()
+        if better.status == "ok":
+            return replace(better, needed=name)
+    return cycle
+
+
+def _outside(problem: Problem, cycle: CycleSolution) -> bool:
+    """Tell whether the state where closing stopped, or the cycle that it left, is outside the gas's equation."""
+    gas = problem.parts.gas
+    if cycle.status == "failed":
+        return gas.why_outside(float(cycle.y[0]), float(cycle.y[1])) is not None
+    return gas.first_outside(*cycle.trajectory.ends) is not None
+
+
+class Watch:
+    """Time and counts of one machinery by what they were spent on; compilation does not count."""
+
+    def __init__(self, machinery: Machinery) -> None:
+        self.machinery = machinery
+        self.times = {"closing": 0.0, "estimating": 0.0}
+        self.started = self._now()
+        self.counts = {name: [0] * len(self.started[1]) for name in self.times}
+
+    def _now(self) -> tuple[float, list[int]]:
+        return time.perf_counter() - self.machinery.compile_time, self.machinery.counts.tolist()
+
+    def lap(self, name: str) -> None:
+        """Add what was spent since the last lap."""
+        (then, before), now = self.started, self._now()
+        self.times[name] += now[0] - then
+        spent = zip(self.counts[name], now[1], before, strict=True)
+        self.counts[name] = [count + new - old for count, new, old in spent]
+        self.started = now

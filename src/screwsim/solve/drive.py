@@ -1,0 +1,109 @@
+"""A speed that changes over the pitch: chambers and drive closed by turns until they agree (docs/reference/drive.md).
+
+The chambers are closed under the speed's course of the drive, the drive moves under the torque of the chambers
+(docs/model.md M214, M217). A ripple changes the torque by much less than itself, so that two or three turns do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from screwsim.cycle.close import again, close
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.wanted import Wanted
+from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.machine.drive.collocation import differentiation, resampled
+from screwsim.machine.drive.response import NoMotion, Response
+from screwsim.model import leases, speed
+from screwsim.model.run import Machinery
+
+MOST_TURNS = 20  # of chambers and drive by turns
+MOST_SPEEDS = 20  # tried for a mean speed that follows from the motor's line
+
+
+def settled(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
+    """Return the cycle, on which the machinery stands, closed together with its drive; as it is where it has none.
+
+    `not_closed` where the turns do not settle, or the drive has no steady motion: the cycle is that of the last speed.
+    """
+    part, change = problem.parts.shaft, 0.0
+    if part is None or cycle.status != "ok":
+        return cycle
+    for _ in range(MOST_TURNS):
+        try:
+            motion = part.respond(evaluate(problem, cycle).complete)
+        except NoMotion:
+            return replace(cycle, status="not_closed", change=change)
+        change, curve = set_course(problem, machinery, motion, wanted.tolerance)
+        curve = cycle.speed_curve if curve is None else curve
+        if change <= wanted.tolerance:
+            return replace(cycle, speed_curve=curve)
+        cycle = replace(again(problem, machinery, wanted, cycle), speed_curve=curve)
+        if cycle.status != "ok":
+            return cycle
+    return replace(cycle, status="not_closed", change=change)
+
+
+def set_course(
+    problem: Problem, machinery: Machinery, motion: Response, tolerance: float
+) -> tuple[float, np.ndarray | None]:
+    """Let the chambers feel the speed of a motion; return the largest change of the speed over its mean, its curve.
+
+    A change below the tolerance leaves what the chambers feel as it is. No curve where the motion all but stands still.
+    """
+    composition, pitch = machinery.composition, problem.parts.geometry.pitch
+    at = composition.speed_curve
+    assert at is not None  # the scene has a drive
+    ratio = (motion.speed / motion.mean_speed) ** 2
+    squares = resampled(ratio, speed.ROWS - 1)
+    slopes = resampled(differentiation(pitch) @ ratio, speed.ROWS - 1)
+    old = speed.squares_at(composition.P, at)
+    change = float(np.max(np.abs(np.sqrt(np.maximum(squares, 0.0)) - np.sqrt(old))))
+    if not squares.min() > (1.0 - speed.TOO_LARGE) ** 2:
+        return change, None
+    curve = speed.curve_of(np.append(squares, squares[0]), np.append(slopes, slopes[0]), pitch)
+    if change > tolerance:
+        speed.put(composition.P, at, curve)
+    return change, curve
+
+
+def at_its_speed(problem: Problem, series: Series) -> Problem:
+    """Return the problem at the mean speed that its motor's line gives.
+
+    The same one where the speed is held, or where the drive has no steady motion at the speed tried last.
+    """
+    stated, part = problem.scene.operation.speed, problem.parts.shaft
+    if part is None or part.train(stated).holds_mean:
+        return problem
+    problem = problem_of(problem.scene, series, stated)
+    for _ in range(MOST_SPEEDS):
+        machinery = leased(problem)
+        cycle = settled(problem, machinery, problem.wanted, close(problem, machinery, problem.wanted, series.course))
+        leases.give_back(machinery)
+        if cycle.status != "ok":
+            return problem
+        try:
+            found = part.respond(evaluate(problem, cycle).complete).mean_speed
+        except NoMotion:
+            return problem
+        at = problem.scene.operation
+        scene = replace(problem.scene, operation=replace(at, speed=found))
+        problem = problem_of(scene, series, stated)
+        if abs(found / at.speed - 1.0) <= 0.1 * problem.wanted.tolerance:
+            break
+    return problem
+
+
+def judged(of: Evaluation) -> tuple[str, tuple[str, ...], float | None]:
+    """Return what forbids the motion of a closed cycle's drive, or an empty text; warnings; its powers' residual."""
+    part = of.problem.parts.shaft
+    if part is None:
+        return "", (), None
+    try:
+        return part.judge(part.respond(of.complete))
+    except NoMotion as reason:
+        return str(reason), (), None

@@ -1,0 +1,163 @@
+"""How accurate the figures of a closed cycle are.
+
+The estimate is one more life from the closed cycle with a finer tolerance and a narrower regularisation: what that
+changes in the figures, and in those that go with the net gas flow what the unclosed mass balance leaves open in it
+(docs/model.md M41).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from screwsim.cycle.balances import mass_in
+from screwsim.cycle.close import again
+from screwsim.cycle.fallbacks import MOST_OF_A_TRY
+from screwsim.cycle.feedback import set_unknowns
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.relaxation import relax
+from screwsim.cycle.simultaneous import close_together
+from screwsim.cycle.solution import CycleSolution, Hope
+from screwsim.cycle.wanted import Wanted
+from screwsim.errors import flow_errors, relative_errors, worst
+from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.model.run import Machinery
+from screwsim.model.slots import R_TRAPPED
+from screwsim.outputs import Figures
+
+FINER = 0.25  # tolerance of a step in the turn that estimates the error
+NARROWER = 0.25  # regularisation in that turn
+WHOLE = 1.0 / (1.0 - NARROWER)  # the error over what that turn shows of it, where it is linear in the regularisation
+MUCH = 1e-4  # wanted accuracy from which on two turns estimate
+TIGHT = 0.75  # volumetric efficiency below which leaks rule, and two turns estimate
+LEAKY = 0.5  # volumetric efficiency below which an error of histories lives on for so many turns
+HIDDEN = 2.0  # that it is as many times what two of them show
+EMPTY = 3.0  # the same of a machine that delivers nothing: what leaks is all there is
+ROOT = 1.5  # the same of coupled chambers, whose error falls as the root of the regularisation there
+QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
+SLOWEST = 0.9  # the largest such share that is believed
+SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
+
+
+def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures:
+    """Return the estimated relative error of every figure of a closed cycle, on which the machinery stands."""
+    found = of.figures
+    narrower = replace(wanted, widths=tuple(NARROWER * width for width in wanted.widths))
+    finer = _finer(of, machinery, narrower, cycle)
+    if not finer:
+        return Figures(dict.fromkeys(found))
+    errors = _shown(found, finer, of.least)
+    hidden = (HIDDEN if _filling(found) > 0.0 else EMPTY) if cycle.how == "histories" else ROOT
+    whole = WHOLE * (hidden if _among_leaks(of) else 1.0)
+    for name, size in errors.items():
+        errors[name] = whole * size if size is not None else None
+    flow = found["gas_mass_flow"]
+    lost = abs(mass_in(of.problem.composition, cycle.q) * of.problem.rate / flow) if flow else 0.0
+    for name, size in flow_errors(found, lost).items():
+        errors[name] = (errors[name] or 0.0) + (size or 0.0)
+    return errors
+
+
+def _shown(found: Figures, finer: Sequence[Figures], least: tuple[float, float]) -> Figures:
+    """Return what finer lives show of the error of each figure: the most they change, and what later ones yet would.
+
+    Two lives may agree with the closed one by chance where each goes another way. The last life's change is followed by
+    others, each as much smaller as that one was than the life's before it.
+    """
+    errors = relative_errors(found, finer[-1], *least)
+    for each in finer[:-1]:
+        for name, size in relative_errors(found, each, *least).items():
+            if size is not None and errors[name] is not None:
+                errors[name] = max(errors[name], size)
+    if len(finer) > 1:
+        steps = [relative_errors(old, new, *least) for old, new in pairwise([found, *finer])]
+        again = min(_repeated(steps), SLOWEST)
+        for name, size in steps[-1].items():
+            if size is not None and errors[name] is not None:
+                errors[name] += size * again / (1.0 - again)
+    return errors
+
+
+def _repeated(steps: Sequence[Figures]) -> float:
+    """Return the share of a life's change that the last life made once more."""
+    before, last = (worst(step)[1] for step in steps[-2:])
+    return last / before if before > 0.0 else 0.0
+
+
+def _fed_back(of: Evaluation) -> bool:
+    """Tell whether one finer life is not enough for an estimate: errors come back through what it still meets.
+
+    That is the coarser life of its neighbours; what the cycle makes beside the discharge line; the state at its own
+    beginning, where much of it is kept: of one chamber alone, of reeds, of oil whose amount nothing but the flows tell.
+    """
+    parts, c = of.problem.parts, of.problem.composition
+    if of.problem.scene.numerics.accuracy <= MUCH or _filling(of.figures) < TIGHT or parts.made:
+        return True
+    displaced = c.carried and parts.oil is not None and "ratio" not in parts.oil.supply
+    kept = c.chambers == 1 or bool(c.own_states)
+    return kept or displaced or c.ported or c.dissolves
+
+
+def _among_leaks(of: Evaluation) -> bool:
+    """Tell whether chambers live on what leaks from the others."""
+    return of.problem.composition.chambers > 1 and _filling(of.figures) < LEAKY
+
+
+def _filling(found: Figures) -> float:
+    """Return the volumetric efficiency, 1 where it is not defined."""
+    filling = found.get("volumetric_efficiency")
+    return 1.0 if filling is None else filling
+
+
+def _finer(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> list[Figures]:
+    """Return the figures of finer solutions beside a closed cycle: lives, or another cycle; of none where all stop.
+
+    One life more shows the error of a cycle closed by waveforms, two where errors come back. Where the second life
+    changes nearly as much as the first, and with simultaneous closing, what shows it is the cycle closed again, finer.
+    """
+    finer = [] if cycle.needed or cycle.how == "coupled" else _finer_lives(of, machinery, wanted, cycle)
+    if len(finer) == 1:
+        return finer
+    if len(finer) > 1:
+        steps = [relative_errors(old, new, *of.least) for old, new in pairwise([of.figures, *finer])]
+        if _repeated(steps) < QUICK or worst(steps[-1])[1] < SMALL * of.problem.scene.numerics.accuracy:
+            return finer
+    return _finer_cycle(of.problem, machinery, wanted, cycle) or finer
+
+
+def _finer_lives(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> list[Figures]:
+    """Return the figures of one life more, or two, finer than the closed one's; of none where one stopped."""
+    problem, c, y, finer = of.problem, machinery.composition, cycle.y.copy(), []
+    c.P[c.widths] = wanted.widths
+    for left in (1, 0) if _fed_back(of) else (0,):
+        status, _, _, q = machinery.turn(y, FINER * cycle.rtol, 1e-3)
+        if status != 0:
+            return []
+        machinery.swap()
+        life = Evaluation(problem, machinery.trajectory, q)
+        finer.append(life.figures)
+        if left:
+            set_unknowns(problem, machinery, problem.entries.possible(life.image))
+    return finer
+
+
+def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> list[Figures]:
+    """Return the figures of the cycle that closes with finer steps from the closed one; of none where none does.
+
+    A cycle that only a fallback closed draws its neighbourhood in slowly, or not at all: what the steps of one life are
+    off by is far less than what the cycle is off by.
+    """
+    wanted = replace(wanted, rtol=FINER * cycle.rtol, tolerance=FINER * wanted.tolerance)
+    finer = _again(problem, machinery, wanted, cycle)
+    return [evaluate(problem, finer).figures] if finer is not None and finer.status == "ok" else []
+
+
+def _again(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution | None:
+    """Close a closed cycle once more, the way that closed it; an estimate may cost as much as a fallback."""
+    if cycle.needed:
+        return again(problem, machinery, wanted, cycle)
+    if cycle.how == "coupled":
+        return close_together(problem, machinery, wanted, cycle.y.copy(), most=MOST_OF_A_TRY)
+    hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[0])), 0.0)  # the last life's mass
+    return relax(problem, machinery, wanted, cycle.y.copy(), last=True, hope=hope)
