@@ -83,7 +83,11 @@ class Explanation:
 def code(scene: Scene) -> str:
     """Return the text that is compiled for a scene. Raises UsageError for a fluid that is not there."""
     with faults_of_own(scene):
-        return compose(build_parts(scene)).text
+        composition = compose(build_parts(scene))
+        if composition.chambers == 1:
+            return composition.text
+        between = "\n\n# all chambers together, compiled where they are asked for\n\n"
+        return composition.text + between + composition.together()
 
 
 def explain(scene: Scene) -> Explanation:

@@ -28,12 +28,12 @@ class Monolith:
 
     def rates(self, s: float, middle: float, y: np.ndarray) -> np.ndarray:
         """Return dy/dφ."""
-        module, context, c, train = self.machinery.module, self.machinery.coupled_context, self.c, self.train
+        module, context, c, train = self.machinery.together, self.machinery.coupled_context, self.c, self.train
         omega, motor_speed, twist, _ = y[self.n :]
         c.P[P_OMEGA] = omega
         context[3][-c.chambers :] = FREE
         module.coupled__all_surroundings(s, middle, context, self.E)
-        module.coupled__all_rates(np.ascontiguousarray(y[: self.n]), self.E, context, self.f, self.g)
+        module.chambers__rates(np.ascontiguousarray(y[: self.n]), self.E, context, self.f, self.g)
         pressures = context[3][: c.chambers * PLACE].reshape(-1, PLACE)[:, PRESSURE]
         gas = -float((pressures - self.low) @ self.E.reshape(c.chambers, self.size)[:, E_SLOPE])
         spring = train.coupling.torque(twist) + train.damping * (motor_speed - omega)

@@ -154,7 +154,7 @@ def monolith(scene, pitches):
     assert cycle.how == "coupled"
     of = evaluate(problem, cycle)
     ours = of.figures
-    c, module, context = machinery.composition, machinery.module, machinery.coupled_context
+    c, module, context = machinery.composition, machinery.together, machinery.coupled_context
     size, omega, pitch = scene.effects["plenums"].parameters, c.P[P_OMEGA], c.P[P_PITCH]
     flow = -of.streams[2:4, 0].sum() * omega / pitch
     lines, width = c.n_E_all - 3 * PLACE + PLACE, 4
@@ -170,7 +170,7 @@ def monolith(scene, pitches):
         E[lines + PRESSURE], E[lines + DENSITY] = p, rho
         E[lines + 2] = machinery.R[PLACE + 2] + (p / rho - p_d / rho_d) / (1.0 - inverse)
         held[:] = -1.0
-        module.coupled__all_rates(np.ascontiguousarray(z[:-1]), E, context, f, g)
+        module.chambers__rates(np.ascontiguousarray(z[:-1]), E, context, f, g)
         into = -(g[at] + g[at + width]) * omega
         leaving = flow + size.discharge_area * (p - p_d) / sound
         return np.append(f, p / (inverse * rho) * (into - leaving) / (size.discharge_volume * omega))

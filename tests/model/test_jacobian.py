@@ -65,6 +65,7 @@ def driver(machinery, request):
             ALONE,
             machinery.nq,
         )
+    m = machinery.together
     kernels = m.coupled__all_surroundings, m.chambers__rates, m.chambers__jacobian
     offsets = c.P[1] * np.arange(c.chambers)
     states = lambda s: machinery.states_at(s + offsets).ravel()  # noqa: E731
@@ -134,8 +135,8 @@ def test_a_chamber_alone_has_the_rates_of_the_chamber_among_all(machinery):
     s = np.radians(40.0)
     states = machinery.states_at(s + c.P[1] * np.arange(c.chambers))
     E, f, g = np.zeros(c.n_E_all), np.empty(states.size), np.empty(machinery.nq + 1)
-    module.coupled__all_surroundings(s, s + 1e-3, machinery.coupled_context, E)
-    module.chambers__rates(states.ravel(), E, machinery.coupled_context, f, g)
+    machinery.together.coupled__all_surroundings(s, s + 1e-3, machinery.coupled_context, E)
+    machinery.together.chambers__rates(states.ravel(), E, machinery.coupled_context, f, g)
     together = f.reshape(c.chambers, -1)
     for j in range(c.chambers):
         own, one, quad = np.zeros(c.n_E), np.empty(machinery.n), np.empty(machinery.nq)

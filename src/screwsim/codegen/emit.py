@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from screwsim.codegen.library import Library
 
 
+LONG = 1000  # lines of a function beyond which it stays one of its own
 MOST_PASSES = 3  # after which a variable that is not known is never given a value
 
 
@@ -49,7 +50,8 @@ class Emitter(Expressions):
         returned = self.returns or NOTHING
         if not self.closed:
             self.add("ret void" if returned == NOTHING else f"ret {returned.returned} zeroinitializer")
-        head = f"define internal {returned.returned} @{symbol}({parameters}) nounwind {{\nentry:"
+        apart = " noinline" if len(self.lines) > LONG else ""  # compiled once, not into each of its callers
+        head = f"define internal {returned.returned} @{symbol}({parameters}) nounwind{apart} {{\nentry:"
         return "\n".join([head, *self.slots, "  br label %start", "start:", *self.lines, "}"])
 
     def _write(self) -> str:

@@ -127,8 +127,10 @@ def _by(integrator: str, composition: Composition) -> Composition:
     found = find_integrator(integrator)
     if not isinstance(found, Rosenbrock):
         return composition
-    text = found.into(composition.text)
-    return composition if text is composition.text else replace(composition, text=text)
+    text, together = found.into(composition.text), composition.together
+    if text is composition.text:
+        return composition
+    return replace(composition, text=text, together=lambda: found.into(together()))
 
 
 def _discharge_line(composition: Composition) -> tuple[Entry, ...]:

@@ -6,8 +6,8 @@ module's text; numbers go into the vector P and the tables TAB, so that one comp
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -75,6 +75,7 @@ class Composition:
     """A model ready to be compiled (`text`) and run (`P`, `TAB`, `knots`)."""
 
     text: str
+    together: Callable[[], str] = field(compare=False)  # the text of all chambers, written when it is asked for
     P: np.ndarray
     TAB: np.ndarray
     knots: np.ndarray  # of one chamber's life, neighbours' included [rad]
@@ -241,11 +242,8 @@ def compose(parts: Parts) -> Composition:
     resting = (model_stops.keep_at_rest, model_stops.keep_rows_at_rest, model_stops.note_end, model_stops.note_start)
     for each in (*balances.KERNELS, nozzle.flow, *(resting if stops else ())):
         network.kernels[each.flat_name] = each
-    for written in (chamber_texts, chambers_texts)[: 1 + (geometry.chambers > 1)]:
-        texts, kernels = written(network.key())
-        writer.text += texts
-        writer.kernels += kernels
-    writer.text.append(moment_text(network.key()))
+    texts, kernels = chamber_texts(network.key())
+    texts = *writer.text, *texts, moment_text(network.key())
     n_areas = 4 + len(plenum)
     structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets)
     structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
@@ -254,7 +252,8 @@ def compose(parts: Parts) -> Composition:
     constants |= {name: getattr(ledger, name) for name in ledger.SUMS}
     constants |= numbers.places | SHARED | {name: structure[name] for name in (*OIL_NUMBERS, "E_LINES", "ALL_LINES")}
     return Composition(
-        text=module_text(tuple(writer.text), tuple(writer.kernels), tuple(constants.items()), tuple(structure.items())),
+        text=module_text(texts, (*writer.kernels, *kernels), tuple(constants.items()), tuple(structure.items())),
+        together=_together(writer, network, constants, structure),
         P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
         knots=_knots(parts, law, named, port.knots if port is not None else ()),
@@ -285,6 +284,18 @@ def compose(parts: Parts) -> Composition:
         pulsating=bool(parts.pulsations),
         n_work_all=room(network),
     )
+
+
+def _together(writer: Writer, network: Network, constants: Any, structure: Any) -> Callable[[], str]:
+    """Return what writes the module of all chambers."""
+    own, called, items = tuple(writer.text), tuple(writer.kernels), (tuple(constants.items()), tuple(structure.items()))
+    key = network.key()
+
+    def text() -> str:
+        texts, kernels = chambers_texts(key)
+        return module_text((*own, *texts), (*called, *kernels), *items, together=True)
+
+    return text
 
 
 def _connect(network: Network, parts: Parts, plenum: Sequence[Any], gaps: Sequence[Any]) -> None:

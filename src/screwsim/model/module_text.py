@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -58,40 +59,44 @@ def module_text(
     kernels: tuple[Kernel, ...],
     named: tuple[tuple[str, Any], ...],
     structure: tuple[tuple[str, int], ...],
+    together: bool = False,
 ) -> str:
-    """Return the flat module: constants, pasted kernels, the composition's functions, the drivers."""
+    """Return a flat module: constants, pasted kernels, the composition's functions, the driver.
+
+    That of one chamber holds all that a closed cycle is read with; that of all chambers `together` the driver alone.
+    """
     constants, numbers = dict(named), dict(structure)
-    quadratures = numbers["Q_STREAMS"] + numbers["CATEGORIES"] * numbers["WIDTH"]
-    lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
     own = {name: name for name in constants} | OWN
-    fillers = (each for each in (*ONE.values(), *ALL.values()) if not isinstance(each, str))
-    rooms = *fillers, chamber_steps.inject, places.places_along
-    model = flatten(rooms, own, numbers=numbers)
-    model |= flatten((history.add_history, history.states_at))
-    model |= flatten((trace.peak_pressure, trace.volumes, trace.sample, trace.work_along), own, numbers=numbers)
-    moments = ledger.account, ledger.arriving, ledger.oil_arriving, ledger.pressed_oil_arriving
-    moments += (ledger.held_arriving,) if numbers["DISSOLVES"] else ()
-    model |= flatten(moments, own, numbers=numbers)
-    if constants["HEATED"] and not constants["CARRIED"]:
-        model |= flatten((trace.oil_with_outflow,), own, numbers=numbers)
-    if numbers["PULSATING"]:
-        model |= flatten((line_flow.into_lines,), own, numbers=numbers)
-    if numbers["FILMED"]:
-        model |= flatten((trace.oil_films,), own, numbers=numbers)
-    if numbers["PORTED"]:
-        model |= flatten((trace.port_oil,), own, numbers=numbers)
-    if numbers["STOPS"]:
-        model |= flatten((chamber_steps.jump,), own, numbers=numbers)
+    filling = ALL if together else ONE
+    rooms = [each for each in filling.values() if not isinstance(each, str)]
+    if not together:
+        rooms += _read_with(constants, numbers)
     blocks = flatten(kernels, own, numbers=numbers)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
-    blocks |= {name: text for name, text in model.items() if name not in blocks}
-    drivers = ("_one", ONE, 1, 0), ("_all", ALL, constants["CHAMBERS"], 1)
-    for kind, filling, chambers, more in drivers[: 1 + (constants["CHAMBERS"] > 1)]:
-        slots = {name: filler if isinstance(filler, str) else filler.flat_name for name, filler in filling.items()}
-        jumps = int(numbers["STOPS"] > 0 and filling is ONE)
-        if jumps:
-            slots["jump"] = chamber_steps.jump.flat_name
-        sizes = {"STATES": chambers * constants["N"], "QUADRATURES": quadratures + more}
-        driver = flatten((rodas.integrate,), slots, kind, {"JUMPS": jumps, **sizes})
-        blocks |= {name: text for name, text in driver.items() if name not in blocks}
+    slots = {name: filler if isinstance(filler, str) else filler.flat_name for name, filler in filling.items()}
+    jumps = int(numbers["STOPS"] > 0 and not together)
+    if jumps:
+        rooms.append(chamber_steps.jump)
+        slots["jump"] = chamber_steps.jump.flat_name
+    quadratures = numbers["Q_STREAMS"] + numbers["CATEGORIES"] * numbers["WIDTH"] + together
+    sizes = {"STATES": (constants["CHAMBERS"] if together else 1) * constants["N"], "QUADRATURES": quadratures}
+    driver = flatten((rodas.integrate,), slots, "_all" if together else "_one", {"JUMPS": jumps, **sizes})
+    for more in (flatten(rooms, own, numbers=numbers), driver):
+        blocks |= {name: text for name, text in more.items() if name not in blocks}
+    lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
     return "\n\n".join(["\n".join(lines), *blocks.values()]) + "\n"
+
+
+def _read_with(constants: Mapping[str, Any], numbers: Mapping[str, int]) -> list[Kernel]:
+    """Return what histories are put in place with, and what closed cycles are read with."""
+    found = [chamber_steps.inject, places.places_along, history.add_history, history.states_at, ledger.account]
+    found += [trace.peak_pressure, trace.volumes, trace.sample, trace.work_along]
+    found += [ledger.arriving, ledger.oil_arriving, ledger.pressed_oil_arriving]
+    asked = {
+        ledger.held_arriving: numbers["DISSOLVES"],
+        trace.oil_with_outflow: constants["HEATED"] and not constants["CARRIED"],
+        line_flow.into_lines: numbers["PULSATING"],
+        trace.oil_films: numbers["FILMED"],
+        trace.port_oil: numbers["PORTED"],
+    }
+    return [*found, *(each for each, wanted in asked.items() if wanted)]

@@ -53,7 +53,6 @@ from screwsim.numerics.history import cubic, locate, read
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import dense_coefficients, dense_value
 
-
 SHARP = 0.01  # of its scale: an effect's own state below it errs as if it were that large; valves amplify errors
 SOME_GAS = 1e-3  # gas per oil below which its error counts as that of so much
 SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: dry gas that meets oil takes it at once

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cached_property
 from types import ModuleType
 from typing import Any
 
@@ -105,7 +106,7 @@ class Machinery:
     @contextmanager
     def _compiling(self, driver: str) -> Iterator[None]:
         started, counts, R = time.perf_counter(), self.counts.copy(), self.R.copy()
-        with compiled.first(self.module, driver):
+        with compiled.first(self.together if driver == "all" else self.module, driver):
             yield
         self.counts[:], self.R[:] = counts, R
         self.compile_time += time.perf_counter() - started
@@ -228,13 +229,18 @@ class Machinery:
         """
         if self.alone:
             return self.turn(y, rtol, h) if check is None else under_scipy.life(self, check, y, rtol, h)
-        if "all" not in compiled.warm(self.module):
+        if "all" not in compiled.warm(self.together):
             with self._compiling("all"):
                 self.own_pitch(y.copy(), 1e-2, h)
         self.watch()
         if check is not None:
             return under_scipy.pitch(self, check, y, rtol, h)
         return self.own_pitch(y, rtol, h, inset)
+
+    @cached_property
+    def together(self) -> ModuleType:
+        """The module of all chambers, loaded when they are first asked for."""
+        return compiled.load(self.composition.together())
 
     @property
     def alone(self) -> bool:
@@ -248,7 +254,7 @@ class Machinery:
         q = np.zeros(self.nq + 1)
         counts, knots = np.zeros(4, np.int64), self.pitch_knots()
         knots[[0, -1]] += inset, -inset
-        status, s, h = self.module.rodas__integrate_all(
+        status, s, h = self.together.rodas__integrate_all(
             knots,
             len(knots),
             y,

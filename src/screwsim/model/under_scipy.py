@@ -73,7 +73,7 @@ def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -
     E, f, g = np.empty(c.n_E_all), np.empty(len(y)), np.empty(machinery.nq + 1)
     J, Jq, E_next = np.empty((len(y), len(y))), np.empty((machinery.nq + 1, len(y))), np.empty(c.n_E_all)
     f_phi, g_phi = np.empty(len(y)), np.empty(machinery.nq + 1)
-    module, context = machinery.module, machinery.coupled_context
+    module, context = machinery.together, machinery.coupled_context
     held = space["spaces"][0][-c.chambers :]
 
     def rates(s: float, middle: float, state: Array) -> Array:

@@ -15,13 +15,28 @@ from screwsim.codegen.modules import Module
 from screwsim.cycle.problem import problem_of
 from screwsim.fluid.nozzle import choking
 from screwsim.model.run import Machinery
+from screwsim.numerics.derivative import tangent
 from screwsim.scene.types import Scene
 
-STATE = """def phased_state(phase, T, rho, P, TAB):
+STATE = """def {name}({arguments}):
     found = np.empty(7)
     coolprop_state(T, rho, found)
     return found[0], found[1], found[2], found[3], found[4], found[5], found[6]
 """
+SLOPES = """def {name}({arguments}):
+    p, h, c, t, a, x, f = {state}({arguments})
+    d = {step} * T
+    T = T + d
+    p_1, h_1, c_1, t_1, a_1, x_1, f_1 = {state}({arguments})
+    T = T - d
+    e = {step} * rho
+    rho = rho + e
+    p_2, h_2, c_2, t_2, a_2, x_2, f_2 = {state}({arguments})
+    by_T = (p_1 - p) / d, (h_1 - h) / d, (c_1 - c) / d, (t_1 - t) / d, 0.0, 0.0, 0.0
+    by_rho = (p_2 - p) / e, (h_2 - h) / e, (c_2 - c) / e, (t_2 - t) / e, 0.0, 0.0, 0.0
+    return p, h, c, t, a, x, f, {of_T}, {of_rho}
+"""
+STEP = 1e-7  # relative, of the differences: CoolProp gives no derivatives of all that is asked
 
 
 def state_function(fluid: str) -> Any:
@@ -55,13 +70,25 @@ def machinery_with_coolprop(scene: Scene) -> Machinery:
     """
     if scene.gas.model != "real":
         raise ValueError("gas.model: only a real gas can be asked of CoolProp")
-    composition = problem_of(scene).composition
-    text = composition.text
-    found = re.search(r"def phased_state\(.*?\n\n", text, flags=re.DOTALL)
-    assert found is not None
+    problem = problem_of(scene)
+    gas, text = problem.parts.gas, problem.composition.text
+    kernel = gas.state if gas.phased_state is None else gas.phased_state[1]
+    each = ", ".join(kernel.arguments)
+    slopes = {f"of_{of}": ", ".join(f"by_{of}[{i}]" for i in range(7)) for of in ("T", "rho")}
+    text = _replaced(text, STATE.format(name=kernel.flat_name, arguments=each))
+    name = tangent(kernel, ("T", "rho")).flat_name
+    text = _replaced(text, SLOPES.format(name=name, state=kernel.flat_name, arguments=each, step=STEP, **slopes))
     state = state_function(scene.gas.fluid)
     address = ctypes.cast(state, ctypes.c_void_p).value
     assert address is not None
-    module = Module("coolprop back end", text.replace(found.group(0), STATE + "\n\n"), {"coolprop_state": address})
+    module = Module("coolprop back end", text, {"coolprop_state": address})
     vars(module)["state of CoolProp"] = state  # kept as long as what calls it
-    return Machinery(composition, module)
+    return Machinery(problem.composition, module)
+
+
+def _replaced(text: str, function: str) -> str:
+    """Return a text with another function in the place of the one of its name."""
+    head = function[: function.index("(") + 1]
+    found = re.search(rf"^{re.escape(head)}.*?\n\n", text, flags=re.DOTALL | re.MULTILINE)
+    assert found is not None
+    return text.replace(found.group(0), function + "\n\n")

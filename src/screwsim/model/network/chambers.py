@@ -30,8 +30,9 @@ BOTH = ("T", "rho")
 @lru_cache(maxsize=64)
 def chambers_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel, ...]]:
     """Return the functions of all chambers of a network, given by its key, and the kernels that they call."""
-    chambers = Chambers(Network(*key))
-    return (chambers.rates(), chambers.jacobian()), tuple(chambers.tangents)
+    network = Network(*key)
+    chambers = Chambers(network)
+    return (chambers.rates(), chambers.jacobian()), (*network.kernels.values(), *chambers.tangents)
 
 
 def room(network: Network) -> int:
