@@ -171,7 +171,7 @@ def test_explicit_methods_count_their_evaluations(scene):
     rodas = solve(scene, way(1e-2))
     radau = solve(scene, way(1e-2, "scipy-radau"))
     assert radau.evaluations > rodas.evaluations > 0
-    assert math.isclose(radau.figures().shaft_power, rodas.figures().shaft_power, rel_tol=2e-2)
+    assert math.isclose(radau.evaluation.figures.shaft_power, rodas.evaluation.figures.shaft_power, rel_tol=2e-2)
 
 
 def test_a_real_gas_is_also_asked_of_coolprop(scene):
@@ -203,4 +203,4 @@ def test_a_driven_scene_is_solved_at_the_speed_at_which_it_runs():
     wanted = driven.numerics.accuracy
     finer = solve(driven, way(0.1 * wanted))
     assert finer.closed.status == "ok"
-    assert worst(relative_errors(simulate(driven, trace=False).performance, finer.figures()))[1] <= wanted
+    assert worst(relative_errors(simulate(driven, trace=False).performance, finer.evaluation.figures))[1] <= wanted

@@ -57,17 +57,17 @@ def _outer(c: Composition, q: Array) -> Array:
 
 def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     """Return what a life leaves open, from its quadratures and the run-time cells that it left."""
-    c, trapped = problem.composition, float(R[R_TRAPPED])
+    c, part, trapped = problem.composition, problem.parts.oil, float(R[R_TRAPPED])
     flows = _outer(c, q)
     mass = flows[:, 0]
     enthalpy = flows[:, 1] - problem.inlet.enthalpy * mass
     energy = enthalpy.sum() + q[0]
     scale = np.abs(enthalpy).sum() + abs(q[0])
     oil = oil_share = 0.0
-    if c.carried:
-        injected, T_oil = _injected(problem, R)
-        c_oil = problem.parts.oil.heat_capacity if problem.parts.oil is not None else 0.0
-        energy += c_oil * (flows[:, 3].sum() - T_oil * flows[:, 2].sum())
+    if c.carried and part is not None:
+        injected = float(R[R_INJECTED])
+        T_oil = part.temperature + problem.pressed(max(part.source_pressure, float(R[R_PRESSURE])))
+        energy += part.heat_capacity * (flows[:, 3].sum() - T_oil * flows[:, 2].sum())
         lost, through = abs(flows[:, 2].sum() + injected), max(injected, np.abs(flows[:, 2]).sum() / 2)
         oil, oil_share = lost / max(through, LEAST_OIL * trapped), lost / max(through, trapped)
         if c.dissolves:  # what it holds dissolved, over the gas
@@ -81,14 +81,6 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     mass_scale = max(trapped, 0.5 * np.abs(mass).sum())
     open_energy = abs(energy) / max(scale, LEAST_WORK * trapped * problem.pv)
     return Residuals(abs(mass.sum()) / mass_scale, open_energy, oil, oil_share)
-
-
-def _injected(problem: Problem, R: Array) -> tuple[float, float]:
-    """Return the oil [kg] injected at one angle, and its enthalpy over its heat capacity [K]."""
-    oil = problem.parts.oil
-    if oil is None:
-        return 0.0, 0.0
-    return float(R[R_INJECTED]), oil.temperature + problem.pressed(max(oil.source_pressure, float(R[R_PRESSURE])))
 
 
 def discharge_enthalpy(streams: Array) -> tuple[float, float, float] | None:

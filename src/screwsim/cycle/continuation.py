@@ -80,7 +80,7 @@ class Course:
             off = _distances(np.array([*self._told.values()]), values)
             for cycles, missed in zip(self._told, off.tolist(), strict=True):
                 self._missed[cycles] = 0.5 * (self._missed.get(cycles, missed) + missed)
-        noted = _Cycle(_angles(c), parameters, (life.times, life.dense, life.steps), values)
+        noted = _Cycle(_angles(c), parameters, life.rows, values)
         self._cycles = [*self._cycles, noted][-DEPTH:]
 
     def guess(self, machinery: Machinery, parameters: Array) -> Guess | None:

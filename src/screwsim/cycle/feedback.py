@@ -61,6 +61,7 @@ def turn_of(problem: Problem, life: Trajectory, q: Array) -> Turn:
     parts, P, c = problem.parts, life.composition.P, problem.composition
     sums = problem.rate * walls_of(c, q)
     names = [wall.name for _, wall in parts.walls]
+    stated = ((name, active.parameters) for name, active in problem.scene.effects.items())
     held = dict(zip(parts.made, P[list(c.made)].tolist(), strict=True))
     made = dict(held)
     turn = Turn(
@@ -68,7 +69,7 @@ def turn_of(problem: Problem, life: Trajectory, q: Array) -> Turn:
         made,
         dict(zip(names, sums[:, 0].tolist(), strict=True)),
         dict(zip(names, sums[:, 1].tolist(), strict=True)),
-        _gaps(problem),
+        {name: gap.gap for name, gap in stated if isinstance(gap, ClearanceParameters)},
         problem.scene.operation.ambient_temperature,
         _line_flows(problem, life, q),
         parts.omega,
@@ -84,26 +85,21 @@ def turn_of(problem: Problem, life: Trajectory, q: Array) -> Turn:
 
 
 def _line_flows(problem: Problem, life: Trajectory, q: Array) -> Callable[[str], LineFlow]:
-    """Return a function that tells of the flow to a line; all is read once, when it is first asked."""
-    taken = cache(lambda: life.into_lines(LINE_POINTS))
-    return cache(lambda to: _line_flow(problem, life.R, q, problem.parts.number(to), *taken()))
+    """Return a function that tells of the chambers' flow to a line; all is read once, when it is first asked."""
+    taken, gas = cache(lambda: life.into_lines(LINE_POINTS)), problem.parts.gas
 
+    @cache
+    def flow_to(line: str) -> LineFlow:
+        """Return the flow over one pitch; its mean is that of the quadratures."""
+        number = problem.parts.number(line)
+        flow, volume = (each[number] for each in taken())
+        streams = streams_of(problem.composition, q)[2 * number : 2 * number + 2, 0]
+        mean = -float(streams.sum()) * problem.parts.omega / problem.parts.geometry.pitch
+        h = float(life.R[number * PLACE + ENTHALPY])
+        p, rho, _h, exponent, *_ = gas.place_of_enthalpy(float(life.R[number * PLACE + PRESSURE]), h)
+        return LineFlow(flow + (mean - flow.mean()), float(volume), p, rho, 1.0 / exponent)
 
-def _line_flow(problem: Problem, R: Array, q: Array, number: int, flows: Array, volumes: Array) -> LineFlow:
-    """Return the flow of the chambers into a line over one pitch; its mean is that of the quadratures."""
-    flow = flows[number]
-    streams = streams_of(problem.composition, q)[2 * number : 2 * number + 2, 0]
-    mean = -float(streams.sum()) * problem.parts.omega / problem.parts.geometry.pitch
-    place = R[number * PLACE : (number + 1) * PLACE]
-    gas = problem.parts.gas
-    p, rho, _h, exponent, *_ = gas.place_of_enthalpy(float(place[PRESSURE]), float(place[ENTHALPY]))
-    return LineFlow(flow + (mean - flow.mean()), float(volumes[number]), p, rho, 1.0 / exponent)
-
-
-def _gaps(problem: Problem) -> dict[str, float]:
-    """Return the stated clearances [m] by effect."""
-    stated = ((name, active.parameters) for name, active in problem.scene.effects.items())
-    return {name: parameters.gap for name, parameters in stated if isinstance(parameters, ClearanceParameters)}
+    return flow_to
 
 
 def at_its_end(problem: Problem, life: Trajectory) -> str:

@@ -5,12 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from screwsim.model.slots import R_TRAPPED
-from screwsim.model.trajectory import Trajectory
-
-Array = np.ndarray
+from screwsim.model.trajectory import Array, Trajectory
 
 
 @dataclass(frozen=True, eq=False)

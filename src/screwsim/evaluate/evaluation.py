@@ -5,23 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
-from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
+from screwsim.cycle.balances import LEAST_WORK, residuals, streams_of
 from screwsim.cycle.feedback import image, turn_of
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
 from screwsim.evaluate.known import CycleFigures, known_of, uncarried_oil_temperature
-from screwsim.evaluate.performance import loss_power
+from screwsim.evaluate.performance import oil_lift, power_losses
 from screwsim.evaluate.pitch import Pitch, pitch_of
 from screwsim.figures import Performance
 from screwsim.model.slots import PRESSURE, R_INJECTED, R_SUCTION, R_TRAPPED
-from screwsim.model.trajectory import Trajectory
+from screwsim.model.trajectory import Array, Trajectory
 from screwsim.outputs import Figures
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,11 +32,6 @@ class Evaluation:
     def streams(self) -> Array:
         """Sums over the life by category (`cycle.balances.streams_of`)."""
         return streams_of(self.problem.composition, self.q)
-
-    @cached_property
-    def residuals(self) -> Residuals:
-        """What the life leaves open."""
-        return residuals(self.problem, self.life.R, self.q)
 
     @cached_property
     def turn(self) -> Turn:
@@ -94,24 +85,14 @@ def evaluate(problem: Problem, cycle: CycleSolution) -> Evaluation:
 
 def balance(of: Evaluation) -> Figures:
     """Return the balances of a closed cycle (contract: balance)."""
-    c, left = of.problem.composition, of.residuals
-    uncarried = "T_oil" in c.states and not c.carried
-    return Figures(
-        mass=left.mass,
-        energy=left.energy,
-        oil_mass=left.oil if c.carried else None,
-        oil_residue=_oil_residual(of) if uncarried else None,
-        bound=of.problem.wanted.bound,
-    )
-
-
-def _oil_residual(of: Evaluation) -> float | None:
-    """Return the heat [W] that the oil takes up beyond what the injected oil carries to discharge (M40)."""
-    oil, T_out = of.problem.parts.oil, uncarried_oil_temperature(of.life)
-    if oil is None or T_out is None:
-        return None
-    carried = float(of.life.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
-    return float(-of.q[1] - carried) * of.problem.rate
+    problem, c, oil = of.problem, of.problem.composition, of.problem.parts.oil
+    left, residue = residuals(problem, of.life.R, of.q), None
+    T_out = uncarried_oil_temperature(of.life) if "T_oil" in c.states and not c.carried else None
+    if oil is not None and T_out is not None:  # what the oil takes up beyond what it carries to discharge (M40) [W]
+        carried = float(of.life.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
+        residue = float(-of.q[1] - carried) * problem.rate
+    oil_mass, bound = left.oil if c.carried else None, problem.wanted.bound
+    return Figures(mass=left.mass, energy=left.energy, oil_mass=oil_mass, oil_residue=residue, bound=bound)
 
 
 def loss_torque(of: Evaluation, omega: float) -> float:
@@ -119,4 +100,6 @@ def loss_torque(of: Evaluation, omega: float) -> float:
     share = omega / of.problem.parts.omega
     names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow")
     known = replace(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
-    return loss_power(of.problem.parts, of.problem.lines, known) / omega
+    parts = of.problem.parts
+    lift = oil_lift(parts, of.problem.lines, known) if parts.oil is not None else 0.0
+    return (sum(power_losses(parts, known).values()) + lift) / omega

@@ -90,8 +90,10 @@ def _figures(
         found["intake_pressure"] = place[PRESSURE]
         found["intake_temperature"] = problem.suction.temperature(place, lines.T_s)
     if geometry.expands:
-        work = problem.h_isentropic - problem.inlet.enthalpy
-        changed, reasons = expander.figures(found, work, _filled(problem, life))
+        work, closes = problem.h_isentropic - problem.inlet.enthalpy, geometry.inlet_closes
+        filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
+        filled = None if filled is None else filled * parts.omega / geometry.pitch
+        changed, reasons = expander.figures(found, work, filled)
         found |= changed
         notes = {name: why for name, why in notes.items() if name not in changed} | reasons
     if parts.walls:
@@ -120,15 +122,6 @@ def _shut(problem: Problem, turn: Turn | None) -> bool:
     """
     lines = [part for part in problem.parts.pulsations if part.to == "suction" or not problem.parts.plenums]
     return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
-
-
-def _filled(problem: Problem, life: Trajectory) -> float | None:
-    """Return the gas that fills an expander's chambers where its inlet closes, at the inlet's state [kg/s]."""
-    geometry = problem.parts.geometry
-    closes = geometry.inlet_closes
-    if closes is None:
-        return None
-    return problem.inlet.density * life.volume(closes) * problem.parts.omega / geometry.pitch
 
 
 def _of_plenums(

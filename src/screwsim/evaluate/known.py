@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from screwsim.cycle.balances import discharge_enthalpy, streams_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Turn
 from screwsim.evaluate.pitch import Pitch
 from screwsim.model.places import SOME_OIL
 from screwsim.model.slots import PORT_OIL, R_INJECTED, R_PRESSURE
-from screwsim.model.trajectory import Trajectory
-
-Array = np.ndarray
+from screwsim.model.trajectory import Array, Trajectory
 
 
 @dataclass(frozen=True)

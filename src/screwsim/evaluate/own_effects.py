@@ -120,7 +120,7 @@ def _declared(parts: Parts, own: set[str]) -> Iterator[str]:
 
 def _along(life: Trajectory) -> tuple[Array, Array]:
     """Return angles [rad] of the cycle that stands, and the states and pressure there, a row each."""
-    times, dense, steps = life.times, life.dense, life.steps
+    times, dense, steps = life.rows
     curves = [dense[:steps, k, : len(life.composition.states) + 1] for k in range(4)]
     phis = [times[:steps] + share * np.diff(times[: steps + 1]) for share in SHARES]
     return np.concatenate(phis), np.concatenate([dense_value(share, *curves) for share in SHARES])

@@ -79,12 +79,6 @@ def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
     return 0.0 if parts.oil_room else known.oil_volume_flow * (lines.p_d - known.injection_pressure)
 
 
-def loss_power(parts: Parts, lines: Lines, known: CycleFigures) -> float:
-    """Return the shaft power beside the indicated power [W]: losses, and the lift of the oil."""
-    lift = oil_lift(parts, lines, known) if parts.oil is not None else 0.0
-    return sum(power_losses(parts, known).values()) + lift
-
-
 def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
     """Return the net flow [kg/s] from each own plenum whose gas is a product, and its state."""
     products = {part.name for _, part in parts.all(Plenum) if part.product}
@@ -157,9 +151,3 @@ def judged(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple
     complete = replace(known, shaft_power=found["shaft_power"], motor_power=found.get(MOTOR_POWER))
     told = [judge(complete) for judge in judges]
     return next((why for why, _ in told if why), ""), tuple(each for _, warnings in told for each in warnings)
-
-
-def pitch_traces(parts: Parts, known: CycleFigures) -> dict[str, Array]:
-    """Return the curves over one pitch that effects read from the closed cycle."""
-    traces = [part.traces for _, part in parts.all(Reading) if part.traces is not None]
-    return {name: trace for read in traces for name, trace in read(known).items()}

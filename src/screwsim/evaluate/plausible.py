@@ -6,9 +6,8 @@ are its figures, as a table, and the ways of the gas into and out of the chamber
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 from screwsim.effects.base import FlowPath, HeatRate, Wall
 from screwsim.model.parts import Parts
@@ -149,11 +148,7 @@ def doubts(told: Told) -> tuple[str, ...]:
 
 def shut_ways(scene: Scene, parts: Parts) -> tuple[str, ...]:
     """Return that nothing leads from the suction line into a chamber, or from it to the discharge line."""
-    return tuple(_shut(scene, parts))
-
-
-def _shut(scene: Scene, parts: Parts) -> Iterator[str]:
-    leads = {path.to for name, path in _paths(parts) if name not in BESIDE}
+    found, leads = [], {path.to for name, path in parts.all(FlowPath) if name not in BESIDE}
     ports = ("suction_port", "discharge_port")
     for line, port in zip(("suction", "discharge"), reversed(ports) if parts.geometry.expands else ports, strict=True):
         if line in leads:
@@ -162,8 +157,5 @@ def _shut(scene: Scene, parts: Parts) -> Iterator[str]:
         remedy = f"name effects.{port}" if hasattr(scene.machine, port) else "name effects.check_valves or reed_valves"
         given = getattr(scene.machine, port, None) is not None
         beside = f"; machine.{port} is given, but only an effect that is named is simulated" if given else ""
-        yield f"no port or valve leads {way} the chambers ({remedy}{beside})"
-
-
-def _paths(parts: Parts) -> list[tuple[str, Any]]:
-    return parts.all(FlowPath)
+        found.append(f"no port or valve leads {way} the chambers ({remedy}{beside})")
+    return tuple(found)

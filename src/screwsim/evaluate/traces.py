@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 
-from screwsim.effects.base import FlowPath
+from screwsim.effects.base import FlowPath, Reading
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.evaluate.performance import pitch_traces
 from screwsim.model.slots import FIRST_OWN, HELD, R_RATIO
 from screwsim.model.speed import slowness
 
@@ -19,9 +18,11 @@ def traces(of: Evaluation) -> dict[str, np.ndarray]:
     """Return the traces of a closed cycle (contract: cycle)."""
     found, parts = _of_life(of), of.problem.parts
     degrees, pitch = found["angle"], math.degrees(parts.geometry.pitch)
-    for name, values in pitch_traces(parts, of.known if parts.shaft is None else of.complete).items():
-        grid = np.linspace(0.0, pitch, len(values) + 1)
-        found[name] = np.interp(degrees, grid, np.append(values, values[0]), period=pitch)
+    known = of.known if parts.shaft is None else of.complete
+    for read in [part.traces for _, part in parts.all(Reading) if part.traces is not None]:
+        for name, values in read(known).items():
+            grid = np.linspace(0.0, pitch, len(values) + 1)
+            found[name] = np.interp(degrees, grid, np.append(values, values[0]), period=pitch)
     return found
 
 

@@ -36,18 +36,13 @@ def warm(module: ModuleType) -> set[str]:
 
 @contextmanager
 def first(module: ModuleType, driver: str) -> Iterator[None]:
-    """Announce the compilation of a driver where it is called for the first time."""
+    """Say on stderr that a driver's first compilation takes its time; silent when done before."""
     if driver in warm(module):
         yield
         return
-    with alone, announced(driver):
+    with alone, compiling.announced(driver, *COMPILED[driver]):
         yield
     warm(module).add(driver)
-
-
-def announced(driver: str) -> AbstractContextManager[None]:
-    """Say on stderr that a driver's first compilation takes its time; silent when done before."""
-    return compiling.announced(driver, *COMPILED[driver])
 
 
 def equation_announced(fluid: str) -> AbstractContextManager[None]:

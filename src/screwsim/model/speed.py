@@ -42,12 +42,17 @@ def slowness(phi, pitch, curve, P):
 
 def flat_curve(pitch: float) -> Array:
     """Return the packed curve of a constant speed."""
-    return _packed(np.ones(ROWS), np.zeros(ROWS), pitch)
+    return curve_of(np.ones(ROWS), np.zeros(ROWS), pitch)
 
 
 def curve_of(squares: Array, slopes: Array, pitch: float) -> Array:
-    """Return the packed curve of the square of the speed over the mean, and its slopes [1/rad], at `ROWS` angles."""
-    return _packed(squares, slopes, pitch)
+    """Return the packed curve of the square of the speed over the mean, and its slopes [1/rad], at `ROWS` angles.
+
+    Slopes are limited so that no cubic between positive squares falls below zero.
+    """
+    most = 3.0 * (ROWS - 1) / pitch * squares
+    both = np.column_stack([np.maximum(slopes, -most)[:-1], np.minimum(slopes, most)[1:]])
+    return pack_curve(np.linspace(0.0, pitch, ROWS), squares, both)
 
 
 def put(P: Array, at: int, curve: Array) -> None:
@@ -72,10 +77,3 @@ def put_back(composition: Composition, course: Array) -> None:
     at = composition.speed_curve
     if at is not None and len(course) and squares_at(course, 0).min() > (1.0 - TOO_LARGE) ** 2:
         put(composition.P, at, course)
-
-
-def _packed(squares: Array, slopes: Array, pitch: float) -> Array:
-    """Return the packed curve; slopes are limited so that no cubic between positive squares falls below zero."""
-    most = 3.0 * (ROWS - 1) / pitch * squares
-    both = np.column_stack([np.maximum(slopes, -most)[:-1], np.minimum(slopes, most)[1:]])
-    return pack_curve(np.linspace(0.0, pitch, ROWS), squares, both)

@@ -48,6 +48,11 @@ class Trajectory(NamedTuple):
         return Trajectory(replace(c, P=P), self.module, R, times, dense, quads, steps, context)
 
     @property
+    def rows(self) -> tuple[Array, Array, int]:
+        """Times and dense output, and of how many steps."""
+        return self.times, self.dense, self.steps
+
+    @property
     def ends(self) -> tuple[Array, Array]:
         """Temperature [K] and density [kg/m³] at the end of every step."""
         T, rho = (np.ascontiguousarray(self.dense[: self.steps, 1, column]) for column in (0, 1))
@@ -60,7 +65,7 @@ class Trajectory(NamedTuple):
     def states_at(self, angles: Array) -> Array:
         """Return the states at increasing angles [rad], and the pressure [Pa] behind them, one row an angle."""
         out = np.empty((len(angles), len(self.composition.states) + 1))
-        self.module.history__states_at(angles, self.times, self.dense, self.steps, out)
+        self.module.history__states_at(angles, *self.rows, out)
         return out
 
     def sample(self, angles: Array) -> tuple[Array, Array]:
@@ -68,21 +73,20 @@ class Trajectory(NamedTuple):
         c = self.composition
         out = np.empty((len(angles), 4 + len(c.states)))
         flows = np.empty((len(angles), len(c.plenum_paths) + 2 * len(c.gap_paths)))
-        self.module.trace__sample(
-            angles, self.times, self.dense, self.quads, self.steps, self.context, c.n_E, out, flows
-        )
+        rows = self.times, self.dense, self.quads, self.steps
+        self.module.trace__sample(angles, *rows, self.context, c.n_E, out, flows)
         return out, flows
 
     def oil_films(self, angles: Array) -> Array:
         """Return rows of the oil [kg/s] that flows in through gaps as films, each ahead and behind, at angles [rad]."""
         c = self.composition
         out = np.empty((len(angles), 2 * len(c.gap_paths)))
-        self.module.trace__oil_films(angles, self.times, self.dense, self.steps, self.context, c.n_E, out)
+        self.module.trace__oil_films(angles, *self.rows, self.context, c.n_E, out)
         return out
 
     def peak_pressure(self, limit: float) -> float:
         """Return the highest pressure [Pa] from the injection up to an angle [rad]."""
-        return float(self.module.trace__peak_pressure(self.times, self.dense, self.steps, limit, self.context))
+        return float(self.module.trace__peak_pressure(*self.rows, limit, self.context))
 
     def into_lines(self, points: int) -> tuple[Array, Array]:
         """Return the flow [kg/s] into suction and discharge line, and the mean volume [m³] that is open to each.
@@ -90,9 +94,7 @@ class Trajectory(NamedTuple):
         The flow at `points` even angles of a pitch, from the youngest chamber's 0° on; only of lines that pulsate.
         """
         into, volume = np.zeros((2, points)), np.zeros(2)
-        self.module.line_flow__into_lines(
-            self.times, self.dense, self.steps, self.context, self.composition.n_E, into, volume
-        )
+        self.module.line_flow__into_lines(*self.rows, self.context, self.composition.n_E, into, volume)
         return into, volume
 
     def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:
@@ -105,18 +107,15 @@ class Trajectory(NamedTuple):
         warming = len(c.heats) + len(c.walls)
         heats, oil = np.zeros((max(warming, 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
         with compiled.first(self.module, "ledger"):
-            self.module.ledger__account(
-                self.times, self.dense, self.steps, self.context, c.n_E, s_suction, s_discharge, paths, heats, oil
-            )
+            sums = paths, heats, oil
+            self.module.ledger__account(*self.rows, self.context, c.n_E, s_suction, s_discharge, *sums)
         return paths, heats[:warming], oil
 
     def port_oil(self) -> tuple[float, float]:
         """Return the oil [kg] that came through ports over the life, and that times the chamber's pressure."""
         c = self.composition
-        return self.module.trace__port_oil(self.times, self.dense, self.steps, c.P, c.TAB)
+        return self.module.trace__port_oil(*self.rows, c.P, c.TAB)
 
     def oil_with_outflow(self) -> tuple[float, float]:
         """Return Σ ṁ T_oil and Σ ṁ of what flows out to the discharge line."""
-        return self.module.trace__oil_with_outflow(
-            self.times, self.dense, self.steps, self.context, self.composition.n_E
-        )
+        return self.module.trace__oil_with_outflow(*self.rows, self.context, self.composition.n_E)

@@ -5,14 +5,15 @@ Source: docs/explanation/numerics.md, "Independent check".
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from screwsim.model.meetings import Meetings
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, PLACE, Q_WALLS
 from screwsim.numerics.integrators import Check
-from screwsim.numerics.scipy_integrators import integrate
+from screwsim.numerics.scipy_integrators import Slopes, integrate
 
 if TYPE_CHECKING:
     from screwsim.model.run import Machinery
@@ -29,27 +30,9 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
     if c.stops:
         meetings = Meetings(module, machinery.n, c.stops, own, held.stop, (machinery.R, c.P, c.TAB))
         meetings.begin(y, rtol)
-    E, E_next, f, g = np.empty(c.n_E), np.empty(c.n_E), np.empty(machinery.n), np.empty(machinery.nq)
-    J, Jq = np.empty((machinery.n, machinery.n)), np.empty((machinery.nq, machinery.n))
-    f_phi, g_phi = np.empty(machinery.n), np.empty(machinery.nq)
-
-    def rates(phi: float, middle: float, state: Array) -> Array:
-        machinery.watch()
-        module.chamber__surroundings(phi, middle, context, E)
-        own[PLACE] = FREE
-        own[held] = FREE
-        module.chamber__rates(np.ascontiguousarray(state), E, context, f, g)
-        return np.concatenate([f, g])
-
-    def jacobian(phi: float, middle: float, state: Array) -> Array:
-        module.chamber__surroundings(phi, middle, context, E)
-        module.chamber__surroundings(phi + 1e-6, middle, context, E_next)
-        z = np.ascontiguousarray(state)
-        module.chamber__jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
-        return np.vstack([J, Jq])
-
-    scales = _scales(machinery, q_scale)
-    end, q, path = integrate(rates, jacobian, c.knots, y, scales, rtol, check, meetings)
+    kernels = module.chamber__surroundings, module.chamber__rates, module.chamber__jacobian
+    slopes = _slopes(machinery, kernels, context, (own[PLACE : PLACE + 1], own[held]), len(y), c.n_E, machinery.nq)
+    end, q, path = integrate(*slopes, c.knots, y, _scales(machinery, q_scale), rtol, check, meetings)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls, path.jacobians])
@@ -68,30 +51,12 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
 def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
     """Do what `Machinery.pitch` does with a check; a loose own one gives the quadratures' scale."""
     _, _, _, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
-    space, c = machinery.coupled_space(), machinery.composition
+    space, c, module = machinery.coupled_space(), machinery.composition, machinery.together
     machinery.inject(y)
-    E, f, g = np.empty(c.n_E_all), np.empty(len(y)), np.empty(machinery.nq + 1)
-    J, Jq, E_next = np.empty((len(y), len(y))), np.empty((machinery.nq + 1, len(y))), np.empty(c.n_E_all)
-    f_phi, g_phi = np.empty(len(y)), np.empty(machinery.nq + 1)
-    module, context = machinery.together, machinery.coupled_context
-    held = space["spaces"][0][-c.chambers :]
-
-    def rates(s: float, middle: float, state: Array) -> Array:
-        machinery.watch()
-        module.coupled__all_surroundings(s, middle, context, E)
-        held[:] = FREE
-        module.chambers__rates(np.ascontiguousarray(state), E, context, f, g)
-        return np.concatenate([f, g[:-1]])
-
-    def jacobian(s: float, middle: float, state: Array) -> Array:
-        module.coupled__all_surroundings(s, middle, context, E)
-        module.coupled__all_surroundings(s + 1e-6, middle, context, E_next)
-        z = np.ascontiguousarray(state)
-        module.chambers__jacobian(z, E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
-        return np.vstack([J, Jq[:-1]])
-
-    scales = _scales(machinery, q_scale)
-    end, q, path = integrate(rates, jacobian, machinery.pitch_knots(), y, scales, rtol, check)
+    kernels = module.coupled__all_surroundings, module.chambers__rates, module.chambers__jacobian
+    held, context = space["spaces"][0][-c.chambers :], machinery.coupled_context
+    slopes = _slopes(machinery, kernels, context, (held,), len(y), c.n_E_all, machinery.nq + 1)
+    end, q, path = integrate(*slopes, machinery.pitch_knots(), y, _scales(machinery, q_scale), rtol, check)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls * c.chambers, path.jacobians * c.chambers])
@@ -100,6 +65,31 @@ def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -
     space["history"][0][: steps + 1], space["history"][1][:steps] = path.times, path.dense
     space["kept"][0] = steps
     return int(path.message != ""), path.times[-1], h, q
+
+
+def _slopes(
+    machinery: Machinery, kernels: Sequence[Any], context: Any, held: Sequence[Array], n: int, n_E: int, nq: int
+) -> tuple[Slopes, Slopes]:
+    """Return rates and Jacobian of n states, and of the quadratures behind them; `held` is what no step holds here."""
+    surroundings, fill_rates, fill_jacobian = kernels
+    E, E_next, f, g, f_phi, g_phi = (np.empty(size) for size in (n_E, n_E, n, nq, n, nq))
+    J, Jq = np.empty((n, n)), np.empty((nq, n))
+
+    def rates(phi: float, middle: float, state: Array) -> Array:
+        machinery.watch()
+        surroundings(phi, middle, context, E)
+        for phase in held:
+            phase[:] = FREE
+        fill_rates(np.ascontiguousarray(state), E, context, f, g)
+        return np.concatenate([f, g[: machinery.nq]])
+
+    def jacobian(phi: float, middle: float, state: Array) -> Array:
+        surroundings(phi, middle, context, E)
+        surroundings(phi + 1e-6, middle, context, E_next)
+        fill_jacobian(np.ascontiguousarray(state), E, E_next, 1e-6, context, f, g, J, Jq, f_phi, g_phi)
+        return np.vstack([J, Jq[: machinery.nq]])
+
+    return rates, jacobian
 
 
 def _scales(machinery: Machinery, q: Array) -> Array:

@@ -6,6 +6,8 @@ import time
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
+
 from screwsim.cycle.close import again, close
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.fallbacks import fallbacks
@@ -19,6 +21,7 @@ from screwsim.outputs import Figures
 from screwsim.solve.drive import settled
 from screwsim.solve.estimate import estimated_errors
 
+Array = np.ndarray
 TIGHTER = 0.25  # least factor of tolerances and regularisation in the next try, where the estimate exceeds the accuracy
 AIM = 0.6  # of the wanted accuracy, at which the next try aims
 EASY = 0.4  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
@@ -39,7 +42,7 @@ class Accurate(NamedTuple):
     wanted: Wanted
     errors: Figures
     tightness: float
-    counts: list[int]
+    counts: Array
     closing_time: float
     estimating_time: float
 
@@ -71,16 +74,11 @@ def solve(problem: Problem, machinery: Machinery, course: Course | None = None) 
         if tighter.status != "ok":
             break
         cycle, of = tighter, evaluate(problem, tighter)
-    tightness = _next_tightness(tightness, largest / numerics.accuracy)
+    if largest < EASY * numerics.accuracy:
+        tightness = min(1.0, LOOSER * tightness)
+    tightness = max(tightness, TIGHTEST)
     times, counts = watch.times, watch.counts["closing"]
     return Accurate(cycle, of, wanted, errors, tightness, counts, times["closing"], times["estimating"])
-
-
-def _next_tightness(used: float, estimated: float) -> float:
-    """Return the factor of the tolerances with which the next scene of a course begins; error over accuracy."""
-    if estimated < EASY:
-        used = min(1.0, LOOSER * used)
-    return max(used, TIGHTEST)
 
 
 def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
@@ -89,8 +87,7 @@ def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:
     wanted = accurate.wanted.tighter(TIGHTER)
     cycle = _tighter(problem, machinery, wanted, accurate.cycle)
     watch.lap("closing")
-    counts = [before + more for before, more in zip(accurate.counts, watch.counts["closing"], strict=True)]
-    spent = accurate.closing_time + watch.times["closing"]
+    counts, spent = accurate.counts + watch.counts["closing"], accurate.closing_time + watch.times["closing"]
     accurate = accurate._replace(counts=counts, closing_time=spent)
     if cycle.status != "ok":
         return accurate
@@ -130,18 +127,16 @@ class Watch:
     """Time and counts of one machinery by what they were spent on; compilation does not count."""
 
     def __init__(self, machinery: Machinery) -> None:
-        self.machinery = machinery
+        self.machinery, self.started = machinery, _now(machinery)
         self.times = {"closing": 0.0, "estimating": 0.0}
-        self.started = self._now()
-        self.counts = {name: [0] * len(self.started[1]) for name in self.times}
-
-    def _now(self) -> tuple[float, list[int]]:
-        return time.perf_counter() - self.machinery.compile_time, self.machinery.counts.tolist()
+        self.counts = {name: np.zeros_like(machinery.counts) for name in self.times}
 
     def lap(self, name: str) -> None:
         """Add what was spent since the last lap."""
-        (then, before), now = self.started, self._now()
-        self.times[name] += now[0] - then
-        spent = zip(self.counts[name], now[1], before, strict=True)
-        self.counts[name] = [count + new - old for count, new, old in spent]
-        self.started = now
+        (then, before), self.started = self.started, _now(self.machinery)
+        self.times[name] += self.started[0] - then
+        self.counts[name] += self.started[1] - before
+
+
+def _now(machinery: Machinery) -> tuple[float, Array]:
+    return time.perf_counter() - machinery.compile_time, machinery.counts.copy()

@@ -146,18 +146,14 @@ def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: 
     """Return the figures of the cycle that closes with finer steps from the closed one; of none where none does.
 
     A cycle that only a fallback closed draws its neighbourhood in slowly, or not at all: what the steps of one life are
-    off by is far less than what the cycle is off by.
+    off by is far less than what the cycle is off by. It goes the way that closed it and may cost as much as a fallback.
     """
     wanted = replace(wanted, rtol=FINER * cycle.rtol, tolerance=FINER * wanted.tolerance)
-    finer = _again(problem, machinery, wanted, cycle)
-    return [evaluate(problem, finer).figures] if finer is not None and finer.status == "ok" else []
-
-
-def _again(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution | None:
-    """Close a closed cycle once more, the way that closed it; an estimate may cost as much as a fallback."""
     if cycle.needed:
-        return again(problem, machinery, wanted, cycle)
-    if cycle.how == "coupled":
-        return close_together(problem, machinery, wanted, cycle.y.copy(), most=MOST_OF_A_TRY)
-    hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[0])), 0.0)  # the last life's mass
-    return relax(problem, machinery, wanted, cycle.y.copy(), last=True, hope=hope)
+        finer = again(problem, machinery, wanted, cycle)
+    elif cycle.how == "coupled":
+        finer = close_together(problem, machinery, wanted, cycle.y.copy(), most=MOST_OF_A_TRY)
+    else:
+        hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[0])), 0.0)  # the last life's mass
+        finer = relax(problem, machinery, wanted, cycle.y.copy(), last=True, hope=hope)
+    return [evaluate(problem, finer).figures] if finer is not None and finer.status == "ok" else []

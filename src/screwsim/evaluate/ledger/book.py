@@ -5,14 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.parts import OilPart
 from screwsim.model.slots import FIRST_OWN, PLACE, PRESSURE
-
-Array = np.ndarray
 
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
 SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"

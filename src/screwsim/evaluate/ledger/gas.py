@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from screwsim.effects.base import Intake, Pulsation
-from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Array, Book, Cycle, Rows, State
+from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE
+from screwsim.model.trajectory import Array
 
 
 def enter_paths(book: Book, cycle: Cycle, paths: Rows, suction: State, discharge: State) -> None:

@@ -12,7 +12,6 @@ from screwsim.evaluate.ledger.book import (
     OIL_INJECTION,
     OIL_SUPPLY,
     SUCTION_LINE,
-    Array,
     Book,
     Cycle,
     Rows,
@@ -29,6 +28,7 @@ from screwsim.model.slots import (
     R_OIL_BEFORE,
     R_RATIO,
 )
+from screwsim.model.trajectory import Array
 
 
 def cool_at_lines(cycle: Cycle, paths: Rows) -> None:
@@ -155,7 +155,7 @@ def _injection(cycle: Cycle) -> float:
     """Return the entropy [J/K] that one injection generates by mixing with the oil that is there (M53)."""
     oil, R = cycle.oil, cycle.R
     before, injected = float(R[R_OIL_BEFORE]), float(R[R_INJECTED])
-    times, dense, steps = cycle.life.times, cycle.life.dense, cycle.life.steps
+    times, dense, steps = cycle.life.rows
     i = int(np.searchsorted(times[: steps + 1], cycle.composition.P[P_INJECTION] + 1e-9)) - 1
     T_before, T_after = float(dense[i - 1, 1, 2]), float(dense[i, 0, 2])
     mixed = injected * log(T_after / oil.temperature)
@@ -169,7 +169,7 @@ def _not_carried(book: Book, cycle: Cycle, paths: Rows, sums: Array) -> float:
     T_mean = out_T / out if out > 0.0 else oil.temperature
     _mixing(book, cycle, paths, T_mean)
     injected = cycle.known.oil_mass_flow
-    times, dense, steps = cycle.life.times, cycle.life.dense, cycle.life.steps
+    times, dense, steps = cycle.life.rows
     c = cycle.composition
     volume = float(cycle.life.module.volume_at(times[steps], c.P, c.TAB))
     rest = cycle.rate * float(R[R_RATIO] * dense[steps - 1, 1, 1]) * volume

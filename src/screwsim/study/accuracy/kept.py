@@ -137,7 +137,7 @@ def _by_radau(scene: Scene) -> tuple[str, Figures]:
         found = solve(scene, how, LIMIT)
     except WorkLimit as error:
         return str(error), Figures()
-    return found.cycle.status, found.figures() if found.cycle.status != "failed" else Figures()
+    return found.cycle.status, found.evaluation.figures if found.cycle.status != "failed" else Figures()
 
 
 def kept(scene: Scene, changes: dict[str, Any], radau: bool = False) -> Kept:

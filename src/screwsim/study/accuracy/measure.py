@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.errors import relative_errors, worst
+from screwsim.evaluate.traces import traces as traces_of
 from screwsim.faults import SceneError, UsageError
 from screwsim.outputs import Figures
 from screwsim.study.accuracy.cases import Case, Extent
@@ -111,7 +112,7 @@ def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
     """
     started = time.perf_counter()
     first, fine = _reference(scene, extent, extent.reference)
-    figures, traces = first.figures(), first.traces()
+    figures, traces = first.evaluation.figures, traces_of(first.evaluation)
     how = f"rodas4, coupled, accuracy {fine:g}, regularisation {1e-2 * fine:g} of the pressures"
     if not checked:
         return Truth(figures, traces, how, fine, seconds=time.perf_counter() - started)
@@ -123,8 +124,8 @@ def truth(scene: Any, extent: Extent, checked: bool = True) -> Truth:
     try:
         other = solve(scene, tight, extent.check_limit)
         if other.cycle.status == "ok":
-            difference = worst(relative_errors(other.figures(), figures))
-            apart = trace_errors(other.traces(), traces)
+            difference = worst(relative_errors(other.evaluation.figures, figures))
+            apart = trace_errors(traces_of(other.evaluation), traces)
         else:
             second += f" ({other.cycle.status.replace('_', ' ')})"
     except WorkLimit as error:
@@ -155,7 +156,7 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
         return Measured(*head, "failed", reason, statistics.median(times), len(times), solved.evaluations)
     if closed.status != "ok":
         reason = f"not closed: last change {closed.change:.2g}"
-    figures, traces = solved.figures(), solved.traces()
+    figures, traces = solved.evaluation.figures, traces_of(solved.evaluation)
     errors = relative_errors(figures, reference.figures)
     name, error = worst(errors)
     changed = worst(relative_errors(figures, own.figures)) if case.own_reference else ("", np.nan)

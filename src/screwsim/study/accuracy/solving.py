@@ -18,18 +18,16 @@ import numpy as np
 from screwsim.build import WIDTH
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import rehearse
-from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.problem import Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
-from screwsim.evaluate.evaluation import evaluate
-from screwsim.evaluate.traces import traces
+from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.model import leases
 from screwsim.model.compose import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.integrators import DEFAULT, check_of
-from screwsim.outputs import Figures
 from screwsim.scene import Scene
 from screwsim.solve.accurately import Watch
 from screwsim.solve.drive import at_its_speed, settled
@@ -70,19 +68,11 @@ def way(accuracy: float, integrator: str = DEFAULT, closing: str = "coupled", **
 class Solved:
     """A solution with its cost: wall time [s] of the closing and evaluations of one chamber's right-hand side."""
 
-    problem: Problem
     cycle: CycleSolution
+    evaluation: Evaluation
     time: float
     evaluations: int
     steps: int
-
-    def figures(self) -> Figures:
-        """Return the performance figures."""
-        return evaluate(self.problem, self.cycle).figures
-
-    def traces(self) -> dict[str, np.ndarray]:
-        """Return the cycle over the angle."""
-        return traces(evaluate(self.problem, self.cycle))
 
 
 @contextmanager
@@ -134,7 +124,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery 
     counts, evaluations = watch.counts["closing"], machinery.evaluations_of(watch.counts["closing"])
     if lent:
         leases.give_back(machinery)
-    return Solved(problem, cycle, watch.times["closing"], evaluations, int(counts[0]))
+    return Solved(cycle, evaluate(problem, cycle), watch.times["closing"], evaluations, int(counts[0]))
 
 
 def _knots(composition: Composition, landing: bool) -> np.ndarray:
