@@ -1,5 +1,7 @@
 """What holds for all tests."""
 
+import gc
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -19,8 +21,47 @@ os.environ.setdefault("SCREWSIM_CACHE", str(Path(__file__).parents[1] / ".pytest
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as a shell's job in the background; commands inherit it
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+# scripts/test gives each process whole files, in this order: those that take longest come first, so that none is last
+LONGEST = (
+    "study/test_accuracy_kept.py",
+    "hard/test_fuzz.py",
+    "hard/test_hard_cases.py",
+    "report/test_report.py",
+    "validation/test_sources.py",
+    "study/test_cluster.py",
+    "model/test_jacobian.py",
+    "laws/test_line_valve.py",
+    "laws/test_side_by_side.py",
+    "cli/test_process.py",
+    "model/test_checked.py",
+    "report/test_browser.py",
+    "machine/rotors/test_solids.py",
+    "hard/test_mutate.py",
+    "laws/test_plausible.py",
+    "study/test_sweep.py",
+    "study/test_accuracy.py",
+    "hard/test_alike.py",
+)
+YOUNG = 50_000  # objects made between two searches for garbage; Python's own number is 700
+
+# workers of sweeps start afresh beside pytest-xdist's threads: from a process that has imported what they need
+multiprocessing.get_context("forkserver").set_forkserver_preload(["screwsim.simulate", "screwsim.study.sweep"])
+
 SOURCES = str(Path(__file__).parents[1] / "src")
 NAMES = ("SCREWSIM_CACHE", "SCREWSIM_PRIVATE_CACHE", "XDG_CACHE_HOME")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the files that take longest first, and leave all else in its order."""
+    here, last = Path(__file__).parent, len(LONGEST)
+    place = {here / name: number for number, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: place.get(item.path, last))
+
+
+def pytest_collection_finish() -> None:
+    """Take what was imported and collected, some million objects, out of the searches for garbage."""
+    gc.freeze()
+    gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
 
 
 @pytest.fixture

@@ -1,12 +1,18 @@
 """screwsim rotors: what it prints and writes, and how it refuses; faults of rotors at their place in the scene."""
 
+import contextlib
+import io
 import json
 import math
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import pytest
 
 from screwsim.cli import exit_code
+from screwsim.report import rotors_scene
 from screwsim.scene import load
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -18,6 +24,29 @@ def answer(capsys, *arguments):
     code = exit_code(["rotors", *map(str, arguments)])
     out = capsys.readouterr()
     return code, out.out, out.err
+
+
+class Written(NamedTuple):
+    """What the command did of a scene with -o and --json, and the folder that it filled."""
+
+    code: int
+    document: dict[str, Any]
+    err: str
+    folder: Path
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory) -> Callable[[str | Path], Written]:
+    """Return a function that gives what was written of a scene, once for all tests."""
+
+    @cache
+    def write(scene: str) -> Written:
+        folder = tmp_path_factory.mktemp("rotors")
+        with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
+            code = exit_code(["rotors", scene, "-o", str(folder), "--json"])
+        return Written(code, json.loads(out.getvalue()), err.getvalue(), folder)
+
+    return lambda scene: write(str(scene))
 
 
 def test_coefficients_are_printed(capsys):
@@ -66,10 +95,9 @@ def lengths_of(found):
 
 
 @pytest.mark.parametrize("scene", ROTORS, ids=lambda path: path.stem)
-def test_every_shipped_machine_with_rotors_gives_its_figures_and_files(capsys, tmp_path, scene):
-    code, out, err = answer(capsys, scene, "-o", tmp_path, "--json")
+def test_every_shipped_machine_with_rotors_gives_its_figures_and_files(written, scene):
+    code, document, err, _ = written(scene)
     assert (code, err) == (0, "")
-    document = json.loads(out)
     assert all(math.isfinite(value) for value in lengths_of(document).values())
     assert all(Path(path).stat().st_size > 100 for path in document["files"])
 
@@ -90,12 +118,18 @@ def test_the_longest_contact_line_is_that_of_the_whole_chamber(capsys, scene, at
     assert lengths_of(json.loads(out))["sealing_line_length"] == pytest.approx(1.6 * at_100_mm, rel=6e-4)
 
 
-def test_figures_page_profiles_and_tables_are_written(capsys, tmp_path):
-    code, out, _ = answer(capsys, B, "-o", tmp_path, "--json")
-    document = json.loads(out)
+def test_files_are_told_below_the_tables(capsys, monkeypatch):
+    monkeypatch.setattr(rotors_scene, "write", lambda scene, folder: [str(folder / "rotors.png")])
+    code, out, _ = answer(capsys, B, "-o", "drawn")
+    assert code == 0
+    assert out.endswith("\ndrawn/rotors.png\n")
+
+
+def test_figures_page_profiles_and_tables_are_written(written):
+    code, document, _, folder = written(B)
     assert code == 0
     assert document["coefficients"]["life"]["value"] == pytest.approx(13.6386, abs=1e-4)  # 781.43°
-    names = {str(Path(path).relative_to(tmp_path)) for path in document["files"]}
+    names = {str(Path(path).relative_to(folder)) for path in document["files"]}
     assert {
         "rotors.png",
         "sealing_line.png",
@@ -106,13 +140,12 @@ def test_figures_page_profiles_and_tables_are_written(capsys, tmp_path):
         "female.csv",
     } <= names
     assert {"table/volume.csv", "table/scene.yaml", "table/blow_hole.csv", "curves/male_tip.csv"} <= names
-    assert all((tmp_path / name).stat().st_size > 100 for name in names)
-    assert load(tmp_path / "table" / "scene.yaml").machine.volume.law == "table"
+    assert all((folder / name).stat().st_size > 100 for name in names)
+    assert load(folder / "table" / "scene.yaml").machine.volume.law == "table"
 
 
-def test_the_page_loads_nothing_and_is_small(capsys, tmp_path):
-    answer(capsys, B, "-o", tmp_path)
-    page = (tmp_path / "rotors.html").read_text(encoding="utf-8")
+def test_the_page_loads_nothing_and_is_small(written):
+    page = (written(B).folder / "rotors.html").read_text(encoding="utf-8")
     assert "http" not in page and "src=" not in page and "@" not in page.replace("@media", "")
     assert len(page) < 100_000
     assert page.count("<script>") == page.count("</script>") == 1

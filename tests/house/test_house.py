@@ -35,6 +35,13 @@ def test_shipped_scene_loads(path):
     assert again.text == scene.text
 
 
+def test_files_of_tests_that_are_to_come_first_are_there():
+    text = (ROOT / "tests" / "conftest.py").read_text()
+    names = re.findall(r'^    "([\w/]+\.py)",$', text, flags=re.MULTILINE)
+    assert len(names) > 10
+    assert [name for name in names if not (ROOT / "tests" / name).exists()] == []
+
+
 def test_version_has_one_source():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     assert project["project"]["dynamic"] == ["version"]

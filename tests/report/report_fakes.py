@@ -1,6 +1,9 @@
 """Results files without a simulation: efficiencies with a known optimum, a cycle of simple shapes."""
 
+import tempfile
+from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -108,13 +111,22 @@ def with_ledger(case: Scene) -> Result:
 
 def file(path: Path, text: str, simulate=ok) -> Path:
     """Write a results file of a scene, of its sweep when it has one."""
-    scene = loads(text)
-    if scene.sweep:
-        results = [simulate(grid.case(scene, i)) for i in range(grid.case_count(scene))]
-        save(path, scene, results, "sweep")
-    else:
-        save(path, scene, simulate(scene))
+    path.write_bytes(_made(text, simulate))
     return path
+
+
+@lru_cache(maxsize=16)
+def _made(text: str, simulate: Callable[[Scene], Result]) -> bytes:
+    """Return a results file: many tests change a copy of the same one."""
+    scene = loads(text)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "made.h5"
+        if scene.sweep:
+            results = [simulate(grid.case(scene, i)) for i in range(grid.case_count(scene))]
+            save(path, scene, results, "sweep")
+        else:
+            save(path, scene, simulate(scene))
+        return path.read_bytes()
 
 
 WARNING = "the estimated error of shaft_power, 0.0012, is above the wanted accuracy 0.0003"

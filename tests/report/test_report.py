@@ -85,8 +85,8 @@ FILES = {
 }
 
 
-def drawn(path: Path, results: Results | None = None) -> dict:
-    """Return the figures of a file, drawn."""
+def drawn(path: Path, results: Results | None = None, only: str | None = None) -> dict:
+    """Return the figures of a file, or only one of them, drawn."""
     results = results or open_results(path)
     figures = {}
     with journal():
@@ -98,6 +98,8 @@ def drawn(path: Path, results: Results | None = None) -> dict:
             *cycle_figures.plans(results),
             *ledger.plans(results),
         ):
+            if only not in (None, name):
+                continue
             figures[name] = draw()
             figures[name].draw_without_rendering()
     return figures
@@ -231,7 +233,7 @@ def test_the_arc_of_an_optimum_goes_through_the_three_best_points():
 
 def test_every_optimum_lies_on_a_drawn_line(tmp_path):
     """Of five points a curve: the circle is the top of a parabola, which is drawn."""
-    axes = drawn(file(tmp_path / "x.h5", FIVE, ok))["efficiency"].axes[0]
+    axes = drawn(file(tmp_path / "x.h5", FIVE, ok), only="efficiency")["efficiency"].axes[0]
     circles = [line for line in axes.lines if line.get_marker() == "o"]
     curves = [axes.transData.transform(line.get_xydata()) for line in axes.lines if line.get_linestyle() != "None"]
     assert len(circles) == 5
@@ -332,7 +334,7 @@ def test_a_caption_is_cut_between_words():
 
 def test_a_file_that_keeps_no_warnings_is_drawn_as_one_without(tmp_path):
     path = without_warnings(file(tmp_path / "x.h5", SLOW, some_warn))
-    assert {figure.get_suptitle() for name, figure in drawn(path).items() if name == "states"} == {""}
+    assert {figure.get_suptitle() for figure in drawn(path, only="states").values()} == {""}
     assert not warned.warns(open_results(path)).any() and warned.kinds(open_results(path)) == ()
 
 
@@ -365,7 +367,7 @@ def test_the_waterfall_goes_from_the_shaft_power_to_the_gas():
 
 def note_of(path: Path, name: str) -> str:
     """Return the note above a figure, in one line."""
-    return " ".join(drawn(path)[name].get_suptitle().split())
+    return " ".join(drawn(path, only=name)[name].get_suptitle().split())
 
 
 def test_cases_left_out_are_counted(tmp_path):
@@ -384,7 +386,7 @@ def test_the_isentropic_efficiency_stands_in_for_the_isothermal(tmp_path):
         figures = Figures(ok(case).performance, isothermal_efficiency=None)
         return Result("ok", performance=figures)
 
-    axes = drawn(file(tmp_path / "x.h5", PUMP, real_gas))["efficiency"].axes[0]
+    axes = drawn(file(tmp_path / "x.h5", PUMP, real_gas), only="efficiency")["efficiency"].axes[0]
     assert axes.get_ylabel().startswith("isentropic efficiency")
 
 

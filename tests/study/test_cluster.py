@@ -39,6 +39,8 @@ from screwsim.study.sweep import run_sweep
 pytestmark = pytest.mark.slow
 QUIET = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0", "DASK_DISTRIBUTED__SCHEDULER__WORKER_SATURATION": "1.0"}
 
+ALONE = ("--nthreads", "1", "--no-nanny")  # a worker that nobody kills needs no second process to start it again
+
 
 def started(*arguments: str, folder: Path, package: Path = PACKAGE) -> subprocess.Popen:
     """Start a program of dask that writes into a log; `package`: the folder in which it finds screwsim."""
@@ -120,12 +122,12 @@ def test_a_worker_with_other_sources_is_refused_by_its_name_whenever_it_comes(la
     file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
     local = ("--scheduler-file", str(file), "--host", "127.0.0.1", "--no-dashboard")
     programs = [started("scheduler", "--port", "0", *local, folder=tmp_path)]
-    programs.append(started("worker", *local, "--nthreads", "1", folder=tmp_path))
+    programs.append(started("worker", *local, *ALONE, folder=tmp_path))
 
     def join() -> None:
         if late:
             wait_for_parts(output, 1)
-        programs.append(started("worker", *local, "--nthreads", "1", folder=tmp_path, package=other_package))
+        programs.append(started("worker", *local, *ALONE, folder=tmp_path, package=other_package))
 
     try:
         while not file.exists():
@@ -183,7 +185,7 @@ def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(r
     file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
     local = ("--scheduler-file", str(file), "--host", "127.0.0.1", "--no-dashboard")
     program = started("scheduler", "--port", "0", *local, folder=tmp_path)
-    worker = started("worker", *local, "--nthreads", "1", folder=tmp_path)
+    worker = started("worker", *local, *ALONE, folder=tmp_path)
 
     def kill() -> None:
         wait_for_parts(output, 1)
@@ -270,7 +272,7 @@ def test_threads_of_one_worker_give_the_file_of_the_local_pool(scheduler, tmp_pa
     file = folder / "scheduler.json"
     local = ("--host", "127.0.0.1", "--no-dashboard")
     programs = [started("scheduler", *local, "--port", "0", "--scheduler-file", str(file), folder=folder)]
-    one = ("worker", "--scheduler-file", str(file), "--nthreads", "6", "--nworkers", "1", *local)
+    one = ("worker", "--scheduler-file", str(file), "--nthreads", "6", "--no-nanny", *local)
     try:
         programs.append(started(*one, folder=folder))
         deadline = time.monotonic() + 60.0
