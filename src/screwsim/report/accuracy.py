@@ -52,11 +52,9 @@ def _figure(drawing: Drawing) -> Any:
         for index, line in enumerate(drawing.lines):
             _plot(axes, index, [scale * each for each in getattr(line, attribute)], line)
         _guides(axes, drawing)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-    left.set_xlabel("wall time / ms")
+        axes.set(xscale="log", yscale="log")
+    left.set(xlabel="wall time / ms", ylabel="largest relative error of a figure")
     right.set_xlabel("evaluations of one chamber's right-hand side")
-    left.set_ylabel("largest relative error of a figure")
     handles, names = left.get_legend_handles_labels()
     if drawing.front:
         from matplotlib.lines import Line2D

@@ -45,8 +45,7 @@ def _panel(axes: Any, label: str, left: Sequence[Left], names: Sequence[str]) ->
                 capsize=1.5,
                 elinewidth=0.6,
             )
-    axes.set_ylabel(label)
-    axes.set_xlim(0.5, len(names) + 0.5)
+    axes.set(ylabel=label, xlim=(0.5, len(names) + 0.5))
     plain_ticks(axes.yaxis)
     if len(names) <= MOST_NAMES:
         axes.set_xticks(range(1, len(names) + 1), names, rotation=45, ha="right")

@@ -44,8 +44,7 @@ def _valves(trace: Trace) -> Any:
     lower.axhline(1.0, color=GREY, linewidth=0.4)
     lower.set_ylim(-0.1, 1.45)  # room for the legend
     lower.legend(loc="upper center", ncols=2)
-    lower.set_ylabel("lift over that of the stop")
-    lower.set_xlabel(trace.axis.label)
+    lower.set(xlabel=trace.axis.label, ylabel="lift over that of the stop")
     for axes in (upper, lower):
         _angle_axis(axes, trace)
     note(figure, trace.title, clipped)
@@ -60,8 +59,7 @@ def _loop(trace: Trace) -> Any:
     axes.plot(V, p, color=COLOURS[0])
     clipped = _pressure_axis(axes, trace)
     axes.set_xlim(-0.02 * float(np.nanmax(V)), 1.05 * float(np.nanmax(V)))
-    axes.set_xlabel(VOLUME.label)
-    axes.set_ylabel(PRESSURE.label)
+    axes.set(xlabel=VOLUME.label, ylabel=PRESSURE.label)
     plain_ticks(axes.xaxis)
     note(figure, trace.title, clipped)
     _mark_loop(axes, trace, V, p)
@@ -94,9 +92,7 @@ def _states(trace: Trace) -> Any:
         middle.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     middle.set_ylabel(TEMPERATURE.label)
     lower.plot(trace.angle, values["gas_mass"] * GAS_MASS.factor, color=COLOURS[0])
-    lower.set_ylabel(GAS_MASS.label)
-    lower.set_ylim(bottom=0.0)
-    lower.set_xlabel(trace.axis.label)
+    lower.set(xlabel=trace.axis.label, ylabel=GAS_MASS.label, ylim=(0.0, None))
     for axes in (upper, middle, lower):
         _angle_axis(axes, trace)
     _name_marks(upper, trace)
@@ -150,7 +146,7 @@ def _angle_axis(axes: Any, trace: Trace) -> None:
     axes.set_xlim(first, last)
     axes.xaxis.set_major_locator(MultipleLocator(120.0 if last - first > 400.0 else 60.0))
     axes.xaxis.set_minor_locator(AutoMinorLocator(4))
-    plain_ticks(axes.yaxis, 6)
+    plain_ticks(axes.yaxis, most=6)
     for angle in trace.marks.values():
         axes.axvline(angle, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
 

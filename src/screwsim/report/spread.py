@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,7 @@ import numpy as np
 
 from screwsim.engineering import shown_name
 from screwsim.machine.slider_crank.tolerance import Grade
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, journal, new_figure, plain_ticks, write
-from screwsim.results.atomic import make_folder
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, new_figure, plain_ticks, write_all
 
 SHOWN = ("gas_mass_flow", "shaft_power", "isentropic_efficiency")
 MARKERS = "o^s"
@@ -21,10 +21,7 @@ def draw_spread(
     table: Sequence[Grade], shifts: np.ndarray, deviations: Mapping[str, np.ndarray], folder: str | Path
 ) -> list[str]:
     """Write the figure (PNG, PDF) and return its paths; `deviations` are those of figures from the nominal value."""
-    target = Path(folder)
-    make_folder(target)
-    with journal():
-        return write(spread_figure(table, shifts, deviations), target, "tolerance")
+    return write_all({"tolerance": partial(spread_figure, table, shifts, deviations)}, folder)
 
 
 def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mapping[str, np.ndarray]) -> Any:
@@ -36,19 +33,16 @@ def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mappin
     heads = [1e3 * row.head for row in table]
     left.semilogy(numbers, heads, color=COLOURS[1], linestyle=DASHES[1], label="dead centre, ± [mm]")
     left.set_xticks(numbers[::2], [f"IT{number}" for number in numbers[::2]])
-    left.set_xlabel("grade of crank and rod")
+    left.set(xlabel="grade of crank and rod", title="(a) law of motion")
     left.legend(loc="upper left")
-    left.set_title("(a) law of motion")
     right.axhline(0.0, color=GREY, linewidth=0.4)
     for i, name in enumerate(name for name in SHOWN if name in deviations):
         style = {"color": COLOURS[i], "markersize": 2.4, "label": shown_name(name)}
         right.plot(1e3 * shifts, 100.0 * deviations[name], MARKERS[i], **style)
     low, high = right.get_ylim()
     right.set_ylim(low, high + 0.35 * (high - low))  # room for the legend
-    right.set_xlabel("shift of the top dead centre [mm]")
-    right.set_ylabel("deviation from the nominal machine [%]")
-    right.legend(loc="upper left", ncols=2)
+    right.set(xlabel="shift of the top dead centre [mm]", ylabel="deviation from the nominal machine [%]")
     right.set_title("(b) machines drawn")
-    plain_ticks(right.xaxis)
-    plain_ticks(right.yaxis)
+    right.legend(loc="upper left", ncols=2)
+    plain_ticks(right.xaxis, right.yaxis)
     return figure

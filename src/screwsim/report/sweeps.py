@@ -143,8 +143,7 @@ def label_curves(axes: Any, curves: list[Curve], heading: str) -> None:
 
 def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> None:
     """Label both axes; x is logarithmic where its values ask for it, and spans them."""
-    axes.set_xlabel(x_label)
-    axes.set_ylabel(y_label)
+    axes.set(xlabel=x_label, ylabel=y_label)
     values = np.concatenate(x)
     if is_log(values):
         log_scale(axes, float(np.max(values) / np.min(values)))

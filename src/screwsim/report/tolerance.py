@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Array, Links, plane, surface
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, journal, new_figure, plain_ticks, write
-from screwsim.results.atomic import make_folder
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 
 MM = 1e3  # [mm/m]
 SHARE = 0.05  # of the lengths, to either side
@@ -18,13 +18,12 @@ _NAMES = {"right": "d$x$/d$α$", "printed": "formula as printed", "tabulated": "
 
 def draw_tolerance(alpha: Array, nominal: Links, points: tuple[Array, Array], folder: str | Path) -> list[str]:
     """Write the figures (PNG, PDF) and return their paths; `points` are angles and values of the printed table."""
-    target = Path(folder)
-    make_folder(target)
-    with journal():
-        written = write(functions_figure(nominal, points), target, "transfer_functions")
-        written += write(surface_figure(alpha, nominal), target, "deviation_surface")
-        written += write(contour_figure(alpha, nominal), target, "deviation_contours")
-    return written
+    plans = {
+        "transfer_functions": partial(functions_figure, nominal, points),
+        "deviation_surface": partial(surface_figure, alpha, nominal),
+        "deviation_contours": partial(contour_figure, alpha, nominal),
+    }
+    return write_all(plans, folder)
 
 
 def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
@@ -41,12 +40,9 @@ def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
         axes.plot(degrees, MM * function(alpha, nominal), color=colour, linestyle=DASHES[i], label=_NAMES[name])
     turned = (np.degrees(points[0]) + 180.0) % 360.0 - 180.0
     axes.plot(turned, MM * points[1], "o", markersize=2.6, color=COLOURS[3], label="printed table")
-    axes.set_xlim(-180.0, 180.0)
-    axes.set_xticks(range(-180, 181, 60))
-    axes.set_ylim(-120.0, 175.0)
     plain_ticks(axes.yaxis)
-    axes.set_xlabel("crank angle $α$ [°]")
-    axes.set_ylabel("transfer function [mm/rad]")
+    axes.set(xlim=(-180.0, 180.0), xticks=range(-180, 181, 60), ylim=(-120.0, 175.0))
+    axes.set(xlabel="crank angle $α$ [°]", ylabel="transfer function [mm/rad]")
     axes.legend(loc="upper center", ncols=2, columnspacing=0.8, handlelength=1.8)
     return figure
 
@@ -79,7 +75,7 @@ def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
     axes.set_box_aspect((1.0, 1.0, 0.8), zoom=0.9)
     axes.view_init(elev=22.0, azim=-62.0)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        plain_ticks(axis, 5)
+        plain_ticks(axis, most=5)
         axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for one figure
 
 
@@ -110,16 +106,12 @@ def _contours(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
         lines = axes.contour(at, at, share, levels=levels, colors=COLOURS[1 if width < 1 else 0], linewidths=width)
         axes.clabel(lines, fmt="%g %%", fontsize=SMALL)
     axes.set_xlabel("error of the rod [%]")
-    for axis in (axes.xaxis, axes.yaxis):
-        plain_ticks(axis)
+    plain_ticks(axes.xaxis, axes.yaxis)
 
 
 def draw_law(nominal: Links, folder: str | Path) -> list[str]:
     """Write the surface and the contours of one machine's law of motion (PNG, PDF) and return their paths."""
-    target = Path(folder)
-    make_folder(target)
-    with journal():
-        return write(law_figure(nominal), target, "law_of_motion")
+    return write_all({"law_of_motion": partial(law_figure, nominal)}, folder)
 
 
 def law_figure(nominal: Links) -> Any:
@@ -132,6 +124,5 @@ def law_figure(nominal: Links) -> Any:
     solid.set_title("(a) d$x$/d$α$; plane: 5 % of it", y=0.97)
     flat = figure.add_axes((0.6, 0.15, 0.37, 0.72))
     _contours(flat, right, alpha, nominal)
-    flat.set_title("(b) the same, over the law")
-    flat.set_ylabel("error of the crank [%]")
+    flat.set(title="(b) the same, over the law", ylabel="error of the crank [%]")
     return figure

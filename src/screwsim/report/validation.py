@@ -51,12 +51,10 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
         else:
             _ours(axes, series, ours)
             ours += 1
-    axes.set_xlabel(panel["x_label"])
-    axes.set_ylabel(panel["y_label"])
-    if panel["log_x"]:
-        _logarithmic(axes, "x")
-    if panel["log_y"]:
-        _logarithmic(axes, "y")
+    axes.set(xlabel=panel["x_label"], ylabel=panel["y_label"])
+    for which in "xy":
+        if panel[f"log_{which}"]:
+            _logarithmic(axes, which)
     # above the axes, where no curve can run under it
     _, labels = axes.get_legend_handles_labels()
     longest = max(map(len, labels), default=1) + HANDLE
