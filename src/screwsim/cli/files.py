@@ -13,6 +13,7 @@ from screwsim.cli.options import (
     AsJson,
     Jobs,
     Overrides,
+    ResultsFile,
     SceneFile,
     base_point,
     check_drawer,
@@ -49,7 +50,7 @@ def rotors(
 
 
 def plot(
-    results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)],
+    results_file: ResultsFile,
     folder: Annotated[str | None, typer.Option("-o", metavar="DIR", help="Where the figures go.")] = None,
 ) -> None:
     """Draw the figures of a results file."""
@@ -61,7 +62,7 @@ def plot(
 
 
 def report(
-    results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)],
+    results_file: ResultsFile,
     output: Annotated[
         str | None, typer.Option("-o", metavar="OUT.html", help="Where the page goes (default: beside the file).")
     ] = None,
@@ -129,24 +130,9 @@ def schema(
     if fit and stages:
         raise UsageError("--fit and --stages are schemas of different files (ask for one of the two)")
     if stages:
-        from screwsim.study.stages import stages_schema
-
-        print_json(stages_schema())
-        return
-    if fit:
-        from screwsim.study.calibration.schema import fit_schema
-
-        print_json(fit_schema())
-        return
-    from screwsim.scene import schema as scene_schema
-
-    print_json(scene_schema())
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    app.command()(rotors)
-    app.command()(plot)
-    app.command()(report)
-    app.command()(validate)
-    app.command()(schema)
+        from screwsim.study.stages import stages_schema as wanted
+    elif fit:
+        from screwsim.study.calibration.schema import fit_schema as wanted
+    else:
+        from screwsim.scene import schema as wanted
+    print_json(wanted())

@@ -192,11 +192,3 @@ def accuracy(
         for path in (*files.write(found, folder), *draw(accuracy_drawing(found), folder)):
             say(path)
     return OK
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    app.command()(run)
-    app.command()(sweep)
-    app.command()(explain)
-    app.command()(accuracy)
