@@ -15,8 +15,10 @@ from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.calibration import draw
 from screwsim.results.atomic import keep_others, make_folder, write_text
 from screwsim.screen import say
-from screwsim.study.calibration import BEGINS, Calibration, Compared, Parameter, fitted_text
+from screwsim.study.calibration.fit import Parameter
 from screwsim.study.calibration.judge import CORRELATED, WEAK
+from screwsim.study.calibration.scene import BEGINS, fitted_text
+from screwsim.study.calibration.solve import Calibration, Compared
 from screwsim.study.inputs import in_customary, shown_value
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
