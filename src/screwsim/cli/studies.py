@@ -219,8 +219,7 @@ def tolerance(
     found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=for_terminal("tolerance"))
     show(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:
-        from screwsim.report.spread import draw_spread
-        from screwsim.report.tolerance import draw_law
+        from screwsim.report.tolerance import draw_law, draw_spread
 
         deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
         law = draw_law(found.links, folder)

@@ -66,18 +66,9 @@ def _figure(drawing: Drawing) -> Any:
 
 
 def _plot(axes: Any, index: int, x: Sequence[float], line: Line) -> None:
-    colour = FIRST[index % len(FIRST)]
-    axes.plot(
-        x,
-        line.errors,
-        color=colour,
-        linestyle=LINES[index % len(LINES)],
-        marker=MARKERS[index % len(MARKERS)],
-        markerfacecolor=colour if index % 2 == 0 else "white",
-        markersize=4.5,
-        label=line.name,
-        zorder=3,
-    )
+    colour, dashes, marker = (kinds[index % len(kinds)] for kinds in (FIRST, LINES, MARKERS))
+    mark = {"marker": marker, "markersize": 4.5, "markerfacecolor": colour if index % 2 == 0 else "white"}
+    axes.plot(x, line.errors, color=colour, linestyle=dashes, label=line.name, zorder=3, **mark)
 
 
 def _guides(axes: Any, drawing: Drawing) -> None:

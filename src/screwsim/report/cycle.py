@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim.report.annotate import label_points
 from screwsim.report.quantities import GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, note, plain_ticks
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, grid, new_figure, note, plain_ticks
 from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
 from screwsim.results import Results
 
@@ -103,22 +103,19 @@ def _states(trace: Trace) -> Any:
 def _flows(trace: Trace) -> Any:
     """Draw the mass flow of each path over the angle, a panel each; both sides of a gap in one."""
     paths = flow_paths(trace.values)
-    rows = (len(paths) + 1) // 2
-    figure = new_figure(DOUBLE, 22.0 + 36.0 * rows)
-    panels = figure.subplots(rows, 2, squeeze=False, sharex=True).ravel()
-    for axes in panels[len(paths) :]:
-        axes.remove()
-    for axes, (words, sides) in zip(panels, paths.items(), strict=False):
+    figure = new_figure(DOUBLE, 22.0 + 36.0 * ((len(paths) + 1) // 2))
+    panels = grid(figure, len(paths), sharex=True)
+    for axes, (words, sides) in zip(panels, paths.items(), strict=True):
         axes.axhline(0.0, color=GREY, linewidth=0.4)
         for i, (side, name) in enumerate(sides.items()):
             flow = trace.values[name] * MASS_FLOW.factor
             axes.plot(trace.angle, flow, color=COLOURS[1], linestyle=DASHES[i], label=side)
         axes.set_title(words, loc="left", fontsize=SMALL)
         _angle_axis(axes, trace)
-    for axes in panels[: len(paths)][-2:]:  # the lowest of each column
+    for axes in panels[-2:]:  # the lowest of each column
         axes.tick_params(labelbottom=True)
     if any(len(sides) > 1 for sides in paths.values()):
-        figure.legend(*panels[len(paths) - 1].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+        figure.legend(*panels[-1].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     figure.supxlabel(trace.axis.label, fontsize=8.0)
     figure.supylabel(MASS_FLOW.label, fontsize=8.0)
     lines = ", ".join(f"{text} {short(angle)}°" for text, angle in trace.marks.items())

@@ -105,6 +105,15 @@ def write_all(plans: Mapping[str, Callable[[], Any]], folder: str | Path) -> lis
     return written
 
 
+def grid(figure: Any, count: int, columns: int = 2, **options: Any) -> list[Any]:
+    """Return so many axes of a figure, in rows of some columns; nothing stands in the places that are left."""
+    rows = -(-count // columns)
+    places = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
+    for axes in places[count:]:
+        axes.remove()
+    return places[:count]
+
+
 def note(figure: Any, *parts: str, share: float = 1.0) -> None:
     """Write the parts that are not empty above the figure, in lines that fit a share of its width."""
     text = "; ".join(part for part in parts if part)

@@ -23,8 +23,8 @@ from screwsim.report.quantities import (
     shown_figure,
 )
 from screwsim.report.trace import Trace, angle_axis, flow_paths, marks_of, pressure_limit
-from screwsim.report.warned import warns
 from screwsim.results import Results
+from screwsim.results.warned import warns
 
 MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # shown; all are in the file
 STATES_OFF, FLOWS_OFF = 2e-4, 2e-3  # of a trace's span: how far the page's straight lines may lie off
