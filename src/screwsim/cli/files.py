@@ -7,19 +7,8 @@ from typing import Annotated
 
 import typer
 
-from screwsim.cli.options import (
-    NOT_ALL_OK,
-    OK,
-    AsJson,
-    Jobs,
-    Overrides,
-    ResultsFile,
-    SceneFile,
-    base_point,
-    check_drawer,
-    check_page,
-    loaded,
-)
+from screwsim.cli import options
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile
 from screwsim.faults import UsageError
 from screwsim.screen import say
 
@@ -33,8 +22,8 @@ def rotors(
     as_json: AsJson = False,
 ) -> None:
     """Say what the rotor profile of a scene gives, and draw it."""
-    check_drawer(folder)
-    scene = base_point(loaded(scene_file, overrides, None), scene_file)
+    options.check_drawer(folder)
+    scene = options.base_point(options.loaded(scene_file, overrides, None), scene_file)
     from screwsim.printing import print_json
     from screwsim.report.rotors_scene import document, table_text, write
     from screwsim.scene.plausible import scene_warnings
@@ -54,7 +43,7 @@ def plot(
     folder: Annotated[str | None, typer.Option("-o", metavar="DIR", help="Where the figures go.")] = None,
 ) -> None:
     """Draw the figures of a results file."""
-    check_drawer(Path(folder) if folder is not None else None)
+    options.check_drawer(Path(folder) if folder is not None else None)
     from screwsim.report import plot as drawn
 
     for path in drawn(results_file, folder):
@@ -72,7 +61,7 @@ def report(
 ) -> None:
     """Make one page of a results file: figures, cycles, checks, scene; it opens in any browser, offline."""
     if output is not None:
-        check_page(Path(output))
+        options.check_page(Path(output))
     from screwsim.report.page import report as made
     from screwsim.study.claims import claims_of
 
@@ -99,7 +88,7 @@ def validate(
     as_json: AsJson = False,
 ) -> int:
     """Hold what is computed against each published reference. A verdict that fails is a finding: exit code 0."""
-    check_drawer(output)
+    options.check_drawer(output)
     from screwsim.printing import print_json, write_json
     from screwsim.report.validation import draw
     from screwsim.results.atomic import make_folder

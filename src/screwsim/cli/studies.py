@@ -8,19 +8,8 @@ from typing import Annotated
 
 import typer
 
-from screwsim.cli.options import (
-    INTERRUPTED,
-    NOT_ALL_OK,
-    OK,
-    AsJson,
-    Jobs,
-    Overrides,
-    SceneFile,
-    Without,
-    base_point,
-    check_drawer,
-    loaded,
-)
+from screwsim.cli import options
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
 from screwsim.screen import say
 
 RPM = math.pi / 30.0
@@ -162,7 +151,7 @@ def calibrate(
     as_json: AsJson = False,
 ) -> int:
     """Fit parameters of a scene to measured points, and say how far the data fix them."""
-    check_drawer(folder)
+    options.check_drawer(folder)
     from screwsim.printing import show
     from screwsim.printing.calibration import (
         calibration_document,
@@ -186,7 +175,7 @@ def calibrate(
             say(path, err=as_json)
     if found.status == "interrupted":
         say(found.message, err=True)
-        return INTERRUPTED
+        return options.INTERRUPTED
     return OK if found.status == "ok" else NOT_ALL_OK
 
 
@@ -206,7 +195,7 @@ def tolerance(
     as_json: AsJson = False,
 ) -> int:
     """Say what errors of a slider-crank's lengths do to its motion and, by Monte Carlo, to the compressor."""
-    check_drawer(folder)
+    options.check_drawer(folder)
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
     from screwsim.printing import show
     from screwsim.printing.tolerance import print_tolerance, tolerance_document
@@ -238,7 +227,7 @@ def startup(
     as_json: AsJson = False,
 ) -> int:
     """Start a machine that has a drive, against the discharge pressure."""
-    check_drawer(folder)
+    options.check_drawer(folder)
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
     from screwsim.printing import print_json
     from screwsim.printing.startup import text, write_traces

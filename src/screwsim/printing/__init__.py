@@ -90,11 +90,7 @@ def _ended(result: Result) -> str:
 
 
 def _table(result: Result) -> Any:
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("figure", no_wrap=True)
-    table.add_column("value", justify="right", no_wrap=True)
+    table = _right_table("figure", "value")
     table.add_column("unit", no_wrap=True)
     if result.error:
         table.add_column("error", justify="right", no_wrap=True)
@@ -221,15 +217,10 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
     status = results.performance["status"].ravel()
     bad = status.nonzero()[0][:MOST_FAILURES]
     messages = results.performance.texts_at("message", bad)
-    document["failures"] = [
-        {
-            "case": int(index),
-            "status": STATUSES[status[index]],
-            "values": case_values(scene, int(index)),
-            "message": message,
-        }
-        for index, message in zip(bad, messages, strict=True)
-    ]
+    document["failures"] = []
+    for case, message in zip(bad.tolist(), messages, strict=True):
+        told = {"case": case, "status": STATUSES[status[case]], "values": case_values(scene, case), "message": message}
+        document["failures"].append(told)
     found = warned(results)
     document["warned"] = found.cases
     document["warnings"] = [
