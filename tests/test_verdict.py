@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from screwsim.fluid.limits import Limit, Outside
-from screwsim.outputs import Figures, Result
-from screwsim.study.accuracy.kept import warns
 from screwsim.verdict import REMEDIES, refused
 
 
@@ -21,10 +19,3 @@ def a_solution(limit: Limit, what: str):
 def test_each_limit_has_its_remedy_even_where_the_words_name_another(limit):
     words = "the highest and the lowest of it"
     assert refused(a_solution(limit, words)) == f"at 90.00 deg {words}; {REMEDIES[limit]}"
-
-
-@pytest.mark.parametrize(("error", "warned"), [(2e-3, True), (5e-4, False)])
-def test_whether_accuracy_is_warned_of_follows_from_errors_and_not_from_words(error, warned):
-    told = ("an estimated sentence of another kind",)
-    assert warns(Result("ok", warnings=told, error=Figures(shaft_power=error)), 1e-3) == warned
-    assert warns(Result("ok", error=Figures(shaft_power=None)), 1e-3)
