@@ -12,7 +12,6 @@ holds as well, and rounded; what was rounded off is fitted back with the tip cle
 
 from __future__ import annotations
 
-import csv
 import os
 import sys
 from concurrent.futures import ProcessPoolExecutor
@@ -22,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import qmc
 
+from screwsim.results.atomic import write_csv
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate
 from screwsim.study.curves import Optimum, optimum, value_at
@@ -46,25 +46,13 @@ class Open(NamedTuple):
 OPEN = (
     Open("diameter_mm", 120, 250, True, "common refrigeration machines"),
     Open("suction_area", 0.35, 0.80, True, "port area over D^2: axial and radial opening of a 4/6 profile together"),
-    Open(
-        "discharge_area",
-        0.12,
-        0.40,
-        True,
-        "port area over D^2: 0.10-0.25 by geometry for built-in ratios 3.2-2.2, and beyond",
-    ),
+    Open("discharge_area", 0.12, 0.40, True, "over D^2: 0.10-0.25 by geometry for built-in ratios 3.2-2.2, and beyond"),
     Open("opens_deg", 560, 660, False, "built-in volume ratio 1.6-5 of law (16) at phi_A = 65 deg"),
     Open("tip_gap_um", 8, 30, True, "manufacturing practice for such diameters"),
     Open("interlobe_gap_um", 8, 30, True, "the same"),
     Open("end_face_gap_um", 15, 50, True, "discharge end, thermal growth allowed for"),
     Open("blow_hole_mm2", 2, 6, True, "at D = 100 mm: 2.9-5.4 for asymmetric profiles; scales with D^2"),
-    Open(
-        "droplet_radius_um",
-        5,
-        60,
-        True,
-        "fitted: alpha and r enter as alpha/r only; alpha = 0.01463 W/(m K)/r is Nu = 2",
-    ),
+    Open("droplet_radius_um", 5, 60, True, "fitted: enters as alpha/r only; alpha = 0.01463 W/(m K)/r is Nu = 2"),
     Open("oil_temperature_K", 278, 300, False, "cooled oil, not below suction by much"),
     Open("suction_bar", 1.0, 1.8, True, "evaporation of R134a at -26 to -13 C"),
     Open("discharge_bar", 10, 14, False, "condensation of R134a at 39 to 52 C"),
@@ -133,10 +121,8 @@ def curves(scene: Scene) -> np.ndarray:
     found = np.full((len(SPEEDS), len(RATIOS)), np.nan)
     for i, rpm in enumerate(SPEEDS):
         for j, d in enumerate(RATIOS):
-            result = simulate(
-                with_values(scene, {"operation.speed": rpm * RPM, "oil_supply.ratio": float(d)}), trace=False
-            )
-            eta = result.performance.get("isothermal_efficiency")
+            at = with_values(scene, {"operation.speed": rpm * RPM, "oil_supply.ratio": float(d)})
+            eta = simulate(at, trace=False).performance.get("isothermal_efficiency")
             found[i, j] = np.nan if eta is None else eta
     return found
 
@@ -183,17 +169,12 @@ def sample(count: int) -> None:
             rows.append([*(f"{value:.6g}" for value in x), *verdict])
             print(f"\r{number}/{count}", end="", file=sys.stderr)
     TABLE.parent.mkdir(exist_ok=True)
-    with TABLE.open("w", newline="") as stream:
-        writer = csv.writer(stream)
-        writer.writerow([*(item.name for item in OPEN), *Verdict._fields])
-        writer.writerows(sorted(rows, key=lambda row: row[-1]))
+    write_csv(TABLE, [*(item.name for item in OPEN), *Verdict._fields], sorted(rows, key=lambda row: row[-1]))
     held = np.array([row[-6:-2] for row in rows], bool)
     eta = np.array([row[-2] for row in rows], float)
     print(f"\n{count} machines: " + ", ".join(f"A{i + 1} {held[:, i].sum()}" for i in range(4)) + ",")
-    print(
-        f"all four {held.all(axis=1).sum()}, with A5 within 5 points "
-        f"{np.sum(held.all(axis=1) & (np.abs(eta - 0.68) < 0.05))}"
-    )
+    every = held.all(axis=1)
+    print(f"all four {every.sum()}, with A5 within 5 points {np.sum(every & (np.abs(eta - 0.68) < 0.05))}")
 
 
 if __name__ == "__main__":

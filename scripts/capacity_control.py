@@ -10,14 +10,14 @@ that at full load).
 from __future__ import annotations
 
 import argparse
-import csv
-import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from screwsim import load
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, SMALL, journal, new_figure, plain_ticks, write
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, SMALL, new_figure, plain_ticks, write_all
+from screwsim.results.atomic import make_folder, write_csv
 from screwsim.scene.grid import case, case_count
 from screwsim.simulate import simulate_many
 
@@ -58,10 +58,7 @@ def table(found: dict[tuple[str, str], dict[str, np.ndarray]], path: Path) -> No
     for (way, supply), curve in found.items():
         values = {name: at_loads(curve, name) for name in FIGURES}
         rows += [[way, supply, f"{x:g}", *(f"{values[name][i]:.4g}" for name in FIGURES)] for i, x in enumerate(LOADS)]
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["way", "oil_supply", "load", *FIGURES])
-        writer.writerows(rows)
+    write_csv(path, ["way", "oil_supply", "load", *FIGURES], rows)
     pages(found)
 
 
@@ -87,9 +84,8 @@ def figure(found: dict[tuple[str, str], dict[str, np.ndarray]]):
             words = f"{WAYS[way]}" if supply == "pump" else None
             y = factor * curve[name] + offset
             axes.plot(100.0 * curve["load"], y, color=COLOURS[(0, 2, 3, 5)[i]], linestyle=dashes, label=words)
-        axes.set_xlim(20.0, 100.0)
-        axes.set_ylabel(label)
-        plain_ticks(axes.yaxis, 6)
+        axes.set(xlim=(20.0, 100.0), ylabel=label)
+        plain_ticks(axes.yaxis, most=6)
         plain_ticks(axes.xaxis)
         if name != "discharge_temperature":
             axes.set_ylim(bottom=0.0)
@@ -100,18 +96,16 @@ def figure(found: dict[tuple[str, str], dict[str, np.ndarray]]):
     return drawing
 
 
-def main() -> int:
+def main() -> None:
     """Run the sweeps, write the table and the figure."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("-o", dest="folder", type=Path, default=Path("results/control"))
     folder = parser.parse_args().folder
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     found = {(way, supply): curves(way, supply) for supply in SUPPLIES for way in WAYS}
     table(found, folder / "capacity_control.csv")
-    with journal():
-        print(*write(figure(found), folder, "capacity_control"), sep="\n")
-    return 0
+    print(*write_all({"capacity_control": partial(figure, found)}, folder), sep="\n")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

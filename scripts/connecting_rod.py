@@ -9,26 +9,19 @@ assumptions, said so in the print. Equations and findings: docs/reference/slider
 
 from __future__ import annotations
 
-import csv
 import math
 import sys
 from pathlib import Path
 
 import numpy as np
 
-from screwsim.machine.slider_crank.rod import (
-    Bending,
-    FlexibleRod,
-    bend,
-    buckling_load,
-    check_rod,
-    critical_gamma,
-    largest_moment_place,
-)
+from screwsim.machine.slider_crank import rod as rods
+from screwsim.machine.slider_crank.rod import Bending, FlexibleRod, bend, critical_gamma
 from screwsim.machine.slider_crank.rod_strength import Fatigue, SchmidtLoad, friction_power, pressure_load, safety
 from screwsim.report.connecting_rod import draw_rod
 from screwsim.scene import load as load_scene
 from screwsim.simulate import simulate
+from screwsim.study.validation import read_table
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENE = ROOT / "configs" / "slider_crank" / "flexible_rod.yaml"
@@ -41,8 +34,8 @@ FRICTION = (0.1, 0.2, 0.5, 1.0)  # assumed: dry bearing materials, and far beyon
 
 def read_design() -> dict[str, float]:
     """Return the printed data of the reference design in SI units."""
-    with (ROOT / "validation" / "slider_crank" / "rod.csv").open(encoding="utf-8") as lines:
-        return {row["name"]: float(row["value"]) for row in csv.DictReader(x for x in lines if x[0] != "#")}
+    table = read_table(ROOT / "validation" / "slider_crank" / "rod.csv")
+    return {row["name"]: float(row["value"]) for row in table}
 
 
 def rod_of(design: dict[str, float], modulus: float = MODULUS) -> FlexibleRod:
@@ -59,9 +52,10 @@ def loads(load: SchmidtLoad, rod: FlexibleRod) -> Bending:
         f"load of the rod: {low:.1f} N (compression) to {high:.1f} N; as printed: {load.printed_force(ALPHA).max():.0f}"
     )
     print(f"gamma {rod.gamma(low):.3f} against {critical_gamma(rod.beta):.3f} at beta {rod.beta:.4f} (1: ", end="")
-    print(f"{critical_gamma(1.0):.4f}); buckling at {buckling_load(rod):.1f} N, {-buckling_load(rod) / low:.2f} times")
-    print(f"largest moment at z_M = {1e3 * largest_moment_place(rod, low):.2f} mm of {1e3 * rod.flexible:.0f} mm")
-    faults = [fault.what for fault in check_rod(rod, -low)]
+    buckles = rods.buckling_load(rod)
+    print(f"{critical_gamma(1.0):.4f}); buckling at {buckles:.1f} N, {-buckles / low:.2f} times")
+    print(f"largest moment at z_M = {1e3 * rods.largest_moment_place(rod, low):.2f} mm of {1e3 * rod.flexible:.0f} mm")
+    faults = [fault.what for fault in rods.check_rod(rod, -low)]
     print("faults:", "; ".join(faults) or "none")
     return bending
 

@@ -7,20 +7,14 @@ Printed values: validation/rubber_cord_coupling. Equations and findings: docs/re
 
 from __future__ import annotations
 
-import csv
 import math
 import sys
 from dataclasses import replace
 from pathlib import Path
 
-from screwsim.machine.drive.rubber_cord_coupling import (
-    RubberCordCoupling,
-    band,
-    counted_crossings,
-    crossings,
-    pull,
-)
+from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, band, counted_crossings, crossings, pull
 from screwsim.report.coupling import Lean, draw_coupling
+from screwsim.study.validation import read_table
 
 ROOT = Path(__file__).resolve().parent.parent
 DATA = ROOT / "validation" / "rubber_cord_coupling"
@@ -29,16 +23,10 @@ COUPLING = RubberCordCoupling()
 CORD_STEP = 0.1 / 94  # [m], 94 cords on 10 cm
 
 
-def rows(name: str) -> list[dict[str, str]]:
-    """Return the rows of a file of printed values."""
-    with (DATA / name).open(encoding="utf-8") as lines:
-        return list(csv.DictReader(line for line in lines if not line.startswith("#")))
-
-
 def read_leans() -> dict[str, Lean]:
     """Return the measured leans by direction [rad]."""
     found = {}
-    for row in rows("lean.csv"):
+    for row in read_table(DATA / "lean.csv"):
         mean, below, above = (float(row[name]) for name in ("mean_deg", "below_deg", "above_deg"))
         found[row["direction"]] = Lean(*(math.radians(x) for x in (mean, mean - below, mean + above)))
     return found
@@ -90,7 +78,7 @@ def torques(printed: dict[str, float], leans: dict[str, Lean]) -> None:
 
 def main() -> None:
     """Print the coupling and draw its figures."""
-    printed = {row["name"]: float(row["value"]) for row in rows("printed.csv")}
+    printed = {row["name"]: float(row["value"]) for row in read_table(DATA / "printed.csv")}
     leans = read_leans()
     geometry(printed)
     torques(printed, leans)

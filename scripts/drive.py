@@ -6,7 +6,6 @@ scripts/drive.py [-o FOLDER]      writes drive_campbell.png and .pdf, drive.csv 
 from __future__ import annotations
 
 import argparse
-import csv
 import math
 import sys
 from pathlib import Path
@@ -15,7 +14,7 @@ import numpy as np
 
 from screwsim import load
 from screwsim.report.drive import Point, draw_campbell
-from screwsim.results.atomic import make_folder
+from screwsim.results.atomic import make_folder, write_csv
 from screwsim.simulate import simulate, simulate_many
 
 CONFIGS = Path(__file__).parents[1] / "configs" / "drive"
@@ -49,14 +48,6 @@ def points(name: str, overrides: tuple[str, ...]) -> list[Point]:
     return found
 
 
-def table(found: dict[str, list[Point]], path: Path) -> None:
-    """Write the points as CSV."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["drive", *Point._fields])
-        writer.writerows([name, *point] for name, rows in found.items() for point in rows)
-
-
 def ripple() -> None:
     """Print what the ripple changes in power, volumetric and isothermal efficiency, by speed."""
     print("| drive | speed | ripple | coupling torque | ΔP_shaft | Δλ | Δη_iso |")
@@ -83,7 +74,8 @@ def main() -> None:
     folder = Path(parser.parse_args().folder)
     make_folder(folder)
     found = {label: points(name, overrides) for label, (name, overrides) in CASES.items()}
-    table(found, folder / "drive.csv")
+    table = ([name, *point] for name, rows in found.items() for point in rows)
+    write_csv(folder / "drive.csv", ["drive", *Point._fields], table)
     for path in draw_campbell(found, 4, folder, "drive_campbell"):
         print(path, file=sys.stderr)
     for label, rows in found.items():

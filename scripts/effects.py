@@ -38,12 +38,17 @@ def percent(one: Result, other: Result, name: str) -> str:
     return f"{100.0 * (one.performance[name] / other.performance[name] - 1.0):+.1f} %"
 
 
+def percents(one: Result, other: Result, *names: str) -> str:
+    """Return by how much figures change, with their names."""
+    return ", ".join(f"{name.replace('_', ' ')} {percent(one, other, name)}" for name in names)
+
+
 OIL_DENSITY = 960.0  # of configs/r134a [kg/m³]
 
 # ---- ports ---------------------------------------------------------------------------------------------------------
 
-ECONOMIZER = "opens: 385 deg, closes: 485 deg, area: 1 cm^2"
 YANG = "Yang, Wang, Bai 2010"
+BEST = "a best position of the port exists"
 
 
 def economizer_change(one: Result, other: Result) -> str:
@@ -55,16 +60,17 @@ def economizer_change(one: Result, other: Result) -> str:
     )
 
 
-def economizer(condition: str, temperature: float, port: str = ECONOMIZER) -> tuple[Path, tuple[str, ...]]:
-    """Return scene and changes of an economizer at a condition."""
-    path = ROOT / "configs" / "r134a" / f"{condition}.yaml"
-    return path, (f"effects.economizer={{temperature: {temperature} degC, {port}}}",)
+def economizer(condition: str, temperature: float, opens: int, source: str, says: str) -> Entry:
+    """Return the entry of an economizer at a condition, whose port is open over 100° [degC, °]."""
+    port = f"opens: {opens} deg, closes: {opens + 100} deg, area: 1 cm^2"
+    sets = (f"effects.economizer={{temperature: {temperature} degC, {port}}}",)
+    scene = ROOT / "configs" / "r134a" / f"{condition}.yaml"
+    return Entry(scene, sets, ("economizer",), source, says, economizer_change)
 
 
 def oil_change(one: Result, other: Result) -> str:
     """Return powers and flows."""
-    names = ("oil_mass_flow", "indicated_power", "shaft_power", "gas_mass_flow")
-    return ", ".join(f"{name.replace('_', ' ')} {percent(one, other, name)}" for name in names)
+    return percents(one, other, "oil_mass_flow", "indicated_power", "shaft_power", "gas_mass_flow")
 
 
 def room_change(one: Result, other: Result) -> str:
@@ -101,34 +107,27 @@ BORE = (
     "oil_supply.orifice_diameter=8 mm",
     "effects.oil_pump=off",
 )
+AFTER_SEALING = "oil after sealing, by the pressure difference, no pump"
+
+
+def oil_injection(opens: int, source: str, says: str) -> Entry:
+    """Return the entry of oil through a port that is open over 90° [°]."""
+    sets = (*BORE, f"effects.oil_injection={{opens: {opens} deg, closes: {opens + 90} deg}}")
+    return Entry(REAL, sets, ("oil_injection",), source, says, oil_change)
+
+
+def oil_volume(d: float) -> Entry:
+    """Return the entry of the oil's room at a ratio d."""
+    sets = (f"oil_supply.ratio={d:g}", "effects.oil_volume={}")
+    return Entry(REAL, sets, ("oil_volume",), "M106, densities of the lines", room_says(d), room_change)
+
+
 effects_ports = {
-    "economizer": Entry(
-        *economizer("point", 20.0), ("economizer",), "textbook", "capacity and COP rise", economizer_change
-    ),
-    "economizer, colder": Entry(
-        *economizer("te-10_tc40", 12.0), ("economizer",), YANG, "gains more at lower evaporation", economizer_change
-    ),
-    "economizer, later port": Entry(
-        *economizer("point", 20.0, "opens: 425 deg, closes: 525 deg, area: 1 cm^2"),
-        ("economizer",),
-        YANG,
-        "a best position of the port exists",
-        economizer_change,
-    ),
-    "economizer, early port": Entry(
-        *economizer("point", 20.0, "opens: 330 deg, closes: 430 deg, area: 1 cm^2"),
-        ("economizer",),
-        YANG,
-        "a best position of the port exists",
-        economizer_change,
-    ),
-    "economizer, last port": Entry(
-        *economizer("point", 20.0, "opens: 465 deg, closes: 565 deg, area: 1 cm^2"),
-        ("economizer",),
-        YANG,
-        "a best position of the port exists",
-        economizer_change,
-    ),
+    "economizer": economizer("point", 20.0, 385, "textbook", "capacity and COP rise"),
+    "economizer, colder": economizer("te-10_tc40", 12.0, 385, YANG, "gains more at lower evaporation"),
+    "economizer, later port": economizer("point", 20.0, 425, YANG, BEST),
+    "economizer, early port": economizer("point", 20.0, 330, YANG, BEST),
+    "economizer, last port": economizer("point", 20.0, 465, YANG, BEST),
     "liquid_injection": Entry(
         REAL,
         ("gas.two_phase=equilibrium", "effects.liquid_injection={opens: 500 deg, closes: 600 deg, area: 4 mm^2}"),
@@ -137,47 +136,20 @@ effects_ports = {
         "discharge cools, power rises",
         liquid_change,
     ),
-    "oil_injection": Entry(
-        REAL,
-        (*BORE, "effects.oil_injection={opens: 365 deg, closes: 455 deg}"),
-        ("oil_injection",),
-        "J & E Hall, manual 2-119",
-        "oil after sealing, by the pressure difference, no pump",
-        oil_change,
-    ),
-    "oil_injection, early": Entry(
-        REAL,
-        (*BORE, "effects.oil_injection={opens: 250 deg, closes: 340 deg}"),
-        ("oil_injection",),
-        "",
-        "before sealing the suction line gets gas and oil back",
-        oil_change,
-    ),
-    "oil_volume": Entry(
-        REAL,
-        ("oil_supply.ratio=3", "effects.oil_volume={}"),
-        ("oil_volume",),
-        "M106, densities of the lines",
-        room_says(3.0),
-        room_change,
-    ),
-    "oil_volume, d = 8": Entry(
-        REAL,
-        ("oil_supply.ratio=8", "effects.oil_volume={}"),
-        ("oil_volume",),
-        "M106, densities of the lines",
-        room_says(8.0),
-        room_change,
-    ),
+    "oil_injection": oil_injection(365, "J & E Hall, manual 2-119", AFTER_SEALING),
+    "oil_injection, early": oil_injection(250, "", "before sealing the suction line gets gas and oil back"),
+    "oil_volume": oil_volume(3.0),
+    "oil_volume, d = 8": oil_volume(8.0),
 }
 
 # ---- flow models of gaps -------------------------------------------------------------------------------------------
 
+GAPS = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
+
 
 def held(*words: str) -> tuple[str, ...]:
     """Return what gives all gaps with a clearance one flow model, 2 mm deep."""
-    gaps = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
-    return tuple(f"effects.{gap}.{word}" for gap in gaps for word in (*words, "passage=2 mm"))
+    return tuple(f"effects.{gap}.{word}" for gap in GAPS for word in (*words, "passage=2 mm"))
 
 
 def friction_says(divisor: Callable[[float, float, float], float]) -> str:
@@ -188,100 +160,59 @@ def friction_says(divisor: Callable[[float, float, float], float]) -> str:
 
 def leak_change(one: Result, other: Result) -> str:
     """Return what the leaks move, and what that makes."""
-    gaps = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
-    moved, plain = (sum(result.ledger[f"gas_moved_{gap}"] for gap in gaps) for result in (one, other))
-    names = ("volumetric_efficiency", "isentropic_efficiency")
-    figures = ", ".join(f"{name.replace('_', ' ')} {percent(one, other, name)}" for name in names)
+    moved, plain = (sum(result.ledger[f"gas_moved_{gap}"] for gap in GAPS) for result in (one, other))
+    figures = percents(one, other, "volumetric_efficiency", "isentropic_efficiency")
     return f"gas through these gaps {100.0 * (moved / plain - 1.0):+.0f} %, {figures}"
 
 
 BELL = "Bell et al. 2013"
+SLOWED, FILLED = "oil carried along slows the gas to 71 %", "oil that fills the gap seals it"
+FRICTION = ("model=nozzle_friction", "flow_coefficient=1")
+SEALED = "model=oil_sealed"
 effects_gaps = {
-    "nozzle_friction, radial": Entry(
-        REAL,
-        held("model=nozzle_friction", "friction_fit=radial", "flow_coefficient=1"),
-        (),
-        BELL,
-        friction_says(radial_divisor),
-        leak_change,
-        (),
-    ),
-    "nozzle_friction, flank": Entry(
-        REAL,
-        held("model=nozzle_friction", "friction_fit=flank", "flow_coefficient=1"),
-        (),
-        BELL,
-        friction_says(flank_divisor),
-        leak_change,
-        (),
-    ),
-    "oil_sealed, mcadams": Entry(
-        REAL,
-        held("model=oil_sealed", "mixture_viscosity=mcadams"),
-        (),
-        "M192: 1/√(1 + x), x = 1",
-        "oil carried along slows the gas to 71 %",
-        leak_change,
-        (),
-    ),
-    "oil_sealed, cicchitti": Entry(
-        REAL,
-        held("model=oil_sealed", "mixture_viscosity=cicchitti"),
-        (),
-        "M192, M193",
-        "oil that fills the gap seals it",
-        leak_change,
-        (),
-    ),
-    "oil_film": Entry(
-        REAL,
-        held("model=oil_film", "filled_from=0.1"),
-        (),
-        "M250, M251",
-        "no gas where there is oil",
-        leak_change,
-        (),
-    ),
+    name: Entry(REAL, held(*words), (), source, says, leak_change, ())
+    for name, words, source, says in (
+        ("nozzle_friction, radial", (*FRICTION, "friction_fit=radial"), BELL, friction_says(radial_divisor)),
+        ("nozzle_friction, flank", (*FRICTION, "friction_fit=flank"), BELL, friction_says(flank_divisor)),
+        ("oil_sealed, mcadams", (SEALED, "mixture_viscosity=mcadams"), "M192: 1/√(1 + x), x = 1", SLOWED),
+        ("oil_sealed, cicchitti", (SEALED, "mixture_viscosity=cicchitti"), "M192, M193", FILLED),
+        ("oil_film", ("model=oil_film", "filled_from=0.1"), "M250, M251", "no gas where there is oil"),
+    )
 }
 
 # ---- dissolved refrigerant -----------------------------------------------------------------------------------------
 
 
+INJECTED = "effects.oil_injection={opens: 365 deg, closes: 455 deg}"
+DEARER = ("volumetric_efficiency", "shaft_power", "isentropic_efficiency")
+
+
 def flash_change(one: Result, other: Result) -> str:
     """Return what flashes, and what it costs."""
-    p, names = one.performance, ("volumetric_efficiency", "shaft_power", "isentropic_efficiency")
-    figures = ", ".join(f"{name.replace('_', ' ')} {percent(one, other, name)}" for name in names)
+    p, figures = one.performance, percents(one, other, *DEARER)
     share = 100.0 * p.dissolved_gas_ratio / (1.0 + p.dissolved_gas_ratio)
     return f"{share:.1f} % of the solution; flash {100.0 * p.flash_flow_ratio:.1f} % of the suction gas, {figures}"
 
 
 def rate_change(one: Result, other: Result) -> str:
     """Return what flashes and what stays, and what it costs."""
-    p, names = one.performance, ("volumetric_efficiency", "shaft_power", "isentropic_efficiency")
-    figures = ", ".join(f"{name.replace('_', ' ')} {percent(one, other, name)}" for name in names)
+    p, figures = one.performance, percents(one, other, *DEARER)
     left = p.discharge_dissolved_gas_ratio / p.dissolved_gas_ratio
     return f"flash {100.0 * p.flash_flow_ratio:.1f} % of the suction gas, {left:.2f} of it leaves dissolved, {figures}"
 
 
 def soluble(T_separator: str) -> Entry:
     """Return the entry of oil in equilibrium at a temperature of the separator."""
-    effect = f"effects.refrigerant_solubility={{separator_temperature: {T_separator}}}"
-    return Entry(
-        REAL,
-        ("effects.oil_injection={opens: 365 deg, closes: 455 deg}", effect),
-        ("refrigerant_solubility",),
-        "Grebner 1992",
-        "at 70 °C and 11.6 bar 19.0 % of the solution is gas",
-        flash_change,
-    )
+    sets = (INJECTED, f"effects.refrigerant_solubility={{separator_temperature: {T_separator}}}")
+    says = "at 70 °C and 11.6 bar 19.0 % of the solution is gas"
+    return Entry(REAL, sets, ("refrigerant_solubility",), "Grebner 1992", says, flash_change)
 
 
 def over_time(times: str) -> Entry:
     """Return the entry of oil that gives gas off over time: the parameters beside the separator's temperature."""
-    effect = f"effects.refrigerant_solubility={{separator_temperature: 70 degC, {times}}}"
-    sets = ("effects.oil_injection={opens: 365 deg, closes: 455 deg}", effect)
+    sets = (INJECTED, f"effects.refrigerant_solubility={{separator_temperature: 70 degC, {times}}}")
     says = "no published time: gas that comes later costs less"
-    return soluble("70 degC")._replace(sets=sets, source="assumed times", says=says, ours=rate_change)
+    return Entry(REAL, sets, ("refrigerant_solubility",), "assumed times", says, rate_change)
 
 
 effects_solubility = {
@@ -329,47 +260,22 @@ def plenum_change(one: Result, other: Result) -> str:
     return f"harmonics 1 to 3: {'; '.join(found)}; {powers}"
 
 
+WALLS = f"effects.wall_heat={{{SIZES}}}"
+STOSIC, BETWEEN = "Stosic, Smith, Kovacevic 2005", "a wall is between the lowest and the highest gas temperature"
+AXES = "effects.thermal_clearances={axis_distance: 125 mm}"
+NARROWER = "h_0 + ℓ γ (M180), narrower where rotors are as warm as the housing"
+SMALL = f"effects.plenums={{discharge_volume: 3 l, suction_volume: 8 l, {LINES}}}"
+LARGE = "effects.plenums={discharge_volume: 30 l, suction_volume: 80 l}"
+PULSATION = "pulsation at the pocket passing frequency and its multiples"
 effects_walls = {
-    "wall_heat": Entry(
-        REAL,
-        (f"effects.wall_heat={{{SIZES}}}",),
-        ("wall_heat",),
-        "Stosic, Smith, Kovacevic 2005",
-        "a wall is between the lowest and the highest gas temperature",
-        wall_change,
-    ),
-    "wall_heat, no oil": Entry(
-        REAL,
-        (f"effects.wall_heat={{{SIZES}}}", "oil_supply.ratio=0"),
-        ("wall_heat",),
-        "Stosic, Smith, Kovacevic 2005",
-        "the same, of dry rotors",
-        wall_change,
-    ),
-    "thermal_clearances": Entry(
-        REAL,
-        (f"effects.wall_heat={{{SIZES}}}", "effects.thermal_clearances={axis_distance: 125 mm}"),
-        ("thermal_clearances",),
-        "linear expansion",
-        "h_0 + ℓ γ (M180), narrower where rotors are as warm as the housing",
-        gap_change,
-    ),
-    "plenums": Entry(
-        REAL,
-        (f"effects.plenums={{discharge_volume: 3 l, suction_volume: 8 l, {LINES}}}",),
-        ("plenums",),
-        "D. R. Smith 2012",
-        "pulsation at the pocket passing frequency and its multiples",
-        plenum_change,
-    ),
-    "plenums, tenfold": Entry(
-        REAL,
-        ("effects.plenums={discharge_volume: 30 l, suction_volume: 80 l}",),
-        ("plenums",),
-        "M184",
-        "falls as 1/V",
-        plenum_change,
-    ),
+    name: Entry(REAL, sets, (name.split(",")[0],), source, says, ours)
+    for name, sets, source, says, ours in (
+        ("wall_heat", (WALLS,), STOSIC, BETWEEN, wall_change),
+        ("wall_heat, no oil", (WALLS, "oil_supply.ratio=0"), STOSIC, "the same, of dry rotors", wall_change),
+        ("thermal_clearances", (WALLS, AXES), "linear expansion", NARROWER, gap_change),
+        ("plenums", (SMALL,), "D. R. Smith 2012", PULSATION, plenum_change),
+        ("plenums, tenfold", (LARGE,), "M184", "falls as 1/V", plenum_change),
+    )
 }
 ENTRIES: dict[str, Entry] = effects_ports | effects_gaps | effects_solubility | effects_walls
 

@@ -29,7 +29,8 @@ from scipy.optimize import least_squares
 
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate, simulate_many
-from screwsim.study.curves import Optimum, optimum, value_at
+from screwsim.study.curves import optimum, value_at
+from screwsim.study.validation import read_table
 
 ROOT = Path(__file__).resolve().parent.parent
 PAPER = ROOT / "validation" / "paper"
@@ -39,6 +40,7 @@ SPEEDS = (250.0, 5000.0)  # [rpm] of A6, those of Fig. 1
 A5, A5_WIDTH, A6, A6_WIDTH = 0.68, 0.005, 0.44, 0.02
 MARGINS = (0.004, 0.05, 0.05, 0.05)  # of A2 (efficiency), A3 (curvature, drop), A4 (ratio; logarithms but the first)
 WIDTHS = (0.004, 0.05, 0.05, 0.05)  # what counts as one
+TOLD = "(least squares to A5, A6 and the orderings; row: of admissible.csv, where it began; cost: sum of squares)"
 STEP, LOST, CHEAP = 0.01, 5.0, ("numerics.accuracy=1e-4", "numerics.error=none")
 
 
@@ -74,10 +76,9 @@ def orderings(eta: np.ndarray) -> list[float]:
     best = [optimum(admissible.RATIOS, row) for row in eta]
     left = []
     for fast, slow in pairwise(best):
-        if not (_whole(fast) and _whole(slow)):
+        if fast is None or slow is None or not (fast.interior and slow.interior):
             left += [LOST] * len(MARGINS)
             continue
-        assert fast is not None and slow is not None
         gains = (
             fast.efficiency - slow.efficiency,
             np.log(max(slow.curvature, 1e-4) / max(fast.curvature, 1e-4)),
@@ -86,10 +87,6 @@ def orderings(eta: np.ndarray) -> list[float]:
         )
         left += [max(0.0, m - gain) / w for gain, m, w in zip(gains, MARGINS, WIDTHS, strict=True)]
     return left
-
-
-def _whole(best: Optimum | None) -> bool:
-    return best is not None and best.interior
 
 
 class Paper:
@@ -125,8 +122,7 @@ class Paper:
 
 def starts(count: int) -> list[tuple[int, np.ndarray]]:
     """Return (row of the sample, its place with 500 rpm) of machines with A1-A4, nearest to A5 first."""
-    with (PAPER / "admissible.csv").open(encoding="utf-8") as stream:
-        rows = list(csv.DictReader(line for line in stream if not line.startswith("#")))
+    rows = read_table(PAPER / "admissible.csv")
     good = [(n, row) for n, row in enumerate(rows, 1) if all(row[f"a{i}"] == "True" for i in (1, 2, 3, 4))]
     good.sort(key=lambda each: abs(float(each[1]["eta"]) - A5))
     middle = np.log(500.0 / SPEEDS[0]) / np.log(SPEEDS[1] / SPEEDS[0])
@@ -151,10 +147,7 @@ def fit(start: tuple[int, np.ndarray]) -> dict[str, Any]:
 def write(rows: list[Mapping[str, Any]]) -> None:
     """Write what is there, the best first."""
     with TARGET.open("w", newline="", encoding="utf-8") as stream:
-        stream.write(
-            f"# Made by: python scripts/fit_paper.py {sys.argv[1]} (least squares to A5, A6 and the orderings; "
-        )
-        stream.write("row: of admissible.csv, where it began; cost: sum of squares)\n")
+        stream.write(f"# Made by: python scripts/fit_paper.py {sys.argv[1]} {TOLD}\n")
         writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(sorted(rows, key=lambda row: float(row["cost"])))

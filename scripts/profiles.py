@@ -8,10 +8,10 @@ stay. Published: the mean of Bitzer's compact screws (validation/bitzer).
 from __future__ import annotations
 
 import argparse
-import csv
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -21,16 +21,18 @@ import numpy as np
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.profile_law import lay
 from screwsim.outputs import Result
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, SMALL, journal, new_figure, plain_ticks, write
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, SMALL, new_figure, plain_ticks, write_all
 from screwsim.scene import Scene, load
 from screwsim.scene.grid import with_values
 from screwsim.simulate import simulate
+from screwsim.study.validation import read_table
 
 ROOT = Path(__file__).resolve().parent.parent
 PUBLISHED = ROOT / "validation" / "bitzer" / "conditions.csv"
 NAMES = {"a": "symmetric 4/6", "b": "asymmetric 4/6", "c": "asymmetric 5/6"}
 GAPS = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
 LOSSES = (*GAPS[:2], "blow_hole", GAPS[2], "suction_port", "discharge_port", "oil_heat")
+ROUNDED = ("male_tip", "female_tip", "flank", "root")
 MM, DEG = 1e-3, math.pi / 180.0
 SHADES = ("#3b2a8c", "#c2561a", "#9dc9e6", "#e8e8e8")
 AXES = {
@@ -46,14 +48,7 @@ def scaled(scene: Scene, factor: float) -> Scene:
     """Return the scene with all lengths of the rotors multiplied."""
     machine, profile = scene.machine, scene.machine.profile
     lengths = {f"machine.{name}": getattr(machine, name) for name in ("rotor_diameter", "rotor_length")}
-    names = (
-        "centre_distance",
-        "female_diameter",
-        "male_tip_radius",
-        "female_tip_radius",
-        "flank_radius",
-        "root_radius",
-    )
+    names = ("centre_distance", "female_diameter", *(f"{part}_radius" for part in ROUNDED))
     lengths |= {f"machine.profile.{name}": getattr(profile, name) for name in names}
     return with_values(scene, {path: factor * value for path, value in lengths.items() if value is not None})
 
@@ -133,15 +128,11 @@ def paths(b: Scene) -> None:
 
 def published(scenes: dict[str, Scene]) -> None:
     """Print λ and η_s of all profiles beside Bitzer's mean."""
-    with PUBLISHED.open(encoding="utf-8") as lines:
-        rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     print("\nBeside the mean of Bitzer's compact screws (motor apart): lambda, eta_s")
     print(f"{'To/Tc degC':<12}{'pi':>6}{'published':>18}" + "".join(f"{NAMES[name]:>20}" for name in scenes))
-    for row in rows:
-        T = {
-            f"operation.{side}_temperature": float(row[f"{side}_degC"]) + 273.15
-            for side in ("evaporating", "condensing")
-        }
+    for row in read_table(PUBLISHED):
+        sides = ("evaporating", "condensing")
+        T = {f"operation.{side}_temperature": float(row[f"{side}_degC"]) + 273.15 for side in sides}
         line = f"{row['evaporating_degC'] + '/' + row['condensing_degC']:<12}{float(row['pressure_ratio']):6.3f}"
         line += f"{float(row['volumetric_efficiency']):10.3f}{float(row['isentropic_efficiency']):8.3f}"
         print(line + "".join(f"   {figures(with_values(scene, T))}" for scene in scenes.values()))
@@ -149,36 +140,30 @@ def published(scenes: dict[str, Scene]) -> None:
 
 def draw(results: dict[str, Result], studies: dict[str, list[tuple[float, float, float]]], folder: Path) -> None:
     """Draw the profiles' figures and losses, and the studies of (b)."""
-    with journal():
-        write(_profiles_figure(results), folder, "profiles")
-        write(_studies_figure(studies), folder, "profile_studies")
+    plans = {"profiles": partial(_profiles_figure, results), "profile_studies": partial(_studies_figure, studies)}
+    write_all(plans, folder)
 
 
 def _profiles_figure(results: dict[str, Result]) -> Any:
     figure = new_figure(DOUBLE, 66.0)
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.9))
     places = np.arange(len(results))
-    for j, (name, text) in enumerate(
-        (("volumetric_efficiency", "volumetric"), ("isentropic_efficiency", "isentropic"))
-    ):
-        heights = [100.0 * result.performance[name] for result in results.values()]
+    for j, text in enumerate(("volumetric", "isentropic")):
+        heights = [100.0 * result.performance[f"{text}_efficiency"] for result in results.values()]
         bars = left.bar(places + 0.4 * (j - 0.5), heights, 0.38, color=SHADES[2 * j], edgecolor="black", label=text)
         left.bar_label(bars, [f"{height:.1f}" for height in heights], fontsize=SMALL)
     left.set_xticks(places, [f"({name})" for name in results])
-    left.set_ylim(70.0, 106.0)
-    left.set_ylabel("efficiency [%]")
+    left.set(ylim=(70.0, 106.0), ylabel="efficiency [%]")
     left.legend(loc="upper left")
     base = np.zeros(len(results))
     for j, loss in enumerate(LOSSES):
         shares = np.array([_share(result, loss) for result in results.values()])
         name = loss.replace("_leakage", "").replace("_", " ")
-        right.barh(
-            places, shares, 0.6, base, color=SHADES[j % 4], hatch=("", "////")[j // 4], edgecolor="black", label=name
-        )
+        look = {"color": SHADES[j % 4], "hatch": ("", "////")[j // 4], "edgecolor": "black"}
+        right.barh(places, shares, 0.6, base, label=name, **look)
         base += shares
     right.set_yticks(places, [f"({name}) {NAMES[name]}" for name in results])
-    right.set_ylim(len(results) - 0.5, -2.0)
-    right.set_xlim(0.0, 1.04 * base.max())
+    right.set(xlim=(0.0, 1.04 * base.max()), ylim=(len(results) - 0.5, -2.0))
     right.set_xlabel("exergy destroyed [% of the shaft power]")
     right.legend(loc="upper center", ncols=3)
     return figure
@@ -191,10 +176,9 @@ def _studies_figure(studies: dict[str, list[tuple[float, float, float]]]) -> Any
         value, filling, efficiency = np.array(rows).T
         axes.plot(value, 100.0 * filling, color=COLOURS[1], linestyle=DASHES[1], marker="s", label="volumetric")
         axes.plot(value, 100.0 * efficiency, color=COLOURS[0], marker="o", label="isentropic")
-        axes.set_xlabel(AXES.get(name, name))
-        plain_ticks(axes.xaxis, 5)
-        plain_ticks(axes.yaxis, 6)
-        axes.set_ylim(70.0, 100.0)
+        axes.set(xlabel=AXES.get(name, name), ylim=(70.0, 100.0))
+        plain_ticks(axes.xaxis, most=5)
+        plain_ticks(axes.yaxis, most=6)
     for row in (panels[0], panels[3]):
         row.set_ylabel("efficiency [%]")
     panels[0].legend(loc="lower left")

@@ -78,15 +78,8 @@ def row_line(row: Mapping[str, Any]) -> str:
     """Return one row of a table."""
     unit, verdict = row["unit"], f"**{row['verdict']}**" if row["verdict"] == "fails" else row["verdict"]
     told = "; ".join(part for part in (row["basis"], row["note"]) if part)
-    cells = (
-        cell(row["quantity"]),
-        number(row["ours"], unit),
-        number(row["theirs"], unit),
-        number(row["uncertainty"], unit, 2),
-        row["kind"],
-        verdict,
-        cell(told),
-    )
+    numbers = (number(row["ours"], unit), number(row["theirs"], unit), number(row["uncertainty"], unit, 2))
+    cells = (cell(row["quantity"]), *numbers, row["kind"], verdict, cell(told))
     return "| " + " | ".join(cells) + " |"
 
 
@@ -120,9 +113,9 @@ def fails(sources: Mapping[str, Any]) -> str:
 def limits(sources: Mapping[str, Any]) -> str:
     """Return the size of each thing that the model leaves out, a line each."""
     rows = [row for row in sources.get("limits", {"rows": []})["rows"] if row["kind"] == "estimate"]
-    return "\n".join(
-        f"- {cell(row['quantity'])}: {number(row['ours'], row['unit'], 3)}; {cell(row['note'])}" for row in rows
-    )
+    sizes = [number(row["ours"], row["unit"], 3) for row in rows]
+    lines = (f"- {cell(row['quantity'])}: {size}; {cell(row['note'])}" for row, size in zip(rows, sizes, strict=True))
+    return "\n".join(lines)
 
 
 def section(name: str, source: Mapping[str, Any]) -> str:
@@ -142,13 +135,8 @@ def page(document: Mapping[str, Any]) -> str:
     sources = {name: found[name] for name in (*(n for n in ORDER if n in found), *(n for n in found if n not in ORDER))}
     kinds = "; ".join(f"*{name}*, {about}" for name, about in KINDS.items())
     summed = summary(document)
-    head = HEAD.format(
-        summary=summed[0].upper() + summed[1:],
-        counts=counts(sources),
-        kinds=kinds,
-        fails=fails(sources),
-        limits=limits(sources),
-    )
+    parts = {"counts": counts(sources), "kinds": kinds, "fails": fails(sources), "limits": limits(sources)}
+    head = HEAD.format(summary=summed[0].upper() + summed[1:], **parts)
     return head + "\n" + "\n\n".join(section(name, source) for name, source in sources.items()) + "\n" + OWN
 
 

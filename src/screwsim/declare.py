@@ -13,7 +13,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 REQUIRED: Any = dataclasses.MISSING
 
@@ -81,42 +81,30 @@ def _field(
     return dataclasses.field(default=default, metadata=metadata, kw_only=True)
 
 
-def quantity(
-    kind: str,
-    doc: str,
-    default: Any = REQUIRED,
-    *,
-    gt: float | None = None,
-    ge: float | None = None,
-    lt: float | None = None,
-    le: float | None = None,
-    hardly: Bounds = ANY,
-    remedy: str = "",
-    optional: bool = False,
-) -> Any:
+class Limits(TypedDict, total=False):
+    """What bounds a number [SI]: what it cannot be beyond, what it hardly is beyond, what to write in its place."""
+
+    gt: float | None
+    ge: float | None
+    lt: float | None
+    le: float | None
+    hardly: Bounds
+    remedy: str
+
+
+def quantity(kind: str, doc: str, default: Any = REQUIRED, *, optional: bool = False, **limits: Unpack[Limits]) -> Any:
     """Declare a dimensional input of a kind of `KINDS`; default, limits and what it hardly is beyond in SI units.
 
     `remedy` is what to write in place of a value that is out of range.
     """
     if kind not in KINDS:
         raise ValueError(f"unknown kind of quantity {kind!r}; known: {', '.join(KINDS)}")
-    return _field(kind, default, optional or default is None, doc, hardly, remedy, gt=gt, ge=ge, lt=lt, le=le)
+    return _field(kind, default, optional or default is None, doc, **limits)
 
 
-def number(
-    doc: str,
-    default: Any = REQUIRED,
-    *,
-    gt: float | None = None,
-    ge: float | None = None,
-    lt: float | None = None,
-    le: float | None = None,
-    hardly: Bounds = ANY,
-    remedy: str = "",
-    optional: bool = False,
-) -> Any:
+def number(doc: str, default: Any = REQUIRED, *, optional: bool = False, **limits: Unpack[Limits]) -> Any:
     """Declare a dimensionless input."""
-    return _field("number", default, optional or default is None, doc, hardly, remedy, gt=gt, ge=ge, lt=lt, le=le)
+    return _field("number", default, optional or default is None, doc, **limits)
 
 
 def count(doc: str, default: Any = REQUIRED, *, ge: int | None = None, le: int | None = None) -> Any:

@@ -15,6 +15,9 @@ class Fault:
     path: str
     what: str
 
+    def __str__(self) -> str:
+        return f"{self.path}: {self.what}"
+
 
 class SceneError(Exception):
     """Report every fault of a scene; `lines` are ready to print (`FILE:LINE:COLUMN: PATH: what`)."""

@@ -348,6 +348,16 @@ class Result:
     ledger: Figures = field(default_factory=Figures)  # empty without the cycle
     knock_out: tuple[Figures, ...] = ()  # what leaving each effect out changes, where it was asked for
 
+    @property
+    def told(self) -> str:
+        """How it ended, in words: `not closed: …`."""
+        return f"{self.status.replace('_', ' ')}: {self.message}"
+
+    def lacks(self, names: Iterable[str]) -> list[str]:
+        """Return why it has no figures of these names, a text for each that it does not have."""
+        none = (name for name in names if self.performance.get(name) is None)
+        return [f"no {name}: {self.notes.get(name, 'it is not simulated')}" for name in none]
+
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints (the cycle stays in the HDF5 file)."""
         asked = {"knock_out": [dict(cost) for cost in self.knock_out]} if self.knock_out else {}

@@ -33,7 +33,7 @@ def study():
 
 @pytest.fixture(scope="module")
 def table(study):
-    return study.read_table()
+    return study.printed_table()
 
 
 def test_agreement_with_the_printed_table_is_as_stated(study, table):
@@ -51,7 +51,7 @@ def test_agreement_with_the_printed_table_is_as_stated(study, table):
 
 def test_the_ten_deviations_are_as_stated(study, table):
     lines = [line for line in CRANK.splitlines() if line.count("|") == 9]
-    for row in study.rows("deviations.csv")[:-1]:
+    for row in study.read_table(study.DATA / "deviations.csv")[:-1]:
         changed = study.NOMINAL.scaled(*(1 + 0.01 * float(row[key]) for key in ("crank_percent", "rod_percent")))
         theirs = float(row["deviation"])
         found = (

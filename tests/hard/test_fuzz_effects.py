@@ -6,9 +6,9 @@ import fuzz_effects
 import pytest
 from effects_space import STRUCTURES, drawn, effects_drawn, ranges, scene_of
 from hard_page import OF_EFFECTS
+from true_error import true_error
 
 from screwsim.effects import catalogue
-from screwsim.study.accuracy.kept import true_error
 
 MADE = json.loads(OF_EFFECTS.read_text(encoding="utf-8"))
 TRUE = MADE["true"]

@@ -31,13 +31,13 @@ from report_fakes import (
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.report import cycle as cycle_figures
-from screwsim.report import ledger, maps, outcome, plot, samples, sweeps, warned
+from screwsim.report import ledger, maps, outcome, plot, samples, sweeps
 from screwsim.report.annotate import spread
 from screwsim.report.families import arc, optimum
 from screwsim.report.quantities import shown_axis
 from screwsim.report.style import COLOURS, DOUBLE, MM, SINGLE, journal, line_style
 from screwsim.report.trace import chosen_trace
-from screwsim.results import Results, open_results
+from screwsim.results import Results, open_results, warned
 
 THREE = SCENE + "sweep:\n" + SPEEDS + RATIOS + "  operation.discharge.pressure: [10 bar, 14 bar]\n"
 MANY = (

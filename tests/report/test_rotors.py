@@ -32,7 +32,7 @@ def draw(pair, name):
     """Return one of the four figures."""
     if name in ("mesh_figure", "sealing_figure"):
         return getattr(figures, name)(pair)
-    return getattr(figures, name)(pair, make_curves(pair, 3.2))
+    return getattr(figures, name)(make_curves(pair, 3.2))
 
 
 @pytest.mark.parametrize("name", ["mesh_figure", "sealing_figure", "volume_figure", "areas_figure"])

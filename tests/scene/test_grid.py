@@ -7,7 +7,6 @@ import pytest
 
 from screwsim.faults import SceneError, UsageError
 from screwsim.scene import (
-    axes,
     axis_label,
     case,
     case_count,
@@ -34,8 +33,8 @@ def faults_of(example, sweep):
 
 def test_axes_keep_their_order_and_are_in_si(example):
     scene = swept(example, "{oil_supply.ratio: [1, 2.5], operation.suction.temperature: [10 degC]}")
-    assert axes(scene) == {"oil_supply.ratio": (1.0, 2.5), "operation.suction.temperature": (283.15,)}
-    assert list(axes(scene)) == ["oil_supply.ratio", "operation.suction.temperature"]
+    assert scene.sweep == {"oil_supply.ratio": (1.0, 2.5), "operation.suction.temperature": (283.15,)}
+    assert list(scene.sweep) == ["oil_supply.ratio", "operation.suction.temperature"]
 
 
 def test_the_last_axis_runs_fastest(example):
@@ -79,17 +78,17 @@ def test_a_huge_grid_costs_nothing_until_asked(example):
 
 
 def test_a_linear_range_is_even_in_the_unit_and_hits_its_ends(example):
-    speeds = axes(swept(example, "{operation.speed: {from: 1000 rpm, to: 3000 rpm, count: 5}}"))["operation.speed"]
+    speeds = swept(example, "{operation.speed: {from: 1000 rpm, to: 3000 rpm, count: 5}}").sweep["operation.speed"]
     assert [f"{speed * 30 / math.pi:.10g}" for speed in speeds] == ["1000", "1500", "2000", "2500", "3000"]
 
 
 def test_a_log_range_has_equal_ratios(example):
     sweep = "{oil_supply.ratio: {from: 1, to: 1000, count: 4, spacing: log}}"
-    assert axes(swept(example, sweep))["oil_supply.ratio"] == (1.0, 10.0, 100.0, 1000.0)
+    assert swept(example, sweep).sweep["oil_supply.ratio"] == (1.0, 10.0, 100.0, 1000.0)
 
 
 def test_a_range_of_one_is_its_beginning(example):
-    assert axes(swept(example, "{oil_supply.ratio: {from: 2, to: 3, count: 1}}")) == {"oil_supply.ratio": (2.0,)}
+    assert swept(example, "{oil_supply.ratio: {from: 2, to: 3, count: 1}}").sweep == {"oil_supply.ratio": (2.0,)}
 
 
 def test_a_choice_is_swept_by_its_words(example):

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from true_error import Kept, account, estimates_over_errors, shares_within_or_warned, warns
 
 from screwsim.effects import catalogue
-from screwsim.study.accuracy.kept import Kept, account, estimates_over_errors, shares_within_or_warned
+from screwsim.outputs import Figures, Result
 
 SCRIPT = Path(__file__).parents[1] / "tools" / "accuracy_kept.py"
 SCENES, SEED, RADAU_EVERY = 60, 1, 20
@@ -100,3 +101,10 @@ def test_work_rises_with_the_accuracy_asked(script):
     totals = counts.sum(axis=0)
     assert np.all(np.diff(totals) > 0.0)
     assert np.all(counts[:, -1] > counts[:, 0])
+
+
+@pytest.mark.parametrize(("error", "warned"), [(2e-3, True), (5e-4, False)])
+def test_whether_accuracy_is_warned_of_follows_from_errors_and_not_from_words(error, warned):
+    told = ("an estimated sentence of another kind",)
+    assert warns(Result("ok", warnings=told, error=Figures(shaft_power=error)), 1e-3) == warned
+    assert warns(Result("ok", error=Figures(shaft_power=None)), 1e-3)

@@ -18,11 +18,11 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 import effects_space  # noqa: E402
+from true_error import Kept, account, drawn, kept  # noqa: E402
 
 from screwsim.faults import SceneError  # noqa: E402
 from screwsim.scene import Scene, load, with_values  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
-from screwsim.study.accuracy.kept import Kept, account, drawn, kept  # noqa: E402
 
 PAPER, REAL = str(ROOT / "configs" / "paper" / "point.yaml"), str(ROOT / "configs" / "r134a" / "point.yaml")
 DRY = ("oil_heat", "oil_pump", "hydromechanical", "end_face_leakage", "interlobe_leakage")

@@ -23,10 +23,10 @@ import effects_space  # noqa: E402
 import search  # noqa: E402
 from fuzz import PACKAGES  # noqa: E402
 from search import Row, largest  # noqa: E402
+from true_error import true_error, warns  # noqa: E402
 
 from screwsim.outputs import Result  # noqa: E402
 from screwsim.scene import Scene  # noqa: E402
-from screwsim.study.accuracy.kept import true_error, warns  # noqa: E402
 
 COLUMNS = (
     "index",

@@ -16,7 +16,7 @@ from typing import Annotated
 import typer
 
 from screwsim import __version__
-from screwsim.cli import files, mistakes, points, process, startup, studies
+from screwsim.cli import files, mistakes, points, process, studies
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
 from screwsim.faults import SceneError, UsageError
 from screwsim.screen import say
@@ -50,8 +50,11 @@ def _root(
 ) -> None: ...
 
 
-for _group in (points, studies, startup, files):
-    _group.add_to(app)
+_POINTS = (points.run, points.sweep, points.explain, points.accuracy)
+_STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
+_FILES = (files.rotors, files.plot, files.report, files.validate, files.schema)
+for _command in (*_POINTS, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
+    app.command("map" if _command is studies.performance_map else None)(_command)
 
 
 def exit_code(arguments: Sequence[str]) -> int:

@@ -7,18 +7,8 @@ from typing import Annotated
 
 import typer
 
-from screwsim.cli.options import (
-    NOT_ALL_OK,
-    OK,
-    AsJson,
-    Jobs,
-    Overrides,
-    SceneFile,
-    base_point,
-    check_drawer,
-    check_page,
-    loaded,
-)
+from screwsim.cli import options
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile
 from screwsim.faults import UsageError
 from screwsim.screen import say
 
@@ -32,8 +22,8 @@ def rotors(
     as_json: AsJson = False,
 ) -> None:
     """Say what the rotor profile of a scene gives, and draw it."""
-    check_drawer(folder)
-    scene = base_point(loaded(scene_file, overrides, None), scene_file)
+    options.check_drawer(folder)
+    scene = options.base_point(options.loaded(scene_file, overrides, None), scene_file)
     from screwsim.printing import print_json
     from screwsim.report.rotors_scene import document, table_text, write
     from screwsim.scene.plausible import scene_warnings
@@ -49,11 +39,11 @@ def rotors(
 
 
 def plot(
-    results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)],
+    results_file: ResultsFile,
     folder: Annotated[str | None, typer.Option("-o", metavar="DIR", help="Where the figures go.")] = None,
 ) -> None:
     """Draw the figures of a results file."""
-    check_drawer(Path(folder) if folder is not None else None)
+    options.check_drawer(Path(folder) if folder is not None else None)
     from screwsim.report import plot as drawn
 
     for path in drawn(results_file, folder):
@@ -61,7 +51,7 @@ def plot(
 
 
 def report(
-    results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)],
+    results_file: ResultsFile,
     output: Annotated[
         str | None, typer.Option("-o", metavar="OUT.html", help="Where the page goes (default: beside the file).")
     ] = None,
@@ -71,7 +61,7 @@ def report(
 ) -> None:
     """Make one page of a results file: figures, cycles, checks, scene; it opens in any browser, offline."""
     if output is not None:
-        check_page(Path(output))
+        options.check_page(Path(output))
     from screwsim.report.page import report as made
     from screwsim.study.claims import claims_of
 
@@ -98,7 +88,7 @@ def validate(
     as_json: AsJson = False,
 ) -> int:
     """Hold what is computed against each published reference. A verdict that fails is a finding: exit code 0."""
-    check_drawer(output)
+    options.check_drawer(output)
     from screwsim.printing import print_json, write_json
     from screwsim.report.validation import draw
     from screwsim.results.atomic import make_folder
@@ -129,24 +119,9 @@ def schema(
     if fit and stages:
         raise UsageError("--fit and --stages are schemas of different files (ask for one of the two)")
     if stages:
-        from screwsim.study.stages import stages_schema
-
-        print_json(stages_schema())
-        return
-    if fit:
-        from screwsim.study.calibration.schema import fit_schema
-
-        print_json(fit_schema())
-        return
-    from screwsim.scene import schema as scene_schema
-
-    print_json(scene_schema())
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    app.command()(rotors)
-    app.command()(plot)
-    app.command()(report)
-    app.command()(validate)
-    app.command()(schema)
+        from screwsim.study.stages import stages_schema as wanted
+    elif fit:
+        from screwsim.study.calibration.schema import fit_schema as wanted
+    else:
+        from screwsim.scene import schema as wanted
+    print_json(wanted())

@@ -24,6 +24,7 @@ PAGES = (".html", ".htm")
 FILES = {*RESULTS, *PAGES, ".csv", ".json", ".yaml", ".yml", ".png", ".pdf", ".svg", ".txt", ".md", ".xlsx", ".dxf"}
 
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="The scene, a YAML file.", show_default=False)]
+ResultsFile = Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)]
 Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="PATH=VALUE", help="Change one path, e.g. operation.speed='1000 rpm'."),

@@ -7,22 +7,8 @@ from typing import Annotated
 
 import typer
 
-from screwsim.cli.options import (
-    NOT_ALL_OK,
-    OK,
-    AsJson,
-    Jobs,
-    Overrides,
-    SceneFile,
-    Without,
-    base_point,
-    check_drawer,
-    check_place,
-    check_results,
-    complain,
-    loaded,
-    say_left_aside,
-)
+from screwsim.cli import options
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
 from screwsim.faults import UsageError
 from screwsim.screen import say
 
@@ -44,7 +30,7 @@ def run(
         return _run_stages(scene_file, output, overrides, without, knock_out, as_json)
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
     if output is not None:
-        check_place(output)
+        options.check_place(output)
     from screwsim.printing import print_json, print_result
     from screwsim.simulate import simulate
 
@@ -58,7 +44,7 @@ def run(
     if output is not None:
         from screwsim.results import save
 
-        check_place(output)  # again: what came there meanwhile stays
+        options.check_place(output)  # again: what came there meanwhile stays
         save(output, scene, result)
     if as_json:
         print_json(result.as_json())
@@ -79,9 +65,11 @@ def _run_stages(
     chain = read_stages(file, overrides or ())
     places = [] if output is None else [output.with_stem(f"{output.stem}_{name}") for name in ("first", "second")]
     for place in places:
-        check_place(place)
+        options.check_place(place)
     for name, scene in (("first", chain.first), ("second", chain.second)):
-        say_left_aside(scene, f"{file}: the {name} scene's", "stages are not swept: run them once a value, with --set")
+        options.say_left_aside(
+            scene, f"{file}: the {name} scene's", "stages are not swept: run them once a value, with --set"
+        )
     found = run_stages(chain)
     if places and found.scenes:
         from screwsim.results import save
@@ -129,7 +117,7 @@ def sweep(
     from screwsim.study.sweep import run_sweep
 
     if output is not None:
-        check_results(output)
+        options.check_results(output)
     file = output or Path("results") / f"{Path(scene_file).stem}.h5"
     where = {"jobs": jobs, "scheduler": scheduler, "case_limit": case_limit}
     summary = run_sweep(scene, file, **where, restart=restart, progress=for_terminal())
@@ -174,7 +162,7 @@ def accuracy(
     if is_stages(scene_file):
         raise UsageError(f"{scene_file}: describes two stages, and accuracy is of one scene (name that of a stage)")
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
-    check_drawer(folder)
+    options.check_drawer(folder)
     from screwsim.printing import accuracy_drawing
     from screwsim.report.accuracy import draw
     from screwsim.results.atomic import make_folder
@@ -186,17 +174,9 @@ def accuracy(
     try:
         found = study(scene, QUICK if quick else Extent(), for_terminal("accuracy"))
     except NoReference as error:
-        return complain(f"{scene_file}: {error}", NOT_ALL_OK)
+        return options.complain(f"{scene_file}: {error}", NOT_ALL_OK)
     say(words.report(found))
     if folder is not None:
         for path in (*files.write(found, folder), *draw(accuracy_drawing(found), folder)):
             say(path)
     return OK
-
-
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    app.command()(run)
-    app.command()(sweep)
-    app.command()(explain)
-    app.command()(accuracy)

@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from screwsim.cli.options import (
-    INTERRUPTED,
-    NOT_ALL_OK,
-    OK,
-    AsJson,
-    Jobs,
-    Overrides,
-    SceneFile,
-    Without,
-    base_point,
-    check_drawer,
-    loaded,
-)
+from screwsim.cli import options
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
 from screwsim.screen import say
+
+RPM = math.pi / 30.0
 
 
 def optimum(
@@ -41,7 +33,7 @@ def optimum(
 ) -> int:
     """Find the best value of one path, for each point of the sweep's other axes."""
     scene = loaded(scene_file, overrides, without)
-    from screwsim.printing import print_json
+    from screwsim.printing import show
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
     from screwsim.study.columns import check_target
     from screwsim.study.inputs import told_efficiency
@@ -57,10 +49,7 @@ def optimum(
     rows = found(scene, asked, jobs=jobs, progress=for_terminal("optimum"))
     if output is not None:
         write_optimum(output, scene, asked, rows)
-    if as_json:
-        print_json(optimum_document(scene, asked, rows))
-    else:
-        print_optimum(scene, asked, rows)
+    show(as_json, optimum_document, print_optimum, scene, asked, rows)
     return OK if all(row.status == "ok" and not row.failed for row in rows) else NOT_ALL_OK
 
 
@@ -74,7 +63,7 @@ def performance_map(
     as_json: AsJson = False,
 ) -> int:
     """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over evaporating and condensing temperature."""
-    from screwsim.printing import print_json
+    from screwsim.printing import show
     from screwsim.printing.performance_map import map_document, print_maps, write_maps
     from screwsim.results import open_results
     from screwsim.study.columns import check_target
@@ -86,10 +75,7 @@ def performance_map(
     maps = performance_maps(results, tuple(dict.fromkeys(figures)) if figures else FIGURES)
     if output is not None:
         write_maps(output, results, maps)
-    if as_json:
-        print_json(map_document(results, maps))
-    else:
-        print_maps(results, maps)
+    show(as_json, map_document, print_maps, results, maps)
     return OK if not any(each.message or each.not_ok for each in maps) else NOT_ALL_OK
 
 
@@ -113,7 +99,7 @@ def sensitivity(
 ) -> int:
     """Tell which inputs a figure depends on: Sobol indices, first order and total."""
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
-    from screwsim.printing import print_json
+    from screwsim.printing import show
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.study.columns import check_target
     from screwsim.study.inputs import told_efficiency
@@ -130,10 +116,7 @@ def sensitivity(
     found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=progress)
     if output is not None and not found.message:
         write_sensitivity(output, found)
-    if as_json:
-        print_json(sensitivity_document(scene, found))
-    else:
-        print_sensitivity(scene, found)
+    show(as_json, sensitivity_document, print_sensitivity, scene, found)
     return OK if not found.message else NOT_ALL_OK
 
 
@@ -146,17 +129,14 @@ def compare(
     as_json: AsJson = False,
 ) -> int:
     """Tell what differs between two results files. A difference is a finding: exit code 0."""
-    from screwsim.printing import print_json
+    from screwsim.printing import show
     from screwsim.printing.compare import comparison_document, print_comparison
     from screwsim.results import open_results
     from screwsim.study.compare import compare as compared
 
     a, b = open_results(first), open_results(second)
     found = compared(a, b, tolerance)
-    if as_json:
-        print_json(comparison_document(a, b, found))
-    else:
-        print_comparison(a, b, found)
+    show(as_json, comparison_document, print_comparison, a, b, found)
     return OK
 
 
@@ -171,8 +151,8 @@ def calibrate(
     as_json: AsJson = False,
 ) -> int:
     """Fit parameters of a scene to measured points, and say how far the data fix them."""
-    check_drawer(folder)
-    from screwsim.printing import print_json
+    options.check_drawer(folder)
+    from screwsim.printing import show
     from screwsim.printing.calibration import (
         calibration_document,
         check_folder,
@@ -189,16 +169,13 @@ def calibrate(
         make_folder(folder)
         check_folder(folder)
     found = calibrated(fit, jobs=jobs, progress=for_terminal("calibrate"))
-    if as_json:
-        print_json(calibration_document(found))
-    else:
-        print_calibration(found)
+    show(as_json, calibration_document, print_calibration, found)
     if folder is not None:
         for path in write_calibration(found, folder):
             say(path, err=as_json)
     if found.status == "interrupted":
         say(found.message, err=True)
-        return INTERRUPTED
+        return options.INTERRUPTED
     return OK if found.status == "ok" else NOT_ALL_OK
 
 
@@ -218,9 +195,9 @@ def tolerance(
     as_json: AsJson = False,
 ) -> int:
     """Say what errors of a slider-crank's lengths do to its motion and, by Monte Carlo, to the compressor."""
-    check_drawer(folder)
+    options.check_drawer(folder)
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
-    from screwsim.printing import print_json
+    from screwsim.printing import show
     from screwsim.printing.tolerance import print_tolerance, tolerance_document
     from screwsim.study.progress import for_terminal
     from screwsim.study.tolerance import tolerances
@@ -229,13 +206,9 @@ def tolerance(
     asked = {name: grade if own is None else own for name, own in grades.items()}
     asked |= {} if bore_grade is None else {"bore": bore_grade}
     found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=for_terminal("tolerance"))
-    if as_json:
-        print_json(tolerance_document(scene, found))
-    else:
-        print_tolerance(scene, found)
+    show(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:
-        from screwsim.report.spread import draw_spread
-        from screwsim.report.tolerance import draw_law
+        from screwsim.report.tolerance import draw_law, draw_spread
 
         deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
         law = draw_law(found.links, folder)
@@ -244,11 +217,32 @@ def tolerance(
     return OK if not found.failed else NOT_ALL_OK
 
 
-def add_to(app: typer.Typer) -> None:
-    """Add these commands."""
-    app.command()(optimum)
-    app.command()(sensitivity)
-    app.command("map")(performance_map)
-    app.command()(compare)
-    app.command()(calibrate)
-    app.command()(tolerance)
+def startup(
+    scene_file: SceneFile,
+    folder: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Where traces and figure go.")] = None,
+    creep: Annotated[float, typer.Option(min=0.1, metavar="RPM", help="Speed at which the start begins.")] = 30.0,
+    longest: Annotated[float, typer.Option(min=0.01, metavar="SECONDS", help="Give up after so long.")] = 10.0,
+    overrides: Overrides = None,
+    without: Without = None,
+    as_json: AsJson = False,
+) -> int:
+    """Start a machine that has a drive, against the discharge pressure."""
+    options.check_drawer(folder)
+    scene = base_point(loaded(scene_file, overrides, without), scene_file)
+    from screwsim.printing import print_json
+    from screwsim.printing.startup import text, write_traces
+    from screwsim.report.drive import draw_start
+    from screwsim.results.atomic import make_folder
+    from screwsim.start_up import start_up
+
+    if folder is not None:
+        make_folder(folder)
+    found = start_up(scene, creep * RPM, longest)
+    if as_json:
+        print_json(found.as_json())
+    else:
+        say(text(scene.title, found))
+    if folder is not None and found.traces:
+        for path in (write_traces(folder / "startup.csv", found), *draw_start(found, scene.title, folder)):
+            say(path, err=as_json)
+    return OK if found.status == "ok" else NOT_ALL_OK

@@ -15,34 +15,11 @@ from screwsim.numerics import sources
 from screwsim.numerics.trial import own_module
 
 _NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "line_valve", "port_window", "valves"}
-_ORDER = (
-    "suction_port",
-    "discharge_port",
-    "check_valves",
-    "reed_valves",
-    "ring_leakage",
-    "cylinder_heat",
-    "tip_leakage",
-    "interlobe_leakage",
-    "blow_hole",
-    "end_face_leakage",
-    "slide_valve",
-    "bypass",
-    "suction_throttle",
-    "oil_heat",
-    "droplets",
-    "wall_heat",
-    "thermal_clearances",
-    "plenums",
-    "oil_pump",
-    "hydromechanical",
-    "mechanical",
-    "oil_drag",
-    "bearings",
-    "motor",
-    "gas_torque",
-    "drive",
-)
+_PORTS = ("suction_port", "discharge_port", "check_valves", "reed_valves", "ring_leakage", "cylinder_heat")
+_GAPS = ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage", "slide_valve", "bypass")
+_HEAT = ("suction_throttle", "oil_heat", "droplets", "wall_heat", "thermal_clearances", "plenums")
+_LOSSES = ("oil_pump", "hydromechanical", "mechanical", "oil_drag", "bearings", "motor", "gas_torque", "drive")
+_ORDER = (*_PORTS, *_GAPS, *_HEAT, *_LOSSES)
 
 
 @cache

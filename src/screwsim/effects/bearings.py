@@ -120,9 +120,8 @@ def check(parameters: Parameters, facts) -> list[Fault]:
             what = "two_term needs oil and oil_supply, absent here (write those, or friction: simple)"
             faults.append(Fault("effects.bearings.friction", what))
         elif not facts.oil.knows_viscosity:
-            faults.append(
-                Fault("oil.viscosity", "is missing (effects.bearings.friction: two_term needs it, or oil.name)")
-            )
+            what = "is missing (effects.bearings.friction: two_term needs it, or oil.name)"
+            faults.append(Fault("oil.viscosity", what))
     elif parameters.film_temperature is not None:
         faults.append(Fault("effects.bearings.film_temperature", "belongs to friction: two_term (remove it)"))
     return faults

@@ -16,7 +16,7 @@ from math import pi
 
 from screwsim.declare import choice, number, quantity
 from screwsim.effects.base import Effect, FlowPath, Intake
-from screwsim.effects.gap import ramp
+from screwsim.effects.gap import flow_coefficient, ramp
 from screwsim.faults import Fault, UsageError
 from screwsim.numerics.kernel import kernel
 
@@ -38,9 +38,7 @@ class Parameters:
     area: float | None = quantity("area", "area of the bore (source: chamber)", None, ge=0.0)
     opens: float | None = quantity("angle", "angle at which a chamber reaches the bore (source: chamber)", None, ge=0.0)
     passage: float | None = quantity("angle", "from first to last contact (source: chamber)", None, gt=2.0 * RAMP)
-    flow_coefficient: float = number(
-        "flow coefficient of the bore (source: chamber)", 0.7, ge=0.0, le=100.0, hardly=(None, 1.0)
-    )
+    flow_coefficient: float = flow_coefficient("the bore (source: chamber)", 0.7)
 
 
 @kernel
@@ -52,13 +50,8 @@ def area(phi, size, opens, full, falls, closes):
 def window(size: float, opens: float, closes: float, flow_coefficient: float) -> FlowPath:
     """Return a path to the suction line, open between two angles [rad] with C1 ramps at both ends."""
     angles = {"opens": opens, "full": opens + RAMP, "falls": closes - RAMP, "closes": closes}
-    return FlowPath(
-        to="suction",
-        area=area,
-        values={"size": size, **angles},
-        knots=tuple(angles.values()),
-        flow_coefficient=flow_coefficient,
-    )
+    values, knots = {"size": size, **angles}, tuple(angles.values())
+    return FlowPath("suction", area, values, knots, flow_coefficient=flow_coefficient)
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Intake]:
@@ -67,9 +60,8 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Intake]:
     opens = parameters.opens or 0.0
     closes = opens + (parameters.passage or 0.0)
     if closes > machine.life + 1e-9:
-        what = (
-            f"ends at {closes * 180.0 / pi:.6g} deg, beyond the chamber's life of {machine.life * 180.0 / pi:.6g} deg"
-        )
+        end, life = (f"{angle * 180.0 / pi:.6g} deg" for angle in (closes, machine.life))
+        what = f"ends at {end}, beyond the chamber's life of {life}"
         raise UsageError(f"effects.bypass.passage: {what} (choose an earlier bore or a shorter passage)")
     return [window(parameters.area or 0.0, opens, closes, parameters.flow_coefficient)]
 
@@ -88,9 +80,8 @@ def check(parameters: Parameters, facts) -> list[Fault]:
         what = "is given, and the returned gas has the outflow's (remove it, or the bypass)"
         faults.append(Fault("operation.discharge.temperature", what))
     if facts.machine.mode == "expander":
-        faults.append(
-            Fault(path, "belongs to machine.mode: compressor (an expander's discharge is the lower pressure)")
-        )
+        what = "belongs to machine.mode: compressor (an expander's discharge is the lower pressure)"
+        faults.append(Fault(path, what))
     return faults
 
 

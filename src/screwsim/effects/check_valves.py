@@ -13,8 +13,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import number, quantity
+from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath, Reading
+from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.faults import Fault
 from screwsim.machine.protocol import CYLINDER
@@ -30,7 +31,7 @@ class Parameters:
 
     suction_area: float = quantity("area", "area of the suction valve's port", gt=0.0)
     discharge_area: float = quantity("area", "area of the discharge valve's port", gt=0.0)
-    flow_coefficient: float = number("flow coefficient of both", 1.0, ge=0.0, le=100.0, hardly=(None, 1.0))
+    flow_coefficient: float = flow_coefficient("both", 1.0)
 
 
 @kernel
@@ -48,15 +49,9 @@ def opening(held, drop, width, sign):
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Reading]:
     areas = {"suction": parameters.suction_area, "discharge": parameters.discharge_area}
+    of_both = {"flow_coefficient": parameters.flow_coefficient, "opening": opening}
     paths = [
-        FlowPath(
-            to=side,
-            area=port_area,
-            values={"area": areas[side], "sign": sign},
-            flow_coefficient=parameters.flow_coefficient,
-            opening=opening,
-            one_way=round(sign),
-        )
+        FlowPath(side, port_area, {"area": areas[side], "sign": sign}, one_way=round(sign), **of_both)
         for side, sign in SIDES.items()
     ]
     return [*paths, valve_losses()]

@@ -125,15 +125,13 @@ def check(parameters: Parameters, facts) -> list[Fault]:
     for name in _EXAMPLES:
         given = getattr(parameters, name) is not None
         if name in needed and not given:
-            faults.append(
-                Fault(f"{path}.{name}", f"is missing (size: {parameters.size} needs it, e.g. {_EXAMPLES[name]})")
-            )
+            what = f"is missing (size: {parameters.size} needs it, e.g. {_EXAMPLES[name]})"
+            faults.append(Fault(f"{path}.{name}", what))
         elif given and name not in needed:
             faults.append(Fault(f"{path}.{name}", f"has no meaning with size: {parameters.size} (remove it)"))
     if parameters.size != "fixed" and facts.oil is not None and not facts.oil.knows_viscosity:
-        faults.append(
-            Fault("oil.viscosity", f"is missing (effects.droplets.size: {parameters.size} needs it, or oil.name)")
-        )
+        what = f"is missing (effects.droplets.size: {parameters.size} needs it, or oil.name)"
+        faults.append(Fault("oil.viscosity", what))
     return [*faults, *gas_faults(path, parameters, facts.gas.fluid)]
 
 

@@ -15,8 +15,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.declare import choice, number, quantity
+from screwsim.declare import choice, quantity
 from screwsim.effects.base import Drawn, Effect, FlowPath, Given, Plenum, Site
+from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.faults import Fault
 from screwsim.fluid import constants
@@ -40,7 +41,7 @@ class Parameters(WindowParameters):
     """The port, and the economizer behind it."""
 
     area: float = quantity("area", "area of the port", gt=0.0)
-    flow_coefficient: float = number("flow coefficient of the port", 1.0, ge=0.0, le=100.0, hardly=(None, 1.0))
+    flow_coefficient: float = flow_coefficient("the port", 1.0)
     temperature: float | None = quantity("temperature", "saturation temperature in the economizer", None, gt=0.0)
     pressure: float | None = quantity("pressure", "of the vapour, in place of temperature", None, gt=0.0)
     superheat: float = quantity(

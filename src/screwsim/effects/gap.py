@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from screwsim.declare import choice, file, number, quantity
 from screwsim.effects import gap_flow
@@ -19,13 +20,16 @@ from screwsim.numerics.spline import features, read_curve, table_value
 GAP_FLOW_COEFFICIENT = 0.7  # model.md, contract: default of gaps
 
 
+def flow_coefficient(of: str, default: float) -> Any:
+    """Declare the flow coefficient of an opening."""
+    return number(f"flow coefficient of {of}", default, ge=0.0, le=100.0, hardly=(None, 1.0))
+
+
 @dataclass(frozen=True)
 class GapParameters:
     """Parameters of every gap."""
 
-    flow_coefficient: float = number(
-        "flow coefficient of the gap", GAP_FLOW_COEFFICIENT, ge=0.0, le=100.0, hardly=(None, 1.0)
-    )
+    flow_coefficient: float = flow_coefficient("the gap", GAP_FLOW_COEFFICIENT)
     area_file: str | None = file(
         "CSV with columns angle_deg, area_m2 of the trailing chamber; replaces the built-in area"
     )
@@ -58,7 +62,7 @@ class ClearanceParameters(GapParameters):
 class PortParameters:
     """Parameters of a port: its area law belongs to the machine."""
 
-    flow_coefficient: float = number("flow coefficient of the port", 1.0, ge=0.0, le=100.0, hardly=(None, 1.0))
+    flow_coefficient: float = flow_coefficient("the port", 1.0)
 
 
 @kernel
@@ -89,49 +93,29 @@ def ramp(phi, start, full, fall, end):
 
 def gap_path(parameters, area, values, *, knots, offset, use_table=True) -> FlowPath:
     """Return the flow path of a gap between chambers `offset` pitches apart, from its kernel or from its table."""
-    held = _resistance(parameters)
+    tables = {}
     if use_table and parameters.area_file is not None:
         angles, areas = read_curve(parameters.area_file, "area_m2")
-        return FlowPath(
-            to="neighbour",
-            area=table_area,
-            values={},
-            knots=(angles[0], *features(angles, areas), angles[-1]),
-            tables={"curve": (angles, areas)},
-            offset=offset,
-            flow_coefficient=parameters.flow_coefficient,
-            resistance=held,
-        )
-    return FlowPath(
-        to="neighbour",
-        area=area,
-        values=values,
-        knots=knots,
-        offset=offset,
-        flow_coefficient=parameters.flow_coefficient,
-        resistance=held,
-    )
+        area, values, knots = table_area, {}, (angles[0], *features(angles, areas), angles[-1])
+        tables = {"curve": (angles, areas)}
+    return _between(parameters, area, values, knots=knots, offset=offset, tables=tables)
 
 
-def _resistance(parameters):
-    return gap_flow.resistance(parameters) if isinstance(parameters, ClearanceParameters) else None
+def _between(parameters, area, values, **others) -> FlowPath:
+    """Return a path between chambers with the gap's flow coefficient and flow model."""
+    held = gap_flow.resistance(parameters) if isinstance(parameters, ClearanceParameters) else None
+    coefficient = parameters.flow_coefficient
+    return FlowPath("neighbour", area, values, flow_coefficient=coefficient, resistance=held, **others)
 
 
 def profile_paths(parameters, interfaces, gap=None, factor=1.0) -> list[FlowPath]:
     """Return a gap's flow paths from the rotor profile: clearance [m] times length, or area (gap None) times factor."""
-    return [
-        FlowPath(
-            to="neighbour",
-            area=table_area if gap is None else length_area,
-            values={} if gap is None else {"gap": gap},
-            own_knots=interface.table.knots,
-            tables={"curve": interface.table.times(factor).curve},
-            offset=interface.offset,
-            flow_coefficient=parameters.flow_coefficient,
-            resistance=_resistance(parameters),
-        )
-        for interface in interfaces
-    ]
+    area, values = (table_area, {}) if gap is None else (length_area, {"gap": gap})
+    found = []
+    for each in interfaces:
+        tables = {"curve": each.table.times(factor).curve}
+        found.append(_between(parameters, area, values, own_knots=each.table.knots, offset=each.offset, tables=tables))
+    return found
 
 
 def check_gap(
@@ -157,12 +141,5 @@ def check_gap(
 
 def port_path(parameters, law, to) -> FlowPath:
     """Return the flow path of a port to a plenum; its area law belongs to the machine."""
-    return FlowPath(
-        to=to,
-        area=law.area,
-        values=law.values,
-        knots=law.knots,
-        own_knots=law.own_knots,
-        tables=law.tables,
-        flow_coefficient=parameters.flow_coefficient,
-    )
+    coefficient, own = parameters.flow_coefficient, law.own_knots
+    return FlowPath(to, law.area, law.values, law.knots, own, flow_coefficient=coefficient, tables=law.tables)

@@ -26,6 +26,7 @@ FORCES = ("axial", "radial")
 SWING = over("gas_torque_peak_to_peak")  # what means that pass through zero err over
 SHARED = (".male_share", "machine.profile")
 WHICH = ("the", "twice the", "three times the", "four times the")
+OF_FEMALE = "mean torque of the gas on the female rotor itself"
 FIGURES = (
     Figure("gas_torque_mean", "N m", "mean torque of the gas on the male rotor's shaft, the female's included", SWING),
     Figure("gas_torque_peak_to_peak", "N m", "torque of the gas, from its lowest to its highest value", SWING),
@@ -34,13 +35,7 @@ FIGURES = (
         for k, which in enumerate(WHICH, 1)
     ),
     Figure("male_gas_torque", "N m", "mean torque of the gas on the male rotor itself", SWING, SHARED),
-    Figure(
-        "female_gas_torque",
-        "N m",
-        "mean torque of the gas on the female rotor itself, about its own axis",
-        SWING,
-        SHARED,
-    ),
+    Figure("female_gas_torque", "N m", f"{OF_FEMALE}, about its own axis", SWING, SHARED),
     *(
         Figure(
             f"{way}_gas_force{what}",

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import number, quantity
+from screwsim.declare import quantity
 from screwsim.effects.base import Drawn, Effect, FlowPath, Plenum, Site
+from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.faults import Fault
 from screwsim.fluid.reservoir import Reservoir
@@ -33,9 +34,7 @@ class Parameters(WindowParameters):
     """The bore."""
 
     area: float = quantity("area", "area of the bore", gt=0.0)
-    flow_coefficient: float = number(
-        "flow coefficient of the bore (sharp edge: 0.61)", SHARP_EDGE, ge=0.0, le=100.0, hardly=(None, 1.0)
-    )
+    flow_coefficient: float = flow_coefficient("the bore (sharp edge: 0.61)", SHARP_EDGE)
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:

@@ -166,10 +166,6 @@ class Behind:
         self.names = [f"{to}_{part}_{k}" for k in range(1, self.count + 1) for part in ("cos", "sin")]
         self._last: tuple[Any, Mean | None, list[float]] = None, None, []
 
-    def coefficients(self, turn: Turn) -> list[float]:
-        """Return a_1, b_1, a_2 … that a turn makes."""
-        return self._last[2] if self._last[0] is turn.line else self._found(turn)[1]
-
     def _found(self, turn: Turn) -> tuple[Mean | None, list[float]]:
         """Return what a turn makes of a plenum with a valve (without: None), and its coefficients; once a turn."""
         if self._last[0] is not turn.line:
@@ -215,8 +211,8 @@ class Behind:
         return turn.line(to).p * (1.0 + turn.held.get(f"{to}_offset", 0.0))
 
     def coefficient(self, i: int, turn: Turn) -> float:
-        """Return one of them."""
-        return self.coefficients(turn)[i]
+        """Return one of a_1, b_1, a_2 … that a turn makes."""
+        return self._found(turn)[1][i]
 
     def offset(self, turn: Turn) -> float:
         """Return the offset of the mean that a turn makes."""

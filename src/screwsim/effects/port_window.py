@@ -40,13 +40,9 @@ def window_knots(parameters) -> tuple[float, ...]:
 
 def window_path(name: str, parameters) -> FlowPath:
     """Return the flow path of an effect's window to its own plenum, which has the effect's name."""
-    return FlowPath(
-        to=name,
-        area=window_area,
-        values={"size": parameters.area, "opens": parameters.opens, "closes": parameters.closes},
-        knots=window_knots(parameters),
-        flow_coefficient=parameters.flow_coefficient,
-    )
+    values = {"size": parameters.area, "opens": parameters.opens, "closes": parameters.closes}
+    coefficient = parameters.flow_coefficient
+    return FlowPath(name, window_area, values, window_knots(parameters), flow_coefficient=coefficient)
 
 
 def check_window(name: str, parameters, facts) -> Iterator[Fault]:

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 from screwsim.declare import number, quantity
 from screwsim.effects.base import ChamberState, Effect, FlowPath, Reading, Stops
+from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.faults import Fault
 from screwsim.machine.protocol import CYLINDER
@@ -47,7 +48,7 @@ class Parameters:
     force_coefficient: float = number(
         "c_F: force over port area times pressure difference", 1.0, gt=0.0, le=100.0, hardly=(None, 3.0)
     )
-    flow_coefficient: float = number("flow coefficient of the valves", 0.7, ge=0.0, le=100.0, hardly=(None, 1.0))
+    flow_coefficient: float = flow_coefficient("the valves", 0.7)
 
 
 @kernel

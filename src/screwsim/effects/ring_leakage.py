@@ -12,9 +12,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.declare import number, quantity
+from screwsim.declare import quantity
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.effects.gap import GAP_FLOW_COEFFICIENT
+from screwsim.effects.gap import GAP_FLOW_COEFFICIENT, flow_coefficient
 from screwsim.effects.valves import port_area
 from screwsim.faults import Fault
 from screwsim.machine.protocol import CYLINDER
@@ -26,16 +26,12 @@ class Parameters:
 
     gap: float | None = quantity("length", "equivalent radial gap around the bore", None, gt=0.0, hardly=(None, 5e-4))
     area: float | None = quantity("area", "equivalent area, instead of gap", None, gt=0.0)
-    flow_coefficient: float = number(
-        "flow coefficient of the gap", GAP_FLOW_COEFFICIENT, ge=0.0, le=100.0, hardly=(None, 1.0)
-    )
+    flow_coefficient: float = flow_coefficient("the gap", GAP_FLOW_COEFFICIENT)
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
-    area = parameters.area
-    if area is None:
-        area = math.pi * machine.settings.bore * (parameters.gap or 0.0)
-    coefficient = parameters.flow_coefficient
+    around = math.pi * machine.settings.bore * (parameters.gap or 0.0)
+    area, coefficient = around if parameters.area is None else parameters.area, parameters.flow_coefficient
     return [FlowPath("suction", port_area, {"area": area}, flow_coefficient=coefficient, narrow=True)]
 
 

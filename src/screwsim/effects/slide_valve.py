@@ -17,6 +17,7 @@ from math import pi
 from screwsim.declare import number, quantity
 from screwsim.effects.base import Effect, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
+from screwsim.effects.gap import flow_coefficient
 from screwsim.faults import Fault, UsageError
 from screwsim.machine.protocol import ROTORS
 
@@ -32,9 +33,7 @@ class Parameters:
     position: float = number("x: 0 is full load, 1 the end of the travel", ge=0.0, le=1.0)
     slot_area: float = quantity("area", "S_slot: area to suction at the end of the travel", ge=0.0)
     closes: float = quantity("angle", "phi_1: angle at which the slot closes at the end of the travel", gt=0.0)
-    flow_coefficient: float = number(
-        "flow coefficient of slot and radial port", 1.0, ge=0.0, le=100.0, hardly=(None, 1.0)
-    )
+    flow_coefficient: float = flow_coefficient("slot and radial port", 1.0)
     radial_area: float | None = quantity("area", "S_r: area of the radial discharge port", None, ge=0.0)
     radial_opens: float | None = quantity("angle", "phi_a: angle at which it opens at full load", None, gt=0.0)
     radial_opens_moved: float | None = quantity("angle", "phi_b: at which it opens at the travel's end", None, gt=0.0)
@@ -51,14 +50,8 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     if parameters.radial_area is not None:
         opens = (1.0 - x) * (parameters.radial_opens or 0.0) + x * (parameters.radial_opens_moved or 0.0)
         angles = {"opens": opens, "full": opens + 2.0 * RAMP, "falls": machine.life - RAMP, "closes": machine.life}
-        port = FlowPath(
-            to="discharge",
-            area=area,
-            values={"size": parameters.radial_area, **angles},
-            knots=tuple(angles.values()),
-            flow_coefficient=parameters.flow_coefficient,
-        )
-        found.append(port)
+        values, coefficient = {"size": parameters.radial_area, **angles}, parameters.flow_coefficient
+        found.append(FlowPath("discharge", area, values, tuple(angles.values()), flow_coefficient=coefficient))
     return found
 
 

@@ -109,9 +109,8 @@ def check(parameters: Parameters, facts) -> list[Fault]:
     for lump in LUMPS:
         given = getattr(parameters, f"{lump}_temperature") is not None
         if given and WALLS in facts.effects:
-            faults.append(
-                Fault(f"{path}.{lump}_temperature", f"is given beside effects.{WALLS}, which finds it (remove it)")
-            )
+            what = f"is given beside effects.{WALLS}, which finds it (remove it)"
+            faults.append(Fault(f"{path}.{lump}_temperature", what))
         elif not given and WALLS not in facts.effects:
             remedy = f"write e.g. {lump}_temperature: 330 K, or name effects.{WALLS}, which finds it"
             faults.append(Fault(f"{path}.{lump}_temperature", f"is missing ({remedy})"))

@@ -17,6 +17,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from screwsim.faults import UsageError
+from screwsim.fluid.description import no_fluid
 from screwsim.numerics.store import append_line, read_lines
 
 _FULL = 250_000  # [byte] of the file; it is read at every start
@@ -50,18 +51,14 @@ def _known() -> dict[str, Any]:
 
 def _ask(key: str, question: Callable[[], Any]) -> Any:
     with _alone:
-        return _asked(key, question)
-
-
-def _asked(key: str, question: Callable[[], Any]) -> Any:
-    known = _known()
-    if key not in known:
-        answer = question()
-        while len(known) >= _MOST:
-            del known[next(iter(known))]
-        known[key] = answer
-        append_line(_file(), json.dumps([key, answer]), _FULL)
-    return known[key]
+        known = _known()
+        if key not in known:
+            answer = question()
+            while len(known) >= _MOST:
+                del known[next(iter(known))]
+            known[key] = answer
+            append_line(_file(), json.dumps([key, answer]), _FULL)
+        return known[key]
 
 
 @cache
@@ -71,10 +68,7 @@ def _abstract_state(fluid: str) -> Any:
     try:
         return coolprop.AbstractState("HEOS", fluid), coolprop
     except ValueError as error:
-        reason = str(error).splitlines()[0][:120]
-        raise UsageError(
-            f"gas.fluid: CoolProp has no pure fluid {fluid!r} ({reason}); name one such as R134a"
-        ) from None
+        raise no_fluid(fluid, error) from None
 
 
 def limits(fluid: str) -> Limits | None:
@@ -167,7 +161,7 @@ def isentropic_exponent(fluid: str, T: float) -> float:
 
 def saturation_temperature(fluid: str, p: float) -> float:
     """Return the saturation temperature [K] of vapour (the dew point) at pressure p [Pa]."""
-    return _saturated(fluid, "T", ("PQ_INPUTS", p, 1.0), f"{fluid} has no saturation at {p:.6g} Pa")
+    return _saturated(fluid, "T", "PQ_INPUTS", p, 1.0)
 
 
 def liquid_below(fluid: str, p: float, T: float) -> float | None:
@@ -184,39 +178,39 @@ def liquid_below(fluid: str, p: float, T: float) -> float | None:
 
 def dew_pressure(fluid: str, T: float) -> float:
     """Return the pressure [Pa] of saturated vapour at temperature T [K] (M42)."""
-    return _saturated(fluid, "p", ("QT_INPUTS", 1.0, T), f"{fluid} has no saturation at {T:.6g} K")
+    return _saturated(fluid, "p", "QT_INPUTS", 1.0, T)
 
 
 def bubble_pressure(fluid: str, T: float) -> float:
     """Return the pressure [Pa] of saturated liquid at temperature T [K] (M42)."""
-    return _saturated(fluid, "p", ("QT_INPUTS", 0.0, T), f"{fluid} has no saturation at {T:.6g} K")
+    return _saturated(fluid, "p", "QT_INPUTS", 0.0, T)
 
 
 def saturated_liquid_enthalpy(fluid: str, T: float) -> float:
     """Return the enthalpy [J/kg] of saturated liquid at temperature T [K], on CoolProp's default reference."""
-    return _saturated(fluid, "hmass", ("QT_INPUTS", 0.0, T), f"{fluid} has no saturation at {T:.6g} K")
+    return _saturated(fluid, "hmass", "QT_INPUTS", 0.0, T)
 
 
 def saturated_liquid_density(fluid: str, T: float) -> float:
     """Return the density [kg/m³] of saturated liquid at temperature T [K]."""
-    return _saturated(fluid, "rhomass", ("QT_INPUTS", 0.0, T), f"{fluid} has no saturation at {T:.6g} K")
+    return _saturated(fluid, "rhomass", "QT_INPUTS", 0.0, T)
 
 
 def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
     """Return the enthalpy [J/kg] of liquid and vapour in equilibrium at p [Pa]; `quality` is the vapour's share."""
-    return _saturated(fluid, "hmass", ("PQ_INPUTS", p, quality), f"{fluid} has no saturation at {p:.6g} Pa")
+    return _saturated(fluid, "hmass", "PQ_INPUTS", p, quality)
 
 
-def _saturated(fluid: str, wanted: str, inputs: tuple[str, float, float], fault: str) -> float:
-    name, first, second = inputs
-
+def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) -> float:
     def question() -> float:
         state, coolprop = _abstract_state(fluid)
         try:
             state.update(getattr(coolprop, name), first, second)
             return getattr(state, wanted)()
         except ValueError:
-            raise UsageError(f"gas.fluid: {fault} (critical: {state.p_critical():.6g} Pa)") from None
+            at = f"{first:.6g} Pa" if name == "PQ_INPUTS" else f"{second:.6g} K"
+            what = f"{fluid} has no saturation at {at} (critical: {state.p_critical():.6g} Pa)"
+            raise UsageError(f"gas.fluid: {what}") from None
 
     return _ask(f"{fluid} {wanted} {name} {first!r} {second!r}", question)
 

@@ -57,6 +57,12 @@ def kept(name: str, question: Callable[[], Any]) -> Any:
     return answer
 
 
+def no_fluid(fluid: str, error: ValueError) -> UsageError:
+    """Return what to raise where CoolProp refuses a fluid."""
+    reason = str(error).splitlines()[0][:120]
+    return UsageError(f"gas.fluid: CoolProp has no pure fluid {fluid!r} ({reason}); name one such as R134a")
+
+
 def _ask(fluid: str) -> dict[str, Any]:
     import CoolProp.CoolProp as coolprop
 
@@ -66,10 +72,7 @@ def _ask(fluid: str) -> dict[str, Any]:
             raise UsageError(f"gas.fluid: {fluid} is a mixture; gas.model: real takes pure fluids such as R134a")
         found = json.loads(coolprop.get_fluid_param_string(state.name(), "JSON"))
     except ValueError as error:
-        reason = str(error).splitlines()[0][:120]
-        raise UsageError(
-            f"gas.fluid: CoolProp has no pure fluid {fluid!r} ({reason}); name one such as R134a"
-        ) from None
+        raise no_fluid(fluid, error) from None
     equation = (found[0] if isinstance(found, list) else found)["EOS"][0]
     M = state.molar_mass()
     return {

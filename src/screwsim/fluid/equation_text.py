@@ -138,24 +138,16 @@ class EquationText:
             eta, center = numbers
             z = self.new(f"{variable} - {center!r}", "z")
             slope = self.new(f"{-2.0 * eta!r} * {variable}", "z")
-            found = (
-                self.new(f"{-eta!r} * {z} * {z}", "B"),
-                self.new(f"{slope} * {z}", "q"),
-                self.new(f"{slope} * ({variable} + {z})", "q"),
-            )
+            B, q = self.new(f"{-eta!r} * {z} * {z}", "B"), self.new(f"{slope} * {z}", "q")
+            found = (B, q, self.new(f"{slope} * ({variable} + {z})", "q"))
         else:
             beta, gamma, b = numbers
             z = self.new(f"{variable} - {gamma!r}", "z")
             B = self.new(f"1.0 / ({b!r} + {beta!r} * {z} * {z})", "B")
             slope = self.new(f"{-2.0 * beta!r} * {variable} * {B} * {B}", "z")
             q = self.new(f"{slope} * {z}", "q")
-            found = (
-                B,
-                q,
-                self.new(
-                    f"{slope} * ({variable} + {z}) + {4.0 * beta!r} * {variable} * {z} * {z} * {B} * (-{slope})", "q"
-                ),
-            )
+            bend = f"{4.0 * beta!r} * {variable} * {z} * {z} * {B} * (-{slope})"
+            found = (B, q, self.new(f"{slope} * ({variable} + {z}) + {bend}", "q"))
         self.factors[key] = found
         return found
 

@@ -132,26 +132,22 @@ def _powers(ideal: Ideal, item: Contribution) -> None:
 
 
 def _einstein(ideal: Ideal, item: Contribution) -> None:
-    ideal.oscillators += [(n, -t, 1.0, -1.0) for n, t in _rows(item, "n", "t")]
+    """Add Planck-Einstein terms, whichever way they are written: θ, v/T_c, or with c and d of their own."""
+    if "c" in item:
+        ideal.oscillators += _rows(item, "n", "t", "c", "d")  # type: ignore[arg-type]
+    elif "v" in item:
+        ideal.oscillators += [(n, -v / item["Tcrit"], 1.0, -1.0) for n, v in _rows(item, "n", "v")]
+    else:
+        ideal.oscillators += [(n, -t, 1.0, -1.0) for n, t in _rows(item, "n", "t")]
 
 
-def _einstein_of_T(ideal: Ideal, item: Contribution) -> None:
-    ideal.oscillators += [(n, -v / item["Tcrit"], 1.0, -1.0) for n, v in _rows(item, "n", "v")]
-
-
-def _einstein_general(ideal: Ideal, item: Contribution) -> None:
-    ideal.oscillators += _rows(item, "n", "t", "c", "d")  # type: ignore[arg-type]
-
-
-def _constant_cp(ideal: Ideal, cp_over_R: float, T_c: float, T_0: float) -> None:
-    tau_0 = T_c / T_0
-    ideal.constant += cp_over_R * (1.0 - log(tau_0))
-    ideal.linear -= cp_over_R / tau_0
-    ideal.log += cp_over_R
-
-
-def _cp_constant(ideal: Ideal, item: Contribution) -> None:
-    _constant_cp(ideal, item["cp_over_R"], item["Tc"], item["T0"])
+def _constant_cp(ideal: Ideal, item: Contribution, cp_over_R: float | None = None) -> None:
+    """Add a constant cp⁰/R: that of the item, or the one given."""
+    tau_0 = item["Tc"] / item["T0"]
+    share: float = item["cp_over_R"] if cp_over_R is None else cp_over_R
+    ideal.constant += share * (1.0 - log(tau_0))
+    ideal.linear -= share / tau_0
+    ideal.log += share
 
 
 def _cp_polynomial(ideal: Ideal, item: Contribution) -> None:
@@ -159,7 +155,7 @@ def _cp_polynomial(ideal: Ideal, item: Contribution) -> None:
     T_c, T_0 = item["Tc"], item["T0"]
     for c, t in _rows(item, "c", "t"):
         if abs(t) < 1e-15:
-            _constant_cp(ideal, c, T_c, T_0)
+            _constant_cp(ideal, item, c)
         elif abs(t + 1.0) < 1e-15:
             ideal.linear += c / T_c * (log(T_c / T_0) + 1.0)
             ideal.product -= c / T_c
@@ -174,7 +170,7 @@ def _aly_lee(ideal: Ideal, item: Contribution) -> None:
     """Add cp⁰/R = A + B ((C/T)/sinh(C/T))² + D ((E/T)/cosh(E/T))² (Aly & Lee 1981)."""
     A, B, C, D, E = item["c"]
     if A:
-        _constant_cp(ideal, A, item["Tc"], item["T0"])
+        _constant_cp(ideal, item, A)
     ideal.oscillators += [(n, -2.0 * x / item["Tc"], 1.0, s) for n, x, s in ((B, C, -1.0), (-D, E, 1.0)) if n]
 
 
@@ -184,9 +180,9 @@ IDEAL: dict[str, Callable[[Ideal, Contribution], None]] = {
     "IdealGasHelmholtzLogTau": _log_tau,
     "IdealGasHelmholtzPower": _powers,
     "IdealGasHelmholtzPlanckEinstein": _einstein,
-    "IdealGasHelmholtzPlanckEinsteinFunctionT": _einstein_of_T,
-    "IdealGasHelmholtzPlanckEinsteinGeneralized": _einstein_general,
-    "IdealGasHelmholtzCP0Constant": _cp_constant,
+    "IdealGasHelmholtzPlanckEinsteinFunctionT": _einstein,
+    "IdealGasHelmholtzPlanckEinsteinGeneralized": _einstein,
+    "IdealGasHelmholtzCP0Constant": _constant_cp,
     "IdealGasHelmholtzCP0PolyT": _cp_polynomial,
     "IdealGasHelmholtzCP0AlyLee": _aly_lee,
 }

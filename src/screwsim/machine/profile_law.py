@@ -79,7 +79,7 @@ def lay(machine: TwinScrew) -> Laid:
     """Return the curves of a machine with a profile; raise UsageError with one line a fault."""
     profile, ratio = machine.profile, machine.built_in_volume_ratio
     if profile is None or ratio is None:
-        raise UsageError("\n".join(f"{fault.path}: {fault.what}" for fault in _missing(machine)))
+        raise UsageError("\n".join(map(str, _missing(machine))))
     sizes = machine.male_lobes, machine.female_lobes, machine.rotor_diameter, machine.rotor_length
     return _laid(make_rotors(profile, *sizes), ratio)
 

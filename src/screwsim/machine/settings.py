@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from screwsim.declare import choice, count, file, number, quantity
 from screwsim.faults import Fault
@@ -15,15 +16,16 @@ LIFE = 2.0 * TURN  # angle of a chamber's life, 720° (paper, before eq. 5)
 LAWS = ("paper", "table", "profile")
 
 
+def _law_of(equation: str) -> Any:
+    what = f"paper: {equation}; table: C1 spline through a CSV file; profile: from machine.profile"
+    return choice(what, LAWS, "paper")
+
+
 @dataclass(frozen=True)
 class VolumeLaw:
     """Chamber volume over the male-rotor angle."""
 
-    law: str = choice(
-        "paper: eq. (16), model.md M16; table: C1 spline through a CSV file; profile: from machine.profile",
-        LAWS,
-        "paper",
-    )
+    law: str = _law_of("eq. (16), model.md M16")
     max: float | None = quantity("volume", "swept volume of one chamber (law: profile finds it)", None, gt=0.0)
     min: float | None = quantity("volume", "dead volume (default: 1e-4 of max)", None, gt=0.0)
     phi_A: float | None = quantity("angle", "end of the opening branch of (16), in (0, 360 deg]", None)
@@ -49,11 +51,7 @@ class VolumeLaw:
 class SuctionPort:
     """Area of the suction port over the male-rotor angle."""
 
-    law: str = choice(
-        "paper: eq. (17), model.md M17; table: C1 spline through a CSV file; profile: from machine.profile",
-        LAWS,
-        "paper",
-    )
+    law: str = _law_of("eq. (17), model.md M17")
     area: float | None = quantity("area", "largest area (law: paper)", None, gt=0.0)
     phi_B: float | None = quantity("angle", "end of the opening branch of (17), in (0, 180 deg]", None)
     file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)")
@@ -63,11 +61,7 @@ class SuctionPort:
 class DischargePort:
     """Area of the discharge port over the male-rotor angle."""
 
-    law: str = choice(
-        "paper: eq. (18), model.md M18; table: C1 spline through a CSV file; profile: from machine.profile",
-        LAWS,
-        "paper",
-    )
+    law: str = _law_of("eq. (18), model.md M18")
     area: float | None = quantity("area", "largest area (law: paper)", None, gt=0.0)
     opens: float | None = quantity("angle", "angle phi_dis at which the port opens, inside (360 deg, 720 deg)", None)
     phi_C: float | None = quantity("angle", "end of the opening branch of (18), in (opens, (opens + 720 deg)/2]", None)
@@ -133,13 +127,8 @@ def _inside(
         return [Fault(path, f"is missing (law: paper needs it; give an angle between {low_text} and {high_text})")]
     if value > low and (value <= high * (1 + 1e-12) if closed else value < high):
         return []
-    bracket = "]" if closed else ")"
-    return [
-        Fault(
-            path,
-            f"{math.degrees(value):.6g} deg lies outside ({low_text}, {high_text}{bracket}; choose an angle inside",
-        )
-    ]
+    where = f"({low_text}, {high_text}{']' if closed else ')'}"
+    return [Fault(path, f"{math.degrees(value):.6g} deg lies outside {where}; choose an angle inside")]
 
 
 def check_twin_screw(machine: TwinScrew) -> list[Fault]:
@@ -204,12 +193,8 @@ def _life(machine: TwinScrew) -> list[Fault]:
             faults.append(Fault(path, f"{math.degrees(angle):.6g} deg is no whole number of lobe pitches of {step}"))
     life, injection = volume.life or LIFE, volume.injection_angle or TURN
     if not faults and injection > life - pitch + 1e-9:
-        faults.append(
-            Fault(
-                "machine.volume.injection_angle",
-                "leaves no pitch of the life (choose a smaller angle, or a longer life)",
-            )
-        )
+        what = "leaves no pitch of the life (choose a smaller angle, or a longer life)"
+        faults.append(Fault("machine.volume.injection_angle", what))
     for name in ("suction_port", "discharge_port"):
         law = getattr(machine, name)
         if law is not None and law.law == "paper" and (volume.law == "profile" or machine.counts_otherwise):

@@ -3,44 +3,26 @@
 from __future__ import annotations
 
 import math
+from operator import attrgetter
 
 from screwsim.faults import Fault
+from screwsim.machine import protocol
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.profile_law import check_profile_law
-from screwsim.machine.protocol import (
-    BLOW_HOLE,
-    CONTACT_GAP,
-    END_GAP,
-    HOLES,
-    OIL,
-    PORTS,
-    ROTORS,
-    TIP_GAP,
-    MachineKind,
-    Size,
-    Speed,
-)
+from screwsim.machine.protocol import MachineKind, Size, Speed
 from screwsim.machine.settings import TwinScrew, check_twin_screw
-
-
-def _bores(machine: TwinScrew) -> float:
-    """Return the volume [m³] of both rotors' bores, of the male's size."""
-    return 0.5 * math.pi * machine.rotor_diameter**2 * machine.rotor_length
 
 
 def _a_turn(machine: TwinScrew) -> float:
     """Return what one chamber [m³] can have of both bores: as many pass in a turn as there are male lobes."""
-    return _bores(machine) / machine.male_lobes
+    both = 0.5 * math.pi * machine.rotor_diameter**2 * machine.rotor_length  # of the male's size
+    return both / machine.male_lobes
 
 
 def _shell(machine: TwinScrew) -> float:
     """Return the area [m²] of both bores and their ends."""
     D, L = machine.rotor_diameter, machine.rotor_length
     return 2.0 * math.pi * D * L + math.pi * D**2
-
-
-def _diameter(machine: TwinScrew) -> float:
-    return machine.rotor_diameter
 
 
 def _square(machine: TwinScrew) -> float:
@@ -56,6 +38,7 @@ def _line(machine: TwinScrew) -> float:
     return machine.rotor_diameter + machine.rotor_length
 
 
+_diameter = attrgetter("rotor_diameter")
 _HOLDS = "of what a chamber can have of both rotors' bores"
 _WALL = "of the area of both bores and their ends"
 _LOBE = "of the height of a lobe"
@@ -114,10 +97,12 @@ def _dead_volume(machine: TwinScrew) -> tuple[str, float]:
     return path, machine.volume.dead_of(Geometry(machine).swept_volume)
 
 
+_GAPS = {protocol.TIP_GAP, protocol.CONTACT_GAP, protocol.BLOW_HOLE, protocol.END_GAP}
+_OFFERS = frozenset({protocol.PORTS, *_GAPS, protocol.OIL, protocol.HOLES, protocol.ROTORS})
 MACHINE = MachineKind(
     settings=TwinScrew,
     geometry=Geometry,
-    offers=frozenset({PORTS, TIP_GAP, CONTACT_GAP, BLOW_HOLE, END_GAP, OIL, HOLES, ROTORS}),
+    offers=_OFFERS,
     check=_check,
     sizes=_SIZES,
     speed=Speed("moves the rotors' tips at", 1000.0, 150.0, "steel bursts at about 500 m/s"),

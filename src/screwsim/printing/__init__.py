@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import math
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from screwsim.engineering import engineering, engineering_temperature, quantity, scale, shown_name, small
 from screwsim.figures import declared
 from screwsim.outputs import STATUSES, Result, sorted_entries
-from screwsim.results.atomic import replacing
+from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
 from screwsim.screen import json_safe, printable, say
 from screwsim.study.sweep import SweepSummary
@@ -44,12 +44,18 @@ def print_json(document: Any) -> None:
     print(json_safe(json.dumps(plain(document), indent=2, allow_nan=False, ensure_ascii=False)))
 
 
+def show(as_json: bool, document: Callable[..., Any], printed: Callable[..., None], *found: Any) -> None:
+    """Print what was found: the JSON document of it, or text for people."""
+    if as_json:
+        print_json(document(*found))
+    else:
+        printed(*found)
+
+
 def write_json(document: Any, path: Path) -> str:
     """Write one JSON document and return its path; raise UsageError in one line when the system refuses."""
-    with replacing(path) as temporary:
-        text = json.dumps(plain(document), indent=1, allow_nan=False, ensure_ascii=False)
-        temporary.write_text(json_safe(text) + "\n", encoding="utf-8")
-    return str(path)
+    text = json.dumps(plain(document), indent=1, allow_nan=False, ensure_ascii=False)
+    return write_text(path, json_safe(text) + "\n")
 
 
 def print_result(title: str, result: Result) -> None:
@@ -84,11 +90,7 @@ def _ended(result: Result) -> str:
 
 
 def _table(result: Result) -> Any:
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("figure", no_wrap=True)
-    table.add_column("value", justify="right", no_wrap=True)
+    table = _right_table("figure", "value")
     table.add_column("unit", no_wrap=True)
     if result.error:
         table.add_column("error", justify="right", no_wrap=True)
@@ -215,15 +217,10 @@ def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
     status = results.performance["status"].ravel()
     bad = status.nonzero()[0][:MOST_FAILURES]
     messages = results.performance.texts_at("message", bad)
-    document["failures"] = [
-        {
-            "case": int(index),
-            "status": STATUSES[status[index]],
-            "values": case_values(scene, int(index)),
-            "message": message,
-        }
-        for index, message in zip(bad, messages, strict=True)
-    ]
+    document["failures"] = []
+    for case, message in zip(bad.tolist(), messages, strict=True):
+        told = {"case": case, "status": STATUSES[status[case]], "values": case_values(scene, case), "message": message}
+        document["failures"].append(told)
     found = warned(results)
     document["warned"] = found.cases
     document["warnings"] = [

@@ -13,10 +13,12 @@ from screwsim.figures import declared
 from screwsim.printing import write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.report.calibration import draw
-from screwsim.results.atomic import keep_others, make_folder, replacing
+from screwsim.results.atomic import keep_others, make_folder, write_text
 from screwsim.screen import say
-from screwsim.study.calibration import BEGINS, Calibration, Compared, Parameter, fitted_text
+from screwsim.study.calibration.fit import Parameter
 from screwsim.study.calibration.judge import CORRELATED, WEAK
+from screwsim.study.calibration.scene import BEGINS, fitted_text
+from screwsim.study.calibration.solve import Calibration, Compared
 from screwsim.study.inputs import in_customary, shown_value
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
@@ -113,8 +115,7 @@ def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
     value, unit = in_customary(scene, path, found.values[path])
     width = ""
     if error is not None:
-        per_unit = _per_unit(found, parameter)
-        width = f"{error * found.scale * per_unit:.2g}"
+        width = f"{error * found.scale * _per_unit(found, parameter):.2g}"
     elif known is not None and known.border[index]:
         width = f"{known.border[index]} bound"
     low, high = spread(found, index)
@@ -145,17 +146,9 @@ def _points(found: Calibration) -> list[str]:
         factor, unit = units_of(each.figure, each.measured.value)
         ours = "none" if each.ours is None else digits(_shown(each.figure, each.ours, factor))
         residual = "" if each.residual is None else f"{each.residual:+.2f}"
-        rows.append(
-            [
-                each.point.name + ("" if each.point.fitted else " *"),
-                shown_name(each.figure),
-                digits(_shown(each.figure, each.measured.value, factor)),
-                f"{factor * each.measured.uncertainty:.2g}",
-                ours,
-                unit,
-                residual,
-            ]
-        )
+        measured = digits(_shown(each.figure, each.measured.value, factor))
+        head = [each.point.name + ("" if each.point.fitted else " *"), shown_name(each.figure)]
+        rows.append([*head, measured, f"{factor * each.measured.uncertainty:.2g}", ours, unit, residual])
     lines = plain_table(["point", "figure", "measured", "±", "fitted", "", "residual/±"], rows, 2)
     if not all(each.point.fitted for each in found.compared):
         lines.append("* not fitted: predicted")
@@ -234,9 +227,7 @@ def write_calibration(found: Calibration, folder: Path) -> list[str]:
     make_folder(folder)
     written = [write_json(calibration_document(found), folder / DOCUMENT)]
     if found.values:
-        with replacing(folder / SCENE) as temporary:
-            temporary.write_text(fitted_text(found, folder), encoding="utf-8")
-        written.append(str(folder / SCENE))
+        written.append(write_text(folder / SCENE, fitted_text(found, folder)))
         written += draw(_panels(found), _points_shown(found), folder, FIGURE)
     return written
 
@@ -254,14 +245,9 @@ def _panels(found: Calibration) -> dict[str, list[tuple[int, bool, float, float]
         factor, unit = units_of(figure, max(abs(each.measured.value) for each in of))
         unit = {"%": "points", "°C": "K"}.get(unit, unit)
         label = f"{shown_name(figure)} [{unit}]" if unit else shown_name(figure)
-        panels[label] = [
-            (
-                names.index(each.point.name),
-                each.point.fitted,
-                factor * (each.ours - each.measured.value),
-                factor * each.measured.uncertainty,
-            )
-            for each in of
-            if each.ours is not None
-        ]
+        panels[label] = []
+        for each in of:
+            number, (value, uncertainty) = names.index(each.point.name), each.measured
+            if each.ours is not None:
+                panels[label].append((number, each.point.fitted, factor * (each.ours - value), factor * uncertainty))
     return panels

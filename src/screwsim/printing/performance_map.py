@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from screwsim.printing import plain, shown_name
+from screwsim.printing import shown_name, write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
-from screwsim.results.atomic import make_folder, replacing
-from screwsim.screen import json_safe, say
+from screwsim.results.atomic import make_folder
+from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.performance_map import NAMES, PerformanceMap, conditions
 
@@ -78,9 +77,7 @@ def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> 
         write_columns(path, "compressor map", _columns(results, maps))
         return
     make_folder(path.parent)
-    with replacing(path) as temporary:
-        text = json.dumps(plain(map_document(results, maps)), indent=1, allow_nan=False, ensure_ascii=False)
-        temporary.write_text(json_safe(text) + "\n", encoding="utf-8")
+    write_json(map_document(results, maps), path)
 
 
 def _columns(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Column]:

@@ -32,7 +32,7 @@ def sensitivity_document(scene: Scene, found: Sensitivity) -> dict[str, Any]:
                 "standard_deviation": each.deviation,
                 "noise": each.noise,
                 "message": each.message,
-                "indices": {index.path: {**index._asdict(), "path": index.path} for index in each.indices},
+                "indices": {index.path: index._asdict() for index in each.indices},
             }
             for each in found.shares
         },
@@ -43,11 +43,8 @@ def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
     """Print a table a figure: the inputs with the largest total index first."""
     if scene.title:
         say(wrapped(scene.title))
-    say(
-        wrapped(
-            f"{found.solutions} solutions: {found.samples} samples of {len(found.ranges)} inputs, seed {found.seed}"
-        )
-    )
+    samples = f"{found.samples} samples of {len(found.ranges)} inputs, seed {found.seed}"
+    say(wrapped(f"{found.solutions} solutions: {samples}"))
     if found.message:
         say(wrapped(found.message))
     spans = {each.path: each for each in found.ranges}
@@ -59,10 +56,8 @@ def print_sensitivity(scene: Scene, found: Sensitivity) -> None:
         rows = []
         for index in sorted(shares.indices, key=lambda index: -index.total):
             low, high = (shown_value(scene, index.path, end, 4) for end in spans[index.path][1:])
-            first, total = (
-                f"{index.first:.3f} ± {index.first_confidence:.3f}",
-                f"{index.total:.3f} ± {index.total_confidence:.3f}",
-            )
+            first = f"{index.first:.3f} ± {index.first_confidence:.3f}"
+            total = f"{index.total:.3f} ± {index.total_confidence:.3f}"
             rows.append([index.path, f"{low} … {high}", first, total])
         say("\n".join(plain_table(["", "range", "first order", "total"], rows, 1)))
     if any(shares.indices for shares in found.shares):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 
 from screwsim.printing.tables import wrapped
-from screwsim.results.atomic import replacing
+from screwsim.results.atomic import write_csv
 from screwsim.start_up import StartUp
 
 RPM = 30.0 / math.pi
@@ -48,9 +47,4 @@ def text(title: str, found: StartUp) -> str:
 
 def write_traces(path: Path, found: StartUp) -> str:
     """Write the traces as CSV, SI units; return the path."""
-    names = list(found.traces)
-    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(names)
-        writer.writerows(zip(*(found.traces[name].tolist() for name in names), strict=True))
-    return str(path)
+    return write_csv(path, found.traces, zip(*(trace.tolist() for trace in found.traces.values()), strict=True))

@@ -23,7 +23,7 @@ def tolerance_document(scene: Scene, found: Tolerances) -> dict[str, Any]:
         "hits": found.hits,
         "failed": found.failed,
         "message": found.message,
-        "figures": {each.figure: {**each._asdict()} for each in found.spreads},
+        "figures": {each.figure: each._asdict() for each in found.spreads},
     }
 
 
@@ -45,16 +45,10 @@ def print_tolerance(scene: Scene, found: Tolerances) -> None:
 
 
 def _law(found: Tolerances) -> list[str]:
-    rows = [
-        (
-            f"IT{row.crank}",
-            f"{1e3 * row.crank_width:.3f}",
-            f"{1e3 * row.rod_width:.3f}",
-            f"{100.0 * row.error:.3f}",
-            f"{1e3 * row.head:.3f}",
-        )
-        for row in found.table
-    ]
+    rows = []
+    for row in found.table:
+        numbers = (1e3 * row.crank_width, 1e3 * row.rod_width, 100.0 * row.error, 1e3 * row.head)
+        rows.append((f"IT{row.crank}", *(f"{number:.3f}" for number in numbers)))
     return plain_table(("grade", "crank mm", "rod mm", "error of the law %", "dead centre +- mm"), rows)
 
 

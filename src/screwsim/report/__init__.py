@@ -20,23 +20,16 @@ def plot(path: str | Path, folder: str | Path | None = None) -> list[str]:
     line when the file is none of ours or has nothing to draw, or when the folder cannot be written.
     """
     from screwsim.report import cycle, ledger, maps, outcome, samples, sweeps, torque
-    from screwsim.report.style import journal, write
+    from screwsim.report.style import write_all
     from screwsim.results import open_results
-    from screwsim.results.atomic import make_folder
 
     path = Path(path)
     results = open_results(path)
     kinds = (sweeps, maps, outcome, samples, cycle, torque, ledger)
-    plans = [plan for kind in kinds for plan in kind.plans(results)]
+    plans = dict(plan for kind in kinds for plan in kind.plans(results))
     if not plans:
         raise UsageError(f"{path}: has nothing to draw: {_why(results)}")
-    target = path.with_suffix("") if folder is None else Path(folder)
-    make_folder(target)
-    written = []
-    for name, draw in plans:
-        with journal():
-            written += write(draw(), target, name)
-    return written
+    return write_all(plans, path.with_suffix("") if folder is None else folder)
 
 
 def _why(results: Results) -> str:

@@ -52,11 +52,9 @@ def _figure(drawing: Drawing) -> Any:
         for index, line in enumerate(drawing.lines):
             _plot(axes, index, [scale * each for each in getattr(line, attribute)], line)
         _guides(axes, drawing)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-    left.set_xlabel("wall time / ms")
+        axes.set(xscale="log", yscale="log")
+    left.set(xlabel="wall time / ms", ylabel="largest relative error of a figure")
     right.set_xlabel("evaluations of one chamber's right-hand side")
-    left.set_ylabel("largest relative error of a figure")
     handles, names = left.get_legend_handles_labels()
     if drawing.front:
         from matplotlib.lines import Line2D
@@ -68,18 +66,9 @@ def _figure(drawing: Drawing) -> Any:
 
 
 def _plot(axes: Any, index: int, x: Sequence[float], line: Line) -> None:
-    colour = FIRST[index % len(FIRST)]
-    axes.plot(
-        x,
-        line.errors,
-        color=colour,
-        linestyle=LINES[index % len(LINES)],
-        marker=MARKERS[index % len(MARKERS)],
-        markerfacecolor=colour if index % 2 == 0 else "white",
-        markersize=4.5,
-        label=line.name,
-        zorder=3,
-    )
+    colour, dashes, marker = (kinds[index % len(kinds)] for kinds in (FIRST, LINES, MARKERS))
+    mark = {"marker": marker, "markersize": 4.5, "markerfacecolor": colour if index % 2 == 0 else "white"}
+    axes.plot(x, line.errors, color=colour, linestyle=dashes, label=line.name, zorder=3, **mark)
 
 
 def _guides(axes: Any, drawing: Drawing) -> None:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, journal, new_figure, note, plain_ticks, write
+from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, grid, new_figure, note, plain_ticks, write_all
 
 HEIGHT = 62.0  # [mm] of a panel
 MOST_NAMES = 16  # points whose names fit below an axis
@@ -15,19 +16,18 @@ Left = tuple[int, bool, float, float]  # number of the point, fitted, residual, 
 
 def draw(panels: Mapping[str, Sequence[Left]], names: Sequence[str], folder: Path, name: str) -> list[str]:
     """Write a panel a figure, residuals over points, as PNG and PDF; return the paths."""
-    with journal():
-        columns = min(2, len(panels))
-        rows = -(-len(panels) // columns)
-        figure = new_figure(DOUBLE if columns == 2 else 1.4 * SINGLE, HEIGHT * rows)
-        places = list(figure.subplots(rows, columns, squeeze=False).flat)
-        for axes, (label, left) in zip(places, panels.items(), strict=False):
-            _panel(axes, label, left, names)
-        for axes in places[len(panels) :]:
-            axes.set_axis_off()
-        some = any(not fitted for left in panels.values() for _, fitted, _, _ in left)
-        told = "filled: in the fit; open: predicted" if some else ""
-        note(figure, "fitted less measured, with the measurement's standard uncertainty", told)
-        return write(figure, folder, name)
+    return write_all({name: partial(_figure, panels, names)}, folder)
+
+
+def _figure(panels: Mapping[str, Sequence[Left]], names: Sequence[str]) -> Any:
+    columns = min(2, len(panels))
+    figure = new_figure(DOUBLE if columns == 2 else 1.4 * SINGLE, HEIGHT * -(-len(panels) // columns))
+    for axes, (label, left) in zip(grid(figure, len(panels), columns), panels.items(), strict=True):
+        _panel(axes, label, left, names)
+    some = any(not fitted for left in panels.values() for _, fitted, _, _ in left)
+    told = "filled: in the fit; open: predicted" if some else ""
+    note(figure, "fitted less measured, with the measurement's standard uncertainty", told)
+    return figure
 
 
 def _panel(axes: Any, label: str, left: Sequence[Left], names: Sequence[str]) -> None:
@@ -35,18 +35,10 @@ def _panel(axes: Any, label: str, left: Sequence[Left], names: Sequence[str]) ->
     for wanted, face in ((True, COLOURS[1]), (False, "white")):
         chosen = [each for each in left if each[1] is wanted]
         if chosen:
-            axes.errorbar(
-                [each[0] + 1 for each in chosen],
-                [each[2] for each in chosen],
-                yerr=[each[3] for each in chosen],
-                fmt="o",
-                color=COLOURS[1],
-                markerfacecolor=face,
-                capsize=1.5,
-                elinewidth=0.6,
-            )
-    axes.set_ylabel(label)
-    axes.set_xlim(0.5, len(names) + 0.5)
+            number, _, residual, width = zip(*chosen, strict=True)
+            look = {"color": COLOURS[1], "markerfacecolor": face, "capsize": 1.5, "elinewidth": 0.6}
+            axes.errorbar([each + 1 for each in number], residual, yerr=width, fmt="o", **look)
+    axes.set(ylabel=label, xlim=(0.5, len(names) + 0.5))
     plain_ticks(axes.yaxis)
     if len(names) <= MOST_NAMES:
         axes.set_xticks(range(1, len(names) + 1), names, rotation=45, ha="right")

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from screwsim.machine.slider_crank.rod import Bending, FlexibleRod, critical_gamma, largest_moment_place
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, journal, new_figure, plain_ticks, write
-from screwsim.results.atomic import make_folder
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 
 MM, MPA = 1e3, 1e-6  # [mm/m], [MPa/Pa]
 
 
 def draw_rod(rod: FlexibleRod, bending: Bending, folder: str | Path) -> list[str]:
     """Write the figures (PNG, PDF) and return their paths."""
-    target = Path(folder)
-    make_folder(target)
-    with journal():
-        written = write(stability_figure(rod, bending), target, "rod_stability")
-        written += write(bending_figure(rod, bending), target, "rod_bending")
-    return written
+    figures = {"rod_stability": stability_figure, "rod_bending": bending_figure}
+    return write_all({name: partial(figure, rod, bending) for name, figure in figures.items()}, folder)
 
 
 def stability_figure(rod: FlexibleRod, bending: Bending) -> Any:
@@ -38,12 +34,9 @@ def stability_figure(rod: FlexibleRod, bending: Bending) -> Any:
     axes.annotate(text, point, xytext=(0, -8), textcoords="offset points", fontsize=SMALL, va="top", ha="center")
     axes.annotate("buckles", (0.72, 8.0), ha="center")
     axes.annotate("stable", (0.72, 2.0), ha="center")
-    axes.set_xlim(0.25, 1.0)
-    axes.set_ylim(0.0, 14.0)
-    plain_ticks(axes.xaxis)
-    plain_ticks(axes.yaxis)
-    axes.set_xlabel(r"flexible share $β = l/L$")
-    axes.set_ylabel(r"$γ = L\,\sqrt{|P|/(E I)}$")
+    plain_ticks(axes.xaxis, axes.yaxis)
+    axes.set(xlim=(0.25, 1.0), ylim=(0.0, 14.0))
+    axes.set(xlabel=r"flexible share $β = l/L$", ylabel=r"$γ = L\,\sqrt{|P|/(E I)}$")
     return figure
 
 
@@ -65,14 +58,12 @@ def bending_figure(rod: FlexibleRod, bending: Bending) -> Any:
         axes.contour(degrees, z, field.T, levels=[0.0], colors="white", linewidths=0.8)
         bar = figure.colorbar(drawn, ax=axes, pad=0.02)
         bar.ax.tick_params(labelsize=SMALL)
-        axes.set_title(label)
-        axes.set_ylabel("$z$ from the piston [mm]")
+        axes.set(title=label, ylabel="$z$ from the piston [mm]")
     places = np.array([MM * largest_moment_place(rod, float(load)) for load in bending.load])
     panels[2].plot(degrees, places, color=COLOURS[3], linestyle=DASHES[1], linewidth=1.4, label="$z_M$")
     panels[2].legend(loc="upper right", labelcolor="white")
     for axes in panels:
-        axes.set_xlim(degrees[0], 360.0)
-        axes.set_xticks(range(0, 361, 60))
+        axes.set(xlim=(degrees[0], 360.0), xticks=range(0, 361, 60))
     for axes in panels[2:]:
         axes.set_xlabel("crank angle $α$ [°]")
     return figure

@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.machine.drive.rubber_cord_coupling import (
-    RubberCordCoupling,
-    band,
-    central_angle,
-    crossing_angle,
-)
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, journal, new_figure, plain_ticks, write
-from screwsim.results.atomic import make_folder
+from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, band, central_angle, crossing_angle
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 
 MM = 1e3  # [mm/m]
 
@@ -33,13 +28,12 @@ def draw_coupling(
     coupling: RubberCordCoupling, drawn: RubberCordCoupling, leans: tuple[Lean, ...], nominal: float, folder: str | Path
 ) -> list[str]:
     """Write the figures (PNG, PDF) and return their paths; `drawn` has few cords, so that they can be seen."""
-    target = Path(folder)
-    make_folder(target)
-    with journal():
-        written = write(cords_figure(drawn), target, "coupling_cords")
-        written += write(crossing_figure(drawn), target, "coupling_crossing_angle")
-        written += write(torque_figure(coupling, leans, nominal), target, "coupling_torque")
-    return written
+    plans = {
+        "coupling_cords": partial(cords_figure, drawn),
+        "coupling_crossing_angle": partial(crossing_figure, drawn),
+        "coupling_torque": partial(torque_figure, coupling, leans, nominal),
+    }
+    return write_all(plans, folder)
 
 
 def cords_figure(coupling: RubberCordCoupling, twist: float = math.radians(3.0)) -> Any:
@@ -65,8 +59,7 @@ def cords_figure(coupling: RubberCordCoupling, twist: float = math.radians(3.0))
         axes.legend(loc="center")
         axes.set_aspect("equal")
         axes.set_xlabel("$x$ [mm]")
-        plain_ticks(axes.xaxis)
-        plain_ticks(axes.yaxis)
+        plain_ticks(axes.xaxis, axes.yaxis)
     panels[0].set_ylabel("$y$ [mm]")
     return figure
 
@@ -78,11 +71,9 @@ def crossing_figure(coupling: RubberCordCoupling) -> Any:
     radii = np.linspace(coupling.inner_radius, coupling.outer_radius, 200)
     angle = [math.degrees(crossing_angle(float(r), coupling.lean_plus, coupling.inner_radius)) for r in radii]
     axes.plot(MM * radii, angle, color=COLOURS[0])
+    plain_ticks(axes.xaxis, axes.yaxis)
+    axes.set(xlabel="radius of the crossing $r$ [mm]", ylabel="crossing angle $γ$ [°]")
     axes.set_xlim(MM * radii[0], MM * radii[-1])
-    plain_ticks(axes.xaxis)
-    plain_ticks(axes.yaxis)
-    axes.set_xlabel("radius of the crossing $r$ [mm]")
-    axes.set_ylabel("crossing angle $γ$ [°]")
     return figure
 
 
@@ -106,14 +97,10 @@ def torque_figure(
     left.annotate("nominal", (degrees[-1], 1e-3 * nominal), xytext=(-6, -3), textcoords="offset points", **_LOWER_RIGHT)
     left.set_ylabel("torque $M$ [kN m]")
     right.set_ylabel("tangent stiffness d$M$/d$Θ$ [kN m/rad]")
-    left.set_ylim(bottom=0.0)
-    right.set_ylim(bottom=0.0)
     for axes in (left, right):
-        axes.set_xlim(0.0, degrees[-1])
-        axes.set_xlabel("twist $Θ$ [°]")
+        axes.set(xlim=(0.0, degrees[-1]), ylim=(0.0, None), xlabel="twist $Θ$ [°]")
         axes.legend(loc="upper left" if axes is left else "lower right")
-        plain_ticks(axes.xaxis)
-        plain_ticks(axes.yaxis)
+        plain_ticks(axes.xaxis, axes.yaxis)
     return figure
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim.report.annotate import label_points
 from screwsim.report.quantities import GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, note, plain_ticks
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, grid, new_figure, note, plain_ticks
 from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
 from screwsim.results import Results
 
@@ -44,8 +44,7 @@ def _valves(trace: Trace) -> Any:
     lower.axhline(1.0, color=GREY, linewidth=0.4)
     lower.set_ylim(-0.1, 1.45)  # room for the legend
     lower.legend(loc="upper center", ncols=2)
-    lower.set_ylabel("lift over that of the stop")
-    lower.set_xlabel(trace.axis.label)
+    lower.set(xlabel=trace.axis.label, ylabel="lift over that of the stop")
     for axes in (upper, lower):
         _angle_axis(axes, trace)
     note(figure, trace.title, clipped)
@@ -60,8 +59,7 @@ def _loop(trace: Trace) -> Any:
     axes.plot(V, p, color=COLOURS[0])
     clipped = _pressure_axis(axes, trace)
     axes.set_xlim(-0.02 * float(np.nanmax(V)), 1.05 * float(np.nanmax(V)))
-    axes.set_xlabel(VOLUME.label)
-    axes.set_ylabel(PRESSURE.label)
+    axes.set(xlabel=VOLUME.label, ylabel=PRESSURE.label)
     plain_ticks(axes.xaxis)
     note(figure, trace.title, clipped)
     _mark_loop(axes, trace, V, p)
@@ -94,9 +92,7 @@ def _states(trace: Trace) -> Any:
         middle.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     middle.set_ylabel(TEMPERATURE.label)
     lower.plot(trace.angle, values["gas_mass"] * GAS_MASS.factor, color=COLOURS[0])
-    lower.set_ylabel(GAS_MASS.label)
-    lower.set_ylim(bottom=0.0)
-    lower.set_xlabel(trace.axis.label)
+    lower.set(xlabel=trace.axis.label, ylabel=GAS_MASS.label, ylim=(0.0, None))
     for axes in (upper, middle, lower):
         _angle_axis(axes, trace)
     _name_marks(upper, trace)
@@ -107,22 +103,19 @@ def _states(trace: Trace) -> Any:
 def _flows(trace: Trace) -> Any:
     """Draw the mass flow of each path over the angle, a panel each; both sides of a gap in one."""
     paths = flow_paths(trace.values)
-    rows = (len(paths) + 1) // 2
-    figure = new_figure(DOUBLE, 22.0 + 36.0 * rows)
-    panels = figure.subplots(rows, 2, squeeze=False, sharex=True).ravel()
-    for axes in panels[len(paths) :]:
-        axes.remove()
-    for axes, (words, sides) in zip(panels, paths.items(), strict=False):
+    figure = new_figure(DOUBLE, 22.0 + 36.0 * ((len(paths) + 1) // 2))
+    panels = grid(figure, len(paths), sharex=True)
+    for axes, (words, sides) in zip(panels, paths.items(), strict=True):
         axes.axhline(0.0, color=GREY, linewidth=0.4)
         for i, (side, name) in enumerate(sides.items()):
             flow = trace.values[name] * MASS_FLOW.factor
             axes.plot(trace.angle, flow, color=COLOURS[1], linestyle=DASHES[i], label=side)
         axes.set_title(words, loc="left", fontsize=SMALL)
         _angle_axis(axes, trace)
-    for axes in panels[: len(paths)][-2:]:  # the lowest of each column
+    for axes in panels[-2:]:  # the lowest of each column
         axes.tick_params(labelbottom=True)
     if any(len(sides) > 1 for sides in paths.values()):
-        figure.legend(*panels[len(paths) - 1].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+        figure.legend(*panels[-1].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     figure.supxlabel(trace.axis.label, fontsize=8.0)
     figure.supylabel(MASS_FLOW.label, fontsize=8.0)
     lines = ", ".join(f"{text} {short(angle)}°" for text, angle in trace.marks.items())
@@ -150,7 +143,7 @@ def _angle_axis(axes: Any, trace: Trace) -> None:
     axes.set_xlim(first, last)
     axes.xaxis.set_major_locator(MultipleLocator(120.0 if last - first > 400.0 else 60.0))
     axes.xaxis.set_minor_locator(AutoMinorLocator(4))
-    plain_ticks(axes.yaxis, 6)
+    plain_ticks(axes.yaxis, most=6)
     for angle in trace.marks.values():
         axes.axvline(angle, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
 

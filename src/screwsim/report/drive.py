@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SMALL, journal, new_figure, note, plain_ticks, write
-from screwsim.results.atomic import make_folder
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SMALL, new_figure, note, plain_ticks, write_all
 
 RPM = 30.0 / math.pi
 
@@ -29,9 +29,7 @@ def draw_campbell(
     cases: Mapping[str, Sequence[Point]], lobes: int, folder: Path, name: str, title: str = "", orders: int = 3
 ) -> list[str]:
     """Write the Campbell figure of named drives over the speed (PNG, PDF); return the paths."""
-    make_folder(folder)
-    with journal():
-        return write(campbell(cases, lobes, title, orders), folder, name)
+    return write_all({name: partial(campbell, cases, lobes, title, orders)}, folder)
 
 
 def campbell(cases: Mapping[str, Sequence[Point]], lobes: int, title: str, orders: int) -> Any:
@@ -66,17 +64,13 @@ def campbell(cases: Mapping[str, Sequence[Point]], lobes: int, title: str, order
         linestyle=DASHES[3],
         label="mean torque",
     )
-    left.set_ylim(0.0, highest)
-    left.set_xlim(0.0, longest)
-    right.set_yscale("log")
-    left.set_ylabel("frequency (Hz)")
-    right.set_ylabel("coupling torque, amplitude (N m)")
+    left.set(xlim=(0.0, longest), ylim=(0.0, highest), ylabel="frequency (Hz)")
+    right.set(yscale="log", ylim=(0.2, None), ylabel="coupling torque, amplitude (N m)")
     left.legend(loc="center right", bbox_to_anchor=(1.0, 0.4))
-    right.set_ylim(bottom=0.2)
     right.legend(loc="lower left", frameon=True, facecolor="white", edgecolor="none", framealpha=1.0)
     for axes in (left, right):
         axes.set_xlabel("speed $n$ (rpm)")
-        plain_ticks(axes.xaxis, 6)
+        plain_ticks(axes.xaxis, most=6)
     plain_ticks(left.yaxis)
     note(figure, title)
     return figure
@@ -93,10 +87,7 @@ def crossing(x: np.ndarray, y: np.ndarray) -> float | None:
 
 def draw_start(found: Any, title: str, folder: str | Path) -> list[str]:
     """Write the figure of a start-up (PNG, PDF) and return the paths."""
-    target = Path(folder)
-    make_folder(target)
-    with journal():
-        return write(start(found, title), target, "startup")
+    return write_all({"startup": partial(start, found, title)}, folder)
 
 
 def start(found: Any, title: str) -> Any:
@@ -114,14 +105,11 @@ def start(found: Any, title: str) -> Any:
     peak, at = found.figures["coupling_torque_peak"], found.figures["coupling_torque_peak_time"]
     lower.plot([at], [peak], "o", color=COLOURS[2], markersize=3.5)
     lower.annotate(f"{peak:.4g} N m", (at, peak), xytext=(6, 2), textcoords="offset points", fontsize=SMALL)
-    lower.set_ylabel("torque (N m)")
-    lower.set_xlabel("time (s)")
-    lower.set_xlim(0.0, float(t["time"][-1]))
+    lower.set(xlabel="time (s)", ylabel="torque (N m)", xlim=(0.0, float(t["time"][-1])))
     upper.legend(loc="lower right")
     lower.legend(loc="upper right", ncols=3)
     lower.set_ylim(top=1.28 * max(float(np.max(t[name])) for name in ("coupling_torque", "motor_torque")))
-    for axes in (upper, lower):
-        plain_ticks(axes.yaxis, 6)
+    plain_ticks(upper.yaxis, lower.yaxis, most=6)
     plain_ticks(lower.xaxis)
     note(figure, title)
     return figure

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.report.quantities import EFFICIENCIES, is_numeric, short, shown_axis, shown_figure, value_of
-from screwsim.report.warned import warns
 from screwsim.results import Results
 from screwsim.results.schema import Axis
+from screwsim.results.warned import warns
 
 SPEED, RATIO = "operation.speed", "oil_supply.ratio"
 FEWEST = 2  # points that make a curve

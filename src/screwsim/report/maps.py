@@ -8,19 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.report.families import (
-    Layout,
-    efficiency_name,
-    family,
-    is_log,
-    layout_of,
-    left_out,
-    not_closed,
-    optimum,
-    outcome_layout,
-    slices,
-    with_warnings,
-)
+from screwsim.report import families
+from screwsim.report.families import Layout, family, is_log, left_out, slices
 from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
 from screwsim.report.style import SINGLE, log_scale, new_figure, note, plain_ticks
 from screwsim.report.sweeps import Plan
@@ -36,15 +25,15 @@ _POINTS_SHOWN = 150  # up to so many computed points are marked
 
 def plans(results: Results) -> Iterator[Plan]:
     """Yield maps for each slice of a sweep over two axes of numbers, three values or more on each."""
-    layout = layout_of(results)
-    if layout is None or layout.curves is None or outcome_layout(results) is not None:
+    layout = families.layout_of(results)
+    if layout is None or layout.curves is None or families.outcome_layout(results) is not None:
         return
     across = [results.axis_list[i] for i in (layout.x, layout.curves)]
     if not all(is_numeric(axis) and len(axis.values) >= _FEWEST for axis in across):
         return
     for number, (constant, chosen) in enumerate(slices(results, layout), start=1):
         suffix = f"_{number}" if layout.rest and constant else ""
-        for name, word in (("map", efficiency_name(results)), *((f"map_{each}", each) for each in _COOLING)):
+        for name, word in (("map", families.efficiency_name(results)), *((f"map_{each}", each) for each in _COOLING)):
             if word is not None and len(family(results, layout, chosen, None, word)) >= _FEWEST:
                 yield f"{name}{suffix}", partial(_draw, results, layout, chosen, constant, word)
 
@@ -72,7 +61,7 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
         set_label(shown_axis(results.axis_list[place]).label)
         _scale(axes, axis, shown_axis(results.axis_list[place]).of(results.axis_list[place].values))
     optima = "○ optimum of a row, by a parabola through three points" if found else ""
-    counts = ((not_closed(curves), "not closed"), (with_warnings(curves), "with warnings"))
+    counts = ((families.not_closed(curves), "not closed"), (families.with_warnings(curves), "with warnings"))
     told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
     note(figure, constant, optima, *told, left_out(results, layout, chosen, curves))
     return figure
@@ -129,7 +118,7 @@ def _optima(axes: Any, results: Results, layout: Layout, chosen: dict[int, int],
     points = []
     for height, row in zip(y, z, strict=True):
         there = ~np.ma.getmaskarray(row)
-        best = optimum(x[there], row[there].data) if np.count_nonzero(there) >= _FEWEST else None
+        best = families.optimum(x[there], row[there].data) if np.count_nonzero(there) >= _FEWEST else None
         if best is not None:
             points.append((best[0], height))
     if points:

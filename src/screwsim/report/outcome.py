@@ -6,16 +6,9 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
+from screwsim.report import families
 from screwsim.report.annotate import label_along
-from screwsim.report.families import (
-    Layout,
-    curves_heading,
-    efficiency_name,
-    family,
-    left_out,
-    outcome_layout,
-    slices,
-)
+from screwsim.report.families import Layout, family, left_out, slices
 from screwsim.report.quantities import RATIO, SPEED, shown_figure
 from screwsim.report.style import DOUBLE, new_figure, note
 from screwsim.report.sweeps import Plan, draw_curves, label_axes, label_curves, remarks
@@ -24,7 +17,7 @@ from screwsim.results import Results
 
 def plans(results: Results) -> Iterator[Plan]:
     """Yield the figures of a sweep over the speed in which the oil ratio follows."""
-    layout, name = outcome_layout(results), efficiency_name(results)
+    layout, name = families.outcome_layout(results), families.efficiency_name(results)
     if layout is None or name is None:
         return
     for number, (constant, chosen) in enumerate(slices(results, layout), start=1):
@@ -49,7 +42,7 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
         label_axes(axes, SPEED.label, shown_figure(results, figure_name).quantity, [curve.x for curve in curves])
     upper.set_xlabel("")
     upper.tick_params(labelbottom=False)
-    heading, words = curves_heading(results, layout)
+    heading, words = families.curves_heading(results, layout)
     note(figure, constant, words, *remarks(over_ratio, found), left_out(results, layout, chosen, over_ratio))
     if layout.curves is None:
         label_along(main, over_ratio[0].x, over_ratio[0].y, [f"{speed:.0f} rpm" for speed in over_ratio[0].at])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,8 +13,8 @@ from screwsim.machine.rotors.curves import Curves, make_curves
 from screwsim.machine.rotors.export import coefficients_csv, curves_csv, lobe_csv, outline_dxf, profile_csv
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.rotors import Rotors
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, journal, new_figure, plain_ticks, write
-from screwsim.results.atomic import make_folder, replacing
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
+from screwsim.results.atomic import make_folder, write_text
 
 MM = 1e3  # [mm/m]
 _FILL = "#e4e4e4"
@@ -24,18 +23,14 @@ _FILL = "#e4e4e4"
 def draw_rotors(rotors: Rotors, volume_ratio: float, folder: str | Path) -> list[str]:
     """Write all figures (PNG, PDF) and all files (CSV, DXF) of a pair and return their paths."""
     target = Path(folder)
-    make_folder(target)
     curves = make_curves(rotors, volume_ratio)
-    written = []
-    plans: tuple[tuple[str, Callable[[], Any]], ...] = (
-        ("rotors", partial(mesh_figure, rotors)),
-        ("sealing_line", partial(sealing_figure, rotors)),
-        ("volume", partial(volume_figure, rotors, curves)),
-        ("areas", partial(areas_figure, rotors, curves)),
-    )
-    for name, draw in plans:
-        with journal():
-            written += write(draw(), target, name)
+    plans = {
+        "rotors": partial(mesh_figure, rotors),
+        "sealing_line": partial(sealing_figure, rotors),
+        "volume": partial(volume_figure, curves),
+        "areas": partial(areas_figure, curves),
+    }
+    written = write_all(plans, target)
     male, female = outlines(rotors.pair, rotors.chain)
     files = {
         "coefficients.csv": coefficients_csv(rotors),
@@ -47,11 +42,7 @@ def draw_rotors(rotors: Rotors, volume_ratio: float, folder: str | Path) -> list
         **{f"curves/{name}": text for name, text in curves_csv(curves).items()},
     }
     make_folder(target / "curves")
-    for name, text in files.items():
-        with replacing(target / name) as temporary:
-            temporary.write_text(text)
-        written.append(str(target / name))
-    return written
+    return written + [write_text(target / name, text) for name, text in files.items()]
 
 
 def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
@@ -80,10 +71,8 @@ def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
     for name, point, way in (("H", (Hx, Hy), (0, 9)), ("S", S, (9, 2)), ("P", (pair.r1, 0.0), (-8, -9))):
         axes.plot(MM * point[0], MM * point[1], "o", color=COLOURS[2], markersize=2.6)
         axes.annotate(name, (MM * point[0], MM * point[1]), xytext=way, textcoords="offset points", ha="center")
-    axes.set_aspect("equal")
-    axes.set_xlabel("$x$ [mm]")
-    axes.set_ylabel("$y$ [mm]")
-    plain_ticks(axes.xaxis, 9)
+    axes.set(aspect="equal", xlabel="$x$ [mm]", ylabel="$y$ [mm]")
+    plain_ticks(axes.xaxis, most=9)
     plain_ticks(axes.yaxis)
     return figure
 
@@ -107,16 +96,14 @@ def sealing_figure(rotors: Rotors) -> Any:
     for name, i, up in marks:
         axes.plot([x[i]], [y[i]], [z[i]], "o", color=COLOURS[2], markersize=3.5)
         axes.text(x[i] + 1.0, y[i] + 1.0, z[i] + up, name)
-    axes.set_xlim(walls[0], x.max() + 4.0)
-    axes.set_ylim(y.min() - 4.0, walls[1])
-    axes.set_zlim(walls[2], z.max() + 4.0)
+    axes.set(xlim=(walls[0], x.max() + 4.0), ylim=(y.min() - 4.0, walls[1]), zlim=(walls[2], z.max() + 4.0))
     axes.set_box_aspect((np.ptp(x) + 8.0, np.ptp(y) + 8.0, np.ptp(z) + 8.0), zoom=0.86)
     axes.set_xlabel("$x$ [mm]", labelpad=-2)
     axes.set_ylabel("$y$ [mm]", labelpad=0)
     axes.set_zlabel("$z$ [mm]", labelpad=-2)
     axes.tick_params(pad=-1)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        plain_ticks(axis, 4)
+        plain_ticks(axis, most=4)
         axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for one figure
     axes.view_init(elev=22.0, azim=-58.0)
     return figure
@@ -141,28 +128,26 @@ def _mark(axes: Any, curves: Curves, named: bool) -> None:
             )
 
 
-def volume_figure(rotors: Rotors, curves: Curves) -> Any:
+def volume_figure(curves: Curves) -> Any:
     """Draw V and dV/dφ over a chamber's own angle, and the male rotor's part of dV/dφ."""
     figure = new_figure(SINGLE, 96.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
     degrees = np.degrees(curves.volume.angle)
     upper.plot(degrees, 1e6 * curves.volume.value, color=COLOURS[0])
-    upper.set_ylabel("$V$ [cm³]")
-    upper.set_ylim(bottom=0.0)
+    upper.set(ylabel="$V$ [cm³]", ylim=(0.0, None))
     lower.axhline(0.0, color=GREY, linewidth=0.4)
     for curve, name, i in ((curves.volume_slope, "both rotors", 0), (curves.male_slope, "male rotor", 1)):
         lower.plot(np.degrees(curve.angle), 1e6 * curve.value, color=COLOURS[2 * i], linestyle=DASHES[i], label=name)
-    lower.set_ylabel(r"$\mathrm{d}V/\mathrm{d}\varphi$ [cm³/rad]")
+    lower.set(xlabel="angle of the chamber's life [°]", ylabel=r"$\mathrm{d}V/\mathrm{d}\varphi$ [cm³/rad]")
     lower.legend(loc="lower left")
-    lower.set_xlabel("angle of the chamber's life [°]")
     for axes in (upper, lower):
         _angle_axis(axes, curves.life)
-        plain_ticks(axes.yaxis, 6)
+        plain_ticks(axes.yaxis, most=6)
         _mark(axes, curves, axes is upper)
     return figure
 
 
-def areas_figure(rotors: Rotors, curves: Curves) -> Any:
+def areas_figure(curves: Curves) -> Any:
     """Draw ports, sealing line and tips, blow-holes and end-face lengths over the chamber's own angle."""
     figure = new_figure(DOUBLE, 116.0)
     panels = figure.subplots(2, 2, sharex=True).ravel()
@@ -186,13 +171,12 @@ def areas_figure(rotors: Rotors, curves: Curves) -> Any:
     _panel(panels[3], faces, "length on the end face [mm]")
     tops = max(c.value.max() for c in ports.values()) * 1e4, max(lines[n].curve.value.max() for n in holes) * 1e6
     for axes, top in zip((panels[0], panels[2]), tops, strict=True):
-        axes.set_yscale("log")
-        axes.set_ylim(0.1, 12.0 * top)
+        axes.set(yscale="log", ylim=(0.1, 12.0 * top))
     for i, axes in enumerate(panels):
         _angle_axis(axes, curves.life)
         _mark(axes, curves, i < 2)
         if i % 2:
-            plain_ticks(axes.yaxis, 6)
+            plain_ticks(axes.yaxis, most=6)
             axes.set_ylim(0.0, 1.32 * axes.dataLim.y1)
     figure.supxlabel("angle of the chamber's life [°]", fontsize=8.0)
     return figure

@@ -18,7 +18,7 @@ from screwsim.machine.rotors.curves import Curve
 from screwsim.machine.rotors.export import curve_csv
 from screwsim.report.rotors import draw_rotors
 from screwsim.report.rotors_page import page
-from screwsim.results.atomic import make_folder, replacing
+from screwsim.results.atomic import make_folder, write_text
 from screwsim.scene import scene_text
 from screwsim.scene.types import Scene
 
@@ -33,13 +33,12 @@ _TABLE_NOTE = """\
 
 def laid_of(scene: Scene) -> Laid:
     """Return the curves of a scene's rotors; raise UsageError when its volume has another law."""
-    if scene.machine.kind != TWIN_SCREW:
-        what = f"machine.kind is {scene.machine.kind}: there are no rotors (name a scene of a {TWIN_SCREW})"
-        raise UsageError(what)
+    kind = scene.machine.kind
+    if kind != TWIN_SCREW:
+        raise UsageError(f"machine.kind is {kind}: there are no rotors (name a scene of a {TWIN_SCREW})")
     law = twin_screw(scene.machine).volume.law
     if law != "profile":
-        what = f"machine.volume.law is {law}: there are no rotors (write machine.profile and law: profile)"
-        raise UsageError(what)
+        raise UsageError(f"machine.volume.law is {law}: there are no rotors (write machine.profile and law: profile)")
     return lay(twin_screw(scene.machine))
 
 
@@ -109,11 +108,7 @@ def write(scene: Scene, folder: Path) -> list[str]:
     make_folder(tables)
     texts = {folder / "rotors.html": page(laid, scene.title)}
     texts |= {tables / name: text for name, text in table_files(scene, tables).items()}
-    for path, text in texts.items():
-        with replacing(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-        written.append(str(path))
-    return written
+    return written + [write_text(path, text) for path, text in texts.items()]
 
 
 def table_files(scene: Scene, folder: Path) -> dict[str, str]:

@@ -10,11 +10,11 @@ import numpy as np
 
 from screwsim.report.families import efficiency_name, is_design
 from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
-from screwsim.report.style import COLOURS, DOUBLE, new_figure, note
+from screwsim.report.style import COLOURS, DOUBLE, grid, new_figure, note
 from screwsim.report.sweeps import Plan, label_axes
-from screwsim.report.warned import warns
 from screwsim.results import Results
 from screwsim.results.schema import Axis
+from screwsim.results.warned import warns
 
 _MOST = 5000  # points drawn of each panel
 
@@ -47,10 +47,7 @@ def _draw(results: Results, shown: list[tuple[Axis, np.ndarray]], name: str) -> 
     closed = drawn[status[drawn] == "ok"]
     rows = (len(shown) + 1) // 2
     figure = new_figure(DOUBLE, 18.0 + 52.0 * rows)
-    panels = figure.subplots(rows, 2, squeeze=False, sharey=True).ravel()
-    for axes in panels[len(shown) :]:
-        axes.remove()
-    for axes, (axis, values) in zip(panels, shown, strict=False):
+    for axes, (axis, values) in zip(grid(figure, len(shown), sharey=True), shown, strict=True):
         x = shown_axis(axis).of(values.reshape(-1))
         marks = {"linestyle": "", "markersize": 4.0}
         axes.plot(x[closed], y[closed], marker=".", color=COLOURS[1], **marks)

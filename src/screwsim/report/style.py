@@ -6,13 +6,13 @@ Nothing of matplotlib's global state is used or left changed; a reader's own mat
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from screwsim.report.quantities import short
-from screwsim.results.atomic import replacing
+from screwsim.results.atomic import make_folder, replacing
 
 MM = 1.0 / 25.4  # [inch]
 SINGLE, DOUBLE = 88.0, 180.0  # [mm] width of one and of two columns
@@ -21,15 +21,17 @@ GREY = "#6e6e6e"  # guides: lines that are no data
 
 # Colours by descending contrast: told apart in print without colour and with any colour vision.
 COLOURS = ("#000000", "#3b2a8c", "#a01f62", "#c2561a", "#3f9e72", "#62b0dc")
-DASHES: tuple[Any, ...] = (
-    "-",
-    (0, (5, 1.6)),
-    (0, (5, 1.5, 1.2, 1.5)),
-    (0, (1.2, 1.3)),
-    (0, (9, 2)),
-    (0, (3, 1, 1, 1, 1, 1)),
-)
+_GAPS = ((5, 1.6), (5, 1.5, 1.2, 1.5), (1.2, 1.3), (9, 2), (3, 1, 1, 1, 1, 1))
+DASHES: tuple[Any, ...] = ("-", *((0, gaps) for gaps in _GAPS))
 
+_TICKS = {
+    "labelsize": 7.5,
+    "direction": "in",
+    "major.size": 3.0,
+    "minor.size": 1.6,
+    "major.width": 0.6,
+    "minor.width": 0.4,
+}
 _RC = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib: the same figure on every machine
@@ -37,26 +39,14 @@ _RC = {
     "font.size": 8.0,
     "axes.labelsize": 8.0,
     "axes.titlesize": 8.0,
-    "xtick.labelsize": 7.5,
-    "ytick.labelsize": 7.5,
     "legend.fontsize": SMALL,
     "figure.titlesize": SMALL,
     "axes.linewidth": 0.6,
     "lines.linewidth": 1.0,
     "lines.markersize": 4.0,
     "patch.linewidth": 0.6,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
     "xtick.top": True,
     "ytick.right": True,
-    "xtick.major.size": 3.0,
-    "ytick.major.size": 3.0,
-    "xtick.minor.size": 1.6,
-    "ytick.minor.size": 1.6,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.minor.width": 0.4,
-    "ytick.minor.width": 0.4,
     "legend.frameon": False,
     "legend.handlelength": 2.4,
     "legend.borderaxespad": 0.3,
@@ -67,6 +57,7 @@ _RC = {
     "pdf.fonttype": 42,
     "figure.constrained_layout.h_pad": 0.03,
     "figure.constrained_layout.w_pad": 0.03,
+    **{f"{axis}tick.{name}": value for axis in "xy" for name, value in _TICKS.items()},
 }
 _FORMATS: dict[str, dict[str, Any]] = {  # no moment of writing: the same data give the same bytes
     "png": {"Software": None},
@@ -104,6 +95,25 @@ def write(figure: Any, folder: Path, name: str) -> list[str]:
     return written
 
 
+def write_all(plans: Mapping[str, Callable[[], Any]], folder: str | Path) -> list[str]:
+    """Draw figures and write each under its name into a folder, made when missing; return the paths."""
+    target, written = Path(folder), []
+    make_folder(target)
+    for name, draw in plans.items():
+        with journal():
+            written += write(draw(), target, name)
+    return written
+
+
+def grid(figure: Any, count: int, columns: int = 2, **options: Any) -> list[Any]:
+    """Return so many axes of a figure, in rows of some columns; nothing stands in the places that are left."""
+    rows = -(-count // columns)
+    places = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
+    for axes in places[count:]:
+        axes.remove()
+    return places[:count]
+
+
 def note(figure: Any, *parts: str, share: float = 1.0) -> None:
     """Write the parts that are not empty above the figure, in lines that fit a share of its width."""
     text = "; ".join(part for part in parts if part)
@@ -113,12 +123,13 @@ def note(figure: Any, *parts: str, share: float = 1.0) -> None:
     figure.suptitle("\n".join(textwrap.wrap(text, columns)), x=0.01, ha="left", linespacing=1.25)
 
 
-def plain_ticks(axis: Any, most: int = 7) -> None:
-    """Put ticks of a linear axis at round numbers (1, 2, 5), with smaller ones between."""
+def plain_ticks(*axes: Any, most: int = 7) -> None:
+    """Put ticks of linear axes at round numbers (1, 2, 5), with smaller ones between."""
     from matplotlib.ticker import AutoMinorLocator, MaxNLocator
 
-    axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
-    axis.set_minor_locator(AutoMinorLocator())
+    for axis in axes:
+        axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
+        axis.set_minor_locator(AutoMinorLocator())
 
 
 def log_scale(axes: Any, ratio: float, which: str = "x") -> None:

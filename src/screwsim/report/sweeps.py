@@ -8,46 +8,25 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.report import families
 from screwsim.report.annotate import label_ends
-from screwsim.report.families import (
-    Curve,
-    Layout,
-    arc,
-    curves_heading,
-    efficiency_name,
-    family,
-    is_log,
-    layout_of,
-    left_out,
-    not_closed,
-    optimum,
-    outcome_layout,
-    slices,
-    with_warnings,
-)
+from screwsim.report.families import Curve, Layout, family, is_log, left_out, slices
 from screwsim.report.quantities import shown_axis, shown_figure
-from screwsim.report.style import DOUBLE, SINGLE, line_style, log_scale, new_figure, note, plain_ticks
+from screwsim.report.style import DOUBLE, SINGLE, grid, line_style, log_scale, new_figure, note, plain_ticks
 from screwsim.results import Results
 
 Plan = tuple[str, Callable[[], Any]]  # name of a figure, and what draws it
-_OTHERS = (
-    "volumetric_efficiency",
-    "shaft_power",
-    "gas_mass_flow",
-    "discharge_temperature",
-    "cooling_capacity",
-    "cop",
-)
+_OTHERS = ("volumetric_efficiency", "shaft_power", "gas_mass_flow", "discharge_temperature", "cooling_capacity", "cop")
 _LEAST_SPAN = 0.01  # of an axis over its values: numerical noise is not blown up
 _POINTS_SHOWN = 60  # up to so many computed points in a panel they are marked
 
 
 def plans(results: Results) -> Iterator[Plan]:
     """Yield the figures over the axes of a sweep; none where the oil ratio is an outcome or no axis has numbers."""
-    layout = layout_of(results)
-    if layout is None or outcome_layout(results) is not None:
+    layout = families.layout_of(results)
+    if layout is None or families.outcome_layout(results) is not None:
         return
-    name = efficiency_name(results)
+    name = families.efficiency_name(results)
     for number, (constant, chosen) in enumerate(slices(results, layout), start=1):
         suffix = f"_{number}" if layout.rest and constant else ""
         if name and family(results, layout, chosen, None, name):
@@ -62,10 +41,9 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
     figure = new_figure(SINGLE, 70.0)
     axes = figure.subplots()
     found = draw_curves(axes, curves, optima=True)
-    label_axes(
-        axes, shown_axis(results.axis_list[layout.x]).label, shown_figure(results, name).label, [c.x for c in curves]
-    )
-    heading, words = curves_heading(results, layout)
+    x_label = shown_axis(results.axis_list[layout.x]).label
+    label_axes(axes, x_label, shown_figure(results, name).label, [c.x for c in curves])
+    heading, words = families.curves_heading(results, layout)
     note(figure, constant, words, *remarks(curves, found), left_out(results, layout, chosen, curves))
     if layout.curves is not None:
         label_curves(axes, curves, heading)
@@ -74,25 +52,17 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
 
 def _performance(results: Results, layout: Layout, chosen: dict[int, int], constant: str) -> Any:
     """Draw the other figures over x, a panel each."""
-    families = {name: family(results, layout, chosen, None, name) for name in _OTHERS}
-    families = {name: curves for name, curves in families.items() if curves}
-    rows = (len(families) + 1) // 2
+    shown = {name: curves for name in _OTHERS if (curves := family(results, layout, chosen, None, name))}
+    rows, x_label = (len(shown) + 1) // 2, shown_axis(results.axis_list[layout.x]).label
     figure = new_figure(DOUBLE, 18.0 + 52.0 * rows)
-    panels = figure.subplots(rows, 2, squeeze=False).ravel()
-    for axes in panels[len(families) :]:
-        axes.remove()
-    for axes, (name, curves) in zip(panels, families.items(), strict=False):
+    panels = grid(figure, len(shown))
+    for axes, (name, curves) in zip(panels, shown.items(), strict=True):
         draw_curves(axes, curves, optima=False)
-        label_axes(
-            axes,
-            shown_axis(results.axis_list[layout.x]).label,
-            shown_figure(results, name).label,
-            [c.x for c in curves],
-        )
-    widest = max(families.values(), key=len)
-    heading, words = curves_heading(results, layout)
+        label_axes(axes, x_label, shown_figure(results, name).label, [c.x for c in curves])
+    widest = max(shown.values(), key=len)
+    heading, words = families.curves_heading(results, layout)
     note(figure, constant, words, *remarks(widest, 0), left_out(results, layout, chosen, widest))
-    for axes, curves in zip(panels, families.values(), strict=False):
+    for axes, curves in zip(panels, shown.values(), strict=True):
         if layout.curves is not None:
             label_curves(axes, curves, heading)
     return figure
@@ -112,8 +82,8 @@ def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
         _mark(axes, curve.x[plain], curve.y[plain], marker, style["color"])
         _mark(axes, curve.x[curve.warned], curve.y[curve.warned], "^", style["color"])
         _mark(axes, curve.x[~curve.closed], curve.y[~curve.closed], "x", style["color"])
-        best = optimum(curve.x, curve.y) if optima else None
-        fitted = arc(curve.x, curve.y) if best is not None else None
+        best = families.optimum(curve.x, curve.y) if optima else None
+        fitted = families.arc(curve.x, curve.y) if best is not None else None
         if best is not None and fitted is not None:
             axes.plot(*fitted, color=style["color"], linewidth=0.5, linestyle="-")
             axes.plot(*best, "o", color=style["color"], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
@@ -123,17 +93,8 @@ def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
 
 def _mark(axes: Any, x: np.ndarray, y: np.ndarray, marker: str, colour: Any) -> None:
     """Draw markers that the frame does not cut; the layout need not make room for them."""
-    axes.plot(
-        x,
-        y,
-        marker=marker,
-        color=colour,
-        markersize=3.0,
-        markeredgewidth=0.6,
-        linestyle="",
-        clip_on=False,
-        in_layout=False,
-    )
+    size = {"markersize": 3.0, "markeredgewidth": 0.6}
+    axes.plot(x, y, marker=marker, color=colour, linestyle="", clip_on=False, in_layout=False, **size)
 
 
 def label_curves(axes: Any, curves: list[Curve], heading: str) -> None:
@@ -143,8 +104,7 @@ def label_curves(axes: Any, curves: list[Curve], heading: str) -> None:
 
 def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> None:
     """Label both axes; x is logarithmic where its values ask for it, and spans them."""
-    axes.set_xlabel(x_label)
-    axes.set_ylabel(y_label)
+    axes.set(xlabel=x_label, ylabel=y_label)
     values = np.concatenate(x)
     if is_log(values):
         log_scale(axes, float(np.max(values) / np.min(values)))
@@ -159,7 +119,7 @@ def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> No
 
 def remarks(curves: list[Curve], optima: int) -> tuple[str, str, str]:
     """Return what circles, crosses and triangles mean, where there are any."""
-    open_cases, warned = not_closed(curves), with_warnings(curves)
+    open_cases, warned = families.not_closed(curves), families.with_warnings(curves)
     return (
         "○ optimum, top of a parabola (thin) through three points" if optima else "",
         f"× not closed ({open_cases})" if open_cases else "",

@@ -1,30 +1,33 @@
-"""Figures of the kinematic tolerance study: the three transfer functions, and the surface of their deviations."""
+"""Figures of tolerances: the three transfer functions, the surface of their deviations, the spread of a compressor."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Array, Links, plane, surface
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, journal, new_figure, plain_ticks, write
-from screwsim.results.atomic import make_folder
+from screwsim.engineering import shown_name
+from screwsim.machine.slider_crank.tolerance import FUNCTIONS, Array, Grade, Links, plane, surface
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 
 MM = 1e3  # [mm/m]
 SHARE = 0.05  # of the lengths, to either side
+SHOWN = ("gas_mass_flow", "shaft_power", "isentropic_efficiency")
+MARKERS = "o^s"
 _NAMES = {"right": "d$x$/d$α$", "printed": "formula as printed", "tabulated": "formula behind the table"}
 
 
 def draw_tolerance(alpha: Array, nominal: Links, points: tuple[Array, Array], folder: str | Path) -> list[str]:
     """Write the figures (PNG, PDF) and return their paths; `points` are angles and values of the printed table."""
-    target = Path(folder)
-    make_folder(target)
-    with journal():
-        written = write(functions_figure(nominal, points), target, "transfer_functions")
-        written += write(surface_figure(alpha, nominal), target, "deviation_surface")
-        written += write(contour_figure(alpha, nominal), target, "deviation_contours")
-    return written
+    plans = {
+        "transfer_functions": partial(functions_figure, nominal, points),
+        "deviation_surface": partial(surface_figure, alpha, nominal),
+        "deviation_contours": partial(contour_figure, alpha, nominal),
+    }
+    return write_all(plans, folder)
 
 
 def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
@@ -41,12 +44,9 @@ def functions_figure(nominal: Links, points: tuple[Array, Array]) -> Any:
         axes.plot(degrees, MM * function(alpha, nominal), color=colour, linestyle=DASHES[i], label=_NAMES[name])
     turned = (np.degrees(points[0]) + 180.0) % 360.0 - 180.0
     axes.plot(turned, MM * points[1], "o", markersize=2.6, color=COLOURS[3], label="printed table")
-    axes.set_xlim(-180.0, 180.0)
-    axes.set_xticks(range(-180, 181, 60))
-    axes.set_ylim(-120.0, 175.0)
     plain_ticks(axes.yaxis)
-    axes.set_xlabel("crank angle $α$ [°]")
-    axes.set_ylabel("transfer function [mm/rad]")
+    axes.set(xlim=(-180.0, 180.0), xticks=range(-180, 181, 60), ylim=(-120.0, 175.0))
+    axes.set(xlabel="crank angle $α$ [°]", ylabel="transfer function [mm/rad]")
     axes.legend(loc="upper center", ncols=2, columnspacing=0.8, handlelength=1.8)
     return figure
 
@@ -79,7 +79,7 @@ def _surface(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
     axes.set_box_aspect((1.0, 1.0, 0.8), zoom=0.9)
     axes.view_init(elev=22.0, azim=-62.0)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        plain_ticks(axis, 5)
+        plain_ticks(axis, most=5)
         axis._axinfo["grid"].update(color="#dddddd", linewidth=0.4)  # matplotlib has no public way for one figure
 
 
@@ -110,16 +110,12 @@ def _contours(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
         lines = axes.contour(at, at, share, levels=levels, colors=COLOURS[1 if width < 1 else 0], linewidths=width)
         axes.clabel(lines, fmt="%g %%", fontsize=SMALL)
     axes.set_xlabel("error of the rod [%]")
-    for axis in (axes.xaxis, axes.yaxis):
-        plain_ticks(axis)
+    plain_ticks(axes.xaxis, axes.yaxis)
 
 
 def draw_law(nominal: Links, folder: str | Path) -> list[str]:
     """Write the surface and the contours of one machine's law of motion (PNG, PDF) and return their paths."""
-    target = Path(folder)
-    make_folder(target)
-    with journal():
-        return write(law_figure(nominal), target, "law_of_motion")
+    return write_all({"law_of_motion": partial(law_figure, nominal)}, folder)
 
 
 def law_figure(nominal: Links) -> Any:
@@ -132,6 +128,36 @@ def law_figure(nominal: Links) -> Any:
     solid.set_title("(a) d$x$/d$α$; plane: 5 % of it", y=0.97)
     flat = figure.add_axes((0.6, 0.15, 0.37, 0.72))
     _contours(flat, right, alpha, nominal)
-    flat.set_title("(b) the same, over the law")
-    flat.set_ylabel("error of the crank [%]")
+    flat.set(title="(b) the same, over the law", ylabel="error of the crank [%]")
+    return figure
+
+
+def draw_spread(
+    table: Sequence[Grade], shifts: np.ndarray, deviations: Mapping[str, np.ndarray], folder: str | Path
+) -> list[str]:
+    """Write the figure (PNG, PDF) and return its paths; `deviations` are those of figures from the nominal value."""
+    return write_all({"tolerance": partial(spread_figure, table, shifts, deviations)}, folder)
+
+
+def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mapping[str, np.ndarray]) -> Any:
+    """Draw error of the law and shift of the dead centre by grades, and figures over that shift."""
+    figure = new_figure(DOUBLE, 78.0)
+    left, right = figure.subplots(1, 2)
+    numbers = [row.crank for row in table]
+    left.semilogy(numbers, [100.0 * row.error for row in table], color=COLOURS[0], label="error of the law [%]")
+    heads = [1e3 * row.head for row in table]
+    left.semilogy(numbers, heads, color=COLOURS[1], linestyle=DASHES[1], label="dead centre, ± [mm]")
+    left.set_xticks(numbers[::2], [f"IT{number}" for number in numbers[::2]])
+    left.set(xlabel="grade of crank and rod", title="(a) law of motion")
+    left.legend(loc="upper left")
+    right.axhline(0.0, color=GREY, linewidth=0.4)
+    for i, name in enumerate(name for name in SHOWN if name in deviations):
+        style = {"color": COLOURS[i], "markersize": 2.4, "label": shown_name(name)}
+        right.plot(1e3 * shifts, 100.0 * deviations[name], MARKERS[i], **style)
+    low, high = right.get_ylim()
+    right.set_ylim(low, high + 0.35 * (high - low))  # room for the legend
+    right.set(xlabel="shift of the top dead centre [mm]", ylabel="deviation from the nominal machine [%]")
+    right.set_title("(b) machines drawn")
+    right.legend(loc="upper left", ncols=2)
+    plain_ticks(right.xaxis, right.yaxis)
     return figure

@@ -49,15 +49,12 @@ def _draw(trace: Trace, pitch: float) -> Any:
     upper.set_xlim(0.0, 2.0 * pitch)
     upper.xaxis.set_major_locator(MultipleLocator(30.0))
     upper.set_ylim(min(0.0, 1.06 * float(torque.min())), max(0.0, 1.06 * float(torque.max())))
-    upper.set_xlabel(ANGLE.label)
-    upper.set_ylabel("gas torque $M$ (N m)")
+    upper.set(xlabel=ANGLE.label, ylabel="gas torque $M$ (N m)")
     order = np.arange(1, _HARMONICS + 1)
     lower.bar(order, amplitudes[1:], width=0.5, color=COLOURS[1], linewidth=0.0)
     lower.set_xticks(order)
     lower.tick_params(axis="x", which="both", length=0.0)
-    lower.set_xlabel("multiple of the lobe frequency")
-    lower.set_ylabel("amplitude $M_k$ (N m)")
-    for axes in (upper, lower):
-        plain_ticks(axes.yaxis, 6)
+    lower.set(xlabel="multiple of the lobe frequency", ylabel="amplitude $M_k$ (N m)")
+    plain_ticks(upper.yaxis, lower.yaxis, most=6)
     note(figure, trace.title)
     return figure

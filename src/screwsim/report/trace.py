@@ -9,9 +9,9 @@ import numpy as np
 
 from screwsim.report.families import efficiency_name
 from screwsim.report.quantities import ANGLE, CRANK_ANGLE, DEGREE, Shown, value_of
-from screwsim.report.warned import caption, warnings_of
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
+from screwsim.results.warned import caption, warnings_of
 
 _INJECTION = 360.0  # [degree] oil is injected there (docs/model.md)
 _LONE = 0.03  # share of the angles that a spike may take to lie beyond the axis

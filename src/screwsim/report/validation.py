@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from screwsim.report.style import COLOURS, DASHES, DOUBLE, SINGLE, journal, new_figure, note, write
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, SINGLE, grid, new_figure, note, write_all
 
 HEIGHT = 74.0  # [mm] of one row of panels
 MARKERS = "os^Dv<>P"
@@ -18,23 +19,16 @@ HANDLE = 7  # letters that a handle is wide
 
 def draw(document: Mapping[str, Any], folder: Path) -> list[str]:
     """Write a figure a source that has panels, as PNG and PDF; return the paths."""
-    written = []
-    with journal():
-        for name, source in document["sources"].items():
-            if source["panels"]:
-                written += write(_figure(source), folder, name)
-    return written
+    drawn = {name: source for name, source in document["sources"].items() if source["panels"]}
+    return write_all({name: partial(_figure, source) for name, source in drawn.items()}, folder)
 
 
 def _figure(source: Mapping[str, Any]) -> Any:
     panels: Sequence[Mapping[str, Any]] = source["panels"]
     columns = min(2, len(panels))
-    rows = -(-len(panels) // columns)
-    figure = new_figure(DOUBLE if columns == 2 else 1.4 * SINGLE, HEIGHT * rows)
-    for axes, panel in zip(figure.subplots(rows, columns, squeeze=False).flat, panels, strict=False):
+    figure = new_figure(DOUBLE if columns == 2 else 1.4 * SINGLE, HEIGHT * -(-len(panels) // columns))
+    for axes, panel in zip(grid(figure, len(panels), columns), panels, strict=True):
         _draw_panel(axes, panel)
-    for axes in list(figure.axes)[len(panels) :]:
-        axes.set_axis_off()
     note(figure, source["title"])
     return figure
 
@@ -51,12 +45,10 @@ def _draw_panel(axes: Any, panel: Mapping[str, Any]) -> None:
         else:
             _ours(axes, series, ours)
             ours += 1
-    axes.set_xlabel(panel["x_label"])
-    axes.set_ylabel(panel["y_label"])
-    if panel["log_x"]:
-        _logarithmic(axes, "x")
-    if panel["log_y"]:
-        _logarithmic(axes, "y")
+    axes.set(xlabel=panel["x_label"], ylabel=panel["y_label"])
+    for which in "xy":
+        if panel[f"log_{which}"]:
+            _logarithmic(axes, which)
     # above the axes, where no curve can run under it
     _, labels = axes.get_legend_handles_labels()
     longest = max(map(len, labels), default=1) + HANDLE
@@ -77,19 +69,9 @@ def _logarithmic(axes: Any, which: str) -> None:
 
 
 def _theirs(axes: Any, series: Mapping[str, Any], index: int) -> None:
-    axes.errorbar(
-        series["x"],
-        series["y"],
-        yerr=series["error"],
-        fmt=MARKERS[index % len(MARKERS)],
-        color=THEIRS,
-        markerfacecolor="white" if index % 2 else THEIRS,
-        markersize=4.0,
-        capsize=1.5,
-        elinewidth=0.6,
-        label=series["name"],
-        zorder=4,
-    )
+    mark = {"fmt": MARKERS[index % len(MARKERS)], "markersize": 4.0, "capsize": 1.5, "elinewidth": 0.6}
+    mark |= {"color": THEIRS, "markerfacecolor": "white" if index % 2 else THEIRS}
+    axes.errorbar(series["x"], series["y"], yerr=series["error"], label=series["name"], zorder=4, **mark)
 
 
 def _band(axes: Any, series: Mapping[str, Any], index: int) -> None:
@@ -99,13 +81,8 @@ def _band(axes: Any, series: Mapping[str, Any], index: int) -> None:
 
 
 def _ours(axes: Any, series: Mapping[str, Any], index: int) -> None:
-    line = "none" if series["points"] else DASHES[index % len(DASHES)]
-    axes.plot(
-        series["x"],
-        series["y"],
-        color=OURS[index % len(OURS)],
-        linestyle=line,
-        marker=MARKERS[index % len(MARKERS)] if series["points"] else None,
-        label=series["name"],
-        zorder=3,
-    )
+    line, marker = DASHES[index % len(DASHES)], None
+    if series["points"]:
+        line, marker = "none", MARKERS[index % len(MARKERS)]
+    look = {"color": OURS[index % len(OURS)], "linestyle": line, "marker": marker}
+    axes.plot(series["x"], series["y"], label=series["name"], zorder=3, **look)

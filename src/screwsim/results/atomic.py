@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from screwsim.faults import UsageError
 from screwsim.textfiles import irregular
@@ -41,6 +43,22 @@ def replacing(path: Path) -> Iterator[Path]:
             put(temporary, path)
     finally:
         remove(temporary)
+
+
+def write_text(path: Path, text: str) -> str:
+    """Write a text whole or not at all, and return its path; raise UsageError as `replacing` does."""
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def write_csv(path: Path, names: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    """Write a line of names and rows below it, likewise."""
+    with replacing(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(names)
+        writer.writerows(rows)
+    return str(path)
 
 
 def beside(path: Path, folder: Path | None = None) -> Path:

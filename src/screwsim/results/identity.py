@@ -66,7 +66,10 @@ def unpacked(text: Any) -> Identity | None:
 
 def differences(stored: Identity, wanted: Identity) -> str:
     """Return in words what differs, at most a few things; '' when nothing does."""
-    told = list(_differences(stored, wanted))
+    return _few(list(_differences(stored, wanted)))
+
+
+def _few(told: list[str]) -> str:
     more = f", and {len(told) - _TOLD} more things differ" if len(told) > _TOLD else ""
     return ", ".join(told[:_TOLD]) + more
 
@@ -78,15 +81,14 @@ def disagreement(found: Identity, wanted: Identity) -> str:
         here = found.get(name, _NONE)
         if here == now or (name == _SOURCES and found.get("screwsim") != wanted.get("screwsim")):
             continue
-        if name.startswith((_FILE, _MODULE)):
-            label = name.removeprefix(_FILE).removeprefix(_MODULE)
+        label = name.removeprefix(_FILE).removeprefix(_MODULE)
+        if label != name:
             told.append(f"lacks {label}" if here == _NONE else f"has another {label}")
         elif name == _SOURCES:
             told.append(f"has other sources of screwsim {wanted.get('screwsim')}")
         else:
             told.append(f"has {name} {here}, not {now}")
-    more = f", and {len(told) - _TOLD} more things differ" if len(told) > _TOLD else ""
-    return ", ".join(told[:_TOLD]) + more
+    return _few(told)
 
 
 def _differences(stored: Identity, wanted: Identity) -> Iterator[str]:
@@ -94,8 +96,8 @@ def _differences(stored: Identity, wanted: Identity) -> Iterator[str]:
         before, now = stored.get(name, _NONE), wanted.get(name, _NONE)
         if before == now:
             continue
-        if name.startswith((_FILE, _MODULE)):
-            label = name.removeprefix(_FILE).removeprefix(_MODULE)
+        label = name.removeprefix(_FILE).removeprefix(_MODULE)
+        if label != name:
             yield f"{label} {_change(before, now)}"
         elif name == _SOURCES:
             if stored.get("screwsim") == wanted.get("screwsim"):

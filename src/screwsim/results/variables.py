@@ -8,32 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from screwsim import outputs
 from screwsim.figures import merged, packed, trace_variable
-from screwsim.outputs import (
-    BALANCE,
-    CYCLE,
-    NUMERICS,
-    NUMERICS_TEXT,
-    PERFORMANCE,
-    STATUSES,
-    Figure,
-    Variable,
-    ledger_variable,
-)
+from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figure, Variable
+from screwsim.results import table as tables
 from screwsim.results.netcdf import Layout, flag_attributes, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import RELATIVE_TO, Axis, numeric_inputs, root_attributes, variable_name
-from screwsim.results.table import (
-    GROUPS,
-    NOT_COMPUTED,
-    TEXTS,
-    Table,
-    ledger_names,
-    ledger_of,
-    renumbered,
-    rows_of,
-    same_angles,
-    trace_names,
-)
+from screwsim.results.table import GROUPS, NOT_COMPUTED, TEXTS, Table
 from screwsim.scene.types import Scene
 
 _CASE_TEXTS = {
@@ -43,7 +24,8 @@ _CASE_TEXTS = {
 }
 
 
-_ALWAYS = tuple(each for each in PERFORMANCE.values() if not each.needs)  # in every file, of failed cases alone, too
+# in every file, of failed cases alone, too
+_ALWAYS = tuple(each for each in outputs.PERFORMANCE.values() if not each.needs)
 
 
 @dataclass(frozen=True)
@@ -79,14 +61,14 @@ def names_of(heads: Iterable[Table]) -> tuple[Names, dict[str, tuple[str, ...]]]
         figures = figures if head.about == figures else merged(figures, head.about)
         effects, states = effects or head.effects, states or head.states
         if angle.size and head.angle.size:
-            same_angles(angle, head.angle)
+            tables.same_angles(angle, head.angle)
         angle = angle if angle.size else head.angle
         for name in TEXTS:
             words[name].update(map(text_lines, head.texts[name].words))
         traces |= dict.fromkeys(head.traces)
         ledger |= dict.fromkeys(head.ledger)
     figures, angles = merged(figures, _ALWAYS), tuple(angle.tolist())
-    found = Names(figures, effects, states, angles, trace_names(traces), ledger_names(ledger))
+    found = Names(figures, effects, states, angles, tables.trace_names(traces), tables.ledger_names(ledger))
     return found, {name: tuple(sorted(several)) for name, several in words.items()}
 
 
@@ -163,7 +145,8 @@ class Plan:
                 yield each.name, number_attributes(about) | {RELATIVE_TO: packed(each.scale)}
             return
         performance = {each.name: Variable(each.units, each.long_name) for each in self.names.figures}
-        for name, about in {"performance": performance, "balance": BALANCE, "numerics": NUMERICS}[group].items():
+        groups = {"performance": performance, "balance": outputs.BALANCE, "numerics": outputs.NUMERICS}
+        for name, about in groups[group].items():
             yield name, number_attributes(about)
 
     def _cycle(self) -> Iterator[Column]:
@@ -174,13 +157,13 @@ class Plan:
         for name in self.names.traces:
             about = number_attributes(trace_variable(name)) | self._beside
             data = self.layout.empty(group, name, shape, float, dimensions, about)
-            yield Column(data, lambda table, name=name: rows_of(table, name, points))
+            yield Column(data, lambda table, name=name: tables.rows_of(table, name, points))
 
     def _ledger(self) -> Iterator[Column]:
         group = self._group("ledger")
         for name in self.names.ledger:
-            data = self._empty(group, name, float, number_attributes(ledger_variable(name)))
-            yield Column(data, lambda table, name=name: ledger_of(table, name))
+            data = self._empty(group, name, float, number_attributes(outputs.ledger_variable(name)))
+            yield Column(data, lambda table, name=name: tables.ledger_of(table, name))
 
 
 def _beside(axes: Sequence[Axis]) -> dict[str, str]:
@@ -206,6 +189,6 @@ def _numbers(name: str, words: Sequence[str]) -> Callable[[Table], np.ndarray]:
 
     def numbers(table: Table) -> np.ndarray:
         texts = table.texts[name]
-        return renumbered(texts._replace(words=tuple(map(text_lines, texts.words))), place)
+        return tables.renumbered(texts._replace(words=tuple(map(text_lines, texts.words))), place)
 
     return numbers

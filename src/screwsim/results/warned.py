@@ -1,14 +1,17 @@
-"""What the cases of a results file warn of: how many do, and the kinds of warning with their numbers of cases."""
+"""What the cases of a results file warn of: which do, in which words, and the kinds with their numbers of cases."""
 
 from __future__ import annotations
 
 import re
+import textwrap
 from typing import NamedTuple
 
 import numpy as np
 
 from screwsim.results.read import Results
 
+NAME = "warnings"
+LONGEST = 110  # letters of a warning in a caption
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 
@@ -29,7 +32,7 @@ class Warned(NamedTuple):
 
 def warned(results: Results) -> Warned:
     """Return what the cases of a file warn of."""
-    words, number = results.performance.texts("warnings")
+    words, number = results.performance.texts(NAME)
     counts, firsts = np.bincount(number, minlength=len(words)), _firsts(number, len(words))
     found: dict[str, Kind] = {}
     told = 0
@@ -50,3 +53,33 @@ def _firsts(number: np.ndarray, words: int) -> list[int]:
     found, places = np.unique(number, return_index=True)
     firsts[found] = places
     return firsts.tolist()
+
+
+def warns(results: Results) -> np.ndarray:
+    """Return which cases warn, on the axes of the results; none of a file that keeps no warnings."""
+    if NAME not in results.performance:
+        return np.zeros(results.shape, bool)
+    words, numbers = results.performance.texts(NAME)
+    return np.array([bool(word) for word in words])[numbers].reshape(results.shape)
+
+
+def warnings_of(results: Results, index: tuple[int, ...]) -> list[str]:
+    """Return what one case warns of."""
+    if NAME not in results.performance:
+        return []
+    number = int(np.ravel_multi_index(index, results.shape)) if index else 0
+    (text,) = results.performance.texts_at(NAME, np.array([number]))
+    return text.split("\n") if text else []
+
+
+def kinds(results: Results) -> tuple[Kind, ...]:
+    """Return the kinds of warnings, the most frequent first."""
+    return warned(results).kinds if NAME in results.performance else ()
+
+
+def caption(warnings: list[str]) -> str:
+    """Return what a figure of one case says of its warnings; empty without any."""
+    if not warnings:
+        return ""
+    first = textwrap.shorten(warnings[0], LONGEST, placeholder=" …")  # between words: half a number is another one
+    return f"{len(warnings)} warnings, the first: {first}" if len(warnings) > 1 else f"warning: {first}"

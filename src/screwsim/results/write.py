@@ -12,16 +12,7 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures, Result
-from screwsim.results.atomic import (
-    beside,
-    check_target_kind,
-    make_folder,
-    put,
-    put_beside_none,
-    refused,
-    remove,
-    stamp_of,
-)
+from screwsim.results import atomic
 from screwsim.results.guarded import GuardedFile
 from screwsim.results.knock_out import write_knock_out
 from screwsim.results.netcdf import Selection, chunks_of
@@ -32,9 +23,8 @@ from screwsim.scene.types import Scene
 
 # the format of HDF5 1.8 allows attributes (the scene) beyond 64 KiB; netCDF-4 keeps the order of creation
 _FORMAT: dict[str, Any] = {"libver": ("v108", "v108"), "track_order": True}
-_NO_CACHE: dict[str, Any] = {
-    "rdcc_nbytes": 0
-}  # every chunk is written once and whole; HDF5 would keep 8 MiB of each variable
+# every chunk is written once and whole; HDF5 would keep 8 MiB of each variable
+_NO_CACHE: dict[str, Any] = {"rdcc_nbytes": 0}
 
 
 def save(path: str | Path, scene: Scene, results: Result | Sequence[Result], command: str = "run") -> None:
@@ -72,9 +62,9 @@ class Draft:
     ) -> None:
         self._path = path
         self._about = scene, axes, command
-        self._temporary = beside(path, folder)
+        self._temporary = atomic.beside(path, folder)
         self._folder = folder
-        self._before = stamp_of(path)
+        self._before = atomic.stamp_of(path)
         self._target: GuardedFile | None = None
         self._file: Any = None
         self._plan: Plan | None = None
@@ -104,9 +94,9 @@ class Draft:
         cases = math.prod(len(axis.values) for axis in self._about[1])
         if cases != source.cases:
             raise ValueError(f"{source.cases} results for {cases} cases")
-        make_folder(self._path.parent)
-        check_target_kind(self._path)
-        with refused(self._path):
+        atomic.make_folder(self._path.parent)
+        atomic.check_target_kind(self._path)
+        with atomic.refused(self._path):
             names, words = names_of(source.heads())
             plan = self._plan
             if plan is None or plan.names != names:
@@ -125,10 +115,10 @@ class Draft:
 
     def _put(self) -> None:
         if self._folder is None:
-            put(self._temporary, self._path)
+            atomic.put(self._temporary, self._path)
             return
         try:
-            put_beside_none(self._temporary, self._path, self._before)
+            atomic.put_beside_none(self._temporary, self._path, self._before)
         except FileExistsError:
             raise UsageError(
                 f"{self._path}: another file came there meanwhile, and stays; all cases are finished, in "
@@ -162,7 +152,7 @@ class Draft:
     def _drop(self) -> None:
         with suppress(OSError):
             self._close()
-        remove(self._temporary)
+        atomic.remove(self._temporary)
 
 
 def _fill(

@@ -3,7 +3,6 @@
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import value_at
 from screwsim.scene.grid import (
-    axes,
     axis_label,
     case,
     case_count,
@@ -23,7 +22,6 @@ from screwsim.scene.write import scene_text
 __all__ = [
     "Lines",
     "Scene",
-    "axes",
     "axis_label",
     "case",
     "case_count",

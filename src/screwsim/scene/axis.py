@@ -61,6 +61,9 @@ def read_fields(
     fields: Mapping[str, Leaf], node: Node, path: str, problems: list[Problem], remedy: str, also: tuple[str, ...] = ()
 ) -> dict[str, Any] | None:
     """Return the values of a small mapping, or None after faults were added; `also` are names read elsewhere."""
+    if not isinstance(node.value, dict):
+        problems.append(Problem(node.place, path, f"{shown(node.value)} is not a mapping ({remedy})"))
+        return None
     before = len(problems)
     for name, child in node.value.items():
         if name not in fields and name not in also:

@@ -61,21 +61,17 @@ def _oil(scene: Scene) -> Iterator[Fault]:
     for field, example in (("density", "980 kg/m^3"), ("heat_capacity", "2.0 kJ/(kg K)"), ("viscosity", "")):
         value, path = getattr(oil, field), f"oil.{field}"
         if oil.name is not None and value is not None:
-            yield Fault(
-                path, "is given beside oil.name, which knows it (remove one of the two, null in place of a base's)"
-            )
+            what = "is given beside oil.name, which knows it"
+            yield Fault(path, f"{what} (remove one of the two, null in place of a base's)")
         elif oil.name is None and value is None and example:
-            yield Fault(
-                path, f"is missing (write e.g. {field}: {example}, or the name of a stored oil: {', '.join(OILS)})"
-            )
+            remedy = f"write e.g. {field}: {example}, or the name of a stored oil: {', '.join(OILS)}"
+            yield Fault(path, f"is missing ({remedy})")
     if oil.name is not None and supply is not None:
         stored = OILS[oil.name]
         if not stored.low <= supply.temperature <= stored.high:
             what = f"lies outside the range of {oil.name}, {stored.low:g} K to {stored.high:g} K"
-            yield Fault(
-                "oil_supply.temperature",
-                f"{supply.temperature:.6g} K {what} (choose one inside, or state the oil by numbers)",
-            )
+            what = f"{supply.temperature:.6g} K {what}"
+            yield Fault("oil_supply.temperature", f"{what} (choose one inside, or state the oil by numbers)")
 
 
 def _oil_supply(scene: Scene) -> Iterator[Fault]:

@@ -34,11 +34,6 @@ class Dimension(NamedTuple):
     joint: Joint | None = None
 
 
-def axes(scene: Scene) -> dict[str, tuple[Any, ...]]:
-    """Return {dotted path: values in SI}, in the order of the file; joined paths have equal lengths."""
-    return dict(scene.sweep)
-
-
 def dimensions(scene: Scene) -> tuple[Dimension, ...]:
     """Return the dimensions of the grid in the order of the file."""
     joints = {joint.paths[0]: joint for joint in joints_of(scene)}
@@ -63,11 +58,6 @@ def joints_of(scene: Scene) -> tuple[Joint, ...]:
     return tuple(found)
 
 
-def shape(scene: Scene) -> tuple[int, ...]:
-    """Return the number of values on each dimension; () without a sweep."""
-    return tuple(dimension.size for dimension in dimensions(scene))
-
-
 def only(scene: Scene, paths: Iterable[str]) -> Scene:
     """Return the scene with a sweep of those of the paths alone that its own sweep varies."""
     kept = set(paths)
@@ -78,7 +68,7 @@ def only(scene: Scene, paths: Iterable[str]) -> Scene:
 
 def case_count(scene: Scene) -> int:
     """Return the number of cases: the product of the dimensions, 1 without a sweep."""
-    return math.prod(shape(scene))
+    return math.prod(dimension.size for dimension in dimensions(scene))
 
 
 def case_values(scene: Scene, index: int) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from screwsim.effects import catalogue
-from screwsim.faults import Fault, SceneError, UsageError
+from screwsim.faults import Fault, UsageError
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.near import nearest
 from screwsim.scene.checks import check_files, cross_check
@@ -20,7 +20,7 @@ from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
-from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer
+from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer, scene_error
 from screwsim.textfiles import MOST_YAML, Unreadable, read_text
 
 OVERRIDE = 1_000_000  # rank of the first override: after all files
@@ -61,13 +61,12 @@ def _finish(
 ) -> Scene:
     overrides, without = list(overrides), list(without)  # they may be iterators
     if root is None:
-        raise SceneError([str(problem) for problem in sorted(set(problems), key=_order)])
+        raise scene_error(problems)
     for number, override in enumerate(overrides):
         root = _override(root, override, replace(start, rank=OVERRIDE + number, line=0, column=0), problems, stage)
     scene = _typed(_remove(root, without), start.folder, problems)
     if problems or scene is None:
-        unique = [_of_stage(problem, stage) for problem in dict.fromkeys(problems)]
-        raise SceneError([str(problem) for problem in sorted(unique, key=_order)])
+        raise scene_error(_of_stage(problem, stage) for problem in problems)
     return replace(scene, text=scene_text(scene))
 
 
@@ -77,10 +76,6 @@ def _of_stage(problem: Problem, stage: str) -> Problem:
         return problem
     what = re.sub(r"(?<=did you mean ')(?=[a-z_]+\.)", stage, problem.what)
     return replace(problem, path=f"{stage}{problem.path}", what=what)
-
-
-def _order(problem: Problem) -> Place:
-    return problem.place
 
 
 def _read_file(
@@ -107,7 +102,8 @@ def _read_text(text: str, start: Place, trail: tuple[str, ...], problems: list[P
     root = compose(text, start, problems)
     if root is None:
         if len(problems) == before:
-            problems.append(Problem(start, "", f"is empty (write at least {', '.join(_required())})"))
+            needed = [name for name, item in scene_section().fields.items() if item.required]
+            problems.append(Problem(start, "", f"is empty (write at least {', '.join(needed)})"))
         return None
     if not isinstance(root.value, dict):
         what = f"is {shown(root.value)}, not a mapping (write lines such as machine: …)"
@@ -124,10 +120,6 @@ def _read_text(text: str, start: Place, trail: tuple[str, ...], problems: list[P
         return above
     below = _read_base(base, trail, problems)
     return None if below is None else merge(below, above)  # without it, nearly all would be told to be missing
-
-
-def _required() -> list[str]:
-    return [name for name, item in scene_section().fields.items() if item.required]
 
 
 def _read_base(node: Node, trail: tuple[str, ...], problems: list[Problem]) -> Node | None:

@@ -86,12 +86,11 @@ def _one_way(scene: Scene) -> Iterator[Fault]:
 
 def _temperatures_complete(scene: Scene) -> Iterator[Fault]:
     operation = scene.operation
-    if operation.evaporating_temperature is None:
-        remedy = "evaporating_temperature: 2 degC; the lines are stated by saturation temperatures"
-        yield Fault(EVAPORATING, f"is missing (write e.g. {remedy})")
-    if operation.condensing_temperature is None:
-        remedy = "condensing_temperature: 45 degC; the lines are stated by saturation temperatures"
-        yield Fault(CONDENSING, f"is missing (write e.g. {remedy})")
+    for path, example in ((EVAPORATING, "2 degC"), (CONDENSING, "45 degC")):
+        name = path.removeprefix("operation.")
+        if getattr(operation, name) is None:
+            remedy = f"{name}: {example}; the lines are stated by saturation temperatures"
+            yield Fault(path, f"is missing (write e.g. {remedy})")
     if operation.superheat is None and operation.suction.quality is None:
         yield Fault(SUPERHEAT, "is missing (write e.g. superheat: 10 K; the state of the suction gas)")
     if operation.superheat is not None and operation.suction.quality is not None:
@@ -100,10 +99,9 @@ def _temperatures_complete(scene: Scene) -> Iterator[Fault]:
 
 def _pressures_complete(scene: Scene) -> Iterator[Fault]:
     suction = scene.operation.suction
-    if suction.pressure is None:
-        yield Fault(P_S, "is missing (write e.g. pressure: 2 bar; the lines are stated by pressures)")
-    if scene.operation.discharge.pressure is None:
-        yield Fault(P_D, "is missing (write e.g. pressure: 12 bar; the lines are stated by pressures)")
+    for path, line, example in ((P_S, suction, "2 bar"), (P_D, scene.operation.discharge, "12 bar")):
+        if line.pressure is None:
+            yield Fault(path, f"is missing (write e.g. pressure: {example}; the lines are stated by pressures)")
     states = [name for name in ("temperature", "superheat", "quality") if getattr(suction, name) is not None]
     if not states:
         yield Fault(T_S, "is missing (give temperature or superheat)")
@@ -146,12 +144,9 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     yield from _order(scene, p_s, p_d, P_D)
     if suction.temperature is None and not limits.p_triple <= p_s < limits.p_critical:
         name, limit = ("critical", limits.p_critical) if p_s > limits.p_triple else ("triple-point", limits.p_triple)
-        shown = readable_quantity(KINDS["pressure"], p_s)
-        yield Fault(
-            QUALITY if suction.superheat is None else SUPERHEAT_S,
-            f"{scene.gas.fluid} has no saturation at the suction pressure {shown}: its {name} pressure is "
-            f"{limit / 1e5:.6g} bar (give operation.suction.temperature, or another pressure)",
-        )
+        shown, path = readable_quantity(KINDS["pressure"], p_s), QUALITY if suction.superheat is None else SUPERHEAT_S
+        what = f"{scene.gas.fluid} has no saturation at the suction pressure {shown}: its {name} pressure is "
+        yield Fault(path, f"{what}{limit / 1e5:.6g} bar (give operation.suction.temperature, or another pressure)")
     if scene.gas.model == "real":
         yield from _liquid(scene, T_S, p_s, suction.temperature)
         yield from _liquid(scene, T_D, p_d, scene.operation.discharge.temperature)
@@ -190,10 +185,7 @@ def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     operation, fluid = scene.operation, scene.gas.fluid
     T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
     assert T_e is not None and T_c is not None
-    outside = [
-        *_outside(EVAPORATING, T_e, fluid, limits),
-        *_outside(CONDENSING, T_c, fluid, limits),
-    ]
+    outside = [*_outside(EVAPORATING, T_e, fluid, limits), *_outside(CONDENSING, T_c, fluid, limits)]
     yield from outside
     if outside:
         return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from screwsim.declare import KINDS, Kind
@@ -13,21 +14,28 @@ from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_se
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of
 
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
 OWN = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect, my_package.my_machine
 OWN_PARAMETER = r"^effects\.[^.]+(\.[^.]+){2,}$"
 _SPACING = {"enum": ["linear", "log"], "default": "linear"}
-_COLUMN = {
-    "type": "object",
-    "properties": {"file": {"type": "string"}, "column": {"type": "string"}, "unit": {"type": "string"}},
-    "required": ["file", "column"],
-    "additionalProperties": False,
-}
 OFF = {  # an effect may be left out: off, no, false, in any case
     "type": ["object", "null", "string", "boolean"],
     "pattern": "^([Oo][Ff][Ff]|[Nn][Oo]|[Ff][Aa][Ll][Ss][Ee])$",
     "not": {"const": True},
 }
 _BOUNDS = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
+
+
+def mapping(
+    properties: Mapping[str, Any], required: Sequence[str] = (), about: str = "", kind: str | Sequence[str] = "object"
+) -> dict[str, Any]:
+    """Return the schema of a mapping that has no other keys than these."""
+    told = {"description": about} if about else {}
+    needed = {"required": list(required)} if required else {}
+    return {"type": kind, **told, "properties": properties, **needed, "additionalProperties": False}
+
+
+_COLUMN = mapping({name: {"type": "string"} for name in ("file", "column", "unit")}, ["file", "column"])
 
 
 def schema() -> dict[str, Any]:
@@ -49,7 +57,7 @@ def schema() -> dict[str, Any]:
     }
     properties["sweep"] = _sweep()
     return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$schema": DRAFT,
         "title": "screwsim scene",
         "type": "object",
         "properties": properties,
@@ -95,12 +103,7 @@ def _section(section: Section) -> dict[str, Any]:
         name: _section(item) if isinstance(item, Section) else leaf_schema(item)
         for name, item in section.fields.items()
     }
-    return {
-        "type": ["object", "null"],
-        "description": section.doc,
-        "properties": properties,
-        "additionalProperties": False,
-    }
+    return mapping(properties, (), section.doc, ["object", "null"])
 
 
 def leaf_schema(leaf: Leaf) -> dict[str, Any]:
@@ -172,17 +175,13 @@ def _paths(properties: dict[str, Any], about: str) -> dict[str, Any]:
 
 
 def _sample(over: dict[str, Any]) -> dict[str, Any]:
-    return {
-        "type": ["object", "null"],
-        "description": "points drawn at random, one dimension of the sweep",
-        "properties": {
-            "kind": {"enum": list(SAMPLES)},
-            "count": {"type": "integer", "minimum": 1, "maximum": LARGEST_SAMPLE},
-            "seed": {"type": "integer", "minimum": 0, "default": 0},
-            "over": over,
-        },
-        "additionalProperties": False,
+    properties = {
+        "kind": {"enum": list(SAMPLES)},
+        "count": {"type": "integer", "minimum": 1, "maximum": LARGEST_SAMPLE},
+        "seed": {"type": "integer", "minimum": 0, "default": 0},
+        "over": over,
     }
+    return mapping(properties, (), "points drawn at random, one dimension of the sweep", ["object", "null"])
 
 
 def _span_of(leaf: Leaf) -> dict[str, Any]:
@@ -191,8 +190,7 @@ def _span_of(leaf: Leaf) -> dict[str, Any]:
     if leaf.kind == "choice":
         return values
     ends = {"from": _example(leaf.kind), "to": _example(leaf.kind), "spacing": _SPACING}
-    span = {"type": "object", "properties": ends, "required": ["from", "to"], "additionalProperties": False}
-    return {"anyOf": [span, values]}
+    return {"anyOf": [mapping(ends, ["from", "to"]), values]}
 
 
 def _axis_of(leaf: Leaf) -> dict[str, Any]:
@@ -207,15 +205,6 @@ def _example(kind: str) -> dict[str, Any]:
 
 
 def _axis(value: dict[str, Any]) -> dict[str, Any]:
-    span = {
-        "type": "object",
-        "properties": {
-            "from": value,
-            "to": value,
-            "count": {"type": "integer", "minimum": 1},
-            "spacing": _SPACING,
-        },
-        "required": ["from", "to", "count"],
-        "additionalProperties": False,
-    }
+    ends = {"from": value, "to": value, "count": {"type": "integer", "minimum": 1}, "spacing": _SPACING}
+    span = mapping(ends, ["from", "to", "count"])
     return {"anyOf": [{"type": "array", "items": value, "minItems": 1}, span, _COLUMN]}

@@ -56,18 +56,8 @@ _TABLE: dict[str, dict[str, tuple[float, float]]] = {
     "W/(m^2 K)": {"W/(m^2 K)": (1, 1), "kW/(m^2 K)": (1e3, 1)},
     "1/K": {"1/K": (1, 1), "um/(m K)": (1, 1e6)},
 }
-_SPELLINGS = (
-    ("µ", "u"),
-    ("μ", "u"),
-    ("℃", "degC"),
-    ("ºC", "degC"),
-    ("°", "deg"),
-    ("²", "^2"),
-    ("³", "^3"),
-    ("**", "^"),
-    ("·", " "),
-    ("*", " "),
-)
+_SPELLINGS = {"µ": "u", "μ": "u", "℃": "degC", "ºC": "degC", "°": "deg", "²": "^2", "³": "^3"}
+_SPELLINGS |= {"**": "^", "·": " ", "*": " "}
 # Other spellings of one unit, without blanks, dots and brackets, in any case where they stand in small letters: told,
 # and not read
 _MEANT: dict[str, dict[str, str]] = {
@@ -101,7 +91,7 @@ def describe(kind: Kind) -> str:
 
 def tidy_unit(unit: str) -> str:
     """Return a unit in the table's spelling: 'W/m²/K' gives 'W/(m^2 K)'."""
-    for old, new in _SPELLINGS:
+    for old, new in _SPELLINGS.items():
         unit = unit.replace(old, new)
     unit = re.sub(r"\s*/\s*", "/", " ".join(unit.split()))
     unit = re.sub(r"\(\s*(.*?)\s*\)", r"(\1)", unit)

@@ -6,7 +6,7 @@ Scalars follow YAML 1.2: `1e-3` is a number and `no` a word. Faults are collecte
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,6 +14,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, ScalarNode, SequenceNode
 
+from screwsim.faults import SceneError
 from screwsim.scene.syntax import not_yaml
 
 ROOT = "<root>"
@@ -68,6 +69,11 @@ class Problem:
     def __str__(self) -> str:
         path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[:_LONGEST_PATH]}…"
         return one_line(f"{self.place}: {path or ROOT}: {self.what}")
+
+
+def scene_error(problems: Iterable[Problem]) -> SceneError:
+    """Return the error that tells of all problems, each once, in the order of their places."""
+    return SceneError([str(each) for each in sorted(dict.fromkeys(problems), key=lambda each: each.place)])
 
 
 def one_line(text: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from screwsim.faults import UsageError
 from screwsim.results.identity import Files, Identity, code_identity, disagreement, file_identity, files_of
@@ -49,16 +49,6 @@ def _own_name() -> str:
     return str(os.getpid())
 
 
-class _Stamp(NamedTuple):
-    """What changes with a file, without reading it."""
-
-    device: int
-    inode: int
-    size: int
-    changed: int
-    moved: int
-
-
 class Watch:
     """Looks after the files of a scene while its sweep runs: cases of before and after a change must not mix."""
 
@@ -81,9 +71,10 @@ class Watch:
         self._stamps = stamps
 
 
-def _stamp(path: str) -> _Stamp | None:
+def _stamp(path: str) -> tuple[int, ...] | None:
+    """Return what changes with a file, without reading it."""
     try:
         found = os.stat(path)
     except OSError:
         return None
-    return _Stamp(found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns)
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns

@@ -43,16 +43,6 @@ class Block:
     failed: Mapping[int, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class OneByOne:
-    """Simulate scenes one after the other, each from its own start."""
-
-    simulate: Callable[[Scene], Result]
-
-    def __call__(self, scenes: Iterable[Scene]) -> Iterator[Result]:
-        return map(self.simulate, scenes)
-
-
 _jobs: dict[bytes, Job] = {}  # unpacked and warm; a fork inherits those of its parent
 
 
@@ -105,7 +95,7 @@ def _run(job: Job, block: Block) -> list[Result]:
 def _unfit(scene: Scene) -> str:
     """Return why the values of a case do not fit together; '' when they do."""
     try:
-        return "; ".join(f"{fault.path}: {fault.what}" for fault in cross_check(scene))
+        return "; ".join(map(str, cross_check(scene)))
     except (Exception, SystemExit) as error:  # noqa: BLE001 - as below
         return _told(error)
 

@@ -77,13 +77,13 @@ def read_displacement(path: str) -> list[Displacement]:
     return [Displacement(float(bore), speeds, *rows) for bore, *rows in zip(bores, ratio, eta, strict=True)]
 
 
-def _verdict(holds: bool) -> str:
-    return "holds" if holds else "fails"
+def _values(pump: Pump, pick: Callable[[Optimum], float | None]) -> list[float | None]:
+    """Return a measure of the optimum at each speed; None where that is not inside the range."""
+    return [pick(best) if best is not None and best.interior else None for best in pump.optima]
 
 
-def _ordered(pump: Pump, pick: Callable[[Optimum], float | None], rising: bool) -> bool:
+def _ordered(values: list[float | None], rising: bool) -> bool:
     """Tell whether a measure rises (or falls) strictly as speed falls, with an interior optimum everywhere."""
-    values = [pick(best) if best is not None and best.interior else None for best in pump.optima]
     known = [value for value in values if value is not None]
     if len(known) < len(values):
         return False
@@ -91,46 +91,26 @@ def _ordered(pump: Pump, pick: Callable[[Optimum], float | None], rising: bool) 
     return bool(np.all(steps > 0.0) if rising else np.all(steps < 0.0))
 
 
-def _list(pump: Pump, pick: Callable[[Optimum], float | None], form: str) -> str:
-    parts = []
-    for best in pump.optima:
-        value = pick(best) if best is not None and best.interior else None
-        parts.append("none" if value is None else format(value, form))
-    return ", ".join(parts)
+def _list(values: list[float | None], form: str) -> str:
+    return ", ".join("none" if value is None else format(value, form) for value in values)
 
 
 def shape_claims(pump: Pump) -> list[Claim]:
     """Return A1–A4, the shapes of Fig. 1; lists run from the fastest speed to the slowest."""
-    speeds = "/".join(f"{speed:.0f}" for speed in pump.speeds)
+    top, d = _values(pump, lambda best: best.efficiency), _values(pump, lambda best: best.ratio)
+    bend, drop = _values(pump, lambda best: best.curvature), _values(pump, lambda best: best.drop)
+    inside = f"maximum inside the range of d, at {'/'.join(f'{speed:.0f}' for speed in pump.speeds)} rpm"
     interior = all(best is not None and best.interior for best in pump.optima)
-    sharper = _ordered(pump, lambda best: best.curvature, True) and _ordered(pump, lambda best: best.drop, True)
-    sharp = f"{_list(pump, lambda b: b.curvature, '.3f')}; {_list(pump, lambda b: b.drop, '.1%')}"
-    return [
-        Claim(
-            "A1",
-            "every curve has a maximum over d",
-            f"maximum inside the range of d, at {speeds} rpm",
-            _list(pump, lambda best: best.efficiency, ".1%"),
-            _verdict(interior),
-        ),
-        Claim(
-            "A2",
-            "slower: lower maxima",
-            "highest efficiency falls with speed",
-            _list(pump, lambda best: best.efficiency, ".2%"),
-            _verdict(_ordered(pump, lambda best: best.efficiency, False)),
-        ),
-        Claim(
-            "A3", "slower: more pronounced maxima", "-d2eta/d(ln d)2/eta; drop at d/3 and 3d", sharp, _verdict(sharper)
-        ),
-        Claim(
-            "A4",
-            "slower: maxima at higher d",
-            "optimal oil ratio rises as speed falls",
-            _list(pump, lambda best: best.ratio, ".2f"),
-            _verdict(_ordered(pump, lambda best: best.ratio, True)),
-        ),
-    ]
+    sharp = f"{_list(bend, '.3f')}; {_list(drop, '.1%')}"
+    measure, sharper = "-d2eta/d(ln d)2/eta; drop at d/3 and 3d", _ordered(bend, True) and _ordered(drop, True)
+    lower, higher, rises = _ordered(top, False), _ordered(d, True), "optimal oil ratio rises as speed falls"
+    found = (
+        ("A1", "every curve has a maximum over d", inside, _list(top, ".1%"), interior),
+        ("A2", "slower: lower maxima", "highest efficiency falls with speed", _list(top, ".2%"), lower),
+        ("A3", "slower: more pronounced maxima", measure, sharp, sharper),
+        ("A4", "slower: maxima at higher d", rises, _list(d, ".2f"), higher),
+    )
+    return [Claim(a, says, how, what, "holds" if holds else "fails") for a, says, how, what, holds in found]
 
 
 def pump_point(pump: Pump) -> Claim:
@@ -138,10 +118,8 @@ def pump_point(pump: Pump) -> Claim:
     row = int(np.argmin(np.abs(pump.speeds - A5_SPEED)))
     eta = value_at(pump.ratios, pump.efficiency[row], A5_RATIO)
     off = eta is None or abs(eta - A5_EFFICIENCY) > A5_TOLERANCE or abs(pump.speeds[row] - A5_SPEED) > 1.0
-    found = "none" if eta is None else f"{eta:.2%}"
-    return Claim(
-        "A5", "pump, 1000 rpm, d = 3: 68 %", "within 0.5 points (fitted)", found, "fails" if off else "calibrated"
-    )
+    found, verdict = "none" if eta is None else f"{eta:.2%}", "fails" if off else "calibrated"
+    return Claim("A5", "pump, 1000 rpm, d = 3: 68 %", "within 0.5 points (fitted)", found, verdict)
 
 
 def _speed_of_ratio(line: Displacement, d: float) -> float | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +14,6 @@ from screwsim.faults import UsageError
 from screwsim.results import Results
 from screwsim.results.schema import variable_name
 from screwsim.scene.yaml_tree import Node, Place, compose
-from screwsim.study.performance_map import varied_paths
 
 Array = np.ndarray
 
@@ -83,11 +82,15 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     if not 0.0 <= tolerance < math.inf:
         raise UsageError(f"--tolerance {tolerance:g}: is no relative tolerance (write e.g. 1e-6)")
     flat_a, flat_b = (_flat_scene(each) for each in (a, b))
-    paths = list(dict.fromkeys([*varied_paths(a), *varied_paths(b)]))
+    paths = list(dict.fromkeys([*a.varied, *b.varied]))
     in_a, in_b, at = _common(a, b, paths, flat_a, flat_b)
     status_a, status_b = a.status.ravel()[in_a], b.status.ravel()[in_b]
     ok = (status_a == "ok") & (status_b == "ok")
-    point = _Points(paths, at)
+
+    def point(number: int) -> dict[str, Any]:
+        """Return where a common point lies."""
+        return {path: column[number].item() for path, column in zip(paths, at, strict=True)}
+
     changed = np.flatnonzero(status_a != status_b)
     first = (StatusChange(point(i), str(status_a[i]), str(status_b[i])) for i in changed[:MOST_CHANGES])
     sides = _Side(a, in_a), _Side(b, in_b)
@@ -129,9 +132,8 @@ def _common(
 def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:
     """Return the value of a path in every case, flat; of a path that is not varied, that of the scene."""
     shape = results.shape
-    varied = varied_paths(results)
-    if path in varied:
-        number, values = varied[path]
+    if path in results.varied:
+        number, values = results.varied[path]
         return np.broadcast_to(values.reshape([-1 if i == number else 1 for i in range(len(shape))]), shape).ravel()
     name = variable_name(path)
     value: Any = results.inputs[name] if name in results.inputs else flat.get(path)
@@ -152,17 +154,6 @@ def _coded(a: Array, b: Array) -> tuple[Array, Array]:
     codes = np.empty(len(both), np.int64)
     codes[order] = np.concatenate([[0], np.cumsum(steps)])
     return codes[: len(a)], codes[len(a) :]
-
-
-@dataclass(frozen=True)
-class _Points:
-    """Where common points lie."""
-
-    paths: list[str]
-    columns: list[Array]
-
-    def __call__(self, number: int) -> dict[str, Any]:
-        return {path: column[number].item() for path, column in zip(self.paths, self.columns, strict=True)}
 
 
 class _Side:
@@ -189,7 +180,9 @@ class _Side:
         return relative * error_scale(name, scale, known, np.maximum)
 
 
-def _change(name: str, sides: tuple[_Side, _Side], ok: Array, point: _Points, tolerance: float) -> FigureChange | None:
+def _change(
+    name: str, sides: tuple[_Side, _Side], ok: Array, point: Callable[[int], dict[str, Any]], tolerance: float
+) -> FigureChange | None:
     """Return the change of one figure; None where neither file has it, or one was not asked for it."""
     a, b = (side.values(name) for side in sides)
     has_a, has_b = np.isfinite(a) & ok, np.isfinite(b) & ok
@@ -203,19 +196,9 @@ def _change(name: str, sides: tuple[_Side, _Side], ok: Array, point: _Points, to
     over = np.abs(change) / np.maximum(allowed, 1e-300)
     worst = int(np.argmax(over))
     value_a, value_b = float(a[both[worst]]), float(b[both[worst]])
-    return FigureChange(
-        name,
-        len(both),
-        int(np.count_nonzero(over > 1.0)),
-        only_a,
-        only_b,
-        value_a,
-        value_b,
-        value_b - value_a,
-        (value_b - value_a) / abs(value_a) if value_a else None,
-        float(error[worst]),
-        point(both[worst]),
-    )
+    relative = (value_b - value_a) / abs(value_a) if value_a else None
+    changes = (value_a, value_b, value_b - value_a, relative, float(error[worst]), point(both[worst]))
+    return FigureChange(name, len(both), int(np.count_nonzero(over > 1.0)), only_a, only_b, *changes)
 
 
 def _scene_changes(

@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.study.cases import Block
-from screwsim.study.workers import TICK, Chunks, Guard, Lost, Work, drain, stop, submit, worker_died
+from screwsim.study.workers import DIED, TICK, Chunks, Guard, Lost, Work, drain, stop, submit, worker_died
 
-_DIED = "worker died (run this case alone, with `screwsim run --set …`)"
 _HUNG = "ran longer than {:g} s and was ended (allow more with --case-limit, or run this case alone)"
 _UNEXPLAINED = "worker died over the block of this case, {} times, but over none of its cases alone"
 _TRIES = 3  # of a block whose worker dies without a culprit: others may have killed it
@@ -126,7 +125,7 @@ def _hung(death: Death, limit: float | None) -> bool:
 
 
 def _why(death: Death, limit: float | None) -> str:
-    return _HUNG.format(limit) if _hung(death, limit) else _DIED
+    return _HUNG.format(limit) if _hung(death, limit) else DIED
 
 
 def _culprit_in_chain(block: Block, alone: _Alone, limit: float | None) -> dict[int, str]:

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import pickle
-import warnings
+import time
 from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from functools import lru_cache
+from dataclasses import replace
+from functools import lru_cache, partial
 from typing import Any, TypeVar
 
 from screwsim.study.progress import Progress, Silent
-from screwsim.study.workers import Guard, LocalPool, cores, stop
+from screwsim.study.workers import Chunks, LocalPool, Work, cores, drain
 
 Answer = TypeVar("Answer")
-DIED = "worker died (run this case alone, with `screwsim run --set …`)"
-_TICK = 0.25  # [s]
-_CHUNKS = 16  # a worker, so that they end together
+Finish = Callable[[range, tuple[list[Any], float]], None]
 
 
 def each(
@@ -36,7 +34,11 @@ def each(
     progress, jobs = progress or Silent(), min(jobs or cores(), count)
     answers = {} if answers is None else answers
 
-    def finish(numbers: range, found: list[Answer]) -> None:
+    chunks = Chunks([range(count)], count, lambda: jobs)
+
+    def finish(numbers: range, outcome: tuple[list[Answer], float]) -> None:
+        found, seconds = outcome
+        chunks.learn(len(numbers), seconds)
         answers.update(zip(numbers, found, strict=True))
         progress.advance(len(found), sum(map(failed, found)))
 
@@ -44,71 +46,30 @@ def each(
     try:
         if jobs <= 1:
             for number in range(count):
-                finish(range(number, number + 1), [function(number)])
+                finish(range(number, number + 1), ([function(number)], 0.0))
         else:
-            _on_workers(pickle.dumps(function), _chunks(count, jobs), jobs, finish, died, progress)
+            _on_workers(pickle.dumps(function), chunks, jobs, finish, died, progress.tick)
     finally:
         progress.stop()
     return [answers[number] for number in range(count)]
 
 
-def _chunks(count: int, jobs: int) -> list[range]:
-    size = max(1, count // (_CHUNKS * jobs))
-    return [range(start, min(start + size, count)) for start in range(0, count, size)]
-
-
 def _on_workers(
-    function: bytes,
-    chunks: list[range],
-    jobs: int,
-    finish: Callable[[range, list[Any]], None],
-    died: Callable[[int], Any],
-    progress: Progress,
+    function: bytes, chunks: Chunks, jobs: int, finish: Finish, died: Callable[[int], Any], tick: Callable[[], None]
 ) -> None:
     """Run chunks on workers; what was lost when one died is run number by number, each on a worker of its own."""
-    lost = _run(function, chunks, LocalPool(jobs).executor(jobs), finish, progress)
-    for number in (number for chunk in lost for number in chunk):
-        alone = range(number, number + 1)
-        if _run(function, [alone], LocalPool(1).executor(1), finish, progress):
-            finish(alone, [died(number)])
+    work = Work(LocalPool(jobs), partial(_answers, function), lambda numbers: numbers, finish, tick)
+    while lost := drain(chunks, work):
+        for number in sorted(number for chunk in lost for number in chunk.blocks):
+            alone = range(number, number + 1)
+            if drain(Chunks([alone], 1, lambda: 1), replace(work, pool=LocalPool(1))):
+                finish(alone, ([died(number)], 0.0))
 
 
-def _run(
-    function: bytes,
-    chunks: list[range],
-    pool: Executor,
-    finish: Callable[[range, list[Any]], None],
-    progress: Progress,
-) -> list[range]:
-    """Run chunks on a pool; return those that were not done when a worker died, none when none did."""
-    guard = Guard(pool)
-    running: dict[Future[list[Any]], range] = {}
-    lost: list[range] = []
-    try:
-        with warnings.catch_warnings():
-            # Python 3.12 warns when it forks beside any thread; numerical libraries keep idle ones that survive it
-            warnings.filterwarnings("ignore", ".*fork", DeprecationWarning)
-            running = {pool.submit(_answers, function, chunk): chunk for chunk in chunks}
-        while running:
-            done, _ = wait(running, _TICK, FIRST_COMPLETED)
-            for future in done:
-                chunk = running.pop(future)
-                if isinstance(future.exception(), BrokenExecutor):
-                    lost.append(chunk)
-                else:
-                    finish(chunk, future.result())
-            guard.look()
-            progress.tick()
-    except BaseException:  # Ctrl-C: workers must not go on
-        stop(pool)
-        raise
-    pool.shutdown()
-    return sorted(lost, key=lambda chunk: chunk.start)
-
-
-def _answers(function: bytes, numbers: range) -> list[Any]:
-    call = _unpacked(function)
-    return [call(number) for number in numbers]
+def _answers(function: bytes, numbers: range) -> tuple[list[Any], float]:
+    """Return the answers for numbers, and the time that they took [s]."""
+    began, call = time.perf_counter(), _unpacked(function)
+    return [call(number) for number in numbers], time.perf_counter() - began
 
 
 @lru_cache(maxsize=1)

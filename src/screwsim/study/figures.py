@@ -11,32 +11,19 @@ from screwsim.scene import Scene, case
 from screwsim.scene.fields import unknown
 
 # Small letters, without blanks, underscores and hyphens; what may mean two figures ('eta', 'power', 'w') is not here
-_SHORT = {
-    "λ": "volumetric_efficiency",
-    "lambda": "volumetric_efficiency",
-    "ηv": "volumetric_efficiency",
-    "etav": "volumetric_efficiency",
-    "etavol": "volumetric_efficiency",
-    "ηs": "isentropic_efficiency",
-    "etas": "isentropic_efficiency",
-    "etais": "isentropic_efficiency",
-    "ηis": "isentropic_efficiency",
-    "ηiso": "isothermal_efficiency",
-    "etaiso": "isothermal_efficiency",
-    "ηt": "isothermal_efficiency",
-    "etat": "isothermal_efficiency",
-    "mdot": "gas_mass_flow",
-    "ṁ": "gas_mass_flow",
-    "massflow": "gas_mass_flow",
-    "pshaft": "shaft_power",
-    "pind": "indicated_power",
-    "pel": "electrical_power",
-    "td": "discharge_temperature",
-    "q0": "cooling_capacity",
-    "qdot0": "cooling_capacity",
-    "q̇0": "cooling_capacity",
-    "qv": "volumetric_cooling_capacity",
+_SYMBOLS = {
+    "volumetric_efficiency": "λ lambda ηv etav etavol",
+    "isentropic_efficiency": "ηs etas etais ηis",
+    "isothermal_efficiency": "ηiso etaiso ηt etat",
+    "gas_mass_flow": "mdot ṁ massflow",
+    "shaft_power": "pshaft",
+    "indicated_power": "pind",
+    "electrical_power": "pel",
+    "discharge_temperature": "td",
+    "cooling_capacity": "q0 qdot0 q̇0",
+    "volumetric_cooling_capacity": "qv",
 }
+_SHORT = {symbol: name for name, symbols in _SYMBOLS.items() for symbol in symbols.split()}
 _OTHERWISE = "a name of performance in `run --json`"
 
 

@@ -47,7 +47,7 @@ def check_fit(scene: Scene, values: dict[str, Any], where: str) -> None:
     """Raise UsageError with the first fault when values do not fit into a scene."""
     faults = cross_check(with_values(scene, values))
     if faults:
-        raise UsageError(f"{where}: {faults[0].path}: {faults[0].what}")
+        raise UsageError(f"{where}: {faults[0]}")
 
 
 def shown_value(scene: Scene, path: str, value: Any, digits: int = 5) -> str:

@@ -14,11 +14,12 @@ from screwsim.figures import declared
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, case_count, case_values, cross_check, with_values
 from screwsim.scene.grid import only
-from screwsim.study.each import DIED, each
+from screwsim.study.each import each
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value, usual_efficiency
 from screwsim.study.progress import Progress
 from screwsim.study.search import COARSE, Point, Top, highest
+from screwsim.study.workers import DIED
 
 OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # searched where nothing states a range
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on the search goes over the logarithm
@@ -115,13 +116,7 @@ def optimum(
     middle = {asked.path: asked.value(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
     check_fit(case(rest, 0), middle, asked.path)
     count = case_count(rest)
-    if simulate is None:
-        from screwsim.simulate import simulate as default_simulate
-        from screwsim.simulate import warm_up
-
-        simulate = partial(default_simulate, trace=False)
-        if count > 1:
-            warm_up(with_values(case(rest, 0), middle))  # before the fork: workers inherit what is compiled here
+    simulate = simulate or simulator(with_values(case(rest, 0), middle) if count > 1 else None)
     return each(
         partial(_best, rest, asked, simulate),
         count,
@@ -130,6 +125,15 @@ def optimum(
         failed=lambda best: best.status != "ok",
         progress=progress,
     )
+
+
+def simulator(warm: Scene | None = None) -> Simulate:
+    """Return what simulates without traces; a scene is compiled before the fork, so that workers inherit that."""
+    from screwsim.simulate import simulate, warm_up
+
+    if warm is not None:
+        warm_up(warm)
+    return partial(simulate, trace=False)
 
 
 def _best(rest: Scene, asked: Question, simulate: Simulate, number: int) -> Best:
@@ -168,11 +172,11 @@ class _Trials:
         scene, name = with_values(self.scene, {self.asked.path: self.asked.value(x)}), self.asked.figure
         result = closed(scene, self.simulate)
         if result.status != "ok":
-            self.reasons.append(f"{result.status.replace('_', ' ')}: {result.message}")
+            self.reasons.append(result.told)
             return Point(x, math.nan)
         value = result.performance.get(name)
         if value is None:
-            self.absent.append(result.notes.get(name, "it is not simulated"))
+            self.absent += result.lacks([name])
             return Point(x, math.nan)
         return Point(x, -value if self.asked.minimum else value, absolute_error(result, name, scene))
 
@@ -190,7 +194,7 @@ def closed(scene: Scene, simulate: Simulate) -> Result:
     """Return the result of a scene; values that do not fit together are a failed one."""
     faults = cross_check(scene)
     if faults:
-        return Result("failed", message="; ".join(f"{fault.path}: {fault.what}" for fault in faults))
+        return Result("failed", message="; ".join(map(str, faults)))
     try:
         return simulate(scene)
     except (UsageError, ArithmeticError, ValueError) as error:
@@ -211,7 +215,7 @@ def _told(
     counts = {"solutions": trials.count, "failed": len(trials.reasons), "accuracy": trials.scene.numerics.accuracy}
     some = f"{len(trials.reasons)} of {trials.count} solutions: {trials.reasons[0]}" if trials.reasons else ""
     if top is None:
-        missing = f"no {asked.figure}: {trials.absent[0]} (choose another --figure)" if trials.absent else ""
+        missing = f"{trials.absent[0]} (choose another --figure)" if trials.absent else ""
         return Best(values, "failed", some or missing, **counts)
     sign = -1.0 if asked.minimum else 1.0
     near = 2e-4 * (ends[1] - ends[0])

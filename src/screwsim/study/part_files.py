@@ -49,36 +49,30 @@ def write_part(path: Path, table: Table) -> None:
 
 def read_part(path: Path, traces: bool = True) -> Table:
     """Return the table of a part, with all traces or none."""
-    with np.load(path, allow_pickle=False) as stored:
-        about, numbers = _about(stored), stored["numbers"]
-        ledger = stored["ledger"] if about["ledger"] else ()
-        return Table(
-            status=stored["status"],
-            figures=stored["figures"],
-            texts={name: Texts(tuple(about["words"][name]), numbers[i]) for i, name in enumerate(TEXTS)},
-            effects=tuple(about["effects"]),
-            states=tuple(about["states"]),
-            angle=stored["angle"],
-            traces={name: stored[_TRACE + name] for name in _traces(stored)} if traces else {},
-            ledger=dict(zip(about["ledger"], ledger, strict=True)),
-            about=_figures(about),
-        )
+    return _read(path, traces, cases=True)
 
 
 def read_head(path: Path) -> Table:
     """Return a part without its cases: texts, effects, states, angles, and the names of traces and ledger."""
+    return _read(path, traces=True, cases=False)
+
+
+def _read(path: Path, traces: bool, cases: bool) -> Table:
     none = np.empty(0)
     with np.load(path, allow_pickle=False) as stored:
-        about = _about(stored)
+        about = json.loads(stored["about"].tobytes())
+        names = [name for name in stored.files if traces and name.startswith(_TRACE)]
+        numbers = stored["numbers"] if cases else [none] * len(TEXTS)
+        ledger = stored["ledger"] if cases and about["ledger"] else [none] * len(about["ledger"])
         return Table(
-            status=none,
-            figures=none,
-            texts={name: Texts(tuple(about["words"][name]), none) for name in TEXTS},
+            status=stored["status"] if cases else none,
+            figures=stored["figures"] if cases else none,
+            texts={name: Texts(tuple(about["words"][name]), numbers[i]) for i, name in enumerate(TEXTS)},
             effects=tuple(about["effects"]),
             states=tuple(about["states"]),
             angle=stored["angle"],
-            traces=dict.fromkeys(_traces(stored), none),
-            ledger=dict.fromkeys(about["ledger"], none),
+            traces={name.removeprefix(_TRACE): stored[name] if cases else none for name in names},
+            ledger=dict(zip(about["ledger"], ledger, strict=True)),
             about=_figures(about),
         )
 
@@ -91,14 +85,6 @@ def _figures(about: Any) -> tuple[Figure, ...]:
     if not all(isinstance(text, str) for text in texts):
         raise TypeError("a part has a figure without a name")
     return found
-
-
-def _about(stored: Any) -> dict[str, Any]:
-    return json.loads(stored["about"].tobytes())
-
-
-def _traces(stored: Any) -> list[str]:
-    return [name.removeprefix(_TRACE) for name in stored.files if name.startswith(_TRACE)]
 
 
 def is_whole(path: Path, cases: int) -> bool:

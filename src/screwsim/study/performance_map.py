@@ -82,8 +82,8 @@ def polynomial(coefficients: Sequence[float], S: Array, D: Array) -> Array:
 
 def performance_maps(results: Results, figures: Sequence[str] = FIGURES) -> list[PerformanceMap]:
     """Return a map for each point of the axes other than both temperatures; raise UsageError when none can be had."""
-    figures = tuple(dict.fromkeys(_figure(results, text) for text in figures))
-    varied = varied_paths(results)
+    figures = tuple(dict.fromkeys(figure_named(text, results.figures, results.error) for text in figures))
+    varied = results.varied
     missing = [path for path in (EVAPORATING, CONDENSING) if path not in varied]
     if missing:
         raise UsageError(
@@ -94,16 +94,6 @@ def performance_maps(results: Results, figures: Sequence[str] = FIGURES) -> list
     if all(each.message for each in maps):
         raise UsageError(f"{results.path}: {maps[0].message}")
     return maps
-
-
-def _figure(results: Results, text: str) -> str:
-    """Return the figure that a text names, by the file's names or those of the program."""
-    return figure_named(text, results.figures, results.error)
-
-
-def varied_paths(results: Results) -> dict[str, tuple[int, Array]]:
-    """Return dimension and values along it of every path that the sweep varies."""
-    return results.varied
 
 
 def conditions(results: Results) -> dict[str, float]:
@@ -152,7 +142,7 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
 
 def _celsius(results: Results, path: str) -> Array:
     """Return a temperature [°C] of all cases, flat."""
-    number, values = varied_paths(results)[path]
+    number, values = results.varied[path]
     shape = [1] * len(results.shape)
     shape[number] = -1
     # rounded: 258.15 K less 273.15 K is not quite -15 °C

@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import Any
 
 from screwsim.numerics.folder import tell
 
 
-class Progress(Protocol):
-    """What a sweep tells while it runs; every call comes from the process and thread that called `run_sweep`."""
+class Progress:
+    """What a study tells while it runs, here nothing; every call comes from the process and thread that called it."""
 
     def start(self, cases: int, reused: int) -> None:
         """Begin: `reused` of the `cases` were computed by an earlier run."""
@@ -26,19 +26,11 @@ class Progress(Protocol):
         """End, also after an error."""
 
 
-class Silent:
+class Silent(Progress):
     """Tell nothing."""
 
-    def start(self, cases: int, reused: int) -> None: ...
 
-    def advance(self, cases: int, failed: int) -> None: ...
-
-    def tick(self) -> None: ...
-
-    def stop(self) -> None: ...
-
-
-class Surviving:
+class Surviving(Progress):
     """Tell what another does until that can tell no more: a terminal that is gone is no fault of the study."""
 
     def __init__(self, told: Progress) -> None:
@@ -65,7 +57,7 @@ class Surviving:
                 told.stop()  # gives back stdout and stderr
 
 
-class Bar:
+class Bar(Progress):
     """A bar on stderr with rate, time left and failures.
 
     It has no thread of its own: the workers are forked from this process, and a fork copies no threads but the
@@ -76,8 +68,7 @@ class Bar:
         self._title = title
         self._bar: Any = None
         self._task: Any = None
-        self._failed = 0
-        self._new = 0
+        self._failed = self._new = 0
 
     def start(self, cases: int, reused: int) -> None:
         from rich.console import Console
@@ -117,7 +108,7 @@ class Bar:
             self._bar.stop()
 
 
-class Steps:
+class Steps(Progress):
     """A line on stderr before each of a few steps, by its name: for what is no terminal."""
 
     def __init__(self, title: str, names: Sequence[str]) -> None:
@@ -132,10 +123,6 @@ class Steps:
     def advance(self, cases: int, failed: int) -> None:
         self._done += cases
         self._tell()
-
-    def tick(self) -> None: ...
-
-    def stop(self) -> None: ...
 
     def _tell(self) -> None:
         if self._done < len(self._names):

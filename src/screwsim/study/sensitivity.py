@@ -17,11 +17,12 @@ from screwsim.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
-from screwsim.study.each import DIED, each
+from screwsim.study.each import each
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value, usual_efficiency
-from screwsim.study.optimum import absolute_error, closed
+from screwsim.study.optimum import absolute_error, closed, simulator
 from screwsim.study.progress import Progress
+from screwsim.study.workers import DIED
 
 CONFIDENCE = 0.95
 NOISY = 0.01  # share of the variance that numerical errors may have made
@@ -129,14 +130,9 @@ def sensitivity(
     points = _sampled(problem, samples, seed)
     middle = {each.path: 0.5 * (each.low + each.high) for each in ranges}
     check_fit(scene, middle, "in the middle of the ranges")
-    if simulate is None:
-        from screwsim.simulate import simulate as default_simulate
-        from screwsim.simulate import warm_up
-
-        simulate = partial(default_simulate, trace=False)
-        warm_up(with_values(scene, middle))  # before the fork: workers inherit what is compiled here
+    simulate = simulate or simulator(with_values(scene, middle))
     answers = each(
-        partial(_answer, scene, tuple(problem["names"]), points, figures, simulate),
+        partial(_answer, scene, problem["names"], points, figures, simulate),
         len(points),
         died=lambda number: _Answer(DIED),
         jobs=jobs,
@@ -155,33 +151,23 @@ def sensitivity(
 
 
 def _answer(
-    scene: Scene,
-    paths: tuple[str, ...],
-    points: np.ndarray,
-    figures: tuple[str, ...],
-    simulate: Simulate,
-    number: int,
+    scene: Scene, paths: list[str], points: np.ndarray, figures: tuple[str, ...], simulate: Simulate, number: int
 ) -> _Answer:
     """Return the figures of one point with their absolute errors."""
     at = with_values(scene, dict(zip(paths, map(float, points[number]), strict=True)))
     result = closed(at, simulate)
     if result.status != "ok":
-        return _Answer(f"{result.status.replace('_', ' ')}: {result.message}")
-    for figure in figures:
-        if result.performance.get(figure) is None:
-            reason = result.notes.get(figure, "it is not simulated")
-            return _Answer(f"no {figure}: {reason}", lacks=True)
+        return _Answer(result.told)
+    if lacks := result.lacks(figures):
+        return _Answer(lacks[0], lacks=True)
     values = tuple(float(result.performance[figure]) for figure in figures)
     return _Answer("", values, tuple(absolute_error(result, figure, scene) for figure in figures))
 
 
 def _problem(ranges: Sequence[Range]) -> dict[str, Any]:
     """Return SALib's description of the inputs."""
-    return {
-        "num_vars": len(ranges),
-        "names": [each.path for each in ranges],
-        "bounds": [[each.low, each.high] for each in ranges],
-    }
+    bounds = [[each.low, each.high] for each in ranges]
+    return {"num_vars": len(ranges), "names": [each.path for each in ranges], "bounds": bounds}
 
 
 def _sampled(problem: dict[str, Any], samples: int, seed: int) -> np.ndarray:

@@ -13,11 +13,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from screwsim.faults import UsageError
 from screwsim.results.atomic import cannot_write, check_target_kind, make_folder, replacing
-from screwsim.results.table import Table, join, same_angles
+from screwsim.results.table import Table, join
 from screwsim.study.part_files import is_whole, read_head, read_part, write_part
 from screwsim.textfiles import Unreadable, read_text
 
@@ -186,18 +184,3 @@ class StoredTables:
     def tables(self, traces: bool) -> Iterator[Table]:
         """Yield the parts; those that are read come with traces or without."""
         return (self._at_hand.get(path) or read_part(path, traces) for path in self._paths)
-
-
-class AngleGuard:
-    """Refuse, at the first part that differs, traces over another angle grid than that of the sweep."""
-
-    def __init__(self) -> None:
-        self._angle = np.empty(0)
-
-    def check(self, angle: np.ndarray) -> None:
-        """Raise UsageError when the grid differs from the first one seen: chambers live longer in some cases."""
-        if not angle.size:
-            return
-        first = self._angle if self._angle.size else angle
-        same_angles(first, angle)
-        self._angle = first

@@ -18,16 +18,17 @@ from screwsim.results.atomic import make_folder
 from screwsim.results.identity import differences, unpacked
 from screwsim.results.read import count_statuses, open_results, read_attributes
 from screwsim.results.schema import axes_of, digest, identity_of
+from screwsim.results.table import same_angles
 from screwsim.results.write import Draft
 from screwsim.scene import grid
 from screwsim.scene.types import Scene
 from screwsim.study.agreement import Watch, wanted_of
 from screwsim.study.blocks import blocks_of
-from screwsim.study.cases import Block, Job, OneByOne, Outcome, SimulateMany, packed, run_blocks, run_packed
+from screwsim.study.cases import Block, Job, Outcome, SimulateMany, packed, run_blocks, run_packed
 from screwsim.study.culprits import settle
 from screwsim.study.limit import CASE_LIMIT, check_limit
 from screwsim.study.progress import Progress, Silent
-from screwsim.study.shards import AngleGuard, Parts
+from screwsim.study.shards import Parts
 from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
 
 CHUNK_CASES = 1024  # at most in one chunk,
@@ -130,7 +131,7 @@ class _Sweep:
         self._progress = progress
         self._many = many
         self._warm_up = warm_up
-        self._angles = AngleGuard()
+        self._angle = np.empty(0)  # the grid of the traces: chambers live longer in some cases, which is refused
         self._chunks = Chunks([], 1, lambda: 1)
         self._draft = draft
         self._wanted = wanted_of(scene)
@@ -202,16 +203,15 @@ class _Sweep:
         """Return the cases of blocks, made when they are wanted."""
         cases = self.blocks.cases_of(blocks)
         values = grid.values_of(self.scene, cases)
-        found = []
-        for block in blocks:
-            span = self.blocks.cases_of(range(block, block + 1))
-            rows = values[span.start - cases.start : span.stop - cases.start]
-            found.append(Block(rows, self.blocks.order(block)))
-        return found
+        spans = [self.blocks.cases_of(range(block, block + 1)) for block in blocks]
+        rows = (values[span.start - cases.start : span.stop - cases.start] for span in spans)
+        return [Block(part, self.blocks.order(block)) for part, block in zip(rows, blocks, strict=True)]
 
     def _finish(self, blocks: range, outcome: Outcome) -> None:
         table, seconds = outcome
-        self._angles.check(table.angle)
+        if table.angle.size:
+            self._angle = self._angle if self._angle.size else table.angle
+            same_angles(self._angle, table.angle)
         self._watch.look()
         self._parts.write(self.blocks.cases_of(blocks).start, table)
         self._chunks.learn(len(blocks), seconds)
@@ -225,7 +225,7 @@ def _simulator(
     if many is not None:
         return many, warm_up or nothing
     if simulate is not None:
-        return OneByOne(simulate), warm_up or nothing
+        return partial(map, simulate), warm_up or nothing  # each from its own start
     from screwsim.simulate import warm_up as default_warm_up
 
     return default_simulate_many(scene), warm_up or default_warm_up

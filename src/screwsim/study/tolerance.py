@@ -19,11 +19,12 @@ from screwsim.machine.slider_crank.tolerance import GRADES, Grade, Links, grade,
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
-from screwsim.study.each import DIED, each
+from screwsim.study.each import each
+from screwsim.study.optimum import simulator
 from screwsim.study.progress import Progress
+from screwsim.study.workers import DIED
 
 FIGURES = ("gas_mass_flow", "cooling_capacity", "volumetric_efficiency", "shaft_power", "isentropic_efficiency")
-LENGTHS = ("crank_radius", "rod_length", "offset", "bore")
 LEAST_SIZE = 1e-3  # [m], from which on ISO 286 has tolerances: a smaller offset has that of this size
 TURN = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
 Simulate = Callable[[Scene], Result]
@@ -118,13 +119,10 @@ def tolerances(
     if too_many(count):
         raise UsageError(f"--count {count}: {too_many(count)}")
     widths = widths_of(machine, grades)
-    if simulate is None:
-        from screwsim.simulate import simulate as default_simulate
-
-        simulate = partial(default_simulate, trace=False)
+    simulate = simulate or simulator()
     nominal = simulate(scene)  # before the fork: workers inherit what is compiled here
     if nominal.status != "ok":
-        raise UsageError(f"the nominal machine: {nominal.status.replace('_', ' ')}: {nominal.message}")
+        raise UsageError(f"the nominal machine: {nominal.told}")
     figures = tuple(name for name in FIGURES if nominal.performance.get(name) is not None)
     lengths = drawn(machine, widths, count, seed)
     answers = each(
@@ -161,11 +159,8 @@ def _answer(
     if other.machine.clearance <= 0.0:
         return _Answer("", hits=True)
     result = simulate(other)
-    if result.status != "ok":
-        return _Answer(f"{result.status.replace('_', ' ')}: {result.message}")
-    for name in figures:
-        if result.performance.get(name) is None:
-            return _Answer(f"no {name}: {result.notes.get(name, 'it is not simulated')}")
+    if result.status != "ok" or result.lacks(figures):
+        return _Answer(result.told if result.status != "ok" else result.lacks(figures)[0])
     return _Answer("", tuple(float(result.performance[name]) for name in figures))
 
 

@@ -26,6 +26,7 @@ from screwsim.numerics.folder import handed_on, take_over
 CHUNK_SECONDS = 1.0  # [s] what a crash may lose per worker; a part costs some ms
 _FIRST = 1  # [blocks] of the chunks that tell how long cases take
 LOST = "the scheduler, or its connection, was lost (start it again; the sweep resumes)"
+DIED = "worker died (run this case alone, with `screwsim run --set …`)"
 TICK = 0.25  # [s]
 GRACE = 1.0  # [s] in which a pool has to notice the death of a worker
 

@@ -15,18 +15,8 @@ from functools import cached_property
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.machine.drive.collocation import (
-    POINTS,
-    differentiation,
-    jacobian,
-    linearised,
-    linearised_mean,
-    resampled,
-    residue,
-    sizes,
-    solved,
-    spectra_of,
-)
+from screwsim.machine.drive import collocation
+from screwsim.machine.drive.collocation import POINTS, differentiation, residue, sizes
 from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.train import Train
 from screwsim.numerics.periodic import Anderson
@@ -87,7 +77,7 @@ def respond(train: Train, load: Array, omega: float, near: Response | None = Non
     omega: mean speed [rad/s] that is held, or a first guess of it; near: a motion under nearly the same torque, from
     which to begin where the coupling is linear, so that there is one motion only. Raises `NoMotion`.
     """
-    torque = resampled(load)
+    torque = collocation.resampled(load)
     mean = float(torque.mean())
     if abs(mean) >= train.motor.most:
         raise NoMotion(
@@ -152,7 +142,7 @@ def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]
     for _ in range(min(MOST_STEPS, left[0])):
         left[0] -= 1
         try:
-            change = np.linalg.solve(jacobian(train, x, omega), -residue(train, x, torque, omega))
+            change = np.linalg.solve(collocation.jacobian(train, x, omega), -residue(train, x, torque, omega))
         except np.linalg.LinAlgError:
             return None
         if not np.isfinite(change).all():
@@ -176,13 +166,13 @@ def _room(u: Array, change: Array, least: float) -> Array:
 def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array | None:
     """Return the solution by accelerated corrections of the drive linearised about its mean; None where they fail."""
     n, x, accelerate, best, kept = POINTS, x.copy(), Anderson(DEPTH), np.inf, None
-    linear, means, scale = linearised(train, x), linearised_mean(train, x), sizes(x, omega)
+    linear, means, scale = collocation.linearised(train, x), collocation.linearised_mean(train, x), sizes(x, omega)
     before = 0.0
     for _ in range(MOST_CORRECTIONS):
         left = residue(train, x, torque, omega)
-        spectra = spectra_of(left[:-1].reshape(2, n))
+        spectra = collocation.spectra_of(left[:-1].reshape(2, n))
         mean = np.linalg.solve(means, [*(spectra[:, 0].real / n), left[-1]])
-        change = -np.append(solved(linear, spectra) + mean[:2, None], mean[2])
+        change = -np.append(collocation.solved(linear, spectra) + mean[:2, None], mean[2])
         size = float((np.abs(change) / scale).max())
         if not size < DIVERGED * best:
             break

@@ -55,11 +55,8 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True) -> list[F
         ("female", chain.female(pair), -2.0 * math.pi / pair.female_lobes),
     ):
         if reversals(*curve):
-            faults.append(
-                Fault(
-                    PATH, f"the {name} flank turns back: undercut (choose a larger female_tip_radius, 1.25 hf is safe)"
-                )
-            )
+            remedy = "choose a larger female_tip_radius, 1.25 hf is safe"
+            faults.append(Fault(PATH, f"the {name} flank turns back: undercut ({remedy})"))
         elif crosses_itself(*curve, turn):
             faults.append(Fault(PATH, f"the {name} profile crosses itself (choose larger tip radii or fewer lobes)"))
     if faults:
@@ -68,11 +65,8 @@ def check_profile(pair: Pair, chain: Chain, interference: bool = True) -> list[F
     if interference:
         depth = mesh(pair, chain)[1]
         if depth > DEEP * pair.centre_distance:
-            faults.append(
-                Fault(
-                    PATH, f"the rotors cut into each other by {depth * 1e3:.3g} mm (choose a smaller male_tip_radius)"
-                )
-            )
+            what = f"the rotors cut into each other by {depth * 1e3:.3g} mm"
+            faults.append(Fault(PATH, f"{what} (choose a smaller male_tip_radius)"))
     return faults
 
 
@@ -111,21 +105,13 @@ def lobe_thickness(pair: Pair, chain: Chain) -> tuple[float, float]:
 
 
 def _thin(pair: Pair, chain: Chain) -> list[Fault]:
-    least = THIN * pair.centre_distance
-    return [
-        Fault(
-            PATH,
-            f"the {name} lobe is only {thickness * 1e3:.3g} mm thick, less than {least * 1e3:.3g} mm "
-            f"(choose {remedy} or fewer lobes)",
-        )
-        for name, thickness, remedy in zip(
-            ("male", "female"),
-            lobe_thickness(pair, chain),
-            ("a larger flank_radius", "a smaller flank_radius or pressure_angle"),
-            strict=True,
-        )
-        if thickness < least
-    ]
+    least, faults = THIN * pair.centre_distance, []
+    remedies = {"male": "a larger flank_radius", "female": "a smaller flank_radius or pressure_angle"}
+    for (name, remedy), thickness in zip(remedies.items(), lobe_thickness(pair, chain), strict=True):
+        if thickness < least:
+            what = f"the {name} lobe is only {thickness * 1e3:.3g} mm thick, less than {least * 1e3:.3g} mm"
+            faults.append(Fault(PATH, f"{what} (choose {remedy} or fewer lobes)"))
+    return faults
 
 
 def mesh(pair: Pair, chain: Chain, angles: int = 12) -> tuple[float, float]:

@@ -177,4 +177,4 @@ def _stamp(file: str | None) -> str:
 
 def _refuse(faults: list[Fault]) -> None:
     if faults:
-        raise UsageError("\n".join(f"{fault.path}: {fault.what}" for fault in faults))
+        raise UsageError("\n".join(map(str, faults)))

@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
+
 from screwsim.machine.protocol import CYLINDER, MachineKind, Size, Speed
 from screwsim.machine.slider_crank.cylinder import Cylinder
 from screwsim.machine.slider_crank.settings import SliderCrank, check_slider_crank
 
-
-def _bore(machine: SliderCrank) -> float:
-    return machine.bore
-
-
-def _piston(machine: SliderCrank) -> float:
-    return machine.piston_area
-
-
-def _swept(machine: SliderCrank) -> float:
-    return machine.swept_volume
-
-
+_bore, _piston, _swept = (attrgetter(name) for name in ("bore", "piston_area", "swept_volume"))
 _AREA, _BORE = "of the piston's area", "of the bore"
 _ANY = 0.0
 _SIZES = (

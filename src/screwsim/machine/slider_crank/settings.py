@@ -93,18 +93,8 @@ def check_slider_crank(machine: SliderCrank) -> list[Fault]:
     if rod > r + e:
         return []
     if rod <= r:
-        return [
-            Fault(
-                "machine.rod_length",
-                f"{1e3 * rod:.6g} mm is not longer than the crank's radius of {1e3 * r:.6g} mm: "
-                "the crank cannot turn (choose a longer rod; 3 to 6 radii are usual)",
-            )
-        ]
-    return [
-        Fault(
-            "machine.offset",
-            f"{1e3 * e:.6g} mm and the crank's radius of {1e3 * r:.6g} mm together reach as far as the rod of "
-            f"{1e3 * rod:.6g} mm: the crank cannot turn (choose an offset below {1e3 * (rod - r):.6g} mm, "
-            "or a longer rod)",
-        )
-    ]
+        what = f"{1e3 * rod:.6g} mm is not longer than the crank's radius of {1e3 * r:.6g} mm: the crank cannot turn"
+        return [Fault("machine.rod_length", f"{what} (choose a longer rod; 3 to 6 radii are usual)")]
+    what = f"{1e3 * e:.6g} mm and the crank's radius of {1e3 * r:.6g} mm together reach as far as the rod of "
+    remedy = f"choose an offset below {1e3 * (rod - r):.6g} mm, or a longer rod"
+    return [Fault("machine.offset", f"{what}{1e3 * rod:.6g} mm: the crank cannot turn ({remedy})")]

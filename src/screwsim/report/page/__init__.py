@@ -27,15 +27,13 @@ def report(path: str | Path, output: str | Path, claims: Sequence[Any] = ()) -> 
     if missing:
         raise UsageError(f"the page needs {' and '.join(missing)}: pip install 'screwsim[report]'")
     from screwsim.results import open_results
-    from screwsim.results.atomic import keep_others, make_folder, replacing
+    from screwsim.results.atomic import keep_others, make_folder, write_text
 
     target = Path(output)
     keep_others(target, b"<!doctype html>")
     text = page_of(open_results(path), claims)
     make_folder(target.parent)
-    with replacing(target) as temporary:
-        temporary.write_text(text, encoding="utf-8")
-    return str(target)
+    return write_text(target, text)
 
 
 def page_of(results: Any, claims: Sequence[Any] = ()) -> str:

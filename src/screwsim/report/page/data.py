@@ -9,32 +9,23 @@ import numpy as np
 
 from screwsim.engineering import SCALES, figure_scales, shown_name
 from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries
+from screwsim.report import quantities
 from screwsim.report.families import efficiency_name, is_log, layout_of, outcome_layout
 from screwsim.report.page.pack import bytes_of, floats, steps, thin
-from screwsim.report.quantities import (
-    GAS_MASS,
-    MASS_FLOW,
-    PRESSURE,
-    TEMPERATURE,
-    VOLUME,
-    Shown,
-    is_numeric,
-    shown_axis,
-    shown_figure,
-)
+from screwsim.report.quantities import PRESSURE, TEMPERATURE, Shown, is_numeric, shown_axis, shown_figure
 from screwsim.report.trace import Trace, angle_axis, flow_paths, marks_of, pressure_limit
-from screwsim.report.warned import warns
 from screwsim.results import Results
+from screwsim.results.warned import warns
 
 MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # shown; all are in the file
 STATES_OFF, FLOWS_OFF = 2e-4, 2e-3  # of a trace's span: how far the page's straight lines may lie off
 _BALANCES = ("mass", "energy", "entropy", "oil_mass", "bound")
 _STATES = {
-    "volume": VOLUME,
+    "volume": quantities.VOLUME,
     "pressure": PRESSURE,
     "gas_temperature": TEMPERATURE,
     "oil_temperature": TEMPERATURE,
-    "gas_mass": GAS_MASS,
+    "gas_mass": quantities.GAS_MASS,
 }
 
 
@@ -183,7 +174,7 @@ def _packed(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: float) -> 
 
 
 def _how(name: str) -> Shown:
-    return _STATES.get(name, MASS_FLOW)
+    return _STATES.get(name, quantities.MASS_FLOW)
 
 
 def _trace(name: str, values: np.ndarray) -> dict[str, Any]:

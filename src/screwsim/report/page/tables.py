@@ -14,8 +14,8 @@ from screwsim.outputs import BALANCE, STATUSES
 from screwsim.report.families import efficiency_name
 from screwsim.report.page.data import Selection
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
-from screwsim.report.warned import kinds, warns
 from screwsim.results import Results
+from screwsim.results.warned import kinds, warns
 from screwsim.screen import printable
 
 MOST_KINDS = 8  # of warnings, listed of a sweep

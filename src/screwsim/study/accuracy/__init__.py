@@ -11,10 +11,9 @@ from screwsim.machine.protocol import ROTORS
 from screwsim.scene import Scene
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
-from screwsim.study.accuracy.asked import Asked, as_asked
 from screwsim.study.accuracy.cases import QUICK, Case, Extent, all_cases, omitted
 from screwsim.study.accuracy.effects import EffectCost, effect_costs, effect_names
-from screwsim.study.accuracy.measure import Measured, NoReference, Truth, measure, one_line, truth
+from screwsim.study.accuracy.measure import Asked, Measured, NoReference, Truth, as_asked, measure, one_line, truth
 from screwsim.study.accuracy.size import Size, lobe_times, sweep_times
 from screwsim.study.progress import Progress, Silent
 
@@ -101,10 +100,10 @@ class _References:
         try:
             faults = cross_check(scene)
             if faults:
-                return one_line(f"{faults[0].path}: {faults[0].what}")
+                return one_line(str(faults[0]))
             first = simulate(scene, trace=False)
             if first.status != "ok":
-                return one_line(f"{first.status.replace('_', ' ')}: {first.message}")
+                return one_line(first.told)
             return truth(scene, self.extent, checked=False)
         except (SceneError, UsageError, ValueError, NoReference) as error:
             return one_line(str(error))

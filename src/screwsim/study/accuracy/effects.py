@@ -45,7 +45,7 @@ def effect_costs(scene: Scene, name: str, extent: Extent) -> EffectCost:
     without = replace(scene, effects=rest, text="")
     faults = cross_check(without)
     if faults:
-        return EffectCost(name, "needed", reason=f"{faults[0].path}: {faults[0].what}")
+        return EffectCost(name, "needed", reason=str(faults[0]))
     try:
         pairs = [(simulate(scene, trace=False), simulate(without, trace=False)) for _ in range(extent.pairs + 1)][1:]
     except (SceneError, UsageError) as error:
@@ -56,18 +56,10 @@ def effect_costs(scene: Scene, name: str, extent: Extent) -> EffectCost:
         return EffectCost(name, bad.status, reason=f"without it: {bad.message}")
     ratio = statistics.median(_time(full) / _time(less) for full, less in pairs) - 1.0
     evaluations = full.numerics.rhs_evaluations / less.numerics.rhs_evaluations - 1.0
-    return EffectCost(
-        name,
-        "ok",
-        ratio,
-        evaluations,
-        _points(full, less),
-        _relative(full, less, "shaft_power"),
-        _relative(full, less, "gas_mass_flow"),
-        _warmer(full, less),
-        _relative(full, less, "cooling_capacity"),
-        _cop(full, less),
-    )
+    relative = {each: _relative(full, less, each) for each in ("shaft_power", "gas_mass_flow", "cooling_capacity")}
+    warmer, cop = _warmer(full, less), _cop(full, less)
+    costs = EffectCost(name, "ok", ratio, evaluations, _points(full, less), discharge_temperature=warmer, cop=cop)
+    return replace(costs, **relative)
 
 
 def _time(result: Result) -> float:

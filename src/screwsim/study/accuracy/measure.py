@@ -1,11 +1,14 @@
-"""One case of the study measured: time, evaluations and true error, or why there is none."""
+"""One case of the study measured: time, evaluations and true error, or why there is none.
+
+Of an accuracy that a user asks for, too: `simulate` as it is, with its estimate, against the reference.
+"""
 
 from __future__ import annotations
 
 import statistics
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +16,10 @@ import numpy as np
 from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.traces import traces as traces_of
 from screwsim.faults import SceneError, UsageError
+from screwsim.numerics.integrators import DEFAULT
 from screwsim.outputs import Figures
+from screwsim.scene import Scene
+from screwsim.simulate import simulate
 from screwsim.study.accuracy.cases import Case, Extent
 from screwsim.study.accuracy.solving import Solved, WorkLimit, solve, way
 
@@ -76,6 +82,21 @@ class Truth:
         if asked >= 0.999 * FINER * self.accuracy:
             return ""
         return f"the reference closes at {self.accuracy:g} only, which is not {FINER:g} times tighter"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """An accuracy asked for: what it costs [s], what the solver estimates, what is true."""
+
+    asked: float
+    status: str
+    closing: str
+    time: float
+    estimating_time: float
+    evaluations: int
+    estimated: float
+    error: float
+    figure: str
 
 
 def trace_errors(found: Traces, better: Traces, least: float = FILLED) -> tuple[float, float]:
@@ -149,8 +170,7 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
         return Measured(*head, "left out", str(error))
     except (SceneError, UsageError, ValueError) as error:
         return Measured(*head, "left out", one_line(str(error)))
-    closed = solved.cycle
-    reason = ""
+    closed, reason = solved.cycle, ""
     if closed.status == "failed":
         reason = f"stopped at {np.degrees(closed.angle):.1f} deg"
         return Measured(*head, "failed", reason, statistics.median(times), len(times), solved.evaluations)
@@ -160,23 +180,10 @@ def measure(case: Case, reference: Truth, own: Truth, extent: Extent) -> Measure
     errors = relative_errors(figures, reference.figures)
     name, error = worst(errors)
     changed = worst(relative_errors(figures, own.figures)) if case.own_reference else ("", np.nan)
-    return Measured(
-        *head,
-        closed.status,
-        reason,
-        statistics.median(times),
-        len(times),
-        solved.evaluations,
-        solved.steps,
-        error,
-        name,
-        *trace_errors(traces, reference.traces),
-        *trace_errors(traces, reference.traces, 0.0),
-        changed[1],
-        changed[0],
-        errors,
-        {name: traces[name] for name in NAMES},
-    )
+    took = (statistics.median(times), len(times), solved.evaluations, solved.steps)
+    apart = (*trace_errors(traces, reference.traces), *trace_errors(traces, reference.traces, 0.0))
+    kept = {each: traces[each] for each in NAMES}
+    return Measured(*head, closed.status, reason, *took, error, name, *apart, changed[1], changed[0], errors, kept)
 
 
 def _repeated(case: Case, extent: Extent) -> tuple[Solved, list[float]]:
@@ -192,3 +199,29 @@ def _repeated(case: Case, extent: Extent) -> tuple[Solved, list[float]]:
         solved = solve(case.scene, case.way, extent.limit, machinery)
         times.append(solved.time)
     return solved, times[1:] or times
+
+
+def as_asked(scene: Scene, accuracy: float, reference: Truth, extent: Extent) -> Asked:
+    """Return what asking for this accuracy gives."""
+    numerics = replace(scene.numerics, accuracy=accuracy, integrator=DEFAULT, rtol=None, error="estimate")
+    wanted = replace(scene, numerics=numerics)
+    results = [simulate(wanted, trace=False)]
+    spent = 0.0
+    while len(results) <= extent.runs and spent < extent.seconds:
+        results.append(simulate(wanted, trace=False))
+        spent += results[-1].numerics.wall_time + results[-1].numerics.estimating_time
+    timed = results[1:] or results
+    last = results[-1]
+    known = any(size is not None for size in last.error.values())
+    name, error = worst(relative_errors(last.performance, reference.figures)) if last.performance else ("", np.nan)
+    return Asked(
+        accuracy,
+        last.status,
+        last.numerics.closing,
+        statistics.median(each.numerics.wall_time for each in timed),
+        statistics.median(each.numerics.estimating_time for each in timed),
+        int(last.numerics.rhs_evaluations),
+        worst(last.error)[1] if known else np.nan,
+        error,
+        name,
+    )

@@ -49,10 +49,10 @@ def lobe_times(scene: Scene, lobes: int, extent: Extent) -> Size:
     other = with_values(scene, {"machine.male_lobes": lobes, "machine.female_lobes": female})
     faults = cross_check(other)
     if faults:
-        return Size(lobes, reason=f"{faults[0].path}: {faults[0].what}")
+        return Size(lobes, reason=str(faults[0]))
     results = [simulate(other, trace=False) for _ in range(min(extent.runs, 5) + 1)][1:]
     last = results[-1]
     if last.status != "ok":
-        return Size(lobes, reason=f"{last.status.replace('_', ' ')}: {last.message}")
+        return Size(lobes, reason=last.told)
     seconds = statistics.median(each.numerics.wall_time + each.numerics.estimating_time for each in results)
     return Size(lobes, seconds, int(last.numerics.rhs_evaluations))

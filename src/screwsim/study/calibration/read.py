@@ -7,13 +7,13 @@ import os
 from dataclasses import replace
 from typing import Any
 
-from screwsim.faults import SceneError, UsageError
+from screwsim.faults import UsageError
 from screwsim.scene import Scene, cross_check, leaf_of, load
 from screwsim.scene.axis import SPACING, read_fields
 from screwsim.scene.fields import Leaf
 from screwsim.scene.files import other_file
 from screwsim.scene.values import shown, text_of
-from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join
+from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join, scene_error
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import Fit, Parameter, Point, Prior, Tie
 from screwsim.textfiles import MOST_YAML, Unreadable, read_text
@@ -39,7 +39,7 @@ def read_fit(path: str | os.PathLike[str]) -> Fit:
     root = _read(name, place, problems)
     fit = None if root is None else _typed(root, name, problems)
     if problems or fit is None:
-        raise SceneError([str(each) for each in sorted(dict.fromkeys(problems), key=lambda each: each.place)])
+        raise scene_error(problems)
     return fit
 
 
@@ -171,12 +171,8 @@ def difference(leaf: Leaf, default: Any = dataclasses.MISSING, **limits: float) 
 def _prior(leaf: Leaf, node: Node | None, where: str, problems: list[Problem]) -> Prior | None:
     if node is None or node.value is None:
         return None
-    remedy = "write {mean: …, deviation: …}"
-    if not isinstance(node.value, dict):
-        problems.append(Problem(node.place, where, f"{shown(node.value)} is not a mapping ({remedy})"))
-        return None
     fields = {"mean": replace(leaf, default=dataclasses.MISSING), "deviation": difference(leaf, gt=0.0)}
-    given = read_fields(fields, node, where, problems, remedy)
+    given = read_fields(fields, node, where, problems, "write {mean: …, deviation: …}")
     return None if given is None else Prior(given["mean"], given["deviation"])
 
 

@@ -102,11 +102,8 @@ class Objective:
         for each in self.fit.parameters:
             if each.prior is not None:
                 residuals.append((values[each.path] - each.prior.mean) / each.prior.deviation)
-        reasons = {
-            point.name: reason
-            for point, result in zip(self.points, found, strict=True)
-            if (reason := why_not(point, result))
-        }
+        why = {point.name: why_not(point, result) for point, result in zip(self.points, found, strict=True)}
+        reasons = {name: reason for name, reason in why.items() if reason}
         outcome = Outcome(np.array(residuals), tuple(result.performance for result in found), reasons)
         cost = float(np.sum(outcome.residuals**2))
         if self.best is None or cost < self.best[0]:
@@ -159,7 +156,4 @@ class Objective:
 
 def why_not(point: Point, result: Result) -> str:
     """Return why a point has no figures, or not all; empty when it has."""
-    if result.status != "ok":
-        return f"{result.status.replace('_', ' ')}: {result.message}"
-    absent = [name for name in point.measured if result.performance.get(name) is None]
-    return "; ".join(f"no {name}: {result.notes.get(name, 'it is not simulated')}" for name in absent)
+    return result.told if result.status != "ok" else "; ".join(result.lacks(point.measured))

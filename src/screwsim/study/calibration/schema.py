@@ -6,7 +6,7 @@ from typing import Any
 
 from screwsim.effects import catalogue
 from screwsim.scene.fields import Leaf, leaf_paths
-from screwsim.scene.schema import OWN_PARAMETER, value_schema
+from screwsim.scene.schema import DRAFT, OWN_PARAMETER, mapping, value_schema
 from screwsim.study.calibration.read import HEAD, difference
 
 NOT_CONTINUOUS = ("choice", "count", "word", "file")
@@ -26,20 +26,14 @@ def fit_schema() -> dict[str, Any]:
         "minProperties": 1,
     }
     required = [name for name, leaf in HEAD.items() if leaf.required]
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "screwsim fit",
-        "type": "object",
-        "properties": properties,
-        "required": [*required, "parameters"],
-        "additionalProperties": False,
-    }
+    head = {"$schema": DRAFT, "title": "screwsim fit"}
+    return head | mapping(properties, [*required, "parameters"])
 
 
 def _parameter(leaf: Leaf) -> dict[str, Any]:
     value, apart = value_schema(leaf), value_schema(difference(leaf))
-    prior = _mapping({"mean": value, "deviation": apart}, ["mean", "deviation"])
-    follows = _mapping({"factor": {"type": "number"}, "offset": apart}, [])
+    prior = mapping({"mean": value, "deviation": apart}, ["mean", "deviation"])
+    follows = mapping({"factor": {"type": "number"}, "offset": apart})
     names = {
         "from": value,
         "to": value,
@@ -48,8 +42,4 @@ def _parameter(leaf: Leaf) -> dict[str, Any]:
         "prior": prior,
         "also": {"type": "object", "additionalProperties": follows},
     }
-    return {"description": leaf.doc, **_mapping(names, ["from", "to"])}
-
-
-def _mapping(properties: dict[str, Any], required: list[str]) -> dict[str, Any]:
-    return {"type": "object", "properties": properties, "required": required, "additionalProperties": False}
+    return mapping(names, ["from", "to"], leaf.doc)

@@ -18,8 +18,9 @@ from screwsim.scene import with_values
 from screwsim.study.calibration.fit import Fit, Measured, Point
 from screwsim.study.calibration.judge import Certainty, borders, certainty
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Outcome, Simulate, why_not
-from screwsim.study.each import DIED, each
+from screwsim.study.each import each
 from screwsim.study.progress import Progress
+from screwsim.study.workers import DIED
 
 PROBABILITY = 0.6827  # of the joint region of the free parameters within which fits count as equally good
 MOST_STEPS = 40  # of one round of a start

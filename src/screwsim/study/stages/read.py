@@ -15,7 +15,7 @@ from screwsim.scene import Scene, load
 from screwsim.scene.fields import section_of
 from screwsim.scene.sections import read_section
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import Node, Place, Problem, compose
+from screwsim.scene.yaml_tree import Node, Place, Problem, compose, scene_error
 from screwsim.textfiles import MOST_YAML, Unreadable, read_text
 
 KEY = "stages"
@@ -64,7 +64,7 @@ def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> 
     root = _root(name, problems)
     chain = None if root is None else _typed(root, _sorted(overrides), problems)
     if problems or chain is None:
-        raise SceneError([str(each) for each in sorted(dict.fromkeys(problems), key=lambda each: each.place)])
+        raise scene_error(problems)
     return chain
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from screwsim.scene.fields import Leaf, section_of
-from screwsim.scene.schema import leaf_schema
+from screwsim.scene.schema import DRAFT, leaf_schema, mapping
 from screwsim.study.stages.read import KEY, NAMES, Intercooler
 
 
@@ -14,11 +14,7 @@ def stages_schema() -> dict[str, Any]:
     section = section_of(Intercooler)
     leaves = {name: leaf_schema(leaf) for name, leaf in section.fields.items() if isinstance(leaf, Leaf)}
     cooled = {"properties": {"kind": {"const": "cooler"}}, "required": ["kind"]}
-    between = {
-        "type": "object",
-        "description": section.doc,
-        "properties": leaves,
-        "additionalProperties": False,
+    between = mapping(leaves, (), section.doc) | {
         "if": cooled,
         "then": {"required": ["outlet_temperature"]},
         "else": {"properties": {"outlet_temperature": {"type": "null"}}},
@@ -30,11 +26,5 @@ def stages_schema() -> dict[str, Any]:
         "minItems": len(NAMES),
         "maxItems": len(NAMES),
     }
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "screwsim stages",
-        "type": "object",
-        "properties": {"title": {"type": ["string", "null"]}, KEY: files, "intercooler": between},
-        "required": [KEY],
-        "additionalProperties": False,
-    }
+    properties = {"title": {"type": ["string", "null"]}, KEY: files, "intercooler": between}
+    return {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [KEY])

@@ -86,7 +86,7 @@ def _set_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) -
     changed = with_values(replace(scene, sweep={}, joints=()), {**values, "operation.discharge.pressure": p_d})
     faults = cross_check(changed)
     if faults:
-        raise _Stop("failed", f"{faults[0].path}: {faults[0].what}")
+        raise _Stop("failed", str(faults[0]))
     return replace(changed, text=scene_text(changed))
 
 

@@ -24,7 +24,7 @@ def solved(
     scene = load(scene_file, overrides)
     result = simulate(with_values(scene, dict(values or {})), trace=trace)
     if result.status != "ok":
-        raise NotRun(f"{scene_file.name} {' '.join(overrides)}: {result.status.replace('_', ' ')}: {result.message}")
+        raise NotRun(f"{scene_file.name} {' '.join(overrides)}: {result.told}")
     return result
 
 

@@ -43,11 +43,11 @@ def folder_of(wanted: str | Path | None = None) -> Path:
     """
     if wanted is not None:
         folder = Path(wanted)
-        if _has_sources(folder):
+        if names_of(folder):
             return folder.resolve()
         raise UsageError(f"{folder}: holds no source (--folder names the folder validation/ of a checkout)")
     root = _checkout()
-    if root is not None and _has_sources(root / FOLDER):
+    if root is not None and names_of(root / FOLDER):
         return root / FOLDER
     raise UsageError(
         f"this screwsim ({PACKAGE}) has no folder {FOLDER}/: it is part of the source checkout, not of the installed "
@@ -66,10 +66,6 @@ def _checkout() -> Path | None:
     return root if ours else None
 
 
-def _has_sources(folder: Path) -> bool:
-    return bool(names_of(folder))
-
-
 def names_of(folder: Path) -> list[str]:
     """Return the names of the sources in a folder, in alphabetical order."""
     return sorted(path.parent.name for path in folder.glob(f"*/{MODULE}"))
@@ -86,9 +82,8 @@ def run_sources(
     for name in names:
         if name not in known and Path(name).suffix in (".yaml", ".yml"):
             told = f"screwsim run {name} simulates a scene, screwsim calibrate {name} fits one"
-            raise UsageError(
-                f"{name}: is a file, and sources are named without one ({told}; known: {', '.join(known)})"
-            )
+            what = "is a file, and sources are named without one"
+            raise UsageError(f"{name}: {what} ({told}; known: {', '.join(known)})")
         if name not in known:
             near = nearest(name, known)
             hint = f"did you mean {near}?" if near else f"known: {', '.join(known)}"
@@ -96,7 +91,7 @@ def run_sources(
     wanted = list(dict.fromkeys(names)) or known
     begun = sorted(wanted, key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST))
     outcomes = each(
-        partial(_numbered, folder, tuple(begun)),
+        partial(_run, tuple(folder / name for name in begun)),
         len(begun),
         died=lambda number: Outcome(begun[number], None, DIED, 0.0),
         jobs=jobs,
@@ -106,12 +101,8 @@ def run_sources(
     return sorted(outcomes, key=lambda outcome: wanted.index(outcome.name))
 
 
-def _numbered(folder: Path, names: tuple[str, ...], number: int) -> Outcome:
-    return _run(folder / names[number])
-
-
-def _run(folder: Path) -> Outcome:
-    began, comparison, reason = time.perf_counter(), None, ""
+def _run(folders: tuple[Path, ...], number: int) -> Outcome:
+    folder, began, comparison, reason = folders[number], time.perf_counter(), None, ""
     try:
         comparison = sibling(folder / MODULE).compare(folder)
     except NotRun as error:

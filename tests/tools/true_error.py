@@ -142,20 +142,13 @@ def _by_radau(scene: Scene) -> tuple[str, Figures]:
 
 def kept(scene: Scene, changes: dict[str, Any], radau: bool = False) -> Kept:
     """Return how a scene's figures compare with its reference."""
-    result = simulate(scene, trace=False)
+    result, wanted = simulate(scene, trace=False), scene.numerics.accuracy
     status, name, true = result.status, "", math.nan
     if status == "ok":
         known, name, true = true_error(scene, result, radau)
         status = "ok" if known == "ok" else f"reference {known}"
     kind = "scipy-radau" if radau else "coupled"
-    return _outcome(result, status, scene.numerics.accuracy, name, true, kind, changes)
-
-
-def _outcome(
-    result: Result, status: str, wanted: float, name: str, true: float, kind: str, changes: dict[str, Any]
-) -> Kept:
-    estimated = worst(Figures(result.error))[1]
-    evaluations = int(result.numerics.rhs_evaluations)
+    estimated, evaluations = worst(Figures(result.error))[1], int(result.numerics.rhs_evaluations)
     return Kept(status, wanted, estimated, true, name, kind, evaluations, warns(result, wanted), changes)
 
 
