@@ -378,9 +378,7 @@ def _structure(parts: Parts) -> dict[str, int]:
     found["ACROSS"] = int(_across(parts))
     found["Q_STREAMS"] = Q_WALLS + 2 * walls
     found |= {"PUMPED": int(parts.pumped), "FILMED": int(any(parts.films))}
-    gas = parts.oil_gas
-    dissolves = parts.dissolves
-    found |= {"FLASHED": int(gas is not None and not dissolves), "DISSOLVES": int(dissolves)}
+    found["DISSOLVES"] = int(parts.dissolves)
     found["CATEGORIES"] = PORT_OIL + 1 + 2 * own if own or ported else FEWEST
     return found | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}
 

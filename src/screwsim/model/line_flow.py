@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import surroundings
-from screwsim.model.port_oil import given_off
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
     CHAMBERS,
@@ -27,6 +26,7 @@ from screwsim.model.slots import (
     S_X_OIL,
     VOLUMED,
     N,
+    given_off,
     path_flows,
     plenum_area,
 )

@@ -48,9 +48,10 @@ ALL = {
 OWN = {name: name for name in (
     *("gas_state", "gas_phase", "phased_state", "gas_entropy", "volume_at", "volume_slope_at", "plenum_area"),
     *("gap_area", "line_pulse", "injected_oil", "oil_inflow", "path_opening"),
-    *("flash_terms", "stop_push", "restitution", "release_terms", "solution_entropy"),
+    *("stop_push", "restitution", "solution_entropy"),
 )}  # fmt: skip
-OWN |= {"path_flows": "chamber__path_flows", "film_flows": "chamber__film_flows", "add_moment": "ledger__add_moment"}
+OWN |= {name: f"chamber__{name}" for name in ("path_flows", "film_flows", "given_off")}
+OWN["add_moment"] = "ledger__add_moment"
 
 
 @lru_cache(maxsize=64)

@@ -8,11 +8,7 @@ in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volum
 `line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself,
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p,
-`flash_terms(oil, p, P, TAB)` → gas [kg/s] that flashes out of oil that enters, its enthalpy [W], and the heat that it
-takes from the oil over the oil's heat capacity [kg K/s],
-`release_terms(phi, m_oil, w, T, rho, h, T_oil, P, TAB)` → the same of gas that comes out of a chamber's oil over time,
-negative where the oil takes it up; w is what the oil holds [kg/kg],
-`held_gas(oil, P)` → gas [kg/s] that oil [kg/s] brings dissolved from its supply,
+`given_off(y, phi, E, own, P, TAB)` → gas [kg/s] that comes from a chamber's oil, or flashes out of oil that enters,
 `solution_entropy(w, P, TAB)` → entropy [J/(kg K)] of a kilogram dissolved in oil that holds w, and of all that a
 kilogram of oil holds,
 `path_flows(y, E, context, out)` → the flow [kg/s] into a chamber through each path, `film_flows` that of oil beside it,
@@ -31,11 +27,10 @@ ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, t
 is a constant, too), STOPS (how many of them move between a seat and a stop; then STOP_POSITION and STOP_SPEED, where
 they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), FILMED (1: oil leaks
 through gaps beside the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump feeds the oil port), ACROSS
-(1: effects open chambers beyond the injection angle to suction, or others to discharge), FLASHED (1: gas flashes out of
-its oil as it enters), DISSOLVES (1: over time; what the oil holds is a state), CATEGORIES, WIDTH (sums of a category:
-mass, enthalpy, and with carried oil its mass, that times its temperature and, where it dissolves, what it holds),
-Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand in E of one chamber and of all), and the indices into
-P that move with them.
+(1: effects open chambers beyond the injection angle to suction, or others to discharge), DISSOLVES (1: what the oil
+holds is a state), CATEGORIES, WIDTH (sums of a category: mass, enthalpy, and with carried oil
+its mass, that times its temperature and, where it dissolves, what it holds), Q_STREAMS, E_LINES and ALL_LINES (where the
+plenums' places stand in E of one chamber and of all), and the indices into P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -58,11 +53,10 @@ line_pulse: Any = Slot("line_pulse")
 injected_oil: Any = Slot("injected_oil")
 oil_inflow: Any = Slot("oil_inflow")
 path_opening: Any = Slot("path_opening")
-flash_terms: Any = Slot("flash_terms")
-release_terms: Any = Slot("release_terms")
 solution_entropy: Any = Slot("solution_entropy")
 stop_push: Any = Slot("stop_push")
 restitution: Any = Slot("restitution")
+given_off: Any = Slot("given_off")
 path_flows: Any = Slot("path_flows")
 film_flows: Any = Slot("film_flows")
 add_moment: Any = Slot("add_moment")
@@ -95,7 +89,6 @@ OPENED: Any = Structure("OPENED")
 STOPS: Any = Structure("STOPS")
 ACROSS: Any = Structure("ACROSS")
 PUMPED: Any = Structure("PUMPED")
-FLASHED: Any = Structure("FLASHED")
 DISSOLVES: Any = Structure("DISSOLVES")
 WIDTH: Any = Structure("WIDTH")
 PULSATING: Any = Structure("PULSATING")

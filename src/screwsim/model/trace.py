@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import SIDE, surroundings
-from screwsim.model.port_oil import given_off
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
     E_AREAS,
@@ -26,6 +25,7 @@ from screwsim.model.slots import (
     N,
     film_flows,
     gas_state,
+    given_off,
     oil_inflow,
     path_flows,
     volume_at,

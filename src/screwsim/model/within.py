@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import surroundings
-from screwsim.model.port_oil import given_off
 from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
     E_AREAS,
@@ -31,6 +30,7 @@ from screwsim.model.slots import (
     S_RHO,
     S_X_OIL,
     VOLUMED,
+    given_off,
     path_flows,
 )
 from screwsim.numerics.history import read

@@ -345,8 +345,6 @@ def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> Non
     enthalpy = writer.numbers.add(state.h, "flash_enthalpy")
     latent = writer.numbers.add(content.latent / oil.heat_capacity, "flash_latent")
     writer.network.flash = call, enthalpy, latent
-    body = [f"gas = oil * max(0.0, {call})", f"return gas, gas * {enthalpy}, gas * {latent}"]
-    writer.function("flash_terms(oil, p, P, TAB)", body)
 
 
 def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
@@ -362,9 +360,6 @@ def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
     assert given.startswith("m_oil, w, ")
     inside = "slow * m_oil, w_gas, " if writer.slow else "m_oil, w_gas, "
     writer.network.release = f"{head}({inside}{given.removeprefix('m_oil, w, ')}"
-    slow = f"{writer.slow} * " if writer.slow else ""
-    body = ["s = gas_entropy(T, rho, P, TAB)", f"m_oil = {slow}m_oil", f"return {call}"]
-    writer.function("release_terms(phi, m_oil, w, T, rho, h, T_oil, P, TAB)", body)
     writer.network.supply_holds = writer.numbers.add(content.supply, "dissolved_in_supply")
     tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest, _ends(-rise - content.rest))}
     call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"))

@@ -39,7 +39,7 @@ class Chamber(Cell):
     def written(self) -> list[str]:
         """Return the texts of all functions."""
         films = [self.film_flows()] if any(gap.film for gap in self.network.gaps) else []
-        return [self.rates(), self.jacobian(), self.path_flows(), *films]
+        return [self.rates(), self.jacobian(), self.path_flows(), self.given_off(), *films]
 
     def _side(self, gap: Gap, way: str) -> tuple[str, str]:
         """Return where in E the area of a gap's side stands, and the place beyond it."""
@@ -174,6 +174,25 @@ class Chamber(Cell):
         for i, (gap, way) in enumerate(self.sides):
             self._read(to, gap, way, f"out[{i}]", "film")
         return self._reading("film_flows", "oil [kg/s] that comes as films: each gap ahead and behind", to)
+
+    def given_off(self) -> str:
+        """Return the text of the gas that comes from oil, and through no path: in the chamber, or as it enters."""
+        network, to = self.network, Statements()
+        gas = "0.0"
+        if network.flash is not None:
+            to.add("width = P[P_DISCHARGE_WIDTH]", "p = own[PRESSURE]")
+            to.add(*([f"slow = {network.slow}"] if network.slow else []), f"inflow = {network.inflow}")
+            gas = f"inflow * max(0.0, {network.flash[0]})"
+        if network.release:
+            balances.gas_inside(to, network)
+            to.add("h = own[ENTHALPY]", f"s = {network.entropy}", f"gas, _enthalpy, _warmth = {network.release}")
+            gas = "gas"
+        states = [line for line in self.states() if not line.startswith("phi =")]
+        return function(
+            "chamber__given_off(y, phi, E, own, P, TAB)",
+            ['"""Return the gas [kg/s] that comes from oil in a chamber (M231), or as oil enters (M196)."""'],
+            [*(states if gas != "0.0" else []), *to.lines, f"return {gas}"],
+        )
 
     def _read(self, to: Statements, gap: Gap, way: str, out: str, what: str) -> None:
         """Store the flow through one side of a gap, or its film."""
