@@ -28,9 +28,9 @@ is a constant, too), STOPS (how many of them move between a seat and a stop; the
 they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), FILMED (1: oil leaks
 through gaps beside the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump feeds the oil port), ACROSS
 (1: effects open chambers beyond the injection angle to suction, or others to discharge), DISSOLVES (1: what the oil
-holds is a state), CATEGORIES, WIDTH (sums of a category: mass, enthalpy, and with carried oil
-its mass, that times its temperature and, where it dissolves, what it holds), Q_STREAMS, E_LINES and ALL_LINES (where the
-plenums' places stand in E of one chamber and of all), and the indices into P that move with them.
+holds is a state), CATEGORIES, WIDTH (sums of a category: mass, enthalpy, and with carried oil its mass, that times its
+temperature and, where it dissolves, what it holds), Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand
+in E of one chamber and of all), and the indices into P that move with them.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
