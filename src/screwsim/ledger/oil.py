@@ -12,14 +12,7 @@ from screwsim.ledger.book import NOT_CONSERVED, OIL_INJECTION, OIL_SUPPLY, SUCTI
 from screwsim.model import ledger as kernels
 from screwsim.model.parts import OilPart
 from screwsim.model.residues import Array
-from screwsim.model.slots import (
-    OIL_TEMPERATURE,
-    P_INJECTION,
-    R_DISCHARGE,
-    R_INJECTED,
-    R_OIL_BEFORE,
-    R_RATIO,
-)
+from screwsim.model.slots import OIL_TEMPERATURE, P_INJECTION, R_DISCHARGE, R_INJECTED, R_OIL_BEFORE, R_RATIO
 from screwsim.performance import oil_lift
 
 
