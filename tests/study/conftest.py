@@ -1,4 +1,4 @@
-"""Let the tests, and the workers they start, import `result_fakes` and `sweep_fakes`, whatever the import mode."""
+"""Let the tests, and the workers they start, import the fakes and `true_error`, whatever the import mode."""
 
 import sys
 from pathlib import Path

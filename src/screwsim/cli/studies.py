@@ -86,8 +86,7 @@ def sensitivity(
         typer.Option("--path", metavar="PATH=LOW..HIGH", help="What varies, e.g. oil_supply.ratio=0.5..2; repeat it."),
     ] = None,
     figures: Annotated[
-        list[str] | None,
-        typer.Option("--figure", metavar="NAME", help="Of what (default: efficiency, mass flow)."),
+        list[str] | None, typer.Option("--figure", metavar="NAME", help="Of what (default: efficiency, mass flow).")
     ] = None,
     samples: Annotated[int, typer.Option(metavar="N", help="Base samples, a power of two.")] = 256,
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of samples and confidence intervals.")] = 1,
@@ -153,12 +152,7 @@ def calibrate(
     """Fit parameters of a scene to measured points, and say how far the data fix them."""
     options.check_drawer(folder)
     from screwsim.printing import show
-    from screwsim.printing.calibration import (
-        calibration_document,
-        check_folder,
-        print_calibration,
-        write_calibration,
-    )
+    from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import read_fit

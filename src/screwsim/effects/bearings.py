@@ -22,10 +22,7 @@ from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import power_figure
 
 LEAST_FILM = 2000.0  # ν n [mm²/s · 1/min] below which M_0 does not depend on it (Palmgren)
-_OF_FRICTION = {
-    "simple": ("friction_coefficient", "bore"),
-    "two_term": ("mean_diameter", "f_0", "f_1"),
-}
+_OF_FRICTION = {"simple": ("friction_coefficient", "bore"), "two_term": ("mean_diameter", "f_0", "f_1")}
 _EXAMPLES = {"friction_coefficient": "0.0018", "bore": "60 mm", "mean_diameter": "85 mm", "f_0": "2", "f_1": "0.0004"}
 _OF_LOAD = {"stated": ("radial_load", "axial_load"), "gas": ("radial_area", "axial_area")}
 

@@ -68,17 +68,7 @@ def flow(
 
 @kernel
 def flow_from(
-    phi,
-    p,
-    width,
-    opens,
-    closes,
-    upstream_pressure,
-    oil_density,
-    oil_viscosity,
-    bore_diameter,
-    bore_length,
-    bore_count,
+    phi, p, width, opens, closes, upstream_pressure, oil_density, oil_viscosity, bore_diameter, bore_length, bore_count
 ):
     """Return what `flow` does, of oil at a stated pressure before the bore (M104)."""
     share = ramp(phi, opens, opens + RAMP, closes - RAMP, closes)

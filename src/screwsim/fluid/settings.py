@@ -51,11 +51,7 @@ class OilSettings:
         "heat_capacity", "specific heat capacity (needed without name)", None, ge=10.0, le=2e4, hardly=(1000.0, 5000.0)
     )
     viscosity: float | None = quantity(
-        "viscosity",
-        "dynamic viscosity (for losses and the injection orifice)",
-        None,
-        ge=1e-6,
-        hardly=(2e-4, 20.0),
+        "viscosity", "dynamic viscosity (for losses and the injection orifice)", None, ge=1e-6, hardly=(2e-4, 20.0)
     )
     transport: str = choice(
         "paper: ratio d constant after 360 deg; carried: oil mass is a state from 0 deg, leaks carry the donor's ratio",

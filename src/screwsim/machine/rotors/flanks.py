@@ -61,10 +61,7 @@ def male_flanks(pair: Pair, chain: Chain, points: int = POINTS) -> Flanks:
     radii = spaced(float(rho[first]), pair.male_radius, points)
     lead, trail = slice(first, chain.tip + 1), slice(chain.tip, last + 1)
     return Flanks(
-        radii,
-        _over_radius(radii, rho[lead], angle[lead]),
-        _over_radius(radii, rho[trail], angle[trail]),
-        pair.pitch,
+        radii, _over_radius(radii, rho[lead], angle[lead]), _over_radius(radii, rho[trail], angle[trail]), pair.pitch
     )
 
 

@@ -29,10 +29,7 @@ class Uncovered:
     def area(self, delta: Array) -> Array:
         """Return ∫ρ min(Δ, w_M) dρ + ∫ρ min(kΔ, w_F) dρ [m²]; w are the angular widths of the grooves."""
         total = np.zeros_like(delta)
-        for flanks, width, ratio in (
-            (self.male, self.male.outer, 1.0),
-            (self.female, self.female.inner, self.k),
-        ):
+        for flanks, width, ratio in ((self.male, self.male.outer, 1.0), (self.female, self.female.inner, self.k)):
             reach = np.clip(ratio * delta, 0.0, width.max())
             part = (reach > 0.0) & (reach < width.max())
             arc = np.minimum(reach[part, None], width)
