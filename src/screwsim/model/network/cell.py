@@ -111,7 +111,7 @@ class Cell:
     def by_angle(self) -> dict[tuple[str, str], str]:
         """Return the derivatives by the angle of what stands in E."""
         network = self.network
-        found = {name: BY_ANGLE.format(at=f"{self.e}{at}") for name, at in (("V", "E_VOLUME"), ("dV", "E_SLOPE"))}
+        found = {"V": "dV", "dV": BY_ANGLE.format(at=f"{self.e}E_SLOPE")}
         found["area"] = "(next_area - area) * per_delta"
         if network.pulsating:
             for number, cell in enumerate(network.cells):
