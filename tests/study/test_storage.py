@@ -20,7 +20,7 @@ from screwsim.results.schema import axes_of
 from screwsim.results.table import InMemory, join, regrouped, table_of
 from screwsim.results.write import Draft, write_tables
 from screwsim.scene import case, case_count
-from screwsim.scene.grid import shape
+from screwsim.scene.grid import dimensions
 from screwsim.study import shards
 from screwsim.study.blocks import Blocks
 from screwsim.study.shards import Parts
@@ -83,7 +83,7 @@ def test_parts_that_are_no_whole_blocks_are_computed_again(reference, tmp_path, 
 
 
 def shorter_blocks(swept):
-    return Blocks(shape(swept), longest=6)
+    return Blocks(tuple(each.size for each in dimensions(swept)), longest=6)
 
 
 @pytest.mark.parametrize("sizes", [[900], [1, 899], [450, 450], [7] * 128 + [4]])
