@@ -1,5 +1,6 @@
 """A new kind of flow takes two files: its law, and the effect that uses it; everything else follows from them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,10 @@ import pytest
 from own_flows import viscous
 
 import screwsim
+from screwsim.build import build_parts
+from screwsim.effects.base import ChamberState
+from screwsim.model.compose import compose
+from screwsim.numerics.kernel import kernel
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SLOT = "effects={own_flows.slot: {height: 60 um}}"
@@ -52,3 +57,17 @@ def test_both_closings_and_radau_agree_on_it(of_closings, figure):
     assert of_closings("coupled").performance[figure] == pytest.approx(alone, rel=3e-5)
     radau = of_closings("coupled", "numerics.integrator=scipy-radau").performance[figure]
     assert radau == pytest.approx(alone, rel=3e-5)
+
+
+@kernel
+def standing(phi):
+    """Return the rate of a state that never changes."""
+    return 0.0
+
+
+@pytest.mark.parametrize(("name", "closing"), [("V", "one"), ("flow", "one"), ("crossing", "all")])
+def test_a_state_that_is_called_as_a_variable_of_the_text_is_refused(name, closing):
+    parts = build_parts(screwsim.load(CONFIGS / "paper" / "point.yaml"))
+    named = replace(parts, effects={**parts.effects, "mine": [ChamberState(name, standing, {})]})
+    with pytest.raises(TypeError, match=f"a state cannot be called {name}"):
+        compose(named).together() if closing == "all" else compose(named)

@@ -18,6 +18,7 @@ from screwsim.model import chamber, ledger, slots
 from screwsim.model import stops as model_stops
 from screwsim.model.module_text import module_text
 from screwsim.model.network import balances
+from screwsim.model.network.cell import RESERVED
 from screwsim.model.network.chamber import chamber_texts
 from screwsim.model.network.chambers import chambers_texts, room
 from screwsim.model.network.moments import moment_text
@@ -365,6 +366,8 @@ def _refuse(parts: Parts, states: Sequence[str], opened: bool) -> None:
     """Raise TypeError for parts of effects that do not go together."""
     if len(set(states)) < len(states):
         raise TypeError(f"two states have one name: {', '.join(states)}")
+    if taken := sorted(RESERVED & set(states)):
+        raise TypeError(f"a state cannot be called {', '.join(taken)}: every chamber has a number of that name")
     if opened and parts.geometry.chambers > 1:
         raise TypeError("an opening that depends on the state, or a seat and a stop, is for a machine of one chamber")
 

@@ -21,6 +21,10 @@ from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.statements import Statements
 
 CONSTANT = ("exponent", "choke", "choked")  # of the gas, in the derivatives of flows
+RESERVED = {  # names that no state can have
+    *("y", "E", "P", "TAB", "R", "own", "f", "g", "J", "Jq", "e", "j", "c", "i", "k", "s", "phi", "phase", "V", "dV"),
+    *("oiled", "delta", "per_delta", "context", "side", "places", "work", "ahead"),
+}
 BY_ANGLE = "(E_next[{at}] - E[{at}]) * per_delta"  # over the step from E to E_next
 
 

@@ -10,6 +10,7 @@ before that angle from those beyond it is counted with what the lines' sums take
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
@@ -25,6 +26,7 @@ GAS = {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"}  # of a pla
 NOZZLE = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
 SLOPES = len(GAS) * 2  # that are kept of each chamber
 BOTH = ("T", "rho")
+BOTH_SIDES = ("", "j"), ("_ahead", "ahead")  # of a gap: how names of its numbers end, and the number of the chamber
 
 
 @lru_cache(maxsize=64)
@@ -79,12 +81,8 @@ class Chambers(Cell):
         """Read states and gas of the chamber `ahead`."""
         states = [name for name in self.network.states if name not in self.network.own_states]
         to.add(*(f"{name}_ahead = y[ahead * {self.n} + {i}]" for i, name in enumerate(states)))
-        to.add(
-            *(
-                f"{name}_ahead = places[ahead * PLACE + {at}]"
-                for name, at in ({"p": "PRESSURE", "h": "ENTHALPY"} | NOZZLE).items()
-            )
-        )
+        asked = {"p": "PRESSURE", "h": "ENTHALPY"} | NOZZLE
+        to.add(*(f"{name}_ahead = places[ahead * PLACE + {at}]" for name, at in asked.items()))
         if slopes:
             self._read_slopes(to, "_ahead", "ahead")
 
@@ -99,15 +97,12 @@ class Chambers(Cell):
 
     def _between(self, slopes: bool) -> list[str]:
         """Return the statements that sum what the chambers give each other, and its derivatives."""
-        network = self.network
-        to = Statements()
-        end = self.slopes + network.chambers * self.width * self.columns if slopes else self.kept
-        if slopes:
-            with to.within(f"for i in range({self.kept})"):
+        network, to = self.network, Statements()
+        end = self.slopes + network.chambers * self.width * self.columns
+        for span in (f"{self.kept}", *([f"{self.slopes}, {end}"] if slopes else [])):
+            with to.within(f"for i in range({span})"):
                 to.add("work[i] = 0.0")
-        with to.within(f"for i in range({self.slopes if slopes else 0}, {end})"):
-            to.add("work[i] = 0.0")
-        if network.chambers == 1 or not network.gaps:
+        if not network.gaps:
             return to.lines
         with to.within(f"for j in range({network.chambers})"):
             self._read_own(to, slopes)
@@ -117,45 +112,41 @@ class Chambers(Cell):
                     at = f"{self.e}E_AREAS + {len(network.ports) + gap.index}"
                     with to.within(self.opened(to, f"{gap.effect} (M12)", at, slopes)):
                         self._read_other(to, slopes)
-                        if not slopes:
-                            to.add(*self._given(gap))
-                            self._gives(
-                                to, "work[{row} * " + str(self.width) + " + {k}]", lambda quantity: f"{quantity}_given"
-                            )
-                            continue
-                        self._gives_with_slopes(to, gap)
+                        tangent = self._tangent(to, gap) if slopes else None
+                        to.add(*(tangent.lines if tangent else self._given(gap)))
+                        at = f"work[{{row}} * {self.width} + {{k}}]"
+                        self._gives(to, at, lambda quantity: f"{quantity}_given")
+                        if tangent:
+                            self._give_slopes(to, tangent)
         return to.lines
 
-    def _gives(self, to: Statements, at: str, text: Any) -> None:
+    def _gives(self, to: Statements, at: str, text: Callable[[str], str]) -> None:
         """Add something of each quantity to what a chamber is given, and take it from the one ahead."""
         for k, quantity in enumerate(self.network.quantities):
             found = text(quantity)
             if found != "0.0":
                 to.add(f"{at.format(row='j', k=k)} += {found}", f"{at.format(row='ahead', k=k)} -= {found}")
 
-    def _gives_with_slopes(self, to: Statements, gap: Gap) -> None:
+    @property
+    def _columns_by_seed(self) -> dict[str, str]:
+        """Return the columns of the derivatives of what a gap gives: by the states of both sides, and by the angle."""
         states = [name for name in self.network.states if name not in self.network.own_states]
-        seeds = (*states, *(f"{name}_ahead" for name in states), "phi")
-        given = {
-            (name + of, seed + of): slope_name(name + of, seed + of)
-            for name in GAS
-            for seed in BOTH
-            for of in ("", "_ahead")
-        }
-        given["area", "phi"] = "(next_area - area) * per_delta"
+        found = {f"{name}{of}": f"{j} * {self.n} + {i}" for i, name in enumerate(states) for of, j in BOTH_SIDES}
+        return found | {"phi": str(self.columns - 1)}
+
+    def _tangent(self, to: Statements, gap: Gap) -> Tangent:
+        """Return what a gap gives with its derivatives."""
+        pairs = [(name + of, seed + of) for name in GAS for seed in BOTH for of, _ in BOTH_SIDES]
+        given = {pair: slope_name(*pair) for pair in pairs} | {("area", "phi"): "(next_area - area) * per_delta"}
         to.add(f"{slope_name('area', 'phi')} = {given['area', 'phi']}")
-        tangent = Tangent(
-            self._given(gap), seeds, self.network.kernels, given, (*CONSTANT, *(f"{name}_ahead" for name in CONSTANT))
-        )
-        self.tangents += tangent.kernels
-        to.add(*tangent.lines)
-        self._gives(to, "work[{row} * " + str(self.width) + " + {k}]", lambda quantity: f"{quantity}_given")
-        for seed in seeds:
-            if seed == "phi":
-                column = str(self.columns - 1)
-            else:
-                of, name = ("ahead", seed.removesuffix("_ahead")) if seed.endswith("_ahead") else ("j", seed)
-                column = f"{of} * {self.n} + {states.index(name)}"
+        held = [f"{name}{of}" for name in CONSTANT for of, _ in BOTH_SIDES]
+        found = Tangent(self._given(gap), tuple(self._columns_by_seed), self.network.kernels, given, held)
+        self.tangents += found.kernels
+        return found
+
+    def _give_slopes(self, to: Statements, tangent: Tangent) -> None:
+        """Add the derivatives of what a gap gives."""
+        for seed, column in self._columns_by_seed.items():
             at = f"work[{self.slopes} + ({{row}} * {self.width} + {{k}}) * {self.columns} + {column}]"
             self._gives(to, at, lambda quantity, seed=seed: tangent.slope(f"{quantity}_given", seed))
 

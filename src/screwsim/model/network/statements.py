@@ -54,6 +54,9 @@ class Tangent:
         body = parsed("\n".join(lines)).body
         texts = {key: parsed(text).body[0].value for key, text in given.items()}  # type: ignore[attr-defined]
         self._forward = Forward("network", body, seeds, kernels, texts, held)
+        if self._forward.whole:
+            names = ", ".join(sorted(self._forward.whole))
+            raise TypeError(f"a state cannot be called {names}: the text of every chamber has a variable of that name")
         found = self._forward.statements(body)
         self.kernels = list(self._forward.uses.values())
         names = {alias: item.flat_name for alias, item in self._forward.uses.items()}
