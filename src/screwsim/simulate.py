@@ -46,10 +46,6 @@ def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
     )
 
 
-def _finite(table: Figures) -> bool:
-    return all(map(math.isfinite, [value for value in table.values() if value is not None]))
-
-
 def _balanced(accurate: Accurate, trace: bool) -> tuple[Figures, Ledger | None]:
     """Return the balances and the ledger of a closed cycle, None where none is wanted."""
     of = accurate.evaluation
@@ -165,7 +161,8 @@ def _solved(problem: Problem, machinery: Machinery, trace: bool, course: Course 
         _note(course, accurate)
     found, notes = of.read
     sound = book is None or book.finite
-    if not _finite(found) or (cycle.status == "ok" and not sound):
+    finite = all(map(math.isfinite, [value for value in found.values() if value is not None]))
+    if not finite or (cycle.status == "ok" and not sound):
         message = "a figure is not finite; ask for a tighter numerics.accuracy"
         none = Performance({}, found.about)
         return Result("failed", message, (), effects, states, none, numerics=numerics)

@@ -111,6 +111,13 @@ def solved(problem: Problem) -> tuple[Problem, CycleSolution]:
     return problem, solve(problem, leased(problem)).cycle
 
 
+def test_one_cycle_is_read_in_threads_as_alone():
+    problem, cycle = solved(problem_of(make(REAL)))
+    alone = all_of(problem, cycle)
+    with ThreadPoolExecutor(THREADS) as pool:
+        assert all(found == alone for found in pool.map(lambda _: all_of(problem, cycle), range(EACH)))
+
+
 def test_what_is_solved_cannot_be_written_into():
     problem, cycle = solved(problem_of(make({})))
     life = cycle.trajectory

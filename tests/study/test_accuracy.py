@@ -164,7 +164,7 @@ def test_what_is_hopeless_is_given_up_within_its_limit(scene):
     with pytest.raises(WorkLimit, match=r"limit of 0\.01 s"):
         solve(scene, way(1e-6, "scipy-radau"), limit=0.01)
     # the machinery serves the next scene
-    assert solve(scene, way(1e-3)).closed.status == "ok"
+    assert solve(scene, way(1e-3)).cycle.status == "ok"
 
 
 def test_explicit_methods_count_their_evaluations(scene):
@@ -202,5 +202,5 @@ def test_a_driven_scene_is_solved_at_the_speed_at_which_it_runs():
     driven = load(str(Path(__file__).parents[2] / "configs" / "drive" / "induction.yaml"))
     wanted = driven.numerics.accuracy
     finer = solve(driven, way(0.1 * wanted))
-    assert finer.closed.status == "ok"
+    assert finer.cycle.status == "ok"
     assert worst(relative_errors(simulate(driven, trace=False).performance, finer.evaluation.figures))[1] <= wanted

@@ -93,17 +93,9 @@ def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tu
         if cycle.status != "ok":
             return f"{cycle.status} before", Figures(), None
         y = cycle.y
-    finest = tightened(
-        FINER,
-        rtol=of_steps * accuracy,
-        tolerance=0.2 * FINER * accuracy,
-        bound=BALANCED * accuracy,
-        check=check_of(method),
-    )
-    if start == FOLLOWED:
-        cycle = followed(problem, machinery, finest, y.copy())
-    else:
-        cycle = close_together(problem, machinery, finest, y.copy())
+    kept = {"tolerance": 0.2 * FINER * accuracy, "bound": BALANCED * accuracy, "check": check_of(method)}
+    way = followed if start == FOLLOWED else close_together
+    cycle = way(problem, machinery, tightened(FINER, rtol=of_steps * accuracy, **kept), y.copy())
     return cycle.status, evaluate(problem, cycle).figures, cycle.change
 
 

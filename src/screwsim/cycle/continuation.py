@@ -75,7 +75,8 @@ class Course:
             self._text = c.text
         values = np.concatenate([cycle.y[: len(c.states)], cycle.seen, made])
         self._gap = cycle.first_gap if self._guessed else None
-        self._share = _share(cycle, wanted)
+        share = cycle.rtol / (wanted.of_histories * wanted.rtol) if cycle.how == "histories" else 1.0
+        self._share = min(1.0, COARSER * share if cycle.residual < WELL else share)
         if self._told:
             off = _distances(np.array([*self._told.values()]), values)
             for cycles, missed in zip(self._told, off.tolist(), strict=True):
@@ -84,8 +85,12 @@ class Course:
         self._cycles = [*self._cycles, noted][-DEPTH:]
 
     def guess(self, machinery: Machinery, parameters: Array) -> Guess | None:
-        """Install a history for these parameters and return what goes with it; None where no cycle is near."""
-        cycles = self._near(machinery)
+        """Install a history for these parameters and return what goes with it; None where no cycle is near.
+
+        Near are those of the same composition that live the same angles.
+        """
+        same, here = machinery.composition.text == self._text, _angles(machinery.composition)
+        cycles = [cycle for cycle in self._cycles if same and cycle.angles == here]
         self._guessed, self._told = bool(cycles), {}
         if not cycles:
             return None
@@ -105,24 +110,6 @@ class Course:
         if gap is None:
             gap = STEEP * float(_distances(cycles[-1].parameters, parameters))
         return Guess(values[:n], values[n + 2 :], Hope((float(values[n]), float(values[n + 1])), gap, self._share))
-
-    def _near(self, machinery: Machinery) -> list[_Cycle]:
-        """Return the cycles of the same composition that live the same angles."""
-        if machinery.composition.text != self._text:
-            return []
-        here = _angles(machinery.composition)
-        return [cycle for cycle in self._cycles if cycle.angles == here]
-
-
-def _share(cycle: CycleSolution, wanted: Wanted) -> float:
-    """Return the share of the wanted tolerance of a step with which the next cycle begins.
-
-    It is the one that made the balances of the last cycle close by histories, or coarser where they closed with ease.
-    """
-    if cycle.how != "histories":
-        return 1.0
-    share = cycle.rtol / (wanted.of_histories * wanted.rtol)
-    return min(1.0, COARSER * share if cycle.residual < WELL else share)
 
 
 def _angles(c: Composition) -> tuple[float, ...]:

@@ -19,13 +19,13 @@ def logarithms(states: Array, c: Composition) -> Array:
     """
     raw, signed = states.reshape(-1, len(c.states)), list(c.signed)
     rows = np.maximum(raw, 1e-300)
-    little = rows[:, 3] <= LEAST_OIL if c.carried else np.zeros(len(rows), bool)
-    if little.any():
+    little = np.flatnonzero(rows[:, 3] <= LEAST_OIL) if c.carried else ()
+    if len(little):
         rows[little, 2:4] = 1.0, LEAST_OIL
     logs = np.log(rows)
     if signed:
         logs[:, signed] = raw[:, signed]
-    if c.dissolves and little.any():
+    if c.dissolves and len(little):
         logs[little, HELD] = 0.0
     return logs.ravel()
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim.build import Stock, build_parts
 from screwsim.cycle.continuation import Course
-from screwsim.cycle.suction import Place, SuctionState, suction_of
+from screwsim.cycle.suction import SuctionState, suction_of
 from screwsim.cycle.wanted import Wanted, wanted_of
 from screwsim.effects.base import Made
 from screwsim.figures import called_for
@@ -20,7 +20,7 @@ from screwsim.model.slots import DENSITY, ENTHALPY
 from screwsim.numerics.integrators import Rosenbrock, find_integrator
 from screwsim.numerics.made import Entries, Entry
 from screwsim.outputs import Figure
-from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
+from screwsim.scene.lines import Lines, lines, suction_enthalpy
 from screwsim.scene.types import Scene
 
 Array = np.ndarray
@@ -68,11 +68,6 @@ class Problem:
         return _h_isentropic(self.parts, self.lines, self.inlet)
 
     @cached_property
-    def refrigerating_effect(self) -> float | None:
-        """What a kilogram of refrigerant takes up in the evaporator [J/kg]; None where the scene tells none."""
-        return refrigerating_effect(self.scene)
-
-    @cached_property
     def called(self) -> dict[str, Figure]:
         """The figures that the scene calls for."""
         return called_for(self.scene, self.parts)
@@ -100,20 +95,14 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     parts, at = build_parts(scene, series.stock, set_speed), lines(scene)
     composition = _by(scene.numerics.integrator, series.composer.compose(parts))
     composition.P.flags.writeable = False
-    line = _line_place(scene, parts, at)
+    dry = at.quality is None
+    line = parts.gas.place(at.p_s, at.T_s) if dry else parts.gas.place_of_enthalpy(at.p_s, suction_enthalpy(scene))
     inlet, suction = Inlet(line[DENSITY], line[ENTHALPY]), suction_of(parts, line)
     begins = suction.place(_h_isentropic(parts, at, inlet)) if suction.changed else line
     parameters = np.concatenate([composition.P, [*begins, at.p_d, *parts.geometry.outcomes]])
     entries = _entries((*_discharge_line(composition), *(part.entry for _, part in parts.all(Made))))
     wanted = wanted_of(scene.numerics, tuple(composition.P[composition.widths].tolist()))
     return Problem(scene, parts, composition, at, inlet, suction, entries, parameters, wanted)
-
-
-def _line_place(scene: Scene, parts: Parts, at: Lines) -> Place:
-    """Return the place of the suction line; wet where the scene gives a quality."""
-    if at.quality is None:
-        return parts.gas.place(at.p_s, at.T_s)
-    return parts.gas.place_of_enthalpy(at.p_s, suction_enthalpy(scene))
 
 
 def _h_isentropic(parts: Parts, at: Lines, inlet: Inlet) -> float:

@@ -19,6 +19,7 @@ from screwsim.machine.settings import TURN
 from screwsim.model.slots import ENTHALPY, PRESSURE, Q_WALLS, R_DISCHARGE, R_RATIO, R_TRAPPED
 from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import Figure
+from screwsim.scene.lines import refrigerating_effect
 
 Array = np.ndarray
 Read = tuple[Performance, dict[str, str]]  # figures, and why some are None
@@ -27,17 +28,7 @@ NO_REASON = "this cycle has none"
 
 def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures) -> Read:
     """Return the performance figures of a life of these quadratures, and why some are None."""
-    about: dict[str, Figure] = dict(problem.called)
-    found, notes = _figures(problem, life, q, known, about)
-    values = {name: found.get(name) for name in about}
-    reasons = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
-    return Performance(values, about), reasons
-
-
-def _figures(
-    problem: Problem, life: Trajectory, q: Array, known: CycleFigures, about: dict[str, Figure]
-) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return whatever figures there are; to `about` go those that effects give by others' names."""
+    about: dict[str, Figure] = dict(problem.called)  # to which go those that effects give by others' names
     parts, lines, geometry, rate = problem.parts, problem.lines, problem.parts.geometry, problem.rate
     streams = streams_of(problem.composition, q)
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
@@ -80,7 +71,7 @@ def _figures(
     found |= own
     notes |= reasons
     gain = sum(own.get(part.gain) or 0.0 for _, part in parts.all(Plenum))
-    effect = problem.refrigerating_effect
+    effect = refrigerating_effect(problem.scene)
     effect = None if effect is None else effect * (1.0 + gain)
     cooling, reasons = performance.refrigeration(found, problem.inlet.density, effect)
     found |= cooling
@@ -99,7 +90,11 @@ def _figures(
     if parts.walls:
         found["wall_heat"] = float(q[Q_WALLS : Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
     read, reasons = performance.readings(parts, known, found)
-    return found | read, notes | reasons
+    found |= read
+    notes |= reasons
+    values = {name: found.get(name) for name in about}
+    none = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
+    return Performance(values, about), none
 
 
 def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float) -> dict[str, float | None]:

@@ -35,11 +35,6 @@ class Told:
     error: Figures
 
     @property
-    def T_oil(self) -> float | None:
-        """Temperature of the injected oil [K]."""
-        return None if self.parts.oil is None else self.parts.oil.temperature
-
-    @property
     def expands(self) -> bool:
         return self.parts.geometry.expands
 
@@ -55,11 +50,11 @@ def _isothermal(told: Told) -> str:
     if eta is None or told.expands:
         return ""
     words = f"the isothermal efficiency of {eta:.4g} is above 1"
-    T_oil, T_s = told.T_oil, told.lines.T_s
-    if T_oil is not None and T_oil < T_s and told.parts.all(HeatRate):
+    oil, T_s = told.parts.oil, told.lines.T_s
+    if oil is not None and oil.temperature < T_s and told.parts.all(HeatRate):
         return (
-            f"{words}: the oil comes in at {T_oil:.5g} K, colder than the suction gas of {T_s:.5g} K, and the figure's "
-            "ideal is isothermal at the gas's temperature; what cooled the oil is not counted"
+            f"{words}: the oil comes in at {oil.temperature:.5g} K, colder than the suction gas of {T_s:.5g} K, and "
+            "the figure's ideal is isothermal at the gas's temperature; what cooled the oil is not counted"
         )
     if told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
         return f"{words}: that takes walls, or liquid that evaporates, colder than the suction gas; is it meant?"

@@ -16,18 +16,6 @@ TRACE_STEP = 1.0  # degree
 
 def traces(of: Evaluation) -> dict[str, np.ndarray]:
     """Return the traces of a closed cycle (contract: cycle)."""
-    found, parts = _of_life(of), of.problem.parts
-    degrees, pitch = found["angle"], math.degrees(parts.geometry.pitch)
-    known = of.known if parts.shaft is None else of.complete
-    for read in [part.traces for _, part in parts.all(Reading) if part.traces is not None]:
-        for name, values in read(known).items():
-            grid = np.linspace(0.0, pitch, len(values) + 1)
-            found[name] = np.interp(degrees, grid, np.append(values, values[0]), period=pitch)
-    return found
-
-
-def _of_life(of: Evaluation) -> dict[str, np.ndarray]:
-    """Return states and flows over the angle."""
     life, c, parts = of.life, of.life.composition, of.problem.parts
     geometry = parts.geometry
     degrees = trace_angles(geometry.life)
@@ -63,6 +51,11 @@ def _of_life(of: Evaluation) -> dict[str, np.ndarray]:
             if parts.films[i]:
                 key = f"oil_flow_{name}_{word}"
                 found[key] = found.get(key, 0.0) + films[:, 2 * i + side]
+    known, pitch = of.known if parts.shaft is None else of.complete, math.degrees(geometry.pitch)
+    for read in [part.traces for _, part in parts.all(Reading) if part.traces is not None]:
+        for name, values in read(known).items():
+            grid = np.linspace(0.0, pitch, len(values) + 1)
+            found[name] = np.interp(degrees, grid, np.append(values, values[0]), period=pitch)
     return found
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -145,6 +146,10 @@ class Geometry(MachineGeometry):
 
     def discharge_law(self) -> AreaLaw:
         """Return the area law of the discharge port (M18 or M14), over the angle of a compressor."""
+        return self._discharge
+
+    @cached_property
+    def _discharge(self) -> AreaLaw:
         law = self.settings.discharge_port
         assert law is not None  # checked with the scene
         if law.law == "profile" and self.profile is not None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -39,13 +40,13 @@ class AreaLaw:
     tables: Mapping[str, Any] = field(default_factory=dict)
     own_knots: tuple[float, ...] = ()  # that the chambers beside this one do not feel
 
-    @property
+    @cached_property
     def widest(self) -> float:
         """Angle at which the port is widest [rad]."""
         angles, areas = self.rows
         return float(angles[int(np.argmax(areas))])
 
-    @property
+    @cached_property
     def opens(self) -> float | None:
         """Angle up to which the port is shut before it is widest [rad]; None where it is open from the start on."""
         angles, areas = self.rows

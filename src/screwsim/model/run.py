@@ -8,8 +8,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import cached_property
+from threading import Lock
 from types import ModuleType
 from typing import Any
 
@@ -20,7 +20,7 @@ from screwsim.model import compiled, under_scipy
 from screwsim.model.compose import Composition
 from screwsim.model.contexts import ChamberContext, CoupledContext
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
-from screwsim.model.trajectory import Trajectory
+from screwsim.model.trajectory import Trajectory, with_numbers
 from screwsim.numerics.integrators import Check
 
 MAX_STEPS = 60000  # room only: pages never written cost nothing
@@ -35,7 +35,7 @@ class Machinery:
     """
 
     def __init__(self, composition: Composition, module: ModuleType | None = None, max_steps: int = MAX_STEPS) -> None:
-        self.composition = composition = _own(composition)
+        self.composition = with_numbers(composition, composition.P.copy())
         self.module = compiled.load(composition.text) if module is None else module
         n, n_sums = len(composition.states), composition.n_sums
         self.n = n
@@ -55,12 +55,13 @@ class Machinery:
         self.counts = np.zeros(4, np.int64)
         self._contexts: dict[tuple[int, ...], Context] = {}  # by the arrays that change; it holds them
         self._together: dict[str, Any] = {}
+        self._reading = Lock()
         self.compile_time = 0.0
         self.watch: Callable[[], None] = lambda: None  # called now and then; what it raises ends the work
 
     def begin(self, composition: Composition) -> None:
         """Take on another composition of the same structure; of the one before nothing stays."""
-        self.composition = _own(composition)
+        self.composition = with_numbers(composition, composition.P.copy())
         self._contexts.clear()
         self.reset()
         self.counts[:] = 0
@@ -144,7 +145,7 @@ class Machinery:
     @property
     def trajectory(self) -> Trajectory:
         """The last turn as it stands here: the next one overwrites it."""
-        return Trajectory(self.composition, self.module, self.R, *self.last(), self.context)
+        return Trajectory(self.composition, self.module, self.R, *self.last(), self.context, self._reading)
 
     def put(self, trajectory: Trajectory) -> None:
         """Make a life the last turn, with the numbers that it was integrated with."""
@@ -295,8 +296,3 @@ class Machinery:
         life = np.concatenate([states[:, :, j] for j in range(c.chambers)])
         self.install(t, life, np.zeros((len(life), self.nq)))
         self.module.trace__work_along(*self.last(), self.context)
-
-
-def _own(composition: Composition) -> Composition:
-    """Return a composition with a copy of its numbers, to be written into."""
-    return replace(composition, P=composition.P.copy())

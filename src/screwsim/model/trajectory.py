@@ -6,7 +6,7 @@ whatever its workspace does next.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from threading import Lock
 from types import ModuleType
 from typing import NamedTuple
 
@@ -18,6 +18,13 @@ from screwsim.model.compose import Composition
 from screwsim.model.contexts import ChamberContext
 
 Array = np.ndarray
+
+
+def with_numbers(composition: Composition, P: Array) -> Composition:
+    """Return a composition with other numbers; `dataclasses.replace` takes ten times as long."""
+    found = object.__new__(Composition)
+    found.__dict__.update(composition.__dict__, P=P)
+    return found
 
 
 class Trajectory(NamedTuple):
@@ -34,6 +41,7 @@ class Trajectory(NamedTuple):
     quads: Array
     steps: int
     context: Context
+    alone: Lock  # held by who writes into the scratch of the context
 
     def copy(self) -> Trajectory:
         """Return the same, in arrays of its own that nobody writes into."""
@@ -45,7 +53,7 @@ class Trajectory(NamedTuple):
         context = Context(ChamberContext(P, c.TAB, R, times, dense, times, dense, kept, *scratch))
         for array in (times, dense, quads, P, R):
             array.flags.writeable = False
-        return Trajectory(replace(c, P=P), self.module, R, times, dense, quads, steps, context)
+        return Trajectory(with_numbers(c, P), self.module, R, times, dense, quads, steps, context, Lock())
 
     @property
     def rows(self) -> tuple[Array, Array, int]:
@@ -74,14 +82,16 @@ class Trajectory(NamedTuple):
         out = np.empty((len(angles), 4 + len(c.states)))
         flows = np.empty((len(angles), len(c.plenum_paths) + 2 * len(c.gap_paths)))
         rows = self.times, self.dense, self.quads, self.steps
-        self.module.trace__sample(angles, *rows, self.context, c.n_E, out, flows)
+        with self.alone:
+            self.module.trace__sample(angles, *rows, self.context, c.n_E, out, flows)
         return out, flows
 
     def oil_films(self, angles: Array) -> Array:
         """Return rows of the oil [kg/s] that flows in through gaps as films, each ahead and behind, at angles [rad]."""
         c = self.composition
         out = np.empty((len(angles), 2 * len(c.gap_paths)))
-        self.module.trace__oil_films(angles, *self.rows, self.context, c.n_E, out)
+        with self.alone:
+            self.module.trace__oil_films(angles, *self.rows, self.context, c.n_E, out)
         return out
 
     def peak_pressure(self, limit: float) -> float:
@@ -94,7 +104,8 @@ class Trajectory(NamedTuple):
         The flow at `points` even angles of a pitch, from the youngest chamber's 0° on; only of lines that pulsate.
         """
         into, volume = np.zeros((2, points)), np.zeros(2)
-        self.module.line_flow__into_lines(*self.rows, self.context, self.composition.n_E, into, volume)
+        with self.alone:
+            self.module.line_flow__into_lines(*self.rows, self.context, self.composition.n_E, into, volume)
         return into, volume
 
     def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:
@@ -106,7 +117,7 @@ class Trajectory(NamedTuple):
         paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), ledger.PATH_SUMS))
         warming = len(c.heats) + len(c.walls)
         heats, oil = np.zeros((max(warming, 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
-        with compiled.first(self.module, "ledger"):
+        with self.alone, compiled.first(self.module, "ledger"):
             sums = paths, heats, oil
             self.module.ledger__account(*self.rows, self.context, c.n_E, s_suction, s_discharge, *sums)
         return paths, heats[:warming], oil
@@ -118,4 +129,5 @@ class Trajectory(NamedTuple):
 
     def oil_with_outflow(self) -> tuple[float, float]:
         """Return Σ ṁ T_oil and Σ ṁ of what flows out to the discharge line."""
-        return self.module.trace__oil_with_outflow(*self.rows, self.context, self.composition.n_E)
+        with self.alone:
+            return self.module.trace__oil_with_outflow(*self.rows, self.context, self.composition.n_E)

@@ -55,7 +55,7 @@ def solve(problem: Problem, machinery: Machinery, course: Course | None = None) 
     """
     numerics, watch = problem.scene.numerics, Watch(machinery)
     tightness = 1.0 if course is None else course.tightness
-    wanted = problem.wanted.tighter(tightness)
+    wanted = problem.wanted if tightness == 1.0 else problem.wanted.tighter(tightness)
     cycle = settled(problem, machinery, wanted, _close_somehow(problem, machinery, wanted, course))
     of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
     watch.lap("closing")

@@ -49,7 +49,8 @@ def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle
         return Figures(dict.fromkeys(found))
     errors = _shown(found, finer, of.least)
     hidden = (HIDDEN if _filling(found) > 0.0 else EMPTY) if cycle.how == "histories" else ROOT
-    whole = WHOLE * (hidden if _among_leaks(of) else 1.0)
+    among_leaks = of.problem.composition.chambers > 1 and _filling(found) < LEAKY  # chambers live on what leaks
+    whole = WHOLE * (hidden if among_leaks else 1.0)
     for name, size in errors.items():
         errors[name] = whole * size if size is not None else None
     flow = found["gas_mass_flow"]
@@ -97,11 +98,6 @@ def _fed_back(of: Evaluation) -> bool:
     displaced = c.carried and parts.oil is not None and "ratio" not in parts.oil.supply
     kept = c.chambers == 1 or bool(c.own_states)
     return kept or displaced or c.ported or c.dissolves
-
-
-def _among_leaks(of: Evaluation) -> bool:
-    """Tell whether chambers live on what leaks from the others."""
-    return of.problem.composition.chambers > 1 and _filling(of.figures) < LEAKY
 
 
 def _filling(found: Figures) -> float:
