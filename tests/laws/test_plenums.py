@@ -175,7 +175,7 @@ def monolith(scene, pitches):
         leaving = flow + size.discharge_area * (p - p_d) / sound
         return np.append(f, p / (inverse * rho) * (into - leaving) / (size.discharge_volume * omega))
 
-    y, p = closed.y.copy(), p_d
+    y, p = cycle.y.copy(), p_d
     grid = np.linspace(0.0, pitch, 361)
     for _ in range(pitches):
         machinery.inject(y)
