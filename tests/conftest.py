@@ -23,24 +23,24 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as a shell's job in the
 
 # scripts/test gives each process whole files, in this order: those that take longest come first, so that none is last
 LONGEST = (
-    "study/test_accuracy_kept.py",
-    "hard/test_fuzz.py",
-    "hard/test_hard_cases.py",
-    "report/test_report.py",
-    "validation/test_sources.py",
-    "study/test_cluster.py",
-    "model/test_jacobian.py",
-    "laws/test_line_valve.py",
-    "laws/test_side_by_side.py",
-    "cli/test_process.py",
-    "model/test_checked.py",
-    "report/test_browser.py",
-    "machine/rotors/test_solids.py",
-    "hard/test_mutate.py",
-    "laws/test_plausible.py",
-    "study/test_sweep.py",
-    "study/test_accuracy.py",
-    "hard/test_alike.py",
+    "tests/study/test_accuracy_kept.py",
+    "tests/hard/test_fuzz.py",
+    "tests/hard/test_hard_cases.py",
+    "tests/report/test_report.py",
+    "tests/validation/test_sources.py",
+    "tests/study/test_cluster.py",
+    "tests/model/test_jacobian.py",
+    "tests/laws/test_line_valve.py",
+    "tests/laws/test_side_by_side.py",
+    "tests/cli/test_process.py",
+    "tests/model/test_checked.py",
+    "tests/report/test_browser.py",
+    "tests/machine/rotors/test_solids.py",
+    "tests/hard/test_mutate.py",
+    "tests/laws/test_plausible.py",
+    "tests/study/test_sweep.py",
+    "tests/study/test_accuracy.py",
+    "tests/hard/test_alike.py",
 )
 YOUNG = 50_000  # objects made between two searches for garbage; Python's own number is 700
 
@@ -53,8 +53,8 @@ NAMES = ("SCREWSIM_CACHE", "SCREWSIM_PRIVATE_CACHE", "XDG_CACHE_HOME")
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put the files that take longest first, and leave all else in its order."""
-    here, last = Path(__file__).parent, len(LONGEST)
-    place = {here / name: number for number, name in enumerate(LONGEST)}
+    root, last = Path(__file__).parents[1], len(LONGEST)
+    place = {root / name: number for number, name in enumerate(LONGEST)}
     items.sort(key=lambda item: place.get(item.path, last))
 
 

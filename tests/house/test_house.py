@@ -39,7 +39,7 @@ def test_files_of_tests_that_are_to_come_first_are_there():
     text = (ROOT / "tests" / "conftest.py").read_text()
     names = re.findall(r'^    "([\w/]+\.py)",$', text, flags=re.MULTILINE)
     assert len(names) > 10
-    assert [name for name in names if not (ROOT / "tests" / name).exists()] == []
+    assert [name for name in names if not (ROOT / name).exists()] == []
 
 
 def test_version_has_one_source():

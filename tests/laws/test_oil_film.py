@@ -181,7 +181,7 @@ def test_oil_in_the_gaps_makes_a_better_machine():
 def test_a_scene_without_films_has_none_in_its_text():
     text = compose(build_parts(make({"oil.transport": "carried"}))).text
     assert "film" not in text
-    assert "film__film_flow" in compose(build_parts(make(FILMS))).text
+    assert "chamber__film_flows" in compose(build_parts(make(FILMS))).text
 
 
 def test_explain_names_the_film():

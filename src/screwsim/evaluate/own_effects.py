@@ -190,16 +190,15 @@ def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:
         def heat(point: Point, i=i) -> float:
             T, rho, T_oil = (float(value) for value in point.y[:3])
             oil = oil_of(point) * point.m
-            return float(
-                module.heat_part(i, T, point.m, point.p, rho, point.V, point.phi, T_oil, oil, float(R[R_RATIO]), P)[0]
-            )
+            around = point.m, point.p, rho, point.V, point.phi
+            return float(module.heat_part(i, T, *around, T_oil, oil, float(R[R_RATIO]), P))
 
         yield Asked(name, "heat rate", "W", heat)
     for i, (name, _) in enumerate(parts.walls):
 
         def conductance(point: Point, i=i) -> float:
             T, rho = float(point.y[0]), float(point.y[1])
-            return float(module.wall_state(i, T, point.m, point.p, rho, point.V, point.phi, P)[0])
+            return float(module.wall_conductance(i, T, point.m, point.p, rho, point.V, point.phi, P))
 
         yield Asked(name, "conductance", "W/K", conductance, 0.0)
     for i, (name, part) in enumerate(parts.all(ChamberState)):

@@ -3,8 +3,6 @@
 Functions: `gas_state(T, rho, P, TAB)`, `gas_phase(T, rho)` → 0 or 1, `phased_state(phase, T, rho, P, TAB)` (the state
 in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
 `volume_slope_at(phi, P, TAB)`, `plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
-`heat_part(i, T, m, p, rho, V, phi, T_oil, m_oil, d, P)` → (heat into the gas, heat out of the oil) [W] of heat rate i,
-`wall_state(i, T, m, p, rho, V, phi, P)` → (conductance between gas and wall i [W/K], its temperature [K]),
 `line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself,
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
 `oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p,

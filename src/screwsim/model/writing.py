@@ -122,6 +122,13 @@ class Writer:
     def function(self, head: str, body: Sequence[str]) -> None:
         self.text.append("\n".join([f"def {head}:", *(f"    {line}" for line in body)]))
 
+    def asked(self, name: str, arguments: Sequence[str], calls: Sequence[str], before: Sequence[str] = ()) -> None:
+        """Write a function by which calls are asked one by one, by index, from Python (`evaluate.own_effects`)."""
+        slow = [f"slow = {self.slow}"] if any(call.startswith("slow *") for call in calls) else []
+        body = [line for i, call in enumerate(calls) if call for line in (f"if i == {i}:", f"    return {call}")]
+        if calls:
+            self.function(f"{name}(i, {', '.join(arguments)}, P)", [*before, *slow, *body, "return 0.0"])
+
 
 def symbols_of(parts: Parts) -> dict[str, float]:
     """Return the numbers of the scene that any kernel can ask for by name (docs/reference/nomenclature.md)."""
@@ -176,6 +183,7 @@ def write_heat(writer: Writer, heats: Sequence[HeatRate]) -> None:
     for part in heats:
         call = slow + writer.call(part.kernel, part.values, {}, HEAT_SYMBOLS)
         writer.network.heats.append(Heat(call, "d * " if part.oil_factor == "printed" else ""))
+    writer.asked("heat_part", HEAT_SYMBOLS, [each.call for each in writer.network.heats])
 
 
 def write_walls(writer: Writer, walls: Sequence[Wall]) -> None:
@@ -185,6 +193,7 @@ def write_walls(writer: Writer, walls: Sequence[Wall]) -> None:
         temperature = made(writer, held) if isinstance(held, str) else writer.numbers.add(held, "wall_temperature")
         call = slow + writer.call(wall.conductance, wall.values, {}, WALL_SYMBOLS)
         writer.network.walls.append(WallHeat(call, temperature))
+    writer.asked("wall_conductance", WALL_SYMBOLS, [each.call for each in writer.network.walls])
 
 
 def write_pulsations(writer: Writer, parts: Parts) -> None:
@@ -295,6 +304,9 @@ def write_resistances(writer: Writer, gaps: Sequence[FlowPath]) -> None:
             share = writer.call(held.share, values, {}, ("flux", "density", "oil_ratio"))
             film = writer.call(held.film, values, {}, ("drop", "oil_ratio")) if held.film is not None else ""
             writer.network.gaps[index] = replace(writer.network.gaps[index], share=share, film=film)
+    if any(gap.share for gap in writer.network.gaps):
+        writer.asked("gap_share", ("flux", "density", "oil_ratio"), [gap.share for gap in writer.network.gaps])
+        writer.asked("gap_film", ("drop", "oil_ratio"), [gap.film for gap in writer.network.gaps])
 
 
 def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:
@@ -306,6 +318,9 @@ def write_own_states(writer: Writer, own: Sequence[ChamberState], states: Sequen
     for part in own:
         call = writer.call(part.rate, part.values, {}, (*STATE_SYMBOLS, *states))
         writer.network.rates.append(f"slow * {call}" if writer.slow else call)
+    asked = {name for part in own for name in part.rate.arguments}
+    before = named_states([], states, asked)
+    writer.asked("state_rate", (*STATE_SYMBOLS, "y", "at"), writer.network.rates, before)
 
 
 def write_openings(writer: Writer, paths: Sequence[FlowPath], states: Sequence[str]) -> None:
