@@ -67,7 +67,7 @@ def run(v: Vessel, inside: tuple[float, float], outside: tuple[float, float], ti
     nq, room, n = v.composition.n_quadratures, 3000, 2
     columns = n + v.composition.n_place
     history = np.zeros(room + 1), np.zeros((room, 4, columns)), np.zeros((room, nq))
-    spaces = np.zeros(columns), np.append(np.zeros(PLACE), -1.0), np.zeros(400)
+    spaces = np.zeros(columns), np.append(np.zeros(PLACE), -1.0)
     kept = np.zeros(2, np.int64)
     context = ChamberContext(
         P,

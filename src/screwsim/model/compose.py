@@ -306,7 +306,7 @@ def _connect(network: Network, parts: Parts, plenum: Sequence[Any], gaps: Sequen
     for i, (name, path) in enumerate(plenum):
         number = parts.number(path.to)
         width = f"P[P_PORT_WIDTH + {number}]"
-        port = Port(i, name, network.cells[number], number, width, one_way=path.one_way, narrow=path.narrow)
+        port = Port(i, name, network.cells[number], number, width, one_way=path.one_way)
         network.ports.append(port)
     network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(gaps)]
     network.across = _across(parts)

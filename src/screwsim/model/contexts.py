@@ -27,18 +27,17 @@ class ChamberContext(NamedTuple):
     hints: Array  # where the last search in a history ended
     state: Array  # spare
     own: Array
-    work: Array  # sums and derivatives
 
 
 class CoupledContext(NamedTuple):
     """Of all chambers together.
 
     `places` has one of each chamber and a spare one, then the phase in which each chamber's gas is held during a step.
+    `work` takes what the chambers give each other, and derivatives (`network.chambers`).
     """
 
     P: Array
     TAB: Array
     R: Array
     places: Array
-    changed: Array  # a spare state
     work: Array

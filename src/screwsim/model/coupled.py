@@ -1,12 +1,7 @@
-"""All chambers alive at once, over one lobe pitch: each interface is evaluated once, so what leaves one enters another.
+"""All chambers alive at once, over one lobe pitch: their surroundings, and on which side of the injection each stands.
 
-Source: docs/model.md M1–M13, M24. Chamber j stands at s + j pitch; the states are y[j N + i]. The flows between
-chambers cancel exactly in the sum. The same kernels serve the Rosenbrock method and scipy's integrators.
-
-A context is a `contexts.CoupledContext`.
-
-Where effects open chambers beyond the injection angle to suction, or others to discharge, what enters the chambers
-before that angle from those beyond it is counted with what the lines' sums take for the other side's (`sideways`).
+Source: docs/model.md M24. Chamber j stands at s + j pitch. Their rates are written by `network.chambers`; a context is
+a `contexts.CoupledContext`.
 """
 
 from __future__ import annotations

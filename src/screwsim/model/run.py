@@ -37,8 +37,7 @@ class Machinery:
     def __init__(self, composition: Composition, module: ModuleType | None = None, max_steps: int = MAX_STEPS) -> None:
         self.composition = with_numbers(composition, composition.P.copy())
         self.module = compiled.load(composition.text) if module is None else module
-        n, n_sums = len(composition.states), composition.n_sums
-        self.n = n
+        self.n = n = len(composition.states)
         self.nq = composition.n_quadratures
         self.R = np.zeros(composition.n_R)
         self.max_steps = max_steps
@@ -46,12 +45,11 @@ class Machinery:
         self.histories = [self.new_history(max_steps, self.columns, self.nq) for _ in range(2)]
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
-        work = np.zeros(n_sums + (n + 2) * PLACE + (n + 1) * n_sums + n + composition.first_stream)
         paths = len(composition.plenum_paths)
         stops = np.zeros(2 * len(composition.stops) + 3)
         own = np.concatenate([np.zeros(PLACE), [FREE], np.zeros(paths), np.full(paths, FREE), stops])
         self._at_first = own.copy()
-        self.spaces = (np.zeros(self.columns), own, work)
+        self.spaces = (np.zeros(self.columns), own)
         self.counts = np.zeros(4, np.int64)
         self._contexts: dict[tuple[int, ...], Context] = {}  # by the arrays that change; it holds them
         self._together: dict[str, Any] = {}
@@ -201,7 +199,7 @@ class Machinery:
             c = self.composition
             places = np.append(np.zeros((c.chambers + 1) * PLACE), np.full(c.chambers, FREE))
             self._together = {
-                "spaces": (places, np.zeros(self.n), np.zeros(c.n_work_all)),
+                "spaces": (places, np.zeros(c.n_work_all)),
                 "history": self.new_history(self.max_steps, c.chambers * self.n, self.nq + 1),
                 "kept": np.zeros(1, np.int64),
             }

@@ -1,4 +1,4 @@
-"""Streams between places, summed by category, and the first law of the chamber that they feed.
+"""A stream of the state of a place, added to the sums of its category: what closes the mass balance of a step.
 
 Source: docs/model.md M1–M13. `sums` holds mass, enthalpy and, with carried oil, oil mass and oil mass × T_oil, and the
 gas that the oil holds where that is a state (M230).

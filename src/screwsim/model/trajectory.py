@@ -48,7 +48,7 @@ class Trajectory(NamedTuple):
         c, steps = self.composition, self.steps
         own = [self.times[: steps + 1], self.dense[:steps], self.quads[:steps], c.P, self.R]
         times, dense, quads, P, R = (array.copy() for array in own)
-        scratch = (array.copy() for array in self.context[-4:])
+        scratch = (array.copy() for array in self.context[-3:])  # hints, state, own
         kept = np.array([0, steps])
         context = Context(ChamberContext(P, c.TAB, R, times, dense, times, dense, kept, *scratch))
         for array in (times, dense, quads, P, R):

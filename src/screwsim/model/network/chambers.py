@@ -191,7 +191,7 @@ class Chambers(Cell):
         """Read what a chamber is given by the others, and on which side of the injection it stands."""
         for k, quantity in enumerate(self.network.quantities):
             to.add(f"{quantity}_between = work[j * {self.width} + {k}]")
-        to.add("side = 0 if (j + 0.5) * P[P_PITCH] < P[P_INJECTION] else 1")
+        to.add("side = coupled__side_of(j, P)")
 
     @property
     def _all(self) -> list[str]:

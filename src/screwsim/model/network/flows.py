@@ -6,7 +6,6 @@ the state of the place that it comes from: mass, enthalpy, oil, oil times temper
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from screwsim.fluid.nozzle import flow
@@ -135,11 +134,3 @@ def film_flux(to: Statements, gap: Gap, own: Place, beyond: Place) -> None:
             if sign:
                 to.add("drop = -drop")
             to.add(f"film = {sign}{gap.film}")
-
-
-def by_direction(to: Statements, what: str, inward: Callable[[], None], outward: Callable[[], None]) -> None:
-    """Write what becomes of a flow into the chamber, and out of it."""
-    with to.within(f"if {what} >= 0.0"):
-        inward()
-    with to.within("else"):
-        outward()

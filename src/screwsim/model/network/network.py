@@ -34,7 +34,6 @@ class Port:
     width: str  # of the regularisation [Pa]
     opening: str = ""  # call for the open share (drop, width, held, states); none where it is open by the angle alone
     one_way: int = 0
-    narrow: bool = False
     law: Law | None = None  # in place of the nozzle's
 
 
