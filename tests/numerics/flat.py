@@ -12,7 +12,7 @@ from screwsim.numerics.kernel import flatten
 
 Array = np.ndarray
 SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "lands", "error_size", "share_in_phase", "conserve")
-SLOTS += ("keep_places",)
+SLOTS += ("keep_places", "jump")
 
 
 class Path(NamedTuple):
@@ -39,7 +39,7 @@ class Problem(NamedTuple):
     lands: Callable[[float, Array], bool] = lambda h, J: True
 
 
-def emitted(problem: Problem) -> dict[str, Any]:
+def emitted(problem: Problem, states: int, quadratures: int) -> dict[str, Any]:
     """Return the names of the flat module with the problem in its slots."""
 
     def surroundings(phi: float, middle: float, context: Any, E: Array) -> None:
@@ -74,9 +74,9 @@ def emitted(problem: Problem) -> dict[str, Any]:
     names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian, "p_at_knot": at_knot}
     names |= {"p_error_size": error_size, "p_conserve": conserve, "p_keep_places": lambda step, dense, context: None}
     names["p_share_in_phase"], names["p_lands"] = share_in_phase, lambda h, J, *_: problem.lands(h, J)
-    text = flatten(
-        (rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p", {"JUMPS": 0, "STATES": 0, "QUADRATURES": 0}
-    )
+    names["p_jump"] = lambda y, rtol, context: True
+    sizes = {"STATES": states, "QUADRATURES": quadratures}
+    text = flatten((rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p", sizes)
     exec("\n\n".join(text.values()), names)
     return names
 
@@ -86,7 +86,7 @@ def integrate(problem: Problem, knots: Sequence[float], y0: Sequence[float], nq:
     rtol, h, room = options.get("rtol", 1e30), options.get("h", 1e30), options.get("room", 5000)
     y, q, counts, kept = np.array(y0, float), np.zeros(nq), np.zeros(4, np.int64), np.zeros(2, np.int64)
     times, dense, quads = np.zeros(room + 1), np.zeros((room, 4, len(y))), np.zeros((room, nq))
-    function = emitted(problem)["rodas__integrate_p"]
+    function = emitted(problem, len(y), nq)["rodas__integrate_p"]
     status, end, _ = function(
         np.array(knots, float), len(knots), y, q, (), rtol, h, 1, times, dense, quads, kept, counts
     )

@@ -14,11 +14,11 @@ import numpy as np
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
 from screwsim.fluid import nozzle
-from screwsim.model import chamber, ledger, slots
+from screwsim.model import ledger, slots
 from screwsim.model import stops as model_stops
 from screwsim.model.module_text import module_text
-from screwsim.model.network import balances
-from screwsim.model.network.cell import RESERVED
+from screwsim.model.network import balances, between, places, steps
+from screwsim.model.network.cell import RESERVED, Cell
 from screwsim.model.network.chamber import chamber_texts
 from screwsim.model.network.chambers import chambers_texts, room
 from screwsim.model.network.moments import moment_text
@@ -26,13 +26,11 @@ from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.parts import Parts
 from screwsim.model.sampled import unstated_knots
 from screwsim.model.slots import (
-    FEWEST,
     FIRST_OWN,
     OIL_NUMBERS,
     P_FIRST_OIL,
     P_PORT_WIDTH,
     PLACE,
-    PORT_OIL,
     Q_WALLS,
     R_SIZE,
 )
@@ -178,7 +176,8 @@ def compose(parts: Parts) -> Composition:
     stops = [part for _, part in parts.all(Stops)]
     stopped = tuple((states.index(part.position), states.index(part.speed)) for part in stops)
     opened = any(path.opening is not None for _, path in plenum)
-    network = Network(states, names, heated, carried, parts.dissolves, parts.oil_room)
+    network = Network(states, names, heated, carried, parts.dissolves, parts.oil_room, gas.varies, oil is not None)
+    network.pumped, network.positive = parts.pumped, tuple(part.positive for part in own_states)
     writer = Writer(symbols_of(parts), _fixed_numbers(parts), parts.made, network)
     _connect(network, parts, plenum, gaps)
     _refuse(parts, states, opened or bool(stops))
@@ -213,40 +212,31 @@ def compose(parts: Parts) -> Composition:
         write_openings(writer, [path for _, path in plenum], states)
     if stops:
         write_stops(writer, stops, states)
-    offsets = sorted({path.offset for _, path in gaps})
+    network.stops = len(stops)
+    resting = (model_stops.keep_at_rest, model_stops.keep_rows_at_rest, model_stops.note_end, model_stops.note_start)
+    called = (*balances.KERNELS, *places.KERNELS, *between.KERNELS, *steps.step_kernels(network), nozzle.flow)
+    for each in (*called, *(resting if stops else ())):
+        network.kernels[each.flat_name] = each
     constants = {
         "N": len(states),
-        "VARIES": int(gas.varies),
-        "PHASES": int(gas.phased_state is not None),
-        "HEATED": int(heated),
-        "CARRIED": int(carried),
-        "OILED": int(oil is not None),
+        "STORED": len(places.columns(network)),
         "N_PLENUM": len(plenum),
         "PLENUM": f"np.array({[parts.number(path.to) for _, path in plenum] or [0]})",
         "N_GAPS": len(gaps),
-        "GAP_OFFSET": f"np.array({[offsets.index(path.offset) for _, path in gaps] or [0]})",
-        "N_OFFSETS": len(offsets),
-        "OFFSETS": f"np.array({offsets or [0]})",
+        "GAP_OFFSET": f"np.array({[gap.side for gap in network.gaps] or [0]})",
+        "N_OFFSETS": len(network.offsets),
+        "OFFSETS": f"np.array({network.offsets or [0]})",
         "CHAMBERS": geometry.chambers,
     }
-    if opened:
-        constants["ONE_WAY"] = f"np.array({[path.one_way for _, path in plenum]})"
-        constants["HOLDS"] = f"np.array({[int(not path.narrow) for _, path in plenum]})"
     if stops:
         constants["STOP_POSITION"] = f"np.array({[position for position, _ in stopped]})"
         constants["STOP_SPEED"] = f"np.array({[speed for _, speed in stopped]})"
-    if own_states:
-        constants["POSITIVE"] = f"np.array({[int(part.positive) for part in own_states]})"
-    structure = _structure(parts) | {"WIDTH": (5 if parts.dissolves else 4) if carried else 2}
-    structure |= {"OWN_STATES": len(names), "OPENED": int(opened), "STOPS": len(stops)}
-    network.stops = len(stops)
-    resting = (model_stops.keep_at_rest, model_stops.keep_rows_at_rest, model_stops.note_end, model_stops.note_start)
-    for each in (*balances.KERNELS, nozzle.flow, *(resting if stops else ())):
-        network.kernels[each.flat_name] = each
+    cell = Cell(network)
+    structure = _structure(parts) | {"STOPS": len(stops), "QUADRATURES": len(cell.quadratures)}
     texts, kernels = chamber_texts(network.key())
     texts = *writer.text, *texts, moment_text(network.key())
     n_areas = 4 + len(plenum)
-    structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * chamber.SIDE * len(offsets)
+    structure["E_LINES"] = n_areas + 2 * len(gaps) + 2 * (PLACE + 1) * len(network.offsets)
     structure["ALL_LINES"] = geometry.chambers * (n_areas + len(gaps))
     held = (FIRST_OWN + len(parts.plenums)) * PLACE if parts.pulsations else 0
     numbers = writer.numbers
@@ -263,9 +253,9 @@ def compose(parts: Parts) -> Composition:
         gap_paths=tuple((name, path.offset) for name, path in gaps),
         ends=(*(path.to for _, path in plenum), *("discharge" for _ in gaps)),
         heats=tuple(name for name, _ in heating),
-        n_place=5 if gas.varies else 2,
-        n_sums=structure["CATEGORIES"] * structure["WIDTH"],
-        width=structure["WIDTH"],
+        n_place=constants["STORED"],
+        n_sums=len(cell.sums) * len(network.quantities),
+        width=len(network.quantities),
         n_E=structure["E_LINES"] + held,
         n_E_all=structure["ALL_LINES"] + held,
         chambers=geometry.chambers,
@@ -306,8 +296,9 @@ def _connect(network: Network, parts: Parts, plenum: Sequence[Any], gaps: Sequen
     for i, (name, path) in enumerate(plenum):
         number = parts.number(path.to)
         width = f"P[P_PORT_WIDTH + {number}]"
-        port = Port(i, name, network.cells[number], number, width, one_way=path.one_way)
-        network.ports.append(port)
+        network.ports.append(
+            Port(i, name, network.cells[number], number, width, one_way=path.one_way, narrow=path.narrow)
+        )
     network.gaps = [Gap(i, name, network.offsets.index(path.offset)) for i, (name, path) in enumerate(gaps)]
     network.across = _across(parts)
     network.pulsating, network.chambers = bool(parts.pulsations), parts.geometry.chambers
@@ -373,17 +364,9 @@ def _refuse(parts: Parts, states: Sequence[str], opened: bool) -> None:
 
 
 def _structure(parts: Parts) -> dict[str, int]:
-    """Return the numbers that decide what is pasted, and those that move with them (slots.Structure)."""
-    own, ported = len(parts.plenums), parts.oil_port is not None
-    walls = len(parts.walls)
-    found = {"OWN_PLENUMS": own, "PORTED": int(ported), "VOLUMED": int(parts.oil_room)}
-    found["PULSATING"] = int(bool(parts.pulsations))
-    found["ACROSS"] = int(_across(parts))
-    found["Q_STREAMS"] = Q_WALLS + 2 * walls
-    found |= {"PUMPED": int(parts.pumped), "FILMED": int(any(parts.films))}
-    found["DISSOLVES"] = int(parts.dissolves)
-    found["CATEGORIES"] = PORT_OIL + 1 + 2 * own if own or ported else FEWEST
-    return found | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}
+    """Return the number of own plenums, and where numbers of the oil stand in P, which moves with it."""
+    own = len(parts.plenums)
+    return {"OWN_PLENUMS": own} | {name: P_FIRST_OIL + own + i for i, name in enumerate(OIL_NUMBERS)}
 
 
 def _across(parts: Parts) -> bool:

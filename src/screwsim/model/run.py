@@ -274,7 +274,7 @@ class Machinery:
         c = self.composition
         index = round(c.P[P_INJECTION] / c.P[P_PITCH])
         if index < c.chambers:
-            self.module.chamber_steps__inject(y, index * self.n, c.P, c.TAB, self.R)
+            self.module.chamber__inject(y, index * self.n, c.P, c.TAB, self.R)
 
     def shift(self, y: Array) -> Array:
         """Return the states one pitch on: each chamber takes the next place, the last begins anew with what it kept."""

@@ -42,7 +42,7 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
     machinery.kept[0] = steps
     at = int(np.searchsorted(times[: steps + 1], c.P[P_INJECTION] - 1e-9))
     if at < steps:  # nothing jumps there: what is noted is the trapped mass
-        module.chamber_steps__inject(dense[at, 0, : machinery.n].copy(), 0, c.P, c.TAB, machinery.R)
+        module.chamber__inject(dense[at, 0, : machinery.n].copy(), 0, c.P, c.TAB, machinery.R)
     module.places__places_along(dense, steps, context)
     module.trace__work_along(times, dense, quads, steps, context)
     return int(path.message != ""), path.times[-1], h, q
