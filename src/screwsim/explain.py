@@ -34,7 +34,8 @@ from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
 from screwsim.machine.settings import TwinScrew
 from screwsim.machine.slider_crank.settings import SliderCrank
-from screwsim.model.compose import HELD_GAS, Composition, compose
+from screwsim.model.compose import HELD_GAS, compose
+from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
 from screwsim.scene.fields import Leaf, Section, section_of
 from screwsim.scene.grid import case_count, dimensions

@@ -9,7 +9,7 @@ from scenes import make
 from screwsim.build import build_parts
 from screwsim.effects import catalogue, find_effect, gap, tip_leakage
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.model.writing import symbols_of
+from screwsim.model.numbers import symbols_of
 from screwsim.numerics.spline import pack_curve
 
 PARTS = build_parts(make())

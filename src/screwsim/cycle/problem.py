@@ -14,8 +14,9 @@ from screwsim.cycle.suction import SuctionState, suction_of
 from screwsim.cycle.wanted import Wanted, wanted_of
 from screwsim.effects.base import Made
 from screwsim.figures import called_for
-from screwsim.model.compose import Composer, Composition
+from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
+from screwsim.model.series import Composer
 from screwsim.model.slots import DENSITY, ENTHALPY
 from screwsim.numerics.integrators import Rosenbrock, find_integrator
 from screwsim.numerics.made import Entries, Entry

@@ -15,9 +15,9 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.orifice import outside_fit
+from screwsim.model.impacts import MOST_IMPACTS
 from screwsim.model.pulsation import LOWEST
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
-from screwsim.model.stops import MOST_IMPACTS
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.integrators import check_of
 from screwsim.outputs import Figures

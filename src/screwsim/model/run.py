@@ -17,7 +17,7 @@ import numpy as np
 
 from screwsim.codegen.calls import Context
 from screwsim.model import compiled, under_scipy
-from screwsim.model.compose import Composition
+from screwsim.model.composition import Composition
 from screwsim.model.contexts import ChamberContext, CoupledContext
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
 from screwsim.model.trajectory import Trajectory, with_numbers

@@ -15,20 +15,17 @@ kilogram of oil holds,
 `stop_push(k, p, p_suction, p_discharge, y, at, P)` → acceleration at rest of what moves between seat and stop k,
 `restitution(k, P)` → speed after over speed before an impact on its seat, and on its stop.
 
-Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), PHASES (0 or
-1: can it have two phases), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass),
-OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge, from 3 on an effect's own plenum), N_GAPS
-and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
+`neighbour(columns, P, R, E, at)`, `beyond_last(R, E, at)` → the place of a neighbour, or of the line ahead of the last
+chamber, at E[at]; `stored(T, rho, P, TAB, out)` → what a history holds beyond the states (STORED numbers);
+`lines_at(phi, P, R, E)` → the places of lines that pulsate, of one chamber and of all (`all_lines_at`),
+`mass_rate(theta, step, times, dense, E, y, P)` → dm/dφ [kg/rad] of a chamber's gas along a step,
+`balanced(flows, mass_rate, E, own, R, P)` → the flow through the widest port from the mass balance.
 
-Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
-ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE
-is a constant, too), STOPS (how many of them move between a seat and a stop; then STOP_POSITION and STOP_SPEED, where
-they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), FILMED (1: oil leaks
-through gaps beside the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump feeds the oil port), ACROSS
-(1: effects open chambers beyond the injection angle to suction, or others to discharge), DISSOLVES (1: what the oil
-holds is a state), CATEGORIES, WIDTH (sums of a category: mass, enthalpy, and with carried oil its mass, that times its
-temperature and, where it dissolves, what it holds), Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand
-in E of one chamber and of all), and the indices into P that move with them.
+Constants: N (states of a chamber), STORED, N_PLENUM and PLENUM (path → 0 suction, 1 discharge, from 3 on an effect's
+own plenum), N_GAPS and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at
+once), OWN_PLENUMS (how many effects' own plenums), STOPS (how many own states move between a seat and a stop; then
+STOP_POSITION and STOP_SPEED, where they stand), E_LINES and ALL_LINES (where the plenums' places stand in E of one
+chamber and of all), and the indices into P that move with the number of own plenums.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -98,7 +95,7 @@ OIL_NUMBERS = ("P_C_OIL", "P_T_OIL", "P_TO_RATIO", "P_ROOM", "P_P_SOURCE", "P_H_
 # a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T, and what
 # a kilogram of the oil holds dissolved.
 # Where oil takes room the density is that which the flow feels, and the temperature is enthalpy over heat capacity of
-# the oil (room.with_room).
+# the oil (network.places).
 PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT, DISSOLVED = range(11)
 PLACE = 11
 S_T, S_RHO, S_T_OIL, S_X_OIL = range(4)  # states of a chamber: of the gas, of the oil, oil per gas
@@ -122,15 +119,10 @@ E_VOLUME, E_SLOPE, E_OILED, E_ANGLE, E_AREAS = range(5)
 # categories of streams: suction in, suction out, discharge in, discharge out, between chambers (net); with own plenums
 # or oil ports also the oil that comes through ports, then in and out of each own plenum: 2 i and 2 i + 1 of plenum i
 SUCTION_IN, SUCTION_OUT, DISCHARGE_IN, DISCHARGE_OUT, BETWEEN, PORT_OIL = range(6)
-CATEGORIES: Any = Structure("CATEGORIES")
-FEWEST = 5  # categories
-# sums of a category: mass, enthalpy, oil, that times its temperature, what it holds
-STREAM_MASS, STREAM_ENTHALPY, STREAM_OIL, STREAM_OIL_HEAT, STREAM_HELD = range(5)
 
 # quadratures: work on the gas, heat from the oil, of each wall heat into the gas and conductance, then per category
 # mass, enthalpy (oil mass, oil mass × T_oil, gas that it holds)
 Q_WORK, Q_HEAT, Q_WALLS = range(3)
-Q_STREAMS: Any = Structure("Q_STREAMS")
 
 # what written texts call by these names
 FIXED = (

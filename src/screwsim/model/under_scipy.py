@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from screwsim.model.meetings import Meetings
+from screwsim.model.impact_events import Meetings
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, PLACE, Q_WALLS
 from screwsim.numerics.integrators import Check
 from screwsim.numerics.scipy_integrators import Slopes, integrate

@@ -8,7 +8,7 @@ from __future__ import annotations
 from screwsim.model.network.cell import Cell
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
-from screwsim.model.room import gas_mass, gas_mass_slope
+from screwsim.model.oil_displacement import gas_mass, gas_mass_slope
 from screwsim.numerics.rodas import dense_slope
 
 NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does

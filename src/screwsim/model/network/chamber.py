@@ -111,7 +111,7 @@ class Chamber(Cell):
             ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', CONTEXT],
             [*self.states(), f"phase = {held}" if self.network.phases else "phase = 0"],
             [*self._body(False), *KEPT, *self._stored()],
-            ["stops__keep_at_rest(own, f)", "stops__note_end(E, own)"] if self.network.stops else [],
+            ["impacts__keep_at_rest(own, f)", "impacts__note_end(E, own)"] if self.network.stops else [],
         )
 
     def jacobian(self) -> str:
@@ -134,8 +134,8 @@ class Chamber(Cell):
             if port.one_way
         ]
         if network.stops:
-            after += [f"stops__keep_at_rest(own, {name})" for name in ("f", "f_phi")]
-            after += [f"stops__keep_rows_at_rest(own, J, {len(states)})", "stops__note_start(E, own)"]
+            after += [f"impacts__keep_at_rest(own, {name})" for name in ("f", "f_phi")]
+            after += [f"impacts__keep_rows_at_rest(own, J, {len(states)})", "impacts__note_start(E, own)"]
         return function(
             "chamber__jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)",
             ['"""Fill f, g and their derivatives by y and by phi; E_next is E at phi + delta."""', CONTEXT],

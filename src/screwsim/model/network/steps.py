@@ -5,14 +5,14 @@ Source: docs/model.md M9, M30, M104–M110; docs/explanation/numerics.md.
 
 from __future__ import annotations
 
+from screwsim.model.impacts import begin, put_within, share_before_event, take_event
 from screwsim.model.network.balances import heads
 from screwsim.model.network.cell import Cell
 from screwsim.model.network.flows import NUMBERS, Place, stream_terms
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
+from screwsim.model.oil_displacement import density_of, displaced, locked
 from screwsim.model.places import IMPOSSIBLE, NO_OIL, SHARP, SOME_GAS, SOME_OIL, relative, share_before_border
-from screwsim.model.room import density_of, displaced, locked
-from screwsim.model.stops import begin, put_within, share_before_event, take_event
 from screwsim.model.valve import share_before_switch
 from screwsim.numerics.kernel import Kernel
 
@@ -49,7 +49,7 @@ def _error(network: Network) -> str:
     """
     to, positive = Statements(), dict(zip(network.own_states, network.positive, strict=True))
     if network.roomed:
-        with to.within("if room__locked(y1, at, P)"):
+        with to.within("if oil_displacement__locked(y1, at, P)"):
             to.add(f"return {IMPOSSIBLE!r}")
     to.add("worst = 0.0")
     if network.carried:
@@ -110,7 +110,7 @@ def _inject(network: Network) -> str:
         to.add("injected = max(0.0, offered - before) if P[P_TO_RATIO] > 0.0 else offered", "R[R_INJECTED] = injected")
         to.add("total = before + injected", "R[R_RATIO] = total / m")
         if network.roomed:
-            to.add("room__displaced(y, at, m, V, before, injected, P, TAB, R)", "y[at + 3] = total / m")
+            to.add("oil_displacement__displaced(y, at, m, V, before, injected, P, TAB, R)", "y[at + 3] = total / m")
         elif network.carried:
             with to.within("if total > 0.0"):
                 to.add("y[at + 2] = (before * y[at + 2] + injected * P[P_T_OIL]) / total")
@@ -131,7 +131,7 @@ def _at_knot(network: Network) -> str:
         to.add("chamber__inject(y, 0, P, TAB, R)")
     if network.stops:
         with to.within("if phi == 0.0"):
-            to.add("stops__begin(y, own, R, P, TAB)")
+            to.add("impacts__begin(y, own, R, P, TAB)")
     return function("chamber__at_knot(phi, y, context)", [CONTEXT], to.lines)
 
 
@@ -145,7 +145,7 @@ def _share_in_phase(network: Network) -> str:
             to.add(f"held = own[OPENING + {n + port.index}]")
             ends = f"{port.one_way}, {line}, {port.width}, held, share"
             to.add(f"share = valve__share_before_switch({ends}, y, y1, u, P, TAB)")
-    tests = ["stops__share_before_event(y, y1, u, rtol, own, R, P, TAB)"] if network.stops else []
+    tests = ["impacts__share_before_event(y, y1, u, rtol, own, R, P, TAB)"] if network.stops else []
     if network.phases:
         steep = "own[TPT] / own[PRESSURE]"
         tests.append(f"places__share_before_border(own[PLACE], y, y1, u, 0, {steep}, rtol)")
@@ -158,7 +158,7 @@ def _share_in_phase(network: Network) -> str:
 
 def _jump(network: Network) -> str:
     """Return the text of what happens between two steps; it tells whether the integration may go on."""
-    body = "stops__take_event(y, rtol, own, R, P, TAB)" if network.stops else "True"
+    body = "impacts__take_event(y, rtol, own, R, P, TAB)" if network.stops else "True"
     return function("chamber__jump(y, rtol, context)", [CONTEXT, f"return {body}"])
 
 
@@ -193,14 +193,14 @@ def _conserve(network: Network) -> str:
             with to.within("if area > widest"):
                 to.add("widest = area", f"line = {port.number}")
     if network.stops:
-        to.add("stops__put_within(y1, own)")
+        to.add("impacts__put_within(y1, own)")
     to.add("defect = chamber__gas(E_next[E_VOLUME], y1, 0, P) - chamber__gas(E[E_VOLUME], y, 0, P)")
     first = len(heads(network))
     to.add(*(f"defect -= dq[{first + c * width}]" for c in range(len(cell.sums))))
     with to.within("if widest == 0.0"):
         if network.roomed:
             to.add("m = chamber__gas(E_next[E_VOLUME], y1, 0, P) - defect")
-            to.add("y1[1] = room__density_of(m, E_next[E_VOLUME], y1[3], P)")
+            to.add("y1[1] = oil_displacement__density_of(m, E_next[E_VOLUME], y1[3], P)")
         else:
             to.add("y1[1] -= defect / E_next[E_VOLUME]")
         to.add("return")

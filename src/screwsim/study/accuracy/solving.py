@@ -24,7 +24,7 @@ from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.model import leases
-from screwsim.model.compose import Composition
+from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.integrators import DEFAULT, check_of

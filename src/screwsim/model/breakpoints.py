@@ -1,16 +1,20 @@
-"""Where steps shall end in the area laws of a user's effects, whatever these state: sampled, as they are not known.
+"""The angles of one life at which steps shall end: where laws are not smooth.
 
-The laws of the package's own effects state their knots, and are not sampled: that takes some milliseconds.
+The laws of the package's own effects state them. Those of a user's effects are sampled, whatever these state, as they
+are not known; that takes some milliseconds.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from screwsim.effects.base import FlowPath
+from screwsim.model.numbers import symbols_of
+from screwsim.model.parts import Parts
 from screwsim.numerics.spline import features, pack_curve
 
 Array = np.ndarray
@@ -18,7 +22,35 @@ EVERY = math.radians(0.2)  # a feature that is narrower may be missed
 STATED = math.radians(0.5)  # from a stated knot, within which no other is needed
 
 
-def unstated_knots(name: str, path: FlowPath, symbols: Mapping[str, float], life: float) -> tuple[float, ...]:
+def breakpoints(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], more: Sequence[float]) -> np.ndarray:
+    """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
+    geometry, paths = parts.geometry, [path for _, path in named]
+    own = {geometry.injection_angle, *law.knots, *more}
+    for path in paths:
+        own.update(path.knots)
+    shifts = {0}
+    for path in paths:
+        shifts |= {path.offset, -path.offset}
+    found = [knot + shift * geometry.pitch for knot in own for shift in shifts]
+    found += law.own_knots
+    for path in paths:
+        found += [knot + shift * geometry.pitch for knot in path.own_knots for shift in {0, path.offset}]
+    symbols = symbols_of(parts)
+    for name, path in named:
+        unstated = _unstated(name, path, symbols, geometry.life)
+        found += [knot + shift * geometry.pitch for knot in unstated for shift in {0, path.offset}]
+    # where a neighbour is born or ends
+    found += [shift * geometry.pitch + edge for shift in shifts for edge in (0.0, geometry.life)]
+    inside = sorted({0.0, geometry.life, *(knot for knot in found if 0.0 < knot < geometry.life)})
+    kept = [inside[0]]
+    for knot in inside[1:]:
+        if knot - kept[-1] > 1e-7:
+            kept.append(knot)
+    kept[-1] = geometry.life
+    return np.array(kept)
+
+
+def _unstated(name: str, path: FlowPath, symbols: Mapping[str, float], life: float) -> tuple[float, ...]:
     """Return the angles [rad] of a path's features that it does not state; none of an effect of the package."""
     if "." not in name:
         return ()
