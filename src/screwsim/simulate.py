@@ -51,7 +51,7 @@ def _balanced(accurate: Accurate, trace: bool) -> tuple[Figures, Ledger | None]:
     of = accurate.evaluation
     balance = balance_of(of)
     book = ledger(of) if trace or of.problem.scene.numerics.error == "estimate" else None
-    balance["entropy"] = None if book is None else book.entropy_residue(of.least[0])
+    balance["entropy"] = None if book is None else book.entropy_residual(of.least[0])
     return balance, book
 
 

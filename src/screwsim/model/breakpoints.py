@@ -19,33 +19,33 @@ from screwsim.numerics.spline import features, pack_curve
 
 Array = np.ndarray
 EVERY = math.radians(0.2)  # a feature that is narrower may be missed
-STATED = math.radians(0.5)  # from a stated knot, within which no other is needed
+STATED = math.radians(0.5)  # from a stated breakpoint, within which no other is needed
 
 
 def breakpoints(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], more: Sequence[float]) -> np.ndarray:
     """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
     geometry, paths = parts.geometry, [path for _, path in named]
-    own = {geometry.injection_angle, *law.knots, *more}
+    own = {geometry.injection_angle, *law.breakpoints, *more}
     for path in paths:
-        own.update(path.knots)
+        own.update(path.breakpoints)
     shifts = {0}
     for path in paths:
         shifts |= {path.offset, -path.offset}
-    found = [knot + shift * geometry.pitch for knot in own for shift in shifts]
-    found += law.own_knots
+    found = [at + shift * geometry.pitch for at in own for shift in shifts]
+    found += law.own_breakpoints
     for path in paths:
-        found += [knot + shift * geometry.pitch for knot in path.own_knots for shift in {0, path.offset}]
+        found += [at + shift * geometry.pitch for at in path.own_breakpoints for shift in {0, path.offset}]
     symbols = symbols_of(parts)
     for name, path in named:
         unstated = _unstated(name, path, symbols, geometry.life)
-        found += [knot + shift * geometry.pitch for knot in unstated for shift in {0, path.offset}]
+        found += [at + shift * geometry.pitch for at in unstated for shift in {0, path.offset}]
     # where a neighbour is born or ends
     found += [shift * geometry.pitch + edge for shift in shifts for edge in (0.0, geometry.life)]
-    inside = sorted({0.0, geometry.life, *(knot for knot in found if 0.0 < knot < geometry.life)})
+    inside = sorted({0.0, geometry.life, *(at for at in found if 0.0 < at < geometry.life)})
     kept = [inside[0]]
-    for knot in inside[1:]:
-        if knot - kept[-1] > 1e-7:
-            kept.append(knot)
+    for at in inside[1:]:
+        if at - kept[-1] > 1e-7:
+            kept.append(at)
     kept[-1] = geometry.life
     return np.array(kept)
 
@@ -58,7 +58,7 @@ def _unstated(name: str, path: FlowPath, symbols: Mapping[str, float], life: flo
     areas = _areas(path, symbols, angles)
     if areas is None or not np.all(np.isfinite(areas)) or areas.max() <= 0.0:
         return ()
-    stated = np.array([*path.knots, *path.own_knots, 0.0, life])
+    stated = np.array([*path.breakpoints, *path.own_breakpoints, 0.0, life])
     return tuple(x for x in features(angles, areas) if np.min(np.abs(stated - x)) > STATED)
 
 

@@ -82,7 +82,7 @@ def compose(parts: Parts) -> Composition:
         together=_together(writer, network, constants, structure),
         P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
-        knots=breakpoints(parts, geometry.volume_law(), named, port.knots if port is not None else ()),
+        breakpoints=breakpoints(parts, geometry.volume_law(), named, port.breakpoints if port is not None else ()),
         states=network.states,
         plenum_paths=tuple(name for name, _ in plenum),
         gap_paths=tuple((name, path.offset) for name, path in gaps),

@@ -21,13 +21,13 @@ class Recipe:
 
 @dataclass(frozen=True)
 class Composition:
-    """A model ready to be compiled (`text`) and run (`P`, `TAB`, `knots`)."""
+    """A model ready to be compiled (`text`) and run (`P`, `TAB`, `breakpoints`)."""
 
     text: str
     together: Callable[[], str] = field(compare=False)  # the text of all chambers, written when it is asked for
     P: np.ndarray
     TAB: np.ndarray
-    knots: np.ndarray  # of one chamber's life, neighbours' included [rad]
+    breakpoints: np.ndarray  # of one chamber's life, neighbours' included [rad]
     states: tuple[str, ...]
     plenum_paths: tuple[str, ...]
     gap_paths: tuple[tuple[str, int], ...]  # effect, lobe offset

@@ -10,7 +10,7 @@ from screwsim.numerics import history, rodas
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
 # what the integrator calls of both drivers: by its slot (rodas.py)
-ASKED = ("rates", "jacobian", "error_size", "share_in_phase", "conserve", "at_knot", "jump")  # and written
+ASKED = ("rates", "jacobian", "error_size", "share_in_phase", "conserve", "at_breakpoint", "jump")  # and written
 ONE = {name: f"chamber__{name}" for name in ASKED}
 ALL = {name: f"chambers__{name}" for name in (*ASKED, "keep_places")}
 KERNELS = {"surroundings": chamber.surroundings, "keep_places": places.keep_places, "lands": closing_ports.lands}

@@ -32,7 +32,7 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
         meetings.begin(y, rtol)
     kernels = module.chamber__surroundings, module.chamber__rates, module.chamber__jacobian
     slopes = _slopes(machinery, kernels, context, (own[PLACE : PLACE + 1], own[held]), len(y), c.n_E, machinery.nq)
-    end, q, path = integrate(*slopes, c.knots, y, _scales(machinery, q_scale), rtol, check, meetings)
+    end, q, path = integrate(*slopes, c.breakpoints, y, _scales(machinery, q_scale), rtol, check, meetings)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls, path.jacobians])
@@ -56,7 +56,7 @@ def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -
     kernels = module.coupled__all_surroundings, module.chambers__rates, module.chambers__jacobian
     held, context = space["spaces"][0][-c.chambers :], machinery.coupled_context
     slopes = _slopes(machinery, kernels, context, (held,), len(y), c.n_E_all, machinery.nq + 1)
-    end, q, path = integrate(*slopes, machinery.pitch_knots(), y, _scales(machinery, q_scale), rtol, check)
+    end, q, path = integrate(*slopes, machinery.pitch_breakpoints(), y, _scales(machinery, q_scale), rtol, check)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls * c.chambers, path.jacobians * c.chambers])

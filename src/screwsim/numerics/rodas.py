@@ -9,15 +9,14 @@ q += h [Σ β_i g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 �
 the system enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
 
 The model is reached by ten slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
-derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state), `lands`
-(whether one step may take all that is left of a segment, from the surroundings at both ends), `error_size` (the size
-of a step's error; huge for a state that cannot be: a smaller step is tried),
-`share_in_phase` (the share of a step after which the equations change their form, 1 where they do not: the step is made
-again that long), `conserve` (closes the balances of an accepted step, in its end and its quadratures), `keep_places`
-(fills columns of the dense output beyond the states), `jump` (changes the state from which the next step begins where
-that is due, and tells whether the integration may go on; that a step ends there is the work of `share_in_phase`). Steps
-land on knots and keep their size across them. STATES and QUADRATURES, their numbers, are constants of the text, so that
-short loops are unrolled.
+derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_breakpoint` (jumps of the state),
+`lands` (whether one step may take all that is left of a segment, from the surroundings at both ends), `error_size` (the
+size of a step's error; huge for a state that cannot be: a smaller step is tried), `share_in_phase` (the share of a step
+after which the equations change their form, 1 where they do not: the step is made again that long), `conserve` (closes
+the balances of an accepted step, in its end and its quadratures), `keep_places` (fills columns of the dense output
+beyond the states), `jump` (changes the state from which the next step begins where that is due, and tells whether the
+integration may go on; that a step ends there is the work of `share_in_phase`). Steps land on breakpoints and keep their
+size across them. STATES and QUADRATURES, their numbers, are constants of the text, so that short loops are unrolled.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ from screwsim.numerics.linear import lu_factor, lu_solve
 surroundings = Slot("surroundings")
 rates = Slot("rates")
 jacobian = Slot("jacobian")
-at_knot = Slot("at_knot")
+at_breakpoint = Slot("at_breakpoint")
 lands = Slot("lands")
 error_size = Slot("error_size")
 share_in_phase = Slot("share_in_phase")
@@ -170,8 +169,8 @@ def keep(step, phi, h, n, nq, y, y1, q, u, times, dense, quads):
 
 
 @kernel
-def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, quads, kept, counts):
-    """Integrate y and the quadratures q (both in place) over the knots; return (status, φ reached, next step size).
+def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, times, dense, quads, kept, counts):
+    """Integrate y and the quadratures q (both in place) over the breakpoints; return (status, φ reached, next step).
 
     Fills times[0…steps], dense[step] and quads[step] (see `keep`, `keep_places`), kept[0] = steps so far (readable by
     the slots while integrating); adds to counts: accepted steps, rejected ones, calls of `rates`, Jacobians.
@@ -195,15 +194,15 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
     pivots = np.empty(n, np.int64)
     h = h_start
     longest = math.inf  # a step to where the equations change; what follows goes on with h
-    phi = knots[0]
+    phi = breakpoints[0]
     step = 0
     kept[0] = 0
-    times[0] = knots[0]
-    for segment in range(n_knots - 1):
-        phi = knots[segment]
-        end = knots[segment + 1]
+    times[0] = breakpoints[0]
+    for segment in range(n_breakpoints - 1):
+        phi = breakpoints[segment]
+        end = breakpoints[segment + 1]
         middle = 0.5 * (phi + end)
-        at_knot(phi, y, context)
+        at_breakpoint(phi, y, context)
         surroundings(end, middle, context, E_end)
         surroundings(phi, middle, context, E)
         fresh = True

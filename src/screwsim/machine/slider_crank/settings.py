@@ -82,7 +82,7 @@ class SliderCrank(MachineSettings):
             "offset": self.offset,
         }
 
-    def knots(self) -> tuple[float, ...]:
+    def breakpoints(self) -> tuple[float, ...]:
         """Return the angles [rad] of a life at which dV/dφ changes its sign; the law itself is smooth everywhere."""
         return (self.bottom - self.top,)
 

@@ -22,7 +22,7 @@ CONTEXT = "P, TAB, R, own = context.P, context.TAB, context.R, context.own"
 def step_texts(network: Network) -> list[str]:
     """Return the functions that the integrator asks of one chamber, and those that both drivers share."""
     return [
-        *(_error(network), _error_size(), _inject(network), _at_knot(network), _share_in_phase(network)),
+        *(_error(network), _error_size(), _inject(network), _at_breakpoint(network), _share_in_phase(network)),
         *(_into(network), _conserve(network), _jump(network)),
     ]
 
@@ -124,15 +124,15 @@ def _inject(network: Network) -> str:
     )
 
 
-def _at_knot(network: Network) -> str:
-    """Return the text of the jumps at knots of a chamber's life: oil is injected at its angle."""
+def _at_breakpoint(network: Network) -> str:
+    """Return the text of the jumps at breakpoints of a chamber's life: oil is injected at its angle."""
     to = Statements()
     with to.within("if abs(phi - P[P_INJECTION]) < 1e-9"):
         to.add("chamber__inject(y, 0, P, TAB, R)")
     if network.stops:
         with to.within("if phi == 0.0"):
             to.add("impacts__begin(y, own, R, P, TAB)")
-    return function("chamber__at_knot(phi, y, context)", [CONTEXT], to.lines)
+    return function("chamber__at_breakpoint(phi, y, context)", [CONTEXT], to.lines)
 
 
 def _share_in_phase(network: Network) -> str:

@@ -21,7 +21,7 @@ def step_texts_together(network: Network) -> list[str]:
         function(head, ["pass"])
         # the only jump, oil injection, lies at the border between two pitches; places are filled when the pitch becomes
         # a life (`places.places_along`)
-        for head in ("chambers__at_knot(phi, y, context)", "chambers__keep_places(step, dense, context)")
+        for head in ("chambers__at_breakpoint(phi, y, context)", "chambers__keep_places(step, dense, context)")
     ]
     jump = function("chambers__jump(y, rtol, context)", ["return True"])
     return [_error_size(network), _share_in_phase(network), _conserve(network), *nothing, jump]

@@ -25,7 +25,7 @@ _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_versi
 
 
 class Check(NamedTuple):
-    """One residue: what, the largest over all cases, the bound, and whether it was kept."""
+    """One residual: what, the largest over all cases, the bound, and whether it was kept."""
 
     what: str
     largest: str
@@ -99,7 +99,7 @@ def ranges(results: Results) -> list[tuple[str, str, str, str]]:
 
 
 def checks(results: Results) -> list[Check]:
-    """Return the largest residue of each balance over all cases that claim to have closed, against their bound."""
+    """Return the largest residual of each balance over all cases that claim to have closed, against their bound."""
     rows = []
     closed = results.status == "ok"
     for name in _BALANCES:
