@@ -9,7 +9,7 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
-PASSES, CODE = 1, 3  # of LLVM's levels 0 to 3: more passes take twice the time to compile, and what they make is no faster
+PASSES, CODE = 1, 3  # of LLVM's levels 0 to 3: more passes take twice the time, and what they make is no faster
 
 
 _alone = threading.RLock()
