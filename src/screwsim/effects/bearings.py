@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from math import hypot, pi
 
 from screwsim.declare import choice, count, number, quantity
-from screwsim.effects.base import Effect, PowerLoss
+from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.effects.oil_drag import film_temperature
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
@@ -107,34 +107,29 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
     return [PowerLoss("bearing_power", power)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults = []
+def check(parameters: Parameters, facts) -> Faults:
     for chosen, table in ((parameters.friction, _OF_FRICTION), (parameters.load, _OF_LOAD)):
         for word, names in table.items():
-            faults += _belonging(parameters, chosen, word, names)
+            yield from _belonging(parameters, chosen, word, names)
     if parameters.friction == "two_term":
         if facts.oil is None or facts.oil_supply is None:
             what = "two_term needs oil and oil_supply, absent here (write those, or friction: simple)"
-            faults.append(Fault("effects.bearings.friction", what))
+            yield Fault("effects.bearings.friction", what)
         elif not facts.oil.knows_viscosity:
-            what = "is missing (effects.bearings.friction: two_term needs it, or oil.name)"
-            faults.append(Fault("oil.viscosity", what))
+            yield Fault("oil.viscosity", "is missing (effects.bearings.friction: two_term needs it, or oil.name)")
     elif parameters.film_temperature is not None:
-        faults.append(Fault("effects.bearings.film_temperature", "belongs to friction: two_term (remove it)"))
-    return faults
+        yield Fault("effects.bearings.film_temperature", "belongs to friction: two_term (remove it)")
 
 
-def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str, ...]) -> list[Fault]:
-    """Return what a choice lacks, and what is given that belongs to the other word of it."""
-    faults = []
+def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str, ...]) -> Faults:
+    """Yield what a choice lacks, and what is given that belongs to the other word of it."""
     for name in names:
         given, path = getattr(parameters, name) is not None, f"effects.bearings.{name}"
         if word == chosen and not given:
             example = _EXAMPLES.get(name, "8 kN" if name.endswith("load") else "30 cm^2")
-            faults.append(Fault(path, f"is missing ({word} needs it, e.g. {name}: {example})"))
+            yield Fault(path, f"is missing ({word} needs it, e.g. {name}: {example})")
         elif word != chosen and given:
-            faults.append(Fault(path, f"belongs to {word}, and {chosen} is chosen (remove it)"))
-    return faults
+            yield Fault(path, f"belongs to {word}, and {chosen} is chosen (remove it)")
 
 
 EFFECT = Effect(

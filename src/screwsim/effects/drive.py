@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.declare import choice, quantity
-from screwsim.effects.base import Effect, Given, Reading, Shaft
+from screwsim.effects.base import Effect, Faults, Given, Reading, Shaft
 from screwsim.effects.gas_torque import torque as gas_torque
 from screwsim.faults import Fault
 from screwsim.machine.drive.linear_coupling import LinearCoupling
@@ -195,15 +195,13 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
     return [Shaft(train, motion, judged), Reading(names_of(FIGURES), read, traces)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     path, coupling = "effects.drive.coupling", parameters.coupling
-    faults = check_motor(parameters.motor, "effects.drive.motor")
+    yield from check_motor(parameters.motor, "effects.drive.motor")
     if (coupling.linear is None) == (coupling.rubber_cord is None):
-        faults.append(Fault(path, "needs one of linear and rubber_cord (write e.g. linear: {spring: 5000 N m/rad})"))
-    if coupling.rubber_cord is not None:
-        under = check_coupling(coupling.rubber_cord)
-        faults += [Fault(fault.path.replace("coupling", f"{path}.rubber_cord", 1), fault.what) for fault in under]
-    return faults
+        yield Fault(path, "needs one of linear and rubber_cord (write e.g. linear: {spring: 5000 N m/rad})")
+    for fault in check_coupling(coupling.rubber_cord) if coupling.rubber_cord is not None else ():
+        yield Fault(fault.path.replace("coupling", f"{path}.rubber_cord", 1), fault.what)
 
 
 EFFECT = Effect(
