@@ -131,15 +131,13 @@ def _common(
 
 def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:
     """Return the value of a path in every case, flat; of a path that is not varied, that of the scene."""
-    shape = results.shape
     if path in results.varied:
-        number, values = results.varied[path]
-        return np.broadcast_to(values.reshape([-1 if i == number else 1 for i in range(len(shape))]), shape).ravel()
+        return results.along(path).ravel()
     name = variable_name(path)
     value: Any = results.inputs[name] if name in results.inputs else flat.get(path)
     if value is None or (isinstance(value, np.ndarray) and np.isnan(value)):
         raise UsageError(f"{results.path}: has no {path}, over which the other file was swept (compare files of it)")
-    return np.full(math.prod(shape), value)
+    return np.full(math.prod(results.shape), value)
 
 
 def _coded(a: Array, b: Array) -> tuple[Array, Array]:

@@ -142,11 +142,7 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
 
 def _celsius(results: Results, path: str) -> Array:
     """Return a temperature [°C] of all cases, flat."""
-    number, values = results.varied[path]
-    shape = [1] * len(results.shape)
-    shape[number] = -1
-    # rounded: 258.15 K less 273.15 K is not quite -15 °C
-    return np.broadcast_to(np.round(values - ZERO_CELSIUS, 9).reshape(shape), results.shape).ravel()
+    return np.round(results.along(path) - ZERO_CELSIUS, 9).ravel()  # 258.15 K less 273.15 K is not quite -15 °C
 
 
 def _unfit(S: Array, D: Array, cases: int) -> str:
