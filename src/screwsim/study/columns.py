@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.faults import UsageError
 from screwsim.outputs import Variable
 from screwsim.results.atomic import make_folder, replacing, write_csv
 from screwsim.results.identity import version
@@ -22,12 +21,6 @@ class Column(NamedTuple):
     values: Sequence[Any]
     units: str
     long_name: str
-
-
-def check_target(path: Path, endings: Sequence[str]) -> None:
-    """Raise UsageError unless the name of a file has one of the endings."""
-    if path.suffix.lower() not in endings:
-        raise UsageError(f"-o {path}: has no ending that tells its format (write one of {', '.join(endings)})")
 
 
 def write_columns(path: Path, title: str, columns: Mapping[str, Column]) -> None:

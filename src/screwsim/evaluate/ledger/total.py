@@ -88,9 +88,7 @@ def ledger(of: Evaluation) -> Ledger:
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at_discharge(mean[0])
     sucked, given = cycle.behind("suction", suction), cycle.behind("discharge", discharge)
-    moved, heats, oil = (
-        cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind("discharge", line).s)
-    )
+    moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind("discharge", line).s))
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
     book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
