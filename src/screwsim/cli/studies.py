@@ -189,11 +189,10 @@ def tolerance(
     found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=for_terminal("tolerance"))
     show(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:
-        from screwsim.report.tolerance import draw_law, draw_spread
+        from screwsim.report.tolerance import draw_machine
 
         deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
-        law = draw_law(found.links, folder)
-        for path in (*law, *draw_spread(found.table, found.shifts, deviations, folder)):
+        for path in draw_machine(found.links, (found.table, found.shifts, deviations), folder):
             say(path, err=as_json)
     return OK if not found.failed else NOT_ALL_OK
 

@@ -23,7 +23,7 @@ def dataset(results: Results, group: str | None) -> Any:
     for prefix, part in parts:
         variables |= _variables(part, prefix, results.axis_list)
     coordinates = {
-        inner.name: (axis.name, inner.values, _attributes(inner))
+        inner.name: (axis.name, inner.values, {"units": inner.units, "long_name": inner.long_name, "path": inner.path})
         for axis in results.axis_list
         for inner in (axis, *axis.joined)
     }
@@ -31,10 +31,6 @@ def dataset(results: Results, group: str | None) -> Any:
         if name in part:
             coordinates[name] = (name, part[name], part.about[name]._asdict())
     return xr.Dataset(variables, coordinates, dict(results.attributes))
-
-
-def _attributes(axis: Axis) -> dict[str, Any]:
-    return {"units": axis.units, "long_name": axis.long_name, "path": axis.path}
 
 
 def _variables(part: Group, prefix: str, axes: tuple[Axis, ...]) -> dict[str, Any]:

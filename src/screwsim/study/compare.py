@@ -96,11 +96,12 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     sides = _Side(a, in_a), _Side(b, in_b)
     names = dict.fromkeys((*a.error, *b.error))
     figures = (_change(name, sides, ok, point, tolerance) for name in names)
+    sides_of = {path: (flat_a.get(path), flat_b.get(path)) for path in (*flat_a, *flat_b)}
     return Comparison(
         len(in_a),
         math.prod(a.shape) - len(in_a),
         math.prod(b.shape) - len(in_b),
-        dict(_scene_changes(flat_a, flat_b, paths)),
+        {path: both for path, both in sides_of.items() if path not in paths and both[0] != both[1]},
         tuple(each for each in figures if each is not None),
         len(changed),
         tuple(first),
@@ -197,14 +198,6 @@ def _change(
     relative = (value_b - value_a) / abs(value_a) if value_a else None
     changes = (value_a, value_b, value_b - value_a, relative, float(error[worst]), point(both[worst]))
     return FigureChange(name, len(both), int(np.count_nonzero(over > 1.0)), only_a, only_b, *changes)
-
-
-def _scene_changes(
-    a: Mapping[str, str], b: Mapping[str, str], varied: list[str]
-) -> Iterator[tuple[str, tuple[str | None, str | None]]]:
-    for path in dict.fromkeys([*a, *b]):
-        if path not in varied and a.get(path) != b.get(path):
-            yield path, (a.get(path), b.get(path))
 
 
 def _flat_scene(results: Results) -> dict[str, str]:
