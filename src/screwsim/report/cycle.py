@@ -10,19 +10,7 @@ import numpy as np
 
 from screwsim.report.annotate import label_points
 from screwsim.report.quantities import GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
-from screwsim.report.style import (
-    COLOURS,
-    DASHES,
-    DOUBLE,
-    GREY,
-    SINGLE,
-    SMALL,
-    angle_ticks,
-    grid,
-    new_figure,
-    note,
-    plain_ticks,
-)
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, grid, new_figure, note, plain_ticks
 from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
 from screwsim.results import Results
 
@@ -149,8 +137,12 @@ def _pressure_axis(axes: Any, trace: Trace) -> str:
 
 
 def _angle_axis(axes: Any, trace: Trace) -> None:
+    from matplotlib.ticker import AutoMinorLocator, MultipleLocator
+
     first, last = float(trace.angle[0]), float(trace.angle[-1])
-    angle_ticks(axes, first, last, 120.0 if last - first > 400.0 else 60.0)
+    axes.set_xlim(first, last)
+    axes.xaxis.set_major_locator(MultipleLocator(120.0 if last - first > 400.0 else 60.0))
+    axes.xaxis.set_minor_locator(AutoMinorLocator(4))
     plain_ticks(axes.yaxis, most=6)
     for angle in trace.marks.values():
         axes.axvline(angle, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)

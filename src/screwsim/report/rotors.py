@@ -13,18 +13,7 @@ from screwsim.machine.rotors.curves import Curves, make_curves
 from screwsim.machine.rotors.export import coefficients_csv, curves_csv, lobe_csv, outline_dxf, profile_csv
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.rotors import Rotors
-from screwsim.report.style import (
-    COLOURS,
-    DASHES,
-    DOUBLE,
-    GREY,
-    SINGLE,
-    SMALL,
-    angle_ticks,
-    new_figure,
-    plain_ticks,
-    write_all,
-)
+from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, new_figure, plain_ticks, write_all
 from screwsim.results.atomic import make_folder, write_text
 
 MM = 1e3  # [mm/m]
@@ -120,14 +109,23 @@ def sealing_figure(rotors: Rotors) -> Any:
     return figure
 
 
+def _angle_axis(axes: Any, life: float) -> None:
+    from matplotlib.ticker import AutoMinorLocator, MultipleLocator
+
+    axes.set_xlim(0.0, math.degrees(life))
+    axes.xaxis.set_major_locator(MultipleLocator(120.0))
+    axes.xaxis.set_minor_locator(AutoMinorLocator(4))
+
+
 def _mark(axes: Any, curves: Curves, named: bool) -> None:
     """Mark where suction closes and discharge opens; the names stand above the axes."""
     for text, angle in (("suction closes", curves.suction_closes), ("discharge opens", curves.discharge_opens)):
         at = math.degrees(angle)
         axes.axvline(at, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
         if named:
-            above = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom", "fontsize": SMALL}
-            axes.annotate(text, (at, 1.02), **above)
+            axes.annotate(
+                text, (at, 1.02), xycoords=("data", "axes fraction"), ha="center", va="bottom", fontsize=SMALL
+            )
 
 
 def volume_figure(curves: Curves) -> Any:
@@ -143,7 +141,7 @@ def volume_figure(curves: Curves) -> Any:
     lower.set(xlabel="angle of the chamber's life [°]", ylabel=r"$\mathrm{d}V/\mathrm{d}\varphi$ [cm³/rad]")
     lower.legend(loc="lower left")
     for axes in (upper, lower):
-        angle_ticks(axes, 0.0, math.degrees(curves.life), 120.0)
+        _angle_axis(axes, curves.life)
         plain_ticks(axes.yaxis, most=6)
         _mark(axes, curves, axes is upper)
     return figure
@@ -175,7 +173,7 @@ def areas_figure(curves: Curves) -> Any:
     for axes, top in zip((panels[0], panels[2]), tops, strict=True):
         axes.set(yscale="log", ylim=(0.1, 12.0 * top))
     for i, axes in enumerate(panels):
-        angle_ticks(axes, 0.0, math.degrees(curves.life), 120.0)
+        _angle_axis(axes, curves.life)
         _mark(axes, curves, i < 2)
         if i % 2:
             plain_ticks(axes.yaxis, most=6)

@@ -132,15 +132,6 @@ def plain_ticks(*axes: Any, most: int = 7) -> None:
         axis.set_minor_locator(AutoMinorLocator())
 
 
-def angle_ticks(axes: Any, first: float, last: float, step: float) -> None:
-    """Let the x axis span angles [degree], with ticks at multiples of a part of a turn."""
-    from matplotlib.ticker import AutoMinorLocator, MultipleLocator
-
-    axes.set_xlim(first, last)
-    axes.xaxis.set_major_locator(MultipleLocator(step))
-    axes.xaxis.set_minor_locator(AutoMinorLocator(4))
-
-
 def log_scale(axes: Any, ratio: float, which: str = "x") -> None:
     """Make x or y logarithmic with plain numbers at 1, 2, 5, or at powers of ten when the range is wide."""
     import numpy as np
