@@ -64,11 +64,6 @@ class Parameters:
     )
 
 
-def simple_moment(load: float, coefficient: float, bore: float) -> float:
-    """Return ½ μ_f F d [N m]: load [N], bore [m] (M143)."""
-    return 0.5 * coefficient * load * bore
-
-
 def idle_moment(speed: float, kinematic_viscosity: float, mean_diameter: float, f_0: float) -> float:
     """Return M_0 of one bearing [N m]: speed [rad/s], viscosity [m²/s], diameter [m] (M143)."""
     film = 1e6 * kinematic_viscosity * abs(speed) * 30.0 / pi  # mm²/s · 1/min, the units of the rule
@@ -88,7 +83,7 @@ def load_on_male(parameters: Parameters, figures) -> float:
 def moment(parameters: Parameters, speed: float, load: float, figures) -> float:
     """Return the moment of friction of one rotor's bearings [N m] (M143)."""
     if parameters.friction == "simple":
-        return simple_moment(load, parameters.friction_coefficient or 0.0, parameters.bore or 0.0)
+        return 0.5 * (parameters.friction_coefficient or 0.0) * load * (parameters.bore or 0.0)
     T, d_m = film_temperature(parameters.film_temperature, figures), parameters.mean_diameter or 0.0
     viscosity = figures.oil_viscosity_at(T) / figures.oil_density_at(T)
     idle = idle_moment(speed, viscosity, d_m, parameters.f_0 or 0.0)
