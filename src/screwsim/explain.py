@@ -366,7 +366,7 @@ def _size(model: Composition) -> Iterator[str]:
         beside = f"{len(model.made)} numbers of effects beside the discharge line (docs/explanation/numerics.md)"
         yield _row("the cycle makes", beside)
     yield _row("coupled", f"{n} states x {model.chambers} chambers = {n * model.chambers}")
-    yield _row("knots", f"{len(model.knots)} angles of one life at which a law is not smooth; steps end there")
+    yield _row("breakpoints", f"{len(model.breakpoints)} angles of one life at which a law is not smooth; steps end there")
 
 
 def _sweep(scene: Scene) -> Iterator[str]:

@@ -198,15 +198,15 @@ _STAGES = (  # of two stages in a row
 STAGES = {figure.name: figure for figure in _STAGES}
 
 BALANCE = {
-    "mass": Variable("1", "relative residue of the gas mass balance"),
-    "energy": Variable("1", "relative residue of the energy balance"),
-    "entropy": Variable("1", "relative residue of the entropy balance: of the ledger, over shaft power and losses"),
-    "oil_mass": Variable("1", "relative residue of the oil mass balance (oil.transport: carried)"),
+    "mass": Variable("1", "relative residual of the gas mass balance"),
+    "energy": Variable("1", "relative residual of the energy balance"),
+    "entropy": Variable("1", "relative residual of the entropy balance: of the ledger, over shaft power and losses"),
+    "oil_mass": Variable("1", "relative residual of the oil mass balance (oil.transport: carried)"),
     "oil_residue": Variable(
         "W", "heat taken up by the oil beyond what injected oil carries to discharge (oil.transport: paper)"
     ),
-    "drive": Variable("1", "relative residue of the drive's powers: motor, coupling, shaft"),
-    "bound": Variable("1", "bound on the residues of mass, energy and entropy"),
+    "drive": Variable("1", "relative residual of the drive's powers: motor, coupling, shaft"),
+    "bound": Variable("1", "bound on the residuals of mass, energy and entropy"),
 }
 
 NUMERICS = {

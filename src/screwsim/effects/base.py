@@ -52,8 +52,8 @@ class FlowPath:
     trailing one: one area function an interface, so that both sides see the same opening. Beyond the first
     chamber there is no interface, beyond the last one lies the discharge plenum.
 
-    `values` are the numbers [SI] behind the kernel's argument names that are not symbols; `knots` [rad] are
-    the angles at which the area is not smooth; `own_knots` those of them that only the chambers of this path feel, and
+    `values` are the numbers [SI] behind the kernel's argument names that are not symbols; `breakpoints` [rad] are
+    the angles at which the area is not smooth; `own_breakpoints` those of them that only the chambers of this path feel, and
     not their neighbours; `tables` hold curves as (angle [rad], area [m²]), or with slopes (`numerics.spline`). Where
     `mirror` [rad] is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150). Only a gap
     ('neighbour') may have a `resistance`.
@@ -77,8 +77,8 @@ class FlowPath:
     to: str
     area: Kernel
     values: Mapping[str, float]
-    knots: Sequence[float] = ()
-    own_knots: Sequence[float] = ()
+    breakpoints: Sequence[float] = ()
+    own_breakpoints: Sequence[float] = ()
     offset: int = 0  # lobe pitches from the trailing to the leading chamber
     flow_coefficient: float = 1.0
     tables: Mapping[str, Any] = field(default_factory=dict)
@@ -93,8 +93,8 @@ class FlowPath:
         """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""
         mirror = life - self.offset * pitch
         to = {"suction": "discharge", "discharge": "suction"}.get(self.to, self.to)
-        knots, own = (tuple(mirror - knot for knot in each) for each in (self.knots, self.own_knots))
-        return replace(self, to=to, mirror=mirror, knots=knots, own_knots=own)
+        breakpoints, own = (tuple(mirror - at for at in each) for each in (self.breakpoints, self.own_breakpoints))
+        return replace(self, to=to, mirror=mirror, breakpoints=breakpoints, own_breakpoints=own)
 
 
 @dataclass(frozen=True)
@@ -205,7 +205,7 @@ class OilPort:
     flow: Kernel
     values: Mapping[str, float]
     closes: float
-    knots: Sequence[float] = ()
+    breakpoints: Sequence[float] = ()
     pressure_loss: float = 0.0
     pumped: Kernel | None = None
     pressure: float | None = None
@@ -407,7 +407,7 @@ class Shaft:
 
     `respond` returns the periodic motion of the drive (`machine.drive.response.Response`) under the torque of a closed
     cycle, and raises `NoMotion`; `judge` returns (what forbids that motion, or an empty text; warnings; the relative
-    residue of its powers).
+    residual of its powers).
     """
 
     train: Callable[[float], Any]  # of the speed that the scene states

@@ -51,7 +51,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
         return [*profile_paths(parameters, compressing, factor=factor), *profile_paths(parameters, filling)]
     opens, closes = parameters.opens, parameters.closes
     values = {"size": parameters.area or 0.0, "opens": opens, "closes": closes}
-    return [gap_path(parameters, area, values, knots=(), offset=1)]  # smooth enough without knots
+    return [gap_path(parameters, area, values, breakpoints=(), offset=1)]  # smooth enough without breakpoints
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -50,8 +50,8 @@ def area(phi, size, opens, full, falls, closes):
 def window(size: float, opens: float, closes: float, flow_coefficient: float) -> FlowPath:
     """Return a path to the suction line, open between two angles [rad] with C1 ramps at both ends."""
     angles = {"opens": opens, "full": opens + RAMP, "falls": closes - RAMP, "closes": closes}
-    values, knots = {"size": size, **angles}, tuple(angles.values())
-    return FlowPath("suction", area, values, knots, flow_coefficient=flow_coefficient)
+    values, breakpoints = {"size": size, **angles}, tuple(angles.values())
+    return FlowPath("suction", area, values, breakpoints, flow_coefficient=flow_coefficient)
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Intake]:

@@ -95,7 +95,7 @@ def energies(motion: Response) -> tuple[float, float, float]:
 
 
 def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
-    """Return what forbids a motion, or an empty text; warnings of it; the relative residue of its powers (M215)."""
+    """Return what forbids a motion, or an empty text; warnings of it; the relative residual of its powers (M215)."""
     train, torque = motion.train, motion.coupling_torque
     sound = train.coupling.state(float(motion.twist[np.argmax(np.abs(motion.twist))]))
     why = "" if sound == "sound" else f"under the steady ripple {sound}"

@@ -51,7 +51,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     for share, offset in ((1.0 - parameters.suction_share, 1), (parameters.suction_share, machine.lobes)):
         shift = offset * machine.pitch
         values = {"gap": parameters.gap, "width": share * length, "shift": shift}
-        paths.append(gap_path(parameters, area, values, knots=(), offset=offset, use_table=offset == 1))
+        paths.append(gap_path(parameters, area, values, breakpoints=(), offset=offset, use_table=offset == 1))
     return paths
 
 

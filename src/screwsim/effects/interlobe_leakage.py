@@ -48,7 +48,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     if interfaces is not None and parameters.area_file is None:
         return profile_paths(parameters, interfaces, parameters.gap)
     values = {"gap": parameters.gap, "length": parameters.length or 0.0}
-    return [gap_path(parameters, area, values, knots=(FULL, FALL, TURN), offset=machine.lobes)]
+    return [gap_path(parameters, area, values, breakpoints=(FULL, FALL, TURN), offset=machine.lobes)]
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from screwsim.declare import quantity
 from screwsim.effects.base import Effect, Faults, OilPort
 from screwsim.effects.gap import ramp
-from screwsim.effects.port_window import RAMP, WindowParameters, check_window, window_knots
+from screwsim.effects.port_window import RAMP, WindowParameters, check_window, window_breakpoints
 from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
@@ -85,12 +85,12 @@ def pumped(phi, opens, closes, omega):
 
 
 def build(parameters: Parameters, machine) -> list[OilPort]:
-    window, knots = {"opens": parameters.opens, "closes": parameters.closes}, window_knots(parameters)
+    window, breakpoints = {"opens": parameters.opens, "closes": parameters.closes}, window_breakpoints(parameters)
     if parameters.pressure is not None:
         values = {**window, "upstream_pressure": parameters.pressure}
-        return [OilPort(flow_from, values, parameters.closes, knots, pressure=parameters.pressure)]
+        return [OilPort(flow_from, values, parameters.closes, breakpoints, pressure=parameters.pressure)]
     values = {**window, "pressure_loss": parameters.pressure_loss}
-    return [OilPort(flow, values, parameters.closes, knots, parameters.pressure_loss, pumped)]
+    return [OilPort(flow, values, parameters.closes, breakpoints, parameters.pressure_loss, pumped)]
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -34,7 +34,7 @@ def build(parameters: ClearanceParameters, machine) -> list[FlowPath]:
     interfaces = machine.interfaces("tip_leakage")
     if interfaces is not None and parameters.area_file is None:
         return profile_paths(parameters, interfaces, parameters.gap)
-    return [gap_path(parameters, area, {"gap": parameters.gap}, knots=(TURN,), offset=1)]
+    return [gap_path(parameters, area, {"gap": parameters.gap}, breakpoints=(TURN,), offset=1)]
 
 
 def check(parameters: ClearanceParameters, facts) -> Faults:

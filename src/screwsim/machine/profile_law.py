@@ -146,7 +146,7 @@ def _alive(path: Path, closes: float) -> Curve:
     if np.interp(first, angle, value) > LEAST * value.max():
         x = np.clip((angle - first) / BIRTH, 0.0, 1.0)
         value = value * x * x * (3.0 - 2.0 * x)
-    return replace(curve, angle=angle, value=value, knots=tuple(knot for knot in curve.knots if knot > -1e-9))
+    return replace(curve, angle=angle, value=value, breakpoints=tuple(at for at in curve.breakpoints if at > -1e-9))
 
 
 def _missing(machine: TwinScrew) -> list[Fault]:

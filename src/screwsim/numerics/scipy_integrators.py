@@ -1,6 +1,6 @@
-"""scipy's integrators over knots, as an independent check of our own: Radau, BDF, LSODA; RK45 and DOP853 for studies.
+"""scipy's integrators over breakpoints, an independent check of our own: Radau, BDF, LSODA; RK45, DOP853 for studies.
 
-Each segment between knots is integrated by itself. Tolerances are relative to the state; quadratures are states here,
+Each segment between them is integrated by itself. Tolerances are relative to the state; quadratures are states here,
 with an absolute tolerance from their scale.
 """
 
@@ -57,14 +57,14 @@ class Events(Protocol):
 def integrate(
     rates: Slopes,
     jacobian: Slopes,
-    knots: Array,
+    breakpoints: Array,
     y: Array,
     q_scale: Array,
     rtol: float,
     check: Check,
     events: Events | None = None,
 ) -> tuple[Array, Array, Path]:
-    """Integrate y and the quadratures (appended to it in `rates`) over the knots; return y, q and the path.
+    """Integrate y and the quadratures (appended to it in `rates`) over the breakpoints; return y, q and the path.
 
     `rates(t, middle, y)` returns both slopes in one vector, `jacobian` their derivatives by y. The Jacobian is given
     because scipy's own differences overflow for quadratures, on which nothing depends. `path.message` is empty when
@@ -75,7 +75,7 @@ def integrate(
     n = len(y)
     z = np.concatenate([y, np.zeros(len(q_scale))])
     path = Path()
-    for start, end in pairwise(knots):
+    for start, end in pairwise(breakpoints):
         middle = 0.5 * (start + end)
         of_states = 1e-3 * rtol * np.abs(z[:n])
         if events is not None:

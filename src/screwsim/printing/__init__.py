@@ -186,7 +186,7 @@ def _balance(balance: Mapping[str, Any]) -> str:
     if balance.get("oil_mass") is not None:
         text += f", oil mass {balance['oil_mass']:.1e}"
     if balance.get("oil_residue") is not None:
-        text += f"; oil residue {balance['oil_residue']:.3g} W (paper's transport of oil)"
+        text += f"; oil residual {balance['oil_residue']:.3g} W (paper's transport of oil)"
     return text
 
 

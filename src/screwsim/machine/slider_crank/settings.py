@@ -67,7 +67,7 @@ class SliderCrank(MachineSettings):
         lengths = {"crank": self.crank_radius, "rod": self.rod_length, "offset": self.offset}
         return {"V_c": self.clearance, "A_piston": self.piston_area, **lengths}
 
-    def knots(self) -> tuple[float, ...]:
+    def breakpoints(self) -> tuple[float, ...]:
         """Return the angles [rad] of a life at which dV/dφ changes its sign; the law itself is smooth everywhere."""
         return (self.bottom - self.top,)
 

@@ -25,7 +25,7 @@ _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_versi
 
 
 class Check(NamedTuple):
-    """One residue: what, the largest over all cases, the bound, and whether it was kept."""
+    """One residual: what, the largest over all cases, the bound, and whether it was kept."""
 
     what: str
     largest: str
@@ -95,7 +95,7 @@ def ranges(results: Results) -> Iterator[tuple[str, str, str, str]]:
 
 
 def checks(results: Results) -> Iterator[Check]:
-    """Yield the largest residue of each balance over all cases that claim to have closed, against their bound."""
+    """Yield the largest residual of each balance over all cases that claim to have closed, against their bound."""
     closed = results.status == "ok"
     for name in _BALANCES:
         values = np.where(closed, results.balance[name], np.nan)
