@@ -150,7 +150,7 @@ def _cylinder(machine: SliderCrank, omega: float) -> Iterator[str]:
     stroke = f"stroke {1e3 * machine.stroke:.6g} mm".replace(" ", NO_BREAK)
     swept = f"swept volume {machine.swept_volume * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
     yield _row("", f"{stroke}, {swept}, clearance {machine.clearance_ratio:.3%} of it")
-    yield _row("", f"mean piston speed {machine.mean_speed(omega):.5g} m/s")
+    yield _row("", f"mean piston speed {machine.surface_speed(omega):.5g} m/s")
 
 
 def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:

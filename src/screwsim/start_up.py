@@ -115,9 +115,7 @@ def steadily(scene: Scene, creep: float) -> Problem:
 class Run:
     """A start under way: state of chambers and drive, and what is kept of the pitches behind."""
 
-    def __init__(
-        self, of: Evaluation, machinery: Machinery, steady: Response, creep: float, longest: float
-    ) -> None:
+    def __init__(self, of: Evaluation, machinery: Machinery, steady: Response, creep: float, longest: float) -> None:
         """Begin at rest; `of` is the steady cycle, on which the machinery stands."""
         self.problem, self.machinery = of.problem, machinery
         self.steady, self.creep, self.longest = steady, creep, longest

@@ -135,6 +135,4 @@ def _discharge_line(composition: Composition) -> tuple[Entry, ...]:
     return Entry("discharge_enthalpy"), *oil
 
 
-@lru_cache(maxsize=8)
-def _entries(entries: tuple[Entry, ...]) -> Entries:
-    return Entries(entries)
+_entries = lru_cache(maxsize=8)(Entries)

@@ -9,7 +9,7 @@ Source: screwsim, docs/how-to/adding-an-effect.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, sqrt
 from typing import Any, NamedTuple
@@ -134,6 +134,7 @@ class Drawn:
 
 
 Given = Mapping[str, float | str | None]  # figures by name; a text says why there is none
+Faults = Iterator[Fault]  # of an effect's `check`
 
 
 @dataclass(frozen=True)
@@ -467,12 +468,12 @@ class Effect:
     build: Callable[[Any, Any], Sequence[Part]]
     needs_oil: bool = False
     states: tuple[str, ...] = ()
-    check: Callable[[Any, Any], list[Fault]] | None = None
+    check: Callable[[Any, Any], Iterable[Fault]] | None = None
     numbers: Callable[[Any, Around], Mapping[str, float]] | None = None
     needs: frozenset[str] = frozenset()
     figures: tuple[Figure, ...] = ()
     traces: tuple[Trace, ...] = ()
-    warnings: Callable[[Mapping[str, Any]], Sequence[str]] | None = None
+    warnings: Callable[[Mapping[str, Any]], Iterable[str]] | None = None
 
     def fits(self, kind: MachineKind) -> bool:
         """Tell whether a kind of machine can have this effect."""

@@ -81,8 +81,8 @@ def test_stroke_without_offset_is_twice_the_crank_and_grows_with_the_offset():
 
 def test_mean_speed_without_offset_is_the_formula_of_the_source():
     """v = 4 r n: 4.4 m/s at 12 turns a second; with its offset of 15 mm the piston is 0.07 % faster."""
-    assert machine(offset=0.0).mean_speed(2 * pi * 12.0) == pytest.approx(4.4, rel=1e-14)
-    assert machine().mean_speed(2 * pi * 12.0) == pytest.approx(4.4 * 1.00070, rel=1e-5)
+    assert machine(offset=0.0).surface_speed(2 * pi * 12.0) == pytest.approx(4.4, rel=1e-14)
+    assert machine().surface_speed(2 * pi * 12.0) == pytest.approx(4.4 * 1.00070, rel=1e-5)
 
 
 @pytest.mark.parametrize("sizes", SIZES)

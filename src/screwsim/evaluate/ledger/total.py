@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 from screwsim.cycle.balances import discharge_enthalpy
@@ -74,7 +73,7 @@ class Ledger:
             "relative_residue": residual / abs(self.shaft_power) if self.shaft_power != 0.0 else None,
         }
         for name, entry in self.entries.items():
-            found |= zip(_titles(name), vars(entry).values(), strict=True)
+            found |= {f"{quantity}_{name}": value for quantity, value in vars(entry).items()}
         return Figures(found)
 
 
@@ -88,9 +87,7 @@ def ledger(of: Evaluation) -> Ledger:
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at_discharge(mean[0])
     sucked, given = cycle.behind("suction", suction), cycle.behind("discharge", discharge)
-    moved, heats, oil = (
-        cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind("discharge", line).s)
-    )
+    moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind("discharge", line).s))
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
     book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
@@ -113,12 +110,6 @@ def _acting(cycle: Cycle) -> Iterator[str]:
     for name, items in cycle.parts.effects.items():
         if not (items and all(isinstance(part, Reading) for part in items)):
             yield name
-
-
-@cache
-def _titles(name: str) -> tuple[str, ...]:
-    """Return what the figures of an entry are called."""
-    return tuple(f"{quantity}_{name}" for quantity in vars(Entry()))
 
 
 def _losses(book: Book, cycle: Cycle) -> None:

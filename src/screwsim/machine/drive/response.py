@@ -65,11 +65,6 @@ class Response:
         """Return the mean over time of torque × speed [W]."""
         return float(np.mean(torque * speed / self.speed)) * self.mean_speed
 
-    @property
-    def worst_twist(self) -> float:
-        """Return the twist of largest magnitude [rad]."""
-        return float(self.twist[np.argmax(np.abs(self.twist))])
-
 
 def respond(train: Train, load: Array, omega: float, near: Response | None = None) -> Response:
     """Return the periodic motion under the torque `load` on the rotors, evenly spaced over a pitch (M214).

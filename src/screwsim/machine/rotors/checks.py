@@ -49,11 +49,8 @@ def check_size(pair: Pair, chain: Chain) -> list[Fault]:
 
 def check_profile(pair: Pair, chain: Chain, interference: bool = True) -> list[Fault]:
     """Return the faults of the rotors: undercut, self-intersection, thin lobes and, if asked, interference."""
-    faults = []
-    for name, curve, turn in (
-        ("male", chain.male(), pair.pitch),
-        ("female", chain.female(pair), -2.0 * math.pi / pair.female_lobes),
-    ):
+    faults, female_turn = [], -2.0 * math.pi / pair.female_lobes
+    for name, curve, turn in (("male", chain.male(), pair.pitch), ("female", chain.female(pair), female_turn)):
         if reversals(*curve):
             remedy = "choose a larger female_tip_radius, 1.25 hf is safe"
             faults.append(Fault(PATH, f"the {name} flank turns back: undercut ({remedy})"))

@@ -180,10 +180,9 @@ def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
     )
 
 
-def make_curves(rotors: Rotors, volume_ratio: float, suction_closes: float | None = None) -> Curves:
-    """Return all curves; suction closes at an own angle [rad], by default where the volume is largest."""
-    closes = rotors.largest[0] if suction_closes is None else suction_closes + rotors.start
-    opens = rotors.discharge_angle(volume_ratio)
+def make_curves(rotors: Rotors, volume_ratio: float) -> Curves:
+    """Return all curves; suction closes where the volume is largest."""
+    closes, opens = rotors.largest[0], rotors.discharge_angle(volume_ratio)
     return Curves(
         rotors.life,
         rotors.chambers,
