@@ -54,7 +54,7 @@ def compressed(document: Any) -> str:
 
 @lru_cache(maxsize=1)
 def _compressed(text: str) -> str:
-    """Return a text as base64 of gzip; the last one is kept: every page has the same library, which takes half a second."""
+    """Return a text as base64 of gzip; the last is kept: every page has the same library, which takes half a second."""
     return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
 
 
