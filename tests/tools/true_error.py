@@ -144,7 +144,7 @@ def _by_radau(scene: Scene, rtol: float) -> tuple[str, Figures]:
 
 
 def kept(scene: Scene, changes: dict[str, Any], radau: float | None = None) -> Kept:
-    """Return how a scene's figures compare with its reference: scipy's Radau where a tolerance of its steps is given."""
+    """Return how a scene's figures compare with its reference: Radau where a tolerance of its steps is given."""
     result, wanted = simulate(scene, trace=False), scene.numerics.accuracy
     status, name, true = result.status, "", math.nan
     if status == "ok":

@@ -150,7 +150,7 @@ def inside(points: Array, polygon: Array) -> Array:
 def _least(points: Array, polygon: Array, tree, reach: float) -> float:
     """Return the least distance of points on a curve from a clockwise polygon [m]: negative inside.
 
-    The points within `reach` of a corner tell it where it is less than half of that: sides and steps along the curve are
+    The points within `reach` of a corner tell it where it is less than half of that: its sides and the steps are
     half as long at most, so that no point is nearer, or deeper inside, unless one between there and the edge is seen.
     """
     away, i = tree.query(points, distance_upper_bound=reach)
