@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from math import exp, expm1, log, log1p, pi, sqrt
 
 import numpy as np
@@ -65,20 +64,15 @@ class Machine:
     mechanical_fraction: float
     width: float  # widths of the regularised root over the pressure of the line (M12)
 
-    @cached_property
+    @property
     def pitch(self) -> float:
         """Return the lobe pitch [degree]."""
         return 360.0 / self.lobes
 
-    @cached_property
+    @property
     def alive(self) -> int:
         """Return how many chambers are alive at once."""
         return 2 * self.lobes
-
-    @cached_property
-    def critical(self) -> float:
-        """Return the pressure ratio p_low/p_high of choking (M13)."""
-        return (2.0 / (self.k + 1.0)) ** (self.k / (self.k - 1.0))
 
 
 # Laws of the angle [degree].
@@ -161,7 +155,7 @@ def end_face_area(a: Machine, phi: float, ahead: int) -> float:
 # Flow.
 
 
-@dataclass(slots=True)
+@dataclass
 class Place:
     """A chamber or a line, as a nozzle sees it, and the sums of what flows into it [kg/s], [K kg/s]."""
 
@@ -193,9 +187,10 @@ class Place:
 def nozzle(a: Machine, mu_S: float, high: Place, low: Place, eps: float) -> float:
     """Return ṁ [kg/s] from high to low, (3), (4), with choking (M13) and the root's stated width eps [Pa] (M12)."""
     k, drop = a.k, high.p - low.p
-    ln_ratio = log1p(-min(drop / high.p, 1.0 - a.critical))  # of p_low/p_high
-    # (p_l/p_h)^(2/k) - (p_l/p_h)^((k+1)/k), written so that nothing cancels at small drops
-    bracket = exp(2.0 / k * ln_ratio) * -expm1((k - 1.0) / k * ln_ratio)
+    critical = (2.0 / (k + 1.0)) ** (k / (k - 1.0))
+    x = min(drop / high.p, 1.0 - critical)  # 1 - p_low/p_high
+    # (p_l/p_h)^(2/k) - (p_l/p_h)^((k+1)/k), written so that nothing cancels at small x
+    bracket = exp(2.0 / k * log1p(-x)) * -expm1((k - 1.0) / k * log1p(-x))
     root = sqrt(2.0 * k / (k - 1.0) * high.p**2 / (a.R * high.T) * bracket)
     return mu_S * root * sqrt(drop / sqrt(drop**2 + eps**2))
 
