@@ -59,8 +59,8 @@ def main() -> None:
         left_out = sorted(set(catalogue()) - set(scene.effects))
         print(f"accuracy {scene.numerics.accuracy:g}: {result.status}, {len(scene.effects)} effects on")
         print(f"  left out: {', '.join(left_out)}")
-        residues = ", ".join(f"{name} {balance[name]:.1e}" for name in ("mass", "energy", "entropy", "oil_mass"))
-        print(f"  residues: {residues} (bound {balance.bound:.1e})")
+        residuals = ", ".join(f"{name} {balance[name]:.1e}" for name in ("mass", "energy", "entropy", "oil_mass"))
+        print(f"  residuals: {residuals} (bound {balance.bound:.1e})")
         print(f"  {numerics.rhs_evaluations} evaluations, {numerics.steps} steps, closing {numerics.closing}")
         found, statuses = times(scenes, repeats)
         for way in WAYS:

@@ -134,7 +134,7 @@ def main() -> None:
     counts = machinery.counts - before  # steps, rejected ones, evaluations, Jacobians
     tries = int(counts[0] + counts[1])
     step, jacobians = nanoseconds(turns, 20) / tries, counts[3] / tries
-    _, through = machinery.trajectory.sample(np.linspace(0.0, float(machinery.composition.knots[-1]), 1025))
+    _, through = machinery.trajectory.sample(np.linspace(0.0, float(machinery.composition.breakpoints[-1]), 1025))
     paths = float(np.count_nonzero(through, axis=1).mean())
     calls = {
         "surroundings": STAGES + jacobians,

@@ -138,12 +138,6 @@ def published(scenes: dict[str, Scene]) -> None:
         print(line + "".join(f"   {figures(with_values(scene, T))}" for scene in scenes.values()))
 
 
-def draw(results: dict[str, Result], studies: dict[str, list[tuple[float, float, float]]], folder: Path) -> None:
-    """Draw the profiles' figures and losses, and the studies of (b)."""
-    plans = {"profiles": partial(_profiles_figure, results), "profile_studies": partial(_studies_figure, studies)}
-    write_all(plans, folder)
-
-
 def _profiles_figure(results: dict[str, Result]) -> Any:
     figure = new_figure(DOUBLE, 66.0)
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.9))
@@ -204,8 +198,8 @@ def main() -> None:
             filling, efficiency = (float(x) for x in text.split()[:2])
             studies.setdefault(name, []).append((float(value), filling, efficiency))
     if folder is not None:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        draw(results, studies, folder)
+        plans = {"profiles": partial(_profiles_figure, results), "profile_studies": partial(_studies_figure, studies)}
+        write_all(plans, folder)
     paths(with_values(b, {"numerics.accuracy": 1e-4}))
     published(alike)
 

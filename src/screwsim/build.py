@@ -113,7 +113,7 @@ class _Built(NamedTuple):
 class Stock:
     """What was built of machine and effects for the scene before: the next of a sweep shares most of it.
 
-    Sections that are the same objects give the same parts, which is what `model.compose.Composer` looks for.
+    Sections that are the same objects give the same parts, which is what `model.series.Composer` looks for.
     """
 
     def __init__(self) -> None:

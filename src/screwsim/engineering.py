@@ -78,5 +78,5 @@ def digits(value: float) -> str:
 
 
 def small(value: float | None) -> str:
-    """Return an error or a residue; nothing where there is none."""
+    """Return an error or a residual; nothing where there is none."""
     return "" if value is None else f"{value:.1e}"

@@ -34,7 +34,8 @@ from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
 from screwsim.machine.settings import TwinScrew
 from screwsim.machine.slider_crank.settings import SliderCrank
-from screwsim.model.compose import HELD_GAS, Composition, compose
+from screwsim.model.compose import HELD_GAS, compose
+from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
 from screwsim.scene.fields import Leaf, Section, section_of
 from screwsim.scene.grid import case_count, dimensions
@@ -149,7 +150,7 @@ def _cylinder(machine: SliderCrank, omega: float) -> Iterator[str]:
     stroke = f"stroke {1e3 * machine.stroke:.6g} mm".replace(" ", NO_BREAK)
     swept = f"swept volume {machine.swept_volume * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
     yield _row("", f"{stroke}, {swept}, clearance {machine.clearance_ratio:.3%} of it")
-    yield _row("", f"mean piston speed {machine.mean_speed(omega):.5g} m/s")
+    yield _row("", f"mean piston speed {machine.surface_speed(omega):.5g} m/s")
 
 
 def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
@@ -366,7 +367,7 @@ def _size(model: Composition) -> Iterator[str]:
         beside = f"{len(model.made)} numbers of effects beside the discharge line (docs/explanation/numerics.md)"
         yield _row("the cycle makes", beside)
     yield _row("coupled", f"{n} states x {model.chambers} chambers = {n * model.chambers}")
-    yield _row("knots", f"{len(model.knots)} angles of one life at which a law is not smooth; steps end there")
+    yield _row("breakpoints", f"{len(model.breakpoints)} angles of one life where a law is not smooth; steps end there")
 
 
 def _sweep(scene: Scene) -> Iterator[str]:

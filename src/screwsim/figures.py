@@ -125,19 +125,13 @@ def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
     given = dict(_given(scene, parts))
     losses = {part.figure for _, part in parts.all(PowerLoss)}
     called: dict[str, Figure] = {}
-    met = {needs: _is_met(needs, scene, parts) for needs in _core_needs()}
+    met = {needs: _is_met(needs, scene, parts) for needs in {each.needs for each in PERFORMANCE.values()}}
     for each in PERFORMANCE.values():
         if each.name == "shaft_power":
             called |= {name: figure for name, figure in given.items() if name in losses}
         if met[each.needs]:
             called[each.name] = each
     return called | given
-
-
-@cache
-def _core_needs() -> tuple[tuple[str, ...], ...]:
-    """Return what the core's figures need, each once: many need the same."""
-    return tuple(dict.fromkeys(each.needs for each in PERFORMANCE.values()))
 
 
 def _given(scene: Scene, parts: Parts) -> Iterator[tuple[str, Figure]]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -102,6 +103,7 @@ CHANGED = ("effects.suction_throttle", "effects.bypass.share", "another effect w
 WALLED = ("effects.wall_heat", "effects.cylinder_heat", "another effect with a Wall")
 HELD = ("oil that gives its gas off over time, as effects.refrigerant_solubility.flash_time says",)
 
+_oiled, _cooled, _changed = (partial(Figure, needs=needs) for needs in (OILED, COOLED, CHANGED))
 _CORE = (
     efficiency("isothermal_efficiency", "isothermal efficiency of the shaft power", by_flow=True),
     efficiency(
@@ -112,22 +114,14 @@ _CORE = (
     efficiency("isentropic_efficiency", "isentropic efficiency of the shaft power", by_flow=True),
     efficiency("volumetric_efficiency", "volumetric efficiency", by_flow=True),
     Figure("gas_mass_flow", "kg s-1", "net gas mass flow from the suction line", Scale(times="filling"), by_flow=True),
-    Figure("oil_mass_flow", "kg s-1", "injected oil mass flow", Scale(LEAST_OIL, ("gas_mass_flow",)), OILED),
-    Figure(
+    _oiled("oil_mass_flow", "kg s-1", "injected oil mass flow", Scale(LEAST_OIL, ("gas_mass_flow",))),
+    _oiled(
         "oil_ratio",
         "1",
         "oil to gas mass ratio in the chamber at 360 degrees (rotors: where suction closes; oil_injection: its end)",
         Scale(LEAST_OIL),
-        OILED,
     ),
-    Figure(
-        "oil_flow_ratio",
-        "1",
-        "injected oil over net suction gas",
-        Scale(LEAST_OIL, times="filling"),
-        OILED,
-        by_flow=True,
-    ),
+    _oiled("oil_flow_ratio", "1", "injected oil over net suction gas", Scale(LEAST_OIL, times="filling"), by_flow=True),
     power_figure("indicated_power", "indicated power"),
     power_figure("oil_lift_power", "power that lifts the oil to discharge pressure", needs=OILED),
     power_figure("shaft_power", "shaft power"),
@@ -137,11 +131,10 @@ _CORE = (
     Figure("peak_pressure", "Pa", "highest chamber pressure up to the widest opening of the discharge port"),
     Figure("work_per_cycle", "J", "work on the gas of one chamber per cycle, minus the integral of p dV"),
     Figure("trapped_mass", "kg", "gas mass in a chamber at 360 degrees (rotors: where suction closes)"),
-    Figure(
+    _oiled(
         "injection_pressure",
         "Pa",
         "chamber pressure where oil is injected: at 360 degrees (rotors: where suction closes; oil_injection: mean)",
-        needs=OILED,
     ),
     Figure("suction_pressure", "Pa", "pressure of the suction line"),
     Figure("suction_temperature", "K", "temperature of the suction line"),
@@ -156,26 +149,16 @@ _CORE = (
         needs=("machine.kind: twin_screw",),
     ),
     Figure("specific_power", "W s m-3", "shaft power over the volume flow of suction gas", by_flow=True),
-    Figure(
+    _cooled(
         "cooling_capacity",
         "W",
         "cooling capacity: net gas flow times the real fluid's refrigerating effect",
-        needs=COOLED,
         by_flow=True,
     ),
-    Figure("cop", "1", "coefficient of performance: cooling capacity over shaft power", needs=COOLED, by_flow=True),
-    Figure(
-        "volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas", needs=COOLED
-    ),
-    Figure(
-        "intake_pressure", "Pa", "pressure of the gas that the machine sucks, behind throttle and bypass", needs=CHANGED
-    ),
-    Figure(
-        "intake_temperature",
-        "K",
-        "temperature of the gas that the machine sucks, behind throttle and bypass",
-        needs=CHANGED,
-    ),
+    _cooled("cop", "1", "coefficient of performance: cooling capacity over shaft power", by_flow=True),
+    _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
+    _changed("intake_pressure", "Pa", "pressure of the gas that the machine sucks, behind throttle and bypass"),
+    _changed("intake_temperature", "K", "temperature of the gas that the machine sucks, behind throttle and bypass"),
     power_figure("output_power", "power that an expander gives at its shaft", needs=EXPANDED),
     Figure(
         "filling_factor",
@@ -215,15 +198,15 @@ _STAGES = (  # of two stages in a row
 STAGES = {figure.name: figure for figure in _STAGES}
 
 BALANCE = {
-    "mass": Variable("1", "relative residue of the gas mass balance"),
-    "energy": Variable("1", "relative residue of the energy balance"),
-    "entropy": Variable("1", "relative residue of the entropy balance: of the ledger, over shaft power and losses"),
-    "oil_mass": Variable("1", "relative residue of the oil mass balance (oil.transport: carried)"),
+    "mass": Variable("1", "relative residual of the gas mass balance"),
+    "energy": Variable("1", "relative residual of the energy balance"),
+    "entropy": Variable("1", "relative residual of the entropy balance: of the ledger, over shaft power and losses"),
+    "oil_mass": Variable("1", "relative residual of the oil mass balance (oil.transport: carried)"),
     "oil_residue": Variable(
         "W", "heat taken up by the oil beyond what injected oil carries to discharge (oil.transport: paper)"
     ),
-    "drive": Variable("1", "relative residue of the drive's powers: motor, coupling, shaft"),
-    "bound": Variable("1", "bound on the residues of mass, energy and entropy"),
+    "drive": Variable("1", "relative residual of the drive's powers: motor, coupling, shaft"),
+    "bound": Variable("1", "bound on the residuals of mass, energy and entropy"),
 }
 
 NUMERICS = {

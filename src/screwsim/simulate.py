@@ -51,7 +51,7 @@ def _balanced(accurate: Accurate, trace: bool) -> tuple[Figures, Ledger | None]:
     of = accurate.evaluation
     balance = balance_of(of)
     book = ledger(of) if trace or of.problem.scene.numerics.error == "estimate" else None
-    balance["entropy"] = None if book is None else book.entropy_residue(of.least[0])
+    balance["entropy"] = None if book is None else book.entropy_residual(of.least[0])
     return balance, book
 
 
@@ -136,29 +136,17 @@ def _simulate(scene: Scene, trace: bool, series: Series | None) -> Result:
 
 
 def _solved(problem: Problem, machinery: Machinery, trace: bool, course: Course | None) -> Result:
-    scene, parts = problem.scene, problem.parts
+    scene = problem.scene
     accurate = solve(problem, machinery, course)
-    cycle, of = accurate.cycle, accurate.evaluation
-    numerics = _numerics(machinery, accurate)
     effects, states = tuple(scene.effects), problem.composition.states
-    refused = own_effects.impossible(problem, cycle)
-    if not refused and cycle.status == "failed":
-        refused = verdict.failure(problem, cycle)
-    refused = refused or verdict.refused(parts.gas, of.life) or feedback.at_its_end(problem, of.life)
+    refused = _refused(problem, accurate)
     if refused:
-        shut = "".join(f"; {words}" for words in plausible.shut_ways(scene, parts))
-        none = Performance({}, problem.called)
-        return Result("failed", refused + shut, scene_warnings(scene), effects, states, none, numerics=numerics)
-    balance, book = _balanced(accurate, trace)
-    for _ in range(TRIES):
-        if cycle.status != "ok" or (balance.entropy or 0.0) <= balance.bound or scene.numerics.rtol is not None:
-            break
-        # mass and energy are judged while closing, entropy only here: it needs the ledger
-        accurate = solve_tighter(machinery, accurate)
-        cycle, of, numerics = accurate.cycle, accurate.evaluation, _numerics(machinery, accurate)
-        balance, book = _balanced(accurate, trace)
+        numerics, none = _numerics(machinery, accurate), Performance({}, problem.called)
+        return Result("failed", refused, scene_warnings(scene), effects, states, none, numerics=numerics)
+    accurate, balance, book = _closed_in_entropy(problem, machinery, accurate, trace)
     if course is not None:
         _note(course, accurate)
+    cycle, of, errors, numerics = accurate.cycle, accurate.evaluation, accurate.errors, _numerics(machinery, accurate)
     found, notes = of.read
     sound = book is None or book.finite
     finite = all(map(math.isfinite, [value for value in found.values() if value is not None]))
@@ -169,39 +157,65 @@ def _solved(problem: Problem, machinery: Machinery, trace: bool, course: Course 
     if not sound:  # of a cycle that is none, states between steps may be none of the gas
         book, balance["entropy"] = None, None
     forbidden, of_drive, balance["drive"] = drive.judged(of)
-    overloaded, of_loads = performance.judged(parts, of.known, found)
-    forbidden = forbidden or overloaded
-    status, message = cycle.status, ""
-    residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
-    shown = ", ".join(f"{name} {size:.2g}" for name, size in residuals.items())
-    if status == "not_closed" or max(residuals.values()) > balance.bound:
-        status = "not_closed"
-        message = (
-            f"{shown} against the bound {balance.bound:.2g}, last change {cycle.change:.2g}; "
-            f"{verdict.unclosed(of, cycle)}"
-        )
-    unknown = verdict.open_question(of, status == "ok")
-    if unknown:
-        unsettled = f"; their cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
-        status, message = "failed", unknown + unsettled
-    swings = "" if status == "ok" or unknown else verdict.beyond_its_mean(problem, of.life)
-    if swings:
-        status, message = "failed", f"{swings}; its cycle does not close: {shown}, bound {balance.bound:.2g}"
-    if forbidden:
-        status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
+    overloaded, of_loads = performance.judged(problem.parts, of.known, found)
+    status, message = _judged(accurate, balance, forbidden or overloaded)
     over_angle, kept = traces(of) if trace else {}, book.figures() if trace and book else Figures()
-    errors = accurate.errors
-    tried = (f"the cycle closed only with {cycle.needed}",) if cycle.needed else ()
     warnings = (
         *verdict.doubts(problem, found if status == "ok" else Figures(), errors),
         *of_loads,
-        *tried,
+        *((f"the cycle closed only with {cycle.needed}",) if cycle.needed else ()),
         *of_drive,
         *stability.warnings(problem, machinery, cycle, accurate.wanted.rtol),
         *verdict.warnings(of),
         *verdict.inaccurate(scene.numerics.accuracy, errors),
     )
     return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, over_angle, kept)
+
+
+def _refused(problem: Problem, accurate: Accurate) -> str:
+    """Return why a cycle has no figures; empty where it has."""
+    cycle, life = accurate.cycle, accurate.evaluation.life
+    found = own_effects.impossible(problem, cycle)
+    if not found and cycle.status == "failed":
+        found = verdict.failure(problem, cycle)
+    found = found or verdict.refused(problem.parts.gas, life) or feedback.at_its_end(problem, life)
+    return found + "".join(f"; {words}" for words in plausible.shut_ways(problem.scene, problem.parts)) if found else ""
+
+
+def _closed_in_entropy(
+    problem: Problem, machinery: Machinery, accurate: Accurate, trace: bool
+) -> tuple[Accurate, Figures, Ledger | None]:
+    """Solve more tightly where entropy does not close: it is judged here only, for it needs the ledger."""
+    balance, book = _balanced(accurate, trace)
+    for _ in range(TRIES):
+        closed = (balance.entropy or 0.0) <= balance.bound
+        if accurate.cycle.status != "ok" or closed or problem.scene.numerics.rtol is not None:
+            break
+        accurate = solve_tighter(machinery, accurate)
+        balance, book = _balanced(accurate, trace)
+    return accurate, balance, book
+
+
+def _judged(accurate: Accurate, balance: Figures, forbidden: str) -> tuple[str, str]:
+    """Return the status of a cycle that has figures, and its message; `forbidden` is what an effect says of it."""
+    cycle, of = accurate.cycle, accurate.evaluation
+    status, message = cycle.status, ""
+    residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
+    shown = ", ".join(f"{name} {size:.2g}" for name, size in residuals.items())
+    if status == "not_closed" or max(residuals.values()) > balance.bound:
+        status, left = "not_closed", f"{shown} against the bound {balance.bound:.2g}"
+        message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
+    unsettled = f"; {{}} cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
+    unknown = verdict.open_question(of, status == "ok")
+    if unknown:
+        status, message = "failed", unknown + unsettled.format("their")
+    elif status != "ok":
+        swings = verdict.beyond_its_mean(of.problem, of.life)
+        if swings:
+            status, message = "failed", swings + unsettled.format("its")
+    if forbidden:
+        status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
+    return status, message
 
 
 def _note(course: Course, accurate: Accurate) -> None:

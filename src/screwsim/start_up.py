@@ -115,9 +115,7 @@ def steadily(scene: Scene, creep: float) -> Problem:
 class Run:
     """A start under way: state of chambers and drive, and what is kept of the pitches behind."""
 
-    def __init__(
-        self, of: Evaluation, machinery: Machinery, steady: Response, creep: float, longest: float
-    ) -> None:
+    def __init__(self, of: Evaluation, machinery: Machinery, steady: Response, creep: float, longest: float) -> None:
         """Begin at rest; `of` is the steady cycle, on which the machinery stands."""
         self.problem, self.machinery = of.problem, machinery
         self.steady, self.creep, self.longest = steady, creep, longest
@@ -261,7 +259,7 @@ class Run:
         stored = self.train.stored(float(end.speed[-1]), float(end.motor_speed[-1]), float(end.twist[-1])) - self.begins
         highest = int(np.argmax(np.abs(traces["coupling_torque"])))
         steady = float(np.mean(self.steady.coupling_torque))
-        residue = motor - damped - gas - losses - stored
+        residual = motor - damped - gas - losses - stored
         return Figures(
             time=float(m.time[-1]),
             turns=float(traces["angle"][-1]) / (2.0 * math.pi),
@@ -279,7 +277,7 @@ class Run:
             loss_work=losses,
             coupling_work=damped,
             stored=stored,
-            residue=abs(residue) / max(abs(motor), abs(gas) + abs(losses)) if whole else None,
+            residue=abs(residual) / max(abs(motor), abs(gas) + abs(losses)) if whole else None,
             unsettled=float(sum(not each.settled for each in self.pitches)),
         )
 

@@ -22,7 +22,7 @@ def area(phi):
 
 
 def build(parameters, machine):
-    return [FlowPath(to="nowhere", area=area, values={}, knots=())]
+    return [FlowPath(to="nowhere", area=area, values={}, breakpoints=())]
 
 
 EFFECT = Effect(name="hole", title="", equations=(), source="", parameters=Parameters, build=build)

@@ -13,8 +13,9 @@ from screwsim.cycle.wanted import wanted_of
 from screwsim.evaluate.known import CycleFigures
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.kinds import kind_of
+from screwsim.model.numbers import symbols_of
 from screwsim.model.parts import OilPart, Parts
-from screwsim.model.writing import HEAT_SYMBOLS, OPENING_SYMBOLS, PUSH_SYMBOLS, STATE_SYMBOLS, symbols_of
+from screwsim.model.writing import HEAT_SYMBOLS, OPENING_SYMBOLS, PUSH_SYMBOLS, STATE_SYMBOLS
 from screwsim.scene import loads
 
 DOCS = Path(__file__).parents[2] / "docs"

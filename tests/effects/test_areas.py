@@ -1,4 +1,4 @@
-"""Areas of all flow paths: never negative, continuous, zero outside their windows, kinked at their knots only."""
+"""Areas of all flow paths: never negative, continuous, zero outside their windows, kinked at their breakpoints only."""
 
 import math
 
@@ -9,7 +9,7 @@ from scenes import make
 from screwsim.build import build_parts
 from screwsim.effects import catalogue, find_effect, gap, tip_leakage
 from screwsim.effects.base import Effect, FlowPath
-from screwsim.model.writing import symbols_of
+from screwsim.model.numbers import symbols_of
 from screwsim.numerics.spline import pack_curve
 
 PARTS = build_parts(make())
@@ -56,9 +56,9 @@ def kinks(path):
 
 
 @pytest.mark.parametrize("name", PATHS)
-def test_areas_are_kinked_at_their_knots_only(name):
-    """Where the slope jumps, a knot of the path (or an end of the life) stands; the curvature may jump without."""
-    known = np.degrees([*PATHS[name].knots, 0.0, LIFE])
+def test_areas_are_kinked_at_their_breakpoints_only(name):
+    """Where the slope jumps, a breakpoint of the path (or an end of life) stands; the curvature may jump without."""
+    known = np.degrees([*PATHS[name].breakpoints, 0.0, LIFE])
     assert all(np.min(np.abs(known - kink)) < 0.1 for kink in kinks(PATHS[name]))
 
 
@@ -120,7 +120,7 @@ def test_both_end_face_paths_together_are_the_whole_length():
 def test_gap_areas_are_proportional_to_their_clearance(name):
     path = GAPS[name]
     key = "size" if "size" in path.values else "gap"
-    twice = FlowPath(path.to, path.area, {**path.values, key: 2 * path.values[key]}, path.knots, path.offset)
+    twice = FlowPath(path.to, path.area, {**path.values, key: 2 * path.values[key]}, path.breakpoints, path.offset)
     np.testing.assert_allclose(areas(twice, FINE[::50]), 2 * areas(path, FINE[::50]), rtol=1e-13)
 
 

@@ -13,8 +13,8 @@ from screwsim.build import build_parts
 from screwsim.cycle.guess import first_guess
 from screwsim.effects.base import ChamberState, Stops
 from screwsim.model.compose import compose
+from screwsim.model.impacts import LOW, MOST_IMPACTS, NEAR
 from screwsim.model.run import Machinery
-from screwsim.model.stops import LOW, MOST_IMPACTS, NEAR
 from screwsim.numerics.integrators import check_of
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import OK, TOO_MANY_JUMPS

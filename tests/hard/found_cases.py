@@ -91,7 +91,7 @@ def found_cases() -> list[Case]:
         Case(
             "found: a step along a closing port",
             LEAPT_OVER,
-            "no knot for 125° along which a wide port closes: so long a step saw nothing of it and was off by 0.7 %",
+            "no breakpoint for 125° along which a wide port closes: a step saw nothing of it and was off by 0.7 %",
             radau=True,
         ),
         Case(

@@ -7,8 +7,10 @@ from scenes import DROP, make, run
 from screwsim import outputs
 from screwsim.cycle import coordinates, relaxation
 from screwsim.errors import relative_errors, worst
-from screwsim.model import places
+from screwsim.model import places, slots
 from screwsim.model.balance import oil_temperature_slope
+from screwsim.model.network.network import Network
+from screwsim.model.network.steps import step_texts
 from screwsim.simulate import simulate
 
 ACCURACY = 3e-4  # the default one
@@ -92,20 +94,21 @@ def test_the_floor_of_the_oils_mass_is_a_share_of_it(x):
     assert abs(exact - slope) <= 1e-3 * abs(exact)
 
 
-def size_of(y0, y1, error, monkeypatch):
+def size_of(y0, y1, error):
     """Return the size of a step's error of one chamber with carried oil, an ideal gas."""
-    for name, value in {"N": 4, "HEATED": 1, "CARRIED": 1, "OWN_STATES": 0}.items():
-        monkeypatch.setattr(places, name, value)
-    place = np.zeros(places.PLACE)
-    place[[places.PRESSURE, places.TPT]] = 1e5
-    return places.relative_error(np.array(y0), np.array(y1), np.array(error), 0, place, 0)
+    network = Network(("T", "rho", "T_oil", "x_oil"), (), heated=True, carried=True, dissolves=False, roomed=False)
+    names = {"PRESSURE": slots.PRESSURE, "TPT": slots.TPT, places.relative.flat_name: places.relative}
+    exec("\n".join(step_texts(network)), names)
+    place = np.zeros(slots.PLACE)
+    place[[slots.PRESSURE, slots.TPT]] = 1e5
+    return names["chamber__error"](np.array(y0), np.array(y1), np.array(error), 0, place, 0, ())
 
 
 @pytest.mark.parametrize(("x", "possible"), [(0.0, True), (-0.9, True), (-1.1, False), (-100.0, False)])
-def test_oil_below_none_is_rounding_or_impossible(x, possible, monkeypatch):
+def test_oil_below_none_is_rounding_or_impossible(x, possible):
     """`places.NO_OIL`: oil per gas of -1e-13 passes, less makes the step smaller."""
     y = [300.0, 1.0, 310.0, x * places.NO_OIL]
-    size = size_of(y, y, [0.0, 0.0, 0.0, 0.0], monkeypatch)
+    size = size_of(y, y, [0.0, 0.0, 0.0, 0.0])
     assert size == (0.0 if possible else places.IMPOSSIBLE)
 
 
@@ -132,11 +135,11 @@ def test_a_chamber_without_oil_makes_none(speed):
 
 
 @pytest.mark.parametrize(("x", "share"), [(1e-9, 1e-3), (1e-7, 0.1), (1e-6, 1.0), (1e-3, 1.0), (3.0, 1.0)])
-def test_the_temperature_of_next_to_no_oil_counts_as_little(x, share, monkeypatch):
+def test_the_temperature_of_next_to_no_oil_counts_as_little(x, share):
     """`places.SOME_OIL`: below 1e-6 of the gas, oil holds less than 1e-5 of the heat; its temperature counts so."""
     y = [300.0, 1.0, 310.0, x]
-    assert size_of(y, y, [0.0, 0.0, 31.0, 0.0], monkeypatch) == pytest.approx(0.1 * share, rel=1e-12)
-    assert size_of(y, y, [0.0, 0.0, 0.0, 1e-7], monkeypatch) == pytest.approx(1e-7 / max(x, places.SOME_OIL), rel=1e-9)
+    assert size_of(y, y, [0.0, 0.0, 31.0, 0.0]) == pytest.approx(0.1 * share, rel=1e-12)
+    assert size_of(y, y, [0.0, 0.0, 0.0, 1e-7]) == pytest.approx(1e-7 / max(x, places.SOME_OIL), rel=1e-9)
 
 
 def test_without_oil_the_slope_of_its_temperature_is_finite():

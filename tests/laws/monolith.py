@@ -57,8 +57,8 @@ class Monolith:
         self.machinery.inject(chambers)
         y[: self.n] = chambers
         angles, states = [], []
-        knots = self.machinery.pitch_knots()
-        for first, last in pairwise(knots):
+        breakpoints = self.machinery.pitch_breakpoints()
+        for first, last in pairwise(breakpoints):
             middle = 0.5 * (first + last)
             found = solve_ivp(
                 lambda s, state, middle=middle: self.rates(s, middle, state),

@@ -130,7 +130,7 @@ def test_the_traces_flows_are_those_of_the_time():
     rate = np.gradient(mass, np.radians(angle)) * speed
     quiet = (angle > 100.0) & (angle < 300.0)
     off = np.abs(flows[quiet] / rate[quiet] - 1.0)
-    assert np.quantile(off, 0.97) < 2e-4  # differences over a degree; the rest stand at knots of the laws
+    assert np.quantile(off, 0.97) < 2e-4  # differences over a degree; the rest stand at breakpoints of the laws
     assert np.ptp(speed) > 0.03 * speed.mean()
 
 

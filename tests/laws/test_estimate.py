@@ -142,7 +142,7 @@ def test_steps_do_not_leap_over_a_spike_that_an_effect_does_not_state(width):
 def test_only_laws_of_a_users_effect_are_sampled():
     paper = CONFIGS / "paper" / "point.yaml"
     plain, stated, sampled = (
-        compose(build_parts(load(paper, sets))).knots for sets in ((), (spike(2, 1),), (spike(2),))
+        compose(build_parts(load(paper, sets))).breakpoints for sets in ((), (spike(2, 1),), (spike(2),))
     )
     assert len(plain) < len(stated)
     assert len(plain) < len(sampled) < len(stated)  # of the hole alone: neighbours feel it through pressures only

@@ -117,7 +117,7 @@ def test_the_gas_drives_the_shaft_and_presses_from_the_higher_pressure():
 
 def area(part, angle, parts):
     """Return a path's area [m²] at an angle [rad], its mirror taken."""
-    from screwsim.model.writing import symbols_of
+    from screwsim.model.numbers import symbols_of
 
     numbers = {**symbols_of(parts), **part.values}
     at = angle if part.mirror is None else part.mirror - angle

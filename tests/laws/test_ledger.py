@@ -28,8 +28,8 @@ DISPLACED = {
 LEAKS = ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage")
 
 
-def residue(result):
-    """Return the residue over the shaft power of a closed cycle."""
+def residual(result):
+    """Return the residual over the shaft power of a closed cycle."""
     assert result.status == "ok"
     return abs(result.ledger.relative_residue)
 
@@ -58,18 +58,18 @@ def at(speed, transport="paper", **changes):
 def test_it_closes_on_the_shipped_scenes(name, change, speed, transport):
     overrides = [change, f"operation.speed={speed} rpm", f"oil.transport={transport}"]
     scene = screwsim.load(CONFIGS / f"{name}.yaml", overrides=overrides)
-    assert residue(simulate(scene)) < 1e-3  # what is promised at the default accuracy; found below 2e-4
+    assert residual(simulate(scene)) < 1e-3  # what is promised at the default accuracy; found below 2e-4
 
 
 @pytest.mark.parametrize("path", sorted((CONFIGS / "r134a").glob("*.yaml")), ids=lambda path: path.stem)
 def test_the_ledger_of_a_shipped_real_gas_closes(path):
-    assert residue(simulate(screwsim.load(path))) < 1e-3
+    assert residual(simulate(screwsim.load(path))) < 1e-3
 
 
 @pytest.mark.parametrize("transport", TRANSPORTS)
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_the_residue_is_numerical(speed, transport):
-    assert residue(at(speed, transport, numerics={"accuracy": 1e-6})) < 2e-5
+    assert residual(at(speed, transport, numerics={"accuracy": 1e-6})) < 2e-5
 
 
 @pytest.mark.parametrize("transport", TRANSPORTS)
@@ -88,11 +88,11 @@ def test_the_residue_is_numerical(speed, transport):
     ids=lambda changes: ", ".join(changes),
 )
 def test_it_closes_whatever_the_scene(changes, transport):
-    assert residue(run({"oil.transport": transport, **changes})) < 1e-3
+    assert residual(run({"oil.transport": transport, **changes})) < 1e-3
 
 
 def test_it_closes_with_the_printed_equation_12():
-    assert residue(run({"effects.oil_heat.equation_12": "printed"})) < 1e-3
+    assert residual(run({"effects.oil_heat.equation_12": "printed"})) < 1e-3
 
 
 def test_the_entries_are_the_sum():
@@ -251,18 +251,18 @@ def test_the_entropy_balance_is_judged_without_traces_too():
 
 
 def test_an_entropy_balance_above_its_bound_is_not_closed(monkeypatch):
-    monkeypatch.setattr(Ledger, "entropy_residue", lambda *_: 4e-4)
+    monkeypatch.setattr(Ledger, "entropy_residual", lambda *_: 4e-4)
     result = simulate(make())
     assert result.status == "not_closed"
     assert "entropy 0.0004 against the bound 0.0003" in result.message
 
 
 def test_what_is_open_of_energy_counts_against_no_less_in_the_entropy_balance():
-    """The residue holds what the energy balance leaves open, which M38 measures by the energies that are moved."""
+    """The residual holds what the energy balance leaves open, which M38 measures by the energies that are moved."""
     moved = Entry(gas_moved=1.0, energy_moved=80.0, exergy_destroyed=0.8)
     book = Ledger({"discharge_port": moved, "tip_leakage": Entry(energy_moved=-6.0)}, 298.0, 0.5, -0.3 - 1e-3, None)
-    assert book.residue == pytest.approx(1e-3)
-    assert book.entropy_residue() == pytest.approx(1e-3 / (0.5 + 0.8 + 80.0 + 6.0))
+    assert book.residual == pytest.approx(1e-3)
+    assert book.entropy_residual() == pytest.approx(1e-3 / (0.5 + 0.8 + 80.0 + 6.0))
 
 
 def test_a_sweep_that_keeps_the_cycle_keeps_the_ledger(tmp_path):

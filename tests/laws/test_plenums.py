@@ -180,7 +180,7 @@ def monolith(scene, pitches):
     for _ in range(pitches):
         machinery.inject(y)
         z, seen = np.append(y, p), []
-        for a, b in zip(machinery.pitch_knots(), machinery.pitch_knots()[1:], strict=False):
+        for a, b in zip(machinery.pitch_breakpoints(), machinery.pitch_breakpoints()[1:], strict=False):
             angles = grid[(grid >= a) & (grid < b)]
             found = solve_ivp(rates, (a, b), z, "Radau", rtol=1e-6, atol=1e-12, t_eval=[*angles, b])
             z = found.y[:, -1]

@@ -127,7 +127,7 @@ def test_fast_oil_is_in_equilibrium_with_the_gas():
 
 
 def test_traces_give_the_gas_of_a_chamber_with_what_its_oil_gives_off():
-    """Where ports are open, too, whose flow is taken from that balance: off the knots, by differences over a degree."""
+    """Where ports are open, too, whose flow is taken from it: off the breakpoints, by differences over a degree."""
     case = CASES["given off only"]
     cycle, excess = run(case).cycle, run(case).cycle["dissolved_gas_ratio"] - equilibrium(case)
     time = np.radians(cycle["angle"]) / (2.0 * np.pi * 50.0)

@@ -11,7 +11,7 @@ import pytest
 
 from screwsim.errors import relative_errors, worst
 from screwsim.machine import paper_law
-from screwsim.machine.geometry import Geometry, area_knots
+from screwsim.machine.geometry import Geometry, area_breakpoints
 from screwsim.scene import load, value_at
 from screwsim.simulate import simulate
 
@@ -90,14 +90,14 @@ def test_a_port_opens_and_is_widest_where_its_area_says_so(tmp_path, name):
 def test_steps_end_where_a_table_opens_and_shuts_not_at_its_zeros():
     rows = np.radians(np.arange(0.0, 8.0) * 9.0)
     areas = np.array([0, 0, 1, 2, 3, 1, 0, 0.0])  # broad enough for steps not to leap over it
-    assert area_knots(rows, areas) == pytest.approx(np.radians([0.0, 9.0, 54.0, 63.0]))
+    assert area_breakpoints(rows, areas) == pytest.approx(np.radians([0.0, 9.0, 54.0, 63.0]))
 
 
 def test_steps_end_on_narrow_tops_and_bottoms_of_a_table():
     rows = np.radians(np.arange(0.0, 60.0, 2.0))
     areas = np.full(len(rows), 10.0) + np.linspace(0.0, 0.1, len(rows))
     areas[[10, 13]] = 14.0, 5.0  # at 20 and 26 deg, on a base that is not smooth to the last digit
-    assert area_knots(rows, areas) == pytest.approx(np.radians([0.0, 20.0, 26.0, 58.0]))
+    assert area_breakpoints(rows, areas) == pytest.approx(np.radians([0.0, 20.0, 26.0, 58.0]))
 
 
 def test_a_port_that_is_never_shut_before_it_is_widest_has_no_opening(tmp_path):

@@ -34,7 +34,7 @@ def test_mass_energy_entropy_and_oil_are_kept(changes):
     result = run({**WALLS, **changes})
     assert result.status == "ok"
     names = BALANCES if result.performance.oil_mass_flow else [name for name in BALANCES if name != "oil_mass"]
-    assert max(result.balance[name] for name in names) <= ACCURACY  # without any oil its residue is one of nothing
+    assert max(result.balance[name] for name in names) <= ACCURACY  # without any oil its residual is one of nothing
     assert abs(result.ledger.relative_residue) <= ACCURACY
 
 
@@ -92,7 +92,7 @@ def test_walls_may_be_far_better_conductors_than_any():
     result = run(walls(nusselt_factor=2.3))
     assert result.status == "ok"
     names = BALANCES if result.performance.oil_mass_flow else [name for name in BALANCES if name != "oil_mass"]
-    assert max(result.balance[name] for name in names) <= ACCURACY  # without any oil its residue is one of nothing
+    assert max(result.balance[name] for name in names) <= ACCURACY  # without any oil its residual is one of nothing
 
 
 def test_more_cooling_than_the_gas_can_give_fails_with_a_remedy():
@@ -164,7 +164,7 @@ def test_walls_and_gaps_settle_together():
     p = result.performance
     assert result.status == "ok"
     names = BALANCES if result.performance.oil_mass_flow else [name for name in BALANCES if name != "oil_mass"]
-    assert max(result.balance[name] for name in names) <= ACCURACY  # without any oil its residue is one of nothing
+    assert max(result.balance[name] for name in names) <= ACCURACY  # without any oil its residual is one of nothing
     assert abs(p.wall_heat_power) < ACCURACY * p.shaft_power
     growth = 10.5e-6 * (p.housing_temperature - 293.15) - 11.5e-6 * (p.rotor_temperature - 293.15)
     assert p.tip_gap == pytest.approx(50e-6 + 0.08 * growth, rel=1e-6)

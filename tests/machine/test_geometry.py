@@ -1,4 +1,4 @@
-"""From settings to laws: knots inside the life, tables that give the paper's laws back, ranges."""
+"""From settings to laws: breakpoints inside the life, tables that give the paper's laws back, ranges."""
 
 from dataclasses import replace
 from math import pi
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from screwsim.machine import paper_law
-from screwsim.machine.geometry import Geometry, table_knots
+from screwsim.machine.geometry import Geometry, table_breakpoints
 from screwsim.machine.settings import LIFE, TURN, DischargePort, SuctionPort, TwinScrew, VolumeLaw, check_twin_screw
 from screwsim.numerics.spline import pack_curve
 
@@ -77,29 +77,29 @@ def test_table_volume_is_dead_volume_at_the_ends(tabled):
 
 
 @pytest.mark.parametrize("name", ["volume_law", "suction_law", "discharge_law"])
-def test_knots_lie_inside_the_life(name):
-    knots = getattr(Geometry(MACHINE), name)().knots
-    assert all(0.0 <= knot <= LIFE for knot in knots)
+def test_breakpoints_lie_inside_the_life(name):
+    breakpoints = getattr(Geometry(MACHINE), name)().breakpoints
+    assert all(0.0 <= at <= LIFE for at in breakpoints)
 
 
 @pytest.mark.parametrize("name", ["volume_law", "suction_law", "discharge_law"])
-def test_knots_hold_every_jump_of_curvature(name):
-    """Away from the knots the second difference of the law changes continuously."""
+def test_breakpoints_hold_every_jump_of_curvature(name):
+    """Away from the breakpoints the second difference of the law changes continuously."""
     law = getattr(Geometry(MACHINE), name)()
     function = law.volume if name == "volume_law" else law.area
     values = np.array([function(phi, *law.values.values()) for phi in GRID])
     curvature = np.diff(values, 2)
     jumps = np.nonzero(np.abs(np.diff(curvature)) > 1e-3 * np.max(np.abs(curvature)))[0] + 1.5  # degrees, ± 1.5
-    known = np.degrees([*law.knots, 0.0, LIFE])
+    known = np.degrees([*law.breakpoints, 0.0, LIFE])
     assert all(np.min(np.abs(known - jump)) <= 2.0 for jump in jumps)
 
 
-def test_coarse_tables_have_a_knot_at_every_row():
-    assert table_knots(np.radians([0.0, 20.0, 50.0])) == pytest.approx(np.radians([0.0, 20.0, 50.0]))
+def test_coarse_tables_have_a_breakpoint_at_every_row():
+    assert table_breakpoints(np.radians([0.0, 20.0, 50.0])) == pytest.approx(np.radians([0.0, 20.0, 50.0]))
 
 
-def test_fine_tables_have_knots_at_their_ends_only():
-    assert table_knots(np.radians([0.0, 5.0, 50.0])) == pytest.approx(np.radians([0.0, 50.0]))
+def test_fine_tables_have_breakpoints_at_their_ends_only():
+    assert table_breakpoints(np.radians([0.0, 5.0, 50.0])) == pytest.approx(np.radians([0.0, 50.0]))
 
 
 @pytest.mark.parametrize("lobes", [1, 3, 4, 5, 6, 12])

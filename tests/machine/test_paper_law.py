@@ -59,10 +59,10 @@ def test_slope_is_the_derivative_of_the_bump(c):
 
 def test_volume_is_the_integral_of_its_slope():
     V_max, V_min, phi_A = 6e-4, 6e-8, 60 * DEG
-    knots = [0.0, phi_A, 300 * DEG]
+    breakpoints = [0.0, phi_A, 300 * DEG]
     parts = [
         quad(law.volume_slope, a, b, args=(V_max, phi_A), epsrel=1e-12)[0]
-        for a, b in zip(knots, [*knots[1:], TURN], strict=True)
+        for a, b in zip(breakpoints, [*breakpoints[1:], TURN], strict=True)
     ]
     assert V_min + sum(parts) == pytest.approx(law.volume(TURN, V_max, V_min, phi_A), rel=1e-12)
 

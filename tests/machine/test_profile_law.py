@@ -78,7 +78,7 @@ def test_the_slope_of_the_table_is_that_of_the_rotors_at_every_row_on_both_sides
 
 @pytest.mark.parametrize("name", SCENES)
 def test_steps_end_where_a_curve_bends(name):
-    """Off the knots the second derivative of V changes little from row to row, and no area has a kink."""
+    """Off the breakpoints the second derivative of V changes little from row to row, and no area has a kink."""
     laid = lay(SCENES[name].machine)
     angle, slope = laid.volume.angle, laid.volume.slope[:, 0]
     bends = np.diff(slope) / np.diff(angle[:-1]) / laid.swept
@@ -91,8 +91,8 @@ def test_steps_end_where_a_curve_bends(name):
 
 
 def _free(table, distance):
-    """Return which inner rows of a table lie farther than an angle [rad] from all its knots."""
-    return np.min(np.abs(table.angle[1:-1, None] - np.array(table.knots)), axis=1) > distance
+    """Return which inner rows of a table lie farther than an angle [rad] from all its breakpoints."""
+    return np.min(np.abs(table.angle[1:-1, None] - np.array(table.breakpoints)), axis=1) > distance
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -46,10 +46,10 @@ def test_without_leaks_no_neighbour_is_read():
     assert found.n_E == 4 + 2  # own angle terms and two ports
 
 
-def test_without_leaks_no_neighbours_knot_cuts_the_steps():
-    knots = composition(**{f"effects__{name}": DROP for name in LEAKS}).knots
+def test_without_leaks_no_neighbours_breakpoint_cuts_the_steps():
+    breakpoints = composition(**{f"effects__{name}": DROP for name in LEAKS}).breakpoints
     own = [0, 60, 300, 360, 600, 640, 660, 680, 720]  # φ_A, φ_B, φ_C and their mirrors (φ_B has 60 and 300 too)
-    assert all(np.min(np.abs(np.degrees(knot) - own)) < 1e-6 for knot in knots)
+    assert all(np.min(np.abs(np.degrees(at) - own)) < 1e-6 for at in breakpoints)
 
 
 def test_losses_alone_leave_the_text_as_it_is():
@@ -115,10 +115,11 @@ def test_a_kernel_that_asks_for_an_unknown_name_is_told_what_is_known():
         compose(replace(parts, effects={**parts.effects, "odd": [path]}))
 
 
-def test_knots_are_sorted_and_inside_the_life():
-    knots = composition().knots
-    assert knots[0] == 0.0 and np.all(np.diff(knots) > 0.0) and knots[-1] == pytest.approx(4 * np.pi, rel=1e-15)
+def test_breakpoints_are_sorted_and_inside_the_life():
+    breakpoints = composition().breakpoints
+    assert breakpoints[0] == 0.0 and np.all(np.diff(breakpoints) > 0.0)
+    assert breakpoints[-1] == pytest.approx(4 * np.pi, rel=1e-15)
 
 
-def test_oil_is_injected_at_a_knot():
-    assert np.min(np.abs(composition().knots - 2 * np.pi)) == 0.0  # bit for bit: the jump is looked for there
+def test_oil_is_injected_at_a_breakpoint():
+    assert np.min(np.abs(composition().breakpoints - 2 * np.pi)) == 0.0  # bit for bit: the jump is looked for there

@@ -9,7 +9,7 @@ from scenes import FILMS, HELD_GAPS, SOLUBLE, SOLUBLE_RATE, closed, make
 from scenes import TOGETHER as PORTS_AND_ROOM
 
 Array = np.ndarray
-# off the knots: there the derivatives of both sides differ
+# off the breakpoints: there the derivatives of both sides differ
 ALONE = tuple(np.radians((20.5, 151.0, 303.0, 355.5, 423.0, 583.0, 621.0, 703.0)))
 TOGETHER = tuple(np.radians((5.5, 41.0, 85.5)))  # of the first chamber; the others stand a pitch ahead each
 ANGLE_STEP = 1e-6  # rad, as the integrator takes it

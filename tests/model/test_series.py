@@ -7,7 +7,8 @@ import pytest
 from scenes import ECONOMIZER, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, make
 
 from screwsim.build import Stock, build_parts
-from screwsim.model.compose import Composer, compose
+from screwsim.model.compose import compose
+from screwsim.model.series import Composer
 from screwsim.scene import with_values
 
 SCENES = {

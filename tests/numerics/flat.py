@@ -11,8 +11,8 @@ from screwsim.numerics import rodas
 from screwsim.numerics.kernel import flatten
 
 Array = np.ndarray
-SLOTS = ("surroundings", "rates", "jacobian", "at_knot", "lands", "error_size", "share_in_phase", "conserve")
-SLOTS += ("keep_places",)
+SLOTS = ("surroundings", "rates", "jacobian", "at_breakpoint", "lands", "error_size", "share_in_phase", "conserve")
+SLOTS += ("keep_places", "jump")
 
 
 class Path(NamedTuple):
@@ -39,7 +39,7 @@ class Problem(NamedTuple):
     lands: Callable[[float, Array], bool] = lambda h, J: True
 
 
-def emitted(problem: Problem) -> dict[str, Any]:
+def emitted(problem: Problem, states: int, quadratures: int) -> dict[str, Any]:
     """Return the names of the flat module with the problem in its slots."""
 
     def surroundings(phi: float, middle: float, context: Any, E: Array) -> None:
@@ -58,7 +58,7 @@ def emitted(problem: Problem) -> dict[str, Any]:
             (np.array(b) - a) / delta for a, b in zip((f, g), problem.rates(E_next[0], y), strict=True)
         )
 
-    def at_knot(phi: float, y: Array, context: Any) -> None:
+    def at_breakpoint(phi: float, y: Array, context: Any) -> None:
         problem.jump(phi, y)
 
     def conserve(y: Array, y1: Array, E: Array, E_next: Array, context: Any, dq: Array) -> None:
@@ -71,24 +71,25 @@ def emitted(problem: Problem) -> dict[str, Any]:
         return problem.share(y, y1, u, rtol)
 
     names: dict[str, Any] = {"np": np, "math": __import__("math")}
-    names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian, "p_at_knot": at_knot}
+    names |= {"p_surroundings": surroundings, "p_rates": rates, "p_jacobian": jacobian}
+    names["p_at_breakpoint"] = at_breakpoint
     names |= {"p_error_size": error_size, "p_conserve": conserve, "p_keep_places": lambda step, dense, context: None}
     names["p_share_in_phase"], names["p_lands"] = share_in_phase, lambda h, J, *_: problem.lands(h, J)
-    text = flatten(
-        (rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p", {"JUMPS": 0, "STATES": 0, "QUADRATURES": 0}
-    )
+    names["p_jump"] = lambda y, rtol, context: True
+    sizes = {"STATES": states, "QUADRATURES": quadratures}
+    text = flatten((rodas.integrate,), {name: f"p_{name}" for name in SLOTS}, "_p", sizes)
     exec("\n\n".join(text.values()), names)
     return names
 
 
-def integrate(problem: Problem, knots: Sequence[float], y0: Sequence[float], nq: int = 1, **options: Any) -> Path:
-    """Integrate over the knots; without `rtol` every stretch between two knots is one step."""
+def integrate(problem: Problem, breakpoints: Sequence[float], y0: Sequence[float], nq: int = 1, **options: Any) -> Path:
+    """Integrate over the breakpoints; without `rtol` every stretch between two breakpoints is one step."""
     rtol, h, room = options.get("rtol", 1e30), options.get("h", 1e30), options.get("room", 5000)
     y, q, counts, kept = np.array(y0, float), np.zeros(nq), np.zeros(4, np.int64), np.zeros(2, np.int64)
     times, dense, quads = np.zeros(room + 1), np.zeros((room, 4, len(y))), np.zeros((room, nq))
-    function = emitted(problem)["rodas__integrate_p"]
+    function = emitted(problem, len(y), nq)["rodas__integrate_p"]
     status, end, _ = function(
-        np.array(knots, float), len(knots), y, q, (), rtol, h, 1, times, dense, quads, kept, counts
+        np.array(breakpoints, float), len(breakpoints), y, q, (), rtol, h, 1, times, dense, quads, kept, counts
     )
     steps = int(kept[0])
     return Path(status, end, y, q, times[: steps + 1], dense[:steps], quads[:steps], counts)

@@ -185,31 +185,15 @@ def test_nothing_is_rounded_otherwise_than_it_is_written():
 
 @kernel
 def structured(x):
-    y = x
-    if EXTRA == 0:
-        y *= 3.0
-    else:
-        y = inner(x)
-    if EXTRA > 0 and x > 0.0:
-        y += EXTRA
-    return y
+    return EXTRA * x
 
 
-def test_branches_that_the_structure_rules_out_are_not_pasted():
-    without, with_it = (flatten((structured,), numbers={"EXTRA": number}) for number in (0, 2))
-    assert not any(name.endswith("__inner") for name in without)
-    assert not any("EXTRA" in text for text in without.values())
-    assert any(name.endswith("__inner") for name in with_it)
-    assert any(text.endswith("__EXTRA = 2") for text in with_it.values())
-    text = next(text for name, text in with_it.items() if name.endswith("__structured"))
-    assert "if x > 0.0:" in text
-    assert "else" not in text
-
-
-def test_what_stays_of_a_structured_kernel_is_the_text_of_one_without_structure():
-    (text,) = (text for name, text in flatten((structured,), numbers={"EXTRA": 0}).items() if "structured" in name)
-    body = [line.strip() for line in text.splitlines()]
-    assert body[-3:] == ["y = x", "y *= 3.0", "return y"]
+def test_a_number_of_the_composition_is_a_constant_of_the_text():
+    """`Structure`: two compositions have two texts; where an instance is named and slots are used, it names it, too."""
+    for number in (0, 2):
+        found = flatten((structured,), numbers={"EXTRA": number})
+        assert f"{HERE}EXTRA = {number}" in found.values()
+        assert run(found)[structured.flat_name](3.0) == 3.0 * number
 
 
 def test_a_package_with_a_hyphen_gives_names_that_python_takes(tmp_path, monkeypatch):

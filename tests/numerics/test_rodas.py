@@ -1,4 +1,4 @@
-"""Rodas4: order, stability, invariants, knots, failures, on the flattened module that the models contain."""
+"""Rodas4: order, stability, invariants, breakpoints, failures, on the flattened module that the models contain."""
 
 import math
 
@@ -136,23 +136,23 @@ def test_a_bond_that_loosens_within_a_step_is_followed_once_landing_is_refused()
     assert seeing < 1e-5 < 0.1 * blind
 
 
-def test_steps_land_on_every_knot_exactly():
-    knots = (0.0, 0.1, 0.1 + 1e-6, 1 / 3, math.pi / 5, 1.0)
-    path = integrate(kaps(), knots, (1.0, 1.0), rtol=1e-3, h=0.07)
-    assert set(knots) <= set(path.times)  # bit for bit: laws change their branch there
+def test_steps_land_on_every_breakpoint_exactly():
+    breakpoints = (0.0, 0.1, 0.1 + 1e-6, 1 / 3, math.pi / 5, 1.0)
+    path = integrate(kaps(), breakpoints, (1.0, 1.0), rtol=1e-3, h=0.07)
+    assert set(breakpoints) <= set(path.times)  # bit for bit: laws change their branch there
 
 
-def test_jumps_happen_once_at_each_knot_but_the_last():
+def test_jumps_happen_once_at_each_breakpoint_but_the_last():
     seen = []
     problem = kaps()._replace(jump=lambda phi, y: seen.append(phi))
     integrate(problem, (0.0, 0.25, 0.5, 1.0), (1.0, 1.0), rtol=1e-3, h=0.07)
     assert seen == [0.0, 0.25, 0.5]
 
 
-def test_the_step_size_survives_a_knot_that_cuts_it_short():
+def test_the_step_size_survives_a_breakpoint_that_cuts_it_short():
     path = integrate(kaps(), (0.0, 0.5, 0.5 + 1e-6, 1.0), (1.0, 1.0), rtol=1e-3, h=0.02)
     after = path.times[path.times > 0.5 + 5e-7]
-    assert after[1] - after[0] > 0.01  # the step before the knots was larger than that
+    assert after[1] - after[0] > 0.01  # the step before the breakpoints was larger than that
 
 
 def test_rates_that_turn_nan_end_with_a_status_where_they_do():

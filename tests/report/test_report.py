@@ -361,7 +361,7 @@ def test_the_waterfall_goes_from_the_shaft_power_to_the_gas():
         "exergy rise of the gas",
     ]
     spent = sum(bar.power for bar in bars if not bar.total)
-    small = 1.0 + 1.9 + 0.1  # entries below a thousandth, and the residue
+    small = 1.0 + 1.9 + 0.1  # entries below a thousandth, and the residual
     assert bars[0].power - spent - bars[-1].power == pytest.approx(small, rel=1e-9)
 
 

@@ -48,7 +48,7 @@ def fake_simulate(case: Scene) -> Result:
     angle = np.linspace(0.0, 720.0, 73)
     return Result(
         status="not_closed" if ratio == 4.0 else "ok",
-        message="energy residue 1e-3 above the bound" if ratio == 4.0 else "",
+        message="energy residual 1e-3 above the bound" if ratio == 4.0 else "",
         warnings=("first warning", "η of 2"),
         effects=("suction_port", "tip_leakage"),
         states=("m", "T"),

@@ -229,7 +229,7 @@ def test_the_netcdf_library_sees_ordered_dimensions_and_texts(swept):
         assert list(group.dimensions)[:2] == ["operation_speed", "oil_supply_ratio"]
         assert group["shaft_power"].dimensions == ("operation_speed", "oil_supply_ratio")
         texts = "".join(group["message_text"][:].tolist())
-        assert texts.split("\n\n")[group["message"][0, 4]] == "energy residue 1e-3 above the bound"
+        assert texts.split("\n\n")[group["message"][0, 4]] == "energy residual 1e-3 above the bound"
 
 
 @pytest.mark.parametrize("command", [["ncdump"], ["h5dump"]])

@@ -206,7 +206,7 @@ def solved(case: Any, effect: dict[str, Any]) -> dict[str, Any]:
         return {"status": "not finite", "message": ""}
     if result.status == "ok":
         b = result.balance
-        oil = b.oil_mass if result.performance.get("oil_mass_flow") else 0.0  # without any it is a residue of nothing
+        oil = b.oil_mass if result.performance.get("oil_mass_flow") else 0.0  # without any it is a residual of nothing
         found["balance"] = float(f"{max(b.mass, b.energy, b.entropy, oil) / b.bound:.3g}")
         found["evaluations"] = result.numerics.rhs_evaluations
     return found

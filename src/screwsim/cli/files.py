@@ -8,16 +8,14 @@ from typing import Annotated
 import typer
 
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, ResultsFile, SceneFile, option
 from screwsim.faults import UsageError
 from screwsim.screen import say
 
 
 def rotors(
     scene_file: SceneFile,
-    folder: Annotated[
-        Path | None, typer.Option("-o", metavar="DIR", help="Where figures, page, profiles and tables go.")
-    ] = None,
+    folder: Annotated[Path | None, option("DIR", "Where figures, page, profiles and tables go.", "-o")] = None,
     overrides: Overrides = None,
     as_json: AsJson = False,
 ) -> None:
@@ -40,7 +38,7 @@ def rotors(
 
 def plot(
     results_file: ResultsFile,
-    folder: Annotated[str | None, typer.Option("-o", metavar="DIR", help="Where the figures go.")] = None,
+    folder: Annotated[str | None, option("DIR", "Where the figures go.", "-o")] = None,
 ) -> None:
     """Draw the figures of a results file."""
     options.check_drawer(Path(folder) if folder is not None else None)
@@ -52,12 +50,8 @@ def plot(
 
 def report(
     results_file: ResultsFile,
-    output: Annotated[
-        str | None, typer.Option("-o", metavar="OUT.html", help="Where the page goes (default: beside the file).")
-    ] = None,
-    other: Annotated[
-        str | None, typer.Option("--with", metavar="OTHER.h5", help="The paper's other sweep: claims need both.")
-    ] = None,
+    output: Annotated[str | None, option("OUT.html", "Where the page goes (default: beside the file).", "-o")] = None,
+    other: Annotated[str | None, option("OTHER.h5", "The paper's other sweep: claims need both.", "--with")] = None,
 ) -> None:
     """Make one page of a results file: figures, cycles, checks, scene; it opens in any browser, offline."""
     if output is not None:
@@ -75,15 +69,12 @@ def validate(
     ] = None,
     folder: Annotated[
         Path | None,
-        typer.Option(
-            "--folder",
-            metavar="DIR",
-            help="Where the sources lie, programs that are run (default: validation/ of the checkout that is running).",
+        option(
+            "DIR",
+            "Where the sources lie, programs that are run (default: validation/ of the checkout that is running).",
         ),
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", metavar="DIR", help="Write validation.json and a figure a source.")
-    ] = None,
+    output: Annotated[Path | None, option("DIR", "Write validation.json and a figure a source.", "-o")] = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -23,15 +23,21 @@ RESULTS = (".h5", ".hdf5", ".hdf", ".nc", ".nc4")  # HDF5, and netCDF-4, which i
 PAGES = (".html", ".htm")
 FILES = {*RESULTS, *PAGES, ".csv", ".json", ".yaml", ".yml", ".png", ".pdf", ".svg", ".txt", ".md", ".xlsx", ".dxf"}
 
+
+def option(value: str, says: str, *names: str, **more: Any) -> Any:
+    """Return an option with a value: what stands for the value, what the option is for, and its names."""
+    return typer.Option(*names, metavar=value, help=says, **more)
+
+
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="The scene, a YAML file.", show_default=False)]
 ResultsFile = Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of run or sweep.", show_default=False)]
 Overrides = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Change one path, e.g. operation.speed='1000 rpm'."),
+    option("PATH=VALUE", "Change one path, e.g. operation.speed='1000 rpm'.", "--set"),
 ]
-Without = Annotated[list[str] | None, typer.Option(metavar="EFFECT", help="Leave an effect out.")]
+Without = Annotated[list[str] | None, option("EFFECT", "Leave an effect out.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout, nothing else.")]
-Jobs = Annotated[int | None, typer.Option(min=1, metavar="N", help="Worker processes (default: all cores).")]
+Jobs = Annotated[int | None, option("N", "Worker processes (default: all cores).", min=1)]
 
 
 def loaded(scene_file: str, overrides: Sequence[str] | None, without: Sequence[str] | None) -> Scene:
@@ -51,6 +57,12 @@ def check_results(output: Path) -> None:
         )
     if output.is_dir():
         raise UsageError(f"-o {output}: is a folder (name a file in it, e.g. -o {output / 'out.h5'})")
+
+
+def check_target(output: Path | None, *endings: str) -> None:
+    """Raise UsageError unless the name of a file has one of the endings."""
+    if output is not None and output.suffix.lower() not in endings:
+        raise UsageError(f"-o {output}: has no ending that tells its format (write one of {', '.join(endings)})")
 
 
 def check_page(output: Path) -> None:

@@ -8,14 +8,14 @@ from typing import Annotated
 import typer
 
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded, option
 from screwsim.faults import UsageError
 from screwsim.screen import say
 
 
 def run(
     scene_file: SceneFile,
-    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.h5", help="Write the result, with traces.")] = None,
+    output: Annotated[Path | None, option("OUT.h5", "Write the result, with traces.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     knock_out: Annotated[
@@ -85,20 +85,14 @@ def _run_stages(
 
 def sweep(
     scene_file: SceneFile,
-    output: Annotated[
-        Path | None, typer.Option("-o", metavar="OUT.h5", help="Where the results go (default: results/SCENE.h5).")
-    ] = None,
+    output: Annotated[Path | None, option("OUT.h5", "Where the results go (default: results/SCENE.h5).", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS|FILE", help="Compute on a dask scheduler's workers instead.")
-    ] = None,
+    scheduler: Annotated[str | None, option("ADDRESS|FILE", "Compute on a dask scheduler's workers instead.")] = None,
     case_limit: Annotated[
         float | None,
-        typer.Option(
-            min=0.001, metavar="SECONDS", help="Give up a case after that time (default: 300; with --jobs 1: never)."
-        ),
+        option("SECONDS", "Give up a case after that time (default: 300; with --jobs 1: never).", min=0.001),
     ] = None,
     restart: Annotated[bool, typer.Option("--restart", help="Compute again what is there.")] = False,
     as_json: AsJson = False,
@@ -149,9 +143,7 @@ def explain(
 
 def accuracy(
     scene_file: SceneFile,
-    folder: Annotated[
-        Path | None, typer.Option("-o", metavar="DIR", help="Where table, data and figure go (default: nowhere).")
-    ] = None,
+    folder: Annotated[Path | None, option("DIR", "Where table, data and figure go (default: nowhere).", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     quick: Annotated[bool, typer.Option("--quick", help="Try less: seconds instead of minutes.")] = False,

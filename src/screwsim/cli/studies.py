@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded, option
 from screwsim.screen import say
 
 RPM = math.pi / 30.0
@@ -17,15 +17,14 @@ RPM = math.pi / 30.0
 
 def optimum(
     scene_file: SceneFile,
-    path: Annotated[str, typer.Option(metavar="PATH", help="What is varied.")] = "oil_supply.ratio",
+    path: Annotated[str, option("PATH", "What is varied.")] = "oil_supply.ratio",
     figure: Annotated[
-        str | None,
-        typer.Option("--figure", metavar="NAME", help="What is to be highest (default: an efficiency, by the gas)."),
+        str | None, option("NAME", "What is to be highest (default: an efficiency, by the gas).", "--figure")
     ] = None,
     minimum: Annotated[bool, typer.Option("--minimum", help="Look for the lowest instead.")] = False,
-    first: Annotated[str | None, typer.Option("--from", metavar="VALUE", help="Where the range begins.")] = None,
-    last: Annotated[str | None, typer.Option("--to", metavar="VALUE", help="Where the range ends.")] = None,
-    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.csv|.h5", help="Write the table.")] = None,
+    first: Annotated[str | None, option("VALUE", "Where the range begins.", "--from")] = None,
+    last: Annotated[str | None, option("VALUE", "Where the range ends.", "--to")] = None,
+    output: Annotated[Path | None, option("OUT.csv|.h5", "Write the table.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -35,7 +34,6 @@ def optimum(
     scene = loaded(scene_file, overrides, without)
     from screwsim.printing import show
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
-    from screwsim.study.columns import check_target
     from screwsim.study.inputs import told_efficiency
     from screwsim.study.optimum import optimum as found
     from screwsim.study.optimum import question
@@ -44,8 +42,7 @@ def optimum(
     if figure is None and (told := told_efficiency(scene)):
         typer.echo(f"optimum: {told}", err=True)
     asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
-    if output is not None:
-        check_target(output, (".csv", ".h5"))
+    options.check_target(output, ".csv", ".h5")
     rows = found(scene, asked, jobs=jobs, progress=for_terminal("optimum"))
     if output is not None:
         write_optimum(output, scene, asked, rows)
@@ -56,22 +53,19 @@ def optimum(
 def performance_map(
     results_file: Annotated[str, typer.Argument(metavar="OUT.h5", help="Results of a sweep.", show_default=False)],
     figures: Annotated[
-        list[str] | None,
-        typer.Option("--figure", metavar="NAME", help="What is fitted (default: power, mass flow, cooling capacity)."),
+        list[str] | None, option("NAME", "What is fitted (default: power, mass flow, cooling capacity).", "--figure")
     ] = None,
-    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.csv|.json", help="Write the map.")] = None,
+    output: Annotated[Path | None, option("OUT.csv|.json", "Write the map.", "-o")] = None,
     as_json: AsJson = False,
 ) -> int:
     """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over evaporating and condensing temperature."""
     from screwsim.printing import show
     from screwsim.printing.performance_map import map_document, print_maps, write_maps
     from screwsim.results import open_results
-    from screwsim.study.columns import check_target
     from screwsim.study.performance_map import FIGURES, performance_maps
 
     results = open_results(results_file)
-    if output is not None:
-        check_target(output, (".csv", ".json"))
+    options.check_target(output, ".csv", ".json")
     maps = performance_maps(results, tuple(dict.fromkeys(figures)) if figures else FIGURES)
     if output is not None:
         write_maps(output, results, maps)
@@ -82,15 +76,14 @@ def performance_map(
 def sensitivity(
     scene_file: SceneFile,
     paths: Annotated[
-        list[str] | None,
-        typer.Option("--path", metavar="PATH=LOW..HIGH", help="What varies, e.g. oil_supply.ratio=0.5..2; repeat it."),
+        list[str] | None, option("PATH=LOW..HIGH", "What varies, e.g. oil_supply.ratio=0.5..2; repeat it.", "--path")
     ] = None,
     figures: Annotated[
-        list[str] | None, typer.Option("--figure", metavar="NAME", help="Of what (default: efficiency, mass flow).")
+        list[str] | None, option("NAME", "Of what (default: efficiency, mass flow).", "--figure")
     ] = None,
-    samples: Annotated[int, typer.Option(metavar="N", help="Base samples, a power of two.")] = 256,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of samples and confidence intervals.")] = 1,
-    output: Annotated[Path | None, typer.Option("-o", metavar="OUT.csv|.h5", help="Write the indices.")] = None,
+    samples: Annotated[int, option("N", "Base samples, a power of two.")] = 256,
+    seed: Annotated[int, option("N", "Seed of samples and confidence intervals.", min=0)] = 1,
+    output: Annotated[Path | None, option("OUT.csv|.h5", "Write the indices.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -100,14 +93,12 @@ def sensitivity(
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
     from screwsim.printing import show
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
-    from screwsim.study.columns import check_target
     from screwsim.study.inputs import told_efficiency
     from screwsim.study.progress import for_terminal
     from screwsim.study.sensitivity import read_ranges
     from screwsim.study.sensitivity import sensitivity as studied
 
-    if output is not None:
-        check_target(output, (".csv", ".h5"))
+    options.check_target(output, ".csv", ".h5")
     names = tuple(dict.fromkeys(figures or ()))
     if not names and (told := told_efficiency(scene)):
         typer.echo(f"sensitivity: {told}", err=True)
@@ -122,9 +113,7 @@ def sensitivity(
 def compare(
     first: Annotated[str, typer.Argument(metavar="A.h5", help="Results of run or sweep.", show_default=False)],
     second: Annotated[str, typer.Argument(metavar="B.h5", help="What they are compared with.", show_default=False)],
-    tolerance: Annotated[
-        float, typer.Option(metavar="T", help="Relative difference that counts as none, beside numerical error.")
-    ] = 0.0,
+    tolerance: Annotated[float, option("T", "Relative difference that counts as none, beside numerical error.")] = 0.0,
     as_json: AsJson = False,
 ) -> int:
     """Tell what differs between two results files. A difference is a finding: exit code 0."""
@@ -143,9 +132,7 @@ def calibrate(
     fit_file: Annotated[
         str, typer.Argument(metavar="FIT", help="What is fitted to what, a YAML file.", show_default=False)
     ],
-    folder: Annotated[
-        Path | None, typer.Option("-o", metavar="DIR", help="Write scene.yaml, fit.json and the residual figure.")
-    ] = None,
+    folder: Annotated[Path | None, option("DIR", "Write scene.yaml, fit.json and the residual figure.", "-o")] = None,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
@@ -175,14 +162,14 @@ def calibrate(
 
 def tolerance(
     scene_file: SceneFile,
-    grade: Annotated[int, typer.Option(metavar="IT", help="ISO 286 grade of crank, rod and offset.")] = 10,
-    crank_grade: Annotated[int | None, typer.Option(metavar="IT", help="Grade of the crank alone.")] = None,
-    rod_grade: Annotated[int | None, typer.Option(metavar="IT", help="Grade of the rod alone.")] = None,
-    offset_grade: Annotated[int | None, typer.Option(metavar="IT", help="Grade of the offset alone.")] = None,
-    bore_grade: Annotated[int | None, typer.Option(metavar="IT", help="Grade of the bore (default: exact).")] = None,
-    count: Annotated[int, typer.Option(metavar="N", help="Machines that are drawn.")] = 64,
-    seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the random numbers.")] = 1,
-    folder: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Write the figures.")] = None,
+    grade: Annotated[int, option("IT", "ISO 286 grade of crank, rod and offset.")] = 10,
+    crank_grade: Annotated[int | None, option("IT", "Grade of the crank alone.")] = None,
+    rod_grade: Annotated[int | None, option("IT", "Grade of the rod alone.")] = None,
+    offset_grade: Annotated[int | None, option("IT", "Grade of the offset alone.")] = None,
+    bore_grade: Annotated[int | None, option("IT", "Grade of the bore (default: exact).")] = None,
+    count: Annotated[int, option("N", "Machines that are drawn.")] = 64,
+    seed: Annotated[int, option("N", "Seed of the random numbers.", min=0)] = 1,
+    folder: Annotated[Path | None, option("DIR", "Write the figures.", "-o")] = None,
     overrides: Overrides = None,
     without: Without = None,
     jobs: Jobs = None,
@@ -202,20 +189,19 @@ def tolerance(
     found = tolerances(scene, asked, count=count, seed=seed, jobs=jobs, progress=for_terminal("tolerance"))
     show(as_json, tolerance_document, print_tolerance, scene, found)
     if folder is not None:
-        from screwsim.report.tolerance import draw_law, draw_spread
+        from screwsim.report.tolerance import draw_machine
 
         deviations = {each.figure: found.values[each.figure] / each.nominal - 1.0 for each in found.spreads}
-        law = draw_law(found.links, folder)
-        for path in (*law, *draw_spread(found.table, found.shifts, deviations, folder)):
+        for path in draw_machine(found.links, (found.table, found.shifts, deviations), folder):
             say(path, err=as_json)
     return OK if not found.failed else NOT_ALL_OK
 
 
 def startup(
     scene_file: SceneFile,
-    folder: Annotated[Path | None, typer.Option("-o", metavar="DIR", help="Where traces and figure go.")] = None,
-    creep: Annotated[float, typer.Option(min=0.1, metavar="RPM", help="Speed at which the start begins.")] = 30.0,
-    longest: Annotated[float, typer.Option(min=0.01, metavar="SECONDS", help="Give up after so long.")] = 10.0,
+    folder: Annotated[Path | None, option("DIR", "Where traces and figure go.", "-o")] = None,
+    creep: Annotated[float, option("RPM", "Speed at which the start begins.", min=0.1)] = 30.0,
+    longest: Annotated[float, option("SECONDS", "Give up after so long.", min=0.01)] = 10.0,
     overrides: Overrides = None,
     without: Without = None,
     as_json: AsJson = False,

@@ -9,7 +9,7 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
-SPEED = 3
+PASSES, CODE = 1, 3  # of LLVM's levels 0 to 3: more passes take twice the time, and what they make is no faster
 
 
 _alone = threading.RLock()
@@ -25,7 +25,7 @@ def _target() -> llvm.TargetMachine:
             features = llvm.get_host_cpu_features().flatten()
             target = llvm.Target.from_triple(llvm.get_process_triple())
             _own.target = target.create_target_machine(
-                cpu=llvm.get_host_cpu_name(), features=features, opt=SPEED, codemodel="jitdefault", jit=True
+                cpu=llvm.get_host_cpu_name(), features=features, opt=CODE, codemodel="jitdefault", jit=True
             )
     return _own.target
 
@@ -42,7 +42,7 @@ def compiled(text: str) -> bytes:
     module = llvm.parse_assembly(text, llvm.create_context())
     module.triple = llvm.get_process_triple()
     module.data_layout = str(machine.target_data)
-    tuning = llvm.create_pipeline_tuning_options(speed_level=SPEED)
+    tuning = llvm.create_pipeline_tuning_options(speed_level=PASSES)
     tuning.slp_vectorization = False
     builder = llvm.create_pass_builder(machine, tuning)
     builder.getModulePassManager().run(module, builder)

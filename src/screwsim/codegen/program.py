@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.codegen.kinds import FLOAT, INTEGER, TRUTH, Kind, Value, array
-from screwsim.numerics.kernel import parsed
+from screwsim.numerics.kernel import nodes, parsed
 
 
 class CannotCompile(TypeError):
@@ -28,7 +28,7 @@ class Program:
     def assigned_in(self, function: str) -> set[str]:
         """Return the names that a function gives values."""
         if function not in self._assigned:
-            found = (each for each in ast.walk(self.functions[function]) if isinstance(each, ast.Name))
+            found = (each for each in nodes(self.functions[function]) if isinstance(each, ast.Name))
             self._assigned[function] = {each.id for each in found if isinstance(each.ctx, ast.Store)}
         return self._assigned[function]
 

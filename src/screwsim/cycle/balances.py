@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL, Problem
-from screwsim.model.compose import Composition
+from screwsim.model.composition import Composition
 from screwsim.model.slots import BETWEEN, Q_HEAT, Q_WALLS, R_INJECTED, R_PRESSURE, R_TRAPPED
 
 Array = np.ndarray

@@ -28,9 +28,7 @@ def close(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course
     return close_from(problem, machinery, wanted, begin(problem, machinery))
 
 
-def close_from(
-    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope = NO_HOPE
-) -> CycleSolution:
+def close_from(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope = NO_HOPE) -> CycleSolution:
     """Close the cycle from a state at 0° and a guess that is installed as the last history.
 
     With a check the chambers are closed together under it, from where our own method closes.

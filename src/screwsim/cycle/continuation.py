@@ -16,7 +16,7 @@ import numpy as np
 
 from screwsim.cycle.solution import CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
-from screwsim.model.compose import Composition
+from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.made import LEAST

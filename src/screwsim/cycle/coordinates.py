@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL
-from screwsim.model.compose import Composition
+from screwsim.model.composition import Composition
 from screwsim.model.slots import HELD
 
 Array = np.ndarray

@@ -14,8 +14,9 @@ from screwsim.cycle.suction import SuctionState, suction_of
 from screwsim.cycle.wanted import Wanted, wanted_of
 from screwsim.effects.base import Made
 from screwsim.figures import called_for
-from screwsim.model.compose import Composer, Composition
+from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
+from screwsim.model.series import Composer
 from screwsim.model.slots import DENSITY, ENTHALPY
 from screwsim.numerics.integrators import Rosenbrock, find_integrator
 from screwsim.numerics.made import Entries, Entry
@@ -134,6 +135,4 @@ def _discharge_line(composition: Composition) -> tuple[Entry, ...]:
     return Entry("discharge_enthalpy"), *oil
 
 
-@lru_cache(maxsize=8)
-def _entries(entries: tuple[Entry, ...]) -> Entries:
-    return Entries(entries)
+_entries = lru_cache(maxsize=8)(Entries)

@@ -9,7 +9,7 @@ Source: screwsim, docs/how-to/adding-an-effect.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, sqrt
 from typing import Any, NamedTuple
@@ -52,11 +52,11 @@ class FlowPath:
     trailing one: one area function an interface, so that both sides see the same opening. Beyond the first
     chamber there is no interface, beyond the last one lies the discharge plenum.
 
-    `values` are the numbers [SI] behind the kernel's argument names that are not symbols; `knots` [rad] are
-    the angles at which the area is not smooth; `own_knots` those of them that only the chambers of this path feel, and
-    not their neighbours; `tables` hold curves as (angle [rad], area [m²]), or with slopes (`numerics.spline`). Where
-    `mirror` [rad] is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150). Only a gap
-    ('neighbour') may have a `resistance`.
+    `values` are the numbers [SI] behind the kernel's argument names that are not symbols; `breakpoints` [rad] are the
+    angles at which the area is not smooth; `own_breakpoints` those of them that only the chambers of this path feel,
+    and not their neighbours; `tables` hold curves as (angle [rad], area [m²]), or with slopes (`numerics.spline`).
+    Where `mirror` [rad] is given, the area at `phi` is that of the kernel at mirror − phi (an expander, M150). Only a
+    gap ('neighbour') may have a `resistance`.
 
     `opening` returns the open share of the area of a path to a plenum where that depends on the chamber's state (a
     valve): its arguments are `drop` [Pa], the plenum's pressure less the chamber's, `width` [Pa], below which pressure
@@ -77,8 +77,8 @@ class FlowPath:
     to: str
     area: Kernel
     values: Mapping[str, float]
-    knots: Sequence[float] = ()
-    own_knots: Sequence[float] = ()
+    breakpoints: Sequence[float] = ()
+    own_breakpoints: Sequence[float] = ()
     offset: int = 0  # lobe pitches from the trailing to the leading chamber
     flow_coefficient: float = 1.0
     tables: Mapping[str, Any] = field(default_factory=dict)
@@ -93,8 +93,8 @@ class FlowPath:
         """Return the path of the machine run backwards: angles turned round, both lines exchanged (M150)."""
         mirror = life - self.offset * pitch
         to = {"suction": "discharge", "discharge": "suction"}.get(self.to, self.to)
-        knots, own = (tuple(mirror - knot for knot in each) for each in (self.knots, self.own_knots))
-        return replace(self, to=to, mirror=mirror, knots=knots, own_knots=own)
+        breakpoints, own = (tuple(mirror - at for at in each) for each in (self.breakpoints, self.own_breakpoints))
+        return replace(self, to=to, mirror=mirror, breakpoints=breakpoints, own_breakpoints=own)
 
 
 @dataclass(frozen=True)
@@ -134,6 +134,7 @@ class Drawn:
 
 
 Given = Mapping[str, float | str | None]  # figures by name; a text says why there is none
+Faults = Iterator[Fault]  # of an effect's `check`
 
 
 @dataclass(frozen=True)
@@ -204,7 +205,7 @@ class OilPort:
     flow: Kernel
     values: Mapping[str, float]
     closes: float
-    knots: Sequence[float] = ()
+    breakpoints: Sequence[float] = ()
     pressure_loss: float = 0.0
     pumped: Kernel | None = None
     pressure: float | None = None
@@ -406,7 +407,7 @@ class Shaft:
 
     `respond` returns the periodic motion of the drive (`machine.drive.response.Response`) under the torque of a closed
     cycle, and raises `NoMotion`; `judge` returns (what forbids that motion, or an empty text; warnings; the relative
-    residue of its powers).
+    residual of its powers).
     """
 
     train: Callable[[float], Any]  # of the speed that the scene states
@@ -467,12 +468,12 @@ class Effect:
     build: Callable[[Any, Any], Sequence[Part]]
     needs_oil: bool = False
     states: tuple[str, ...] = ()
-    check: Callable[[Any, Any], list[Fault]] | None = None
+    check: Callable[[Any, Any], Iterable[Fault]] | None = None
     numbers: Callable[[Any, Around], Mapping[str, float]] | None = None
     needs: frozenset[str] = frozenset()
     figures: tuple[Figure, ...] = ()
     traces: tuple[Trace, ...] = ()
-    warnings: Callable[[Mapping[str, Any]], Sequence[str]] | None = None
+    warnings: Callable[[Mapping[str, Any]], Iterable[str]] | None = None
 
     def fits(self, kind: MachineKind) -> bool:
         """Tell whether a kind of machine can have this effect."""

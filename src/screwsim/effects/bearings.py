@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from math import hypot, pi
 
 from screwsim.declare import choice, count, number, quantity
-from screwsim.effects.base import Effect, PowerLoss
+from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.effects.oil_drag import film_temperature
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
@@ -64,11 +64,6 @@ class Parameters:
     )
 
 
-def simple_moment(load: float, coefficient: float, bore: float) -> float:
-    """Return ½ μ_f F d [N m]: load [N], bore [m] (M143)."""
-    return 0.5 * coefficient * load * bore
-
-
 def idle_moment(speed: float, kinematic_viscosity: float, mean_diameter: float, f_0: float) -> float:
     """Return M_0 of one bearing [N m]: speed [rad/s], viscosity [m²/s], diameter [m] (M143)."""
     film = 1e6 * kinematic_viscosity * abs(speed) * 30.0 / pi  # mm²/s · 1/min, the units of the rule
@@ -88,7 +83,7 @@ def load_on_male(parameters: Parameters, figures) -> float:
 def moment(parameters: Parameters, speed: float, load: float, figures) -> float:
     """Return the moment of friction of one rotor's bearings [N m] (M143)."""
     if parameters.friction == "simple":
-        return simple_moment(load, parameters.friction_coefficient or 0.0, parameters.bore or 0.0)
+        return 0.5 * (parameters.friction_coefficient or 0.0) * load * (parameters.bore or 0.0)
     T, d_m = film_temperature(parameters.film_temperature, figures), parameters.mean_diameter or 0.0
     viscosity = figures.oil_viscosity_at(T) / figures.oil_density_at(T)
     idle = idle_moment(speed, viscosity, d_m, parameters.f_0 or 0.0)
@@ -107,34 +102,29 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
     return [PowerLoss("bearing_power", power)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults = []
+def check(parameters: Parameters, facts) -> Faults:
     for chosen, table in ((parameters.friction, _OF_FRICTION), (parameters.load, _OF_LOAD)):
         for word, names in table.items():
-            faults += _belonging(parameters, chosen, word, names)
+            yield from _belonging(parameters, chosen, word, names)
     if parameters.friction == "two_term":
         if facts.oil is None or facts.oil_supply is None:
             what = "two_term needs oil and oil_supply, absent here (write those, or friction: simple)"
-            faults.append(Fault("effects.bearings.friction", what))
+            yield Fault("effects.bearings.friction", what)
         elif not facts.oil.knows_viscosity:
-            what = "is missing (effects.bearings.friction: two_term needs it, or oil.name)"
-            faults.append(Fault("oil.viscosity", what))
+            yield Fault("oil.viscosity", "is missing (effects.bearings.friction: two_term needs it, or oil.name)")
     elif parameters.film_temperature is not None:
-        faults.append(Fault("effects.bearings.film_temperature", "belongs to friction: two_term (remove it)"))
-    return faults
+        yield Fault("effects.bearings.film_temperature", "belongs to friction: two_term (remove it)")
 
 
-def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str, ...]) -> list[Fault]:
-    """Return what a choice lacks, and what is given that belongs to the other word of it."""
-    faults = []
+def _belonging(parameters: Parameters, chosen: str, word: str, names: tuple[str, ...]) -> Faults:
+    """Yield what a choice lacks, and what is given that belongs to the other word of it."""
     for name in names:
         given, path = getattr(parameters, name) is not None, f"effects.bearings.{name}"
         if word == chosen and not given:
             example = _EXAMPLES.get(name, "8 kN" if name.endswith("load") else "30 cm^2")
-            faults.append(Fault(path, f"is missing ({word} needs it, e.g. {name}: {example})"))
+            yield Fault(path, f"is missing ({word} needs it, e.g. {name}: {example})")
         elif word != chosen and given:
-            faults.append(Fault(path, f"belongs to {word}, and {chosen} is chosen (remove it)"))
-    return faults
+            yield Fault(path, f"belongs to {word}, and {chosen} is chosen (remove it)")
 
 
 EFFECT = Effect(

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.declare import quantity
-from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import GapParameters, check_gap, gap_path, profile_paths, ramp
 from screwsim.faults import Fault
 from screwsim.machine.protocol import BLOW_HOLE
@@ -51,14 +51,13 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
         return [*profile_paths(parameters, compressing, factor=factor), *profile_paths(parameters, filling)]
     opens, closes = parameters.opens, parameters.closes
     values = {"size": parameters.area or 0.0, "opens": opens, "closes": closes}
-    return [gap_path(parameters, area, values, knots=(), offset=1)]  # smooth enough without knots
+    return [gap_path(parameters, area, values, breakpoints=(), offset=1)]  # smooth enough without breakpoints
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults = list(check_gap("blow_hole", parameters, facts, "area", "6 mm^2", "area of one blow-hole"))
-    if parameters.closes - parameters.opens >= 2.0 * RAMP:
-        return faults
-    return [*faults, Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")]
+def check(parameters: Parameters, facts) -> Faults:
+    yield from check_gap("blow_hole", parameters, facts, "area", "6 mm^2", "area of one blow-hole")
+    if parameters.closes - parameters.opens < 2.0 * RAMP:
+        yield Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")
 
 
 EFFECT = Effect(

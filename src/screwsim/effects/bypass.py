@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.declare import choice, number, quantity
-from screwsim.effects.base import Effect, FlowPath, Intake
+from screwsim.effects.base import Effect, Faults, FlowPath, Intake
 from screwsim.effects.gap import flow_coefficient, ramp
 from screwsim.faults import Fault, UsageError
 from screwsim.numerics.kernel import kernel
@@ -50,8 +50,8 @@ def area(phi, size, opens, full, falls, closes):
 def window(size: float, opens: float, closes: float, flow_coefficient: float) -> FlowPath:
     """Return a path to the suction line, open between two angles [rad] with C1 ramps at both ends."""
     angles = {"opens": opens, "full": opens + RAMP, "falls": closes - RAMP, "closes": closes}
-    values, knots = {"size": size, **angles}, tuple(angles.values())
-    return FlowPath("suction", area, values, knots, flow_coefficient=flow_coefficient)
+    values, breakpoints = {"size": size, **angles}, tuple(angles.values())
+    return FlowPath("suction", area, values, breakpoints, flow_coefficient=flow_coefficient)
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath | Intake]:
@@ -66,23 +66,21 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Intake]:
     return [window(parameters.area or 0.0, opens, closes, parameters.flow_coefficient)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults, path = [], "effects.bypass"
+def check(parameters: Parameters, facts) -> Faults:
+    path = "effects.bypass"
     for source, names in _OF_SOURCE.items():
         for name in names:
             given = getattr(parameters, name) is not None
             if source == parameters.source and not given:
-                what = f"is missing (source: {source} needs it, e.g. {name}: {_EXAMPLES[name]})"
-                faults.append(Fault(f"{path}.{name}", what))
+                example = f"{name}: {_EXAMPLES[name]}"
+                yield Fault(f"{path}.{name}", f"is missing (source: {source} needs it, e.g. {example})")
             elif source != parameters.source and given:
-                faults.append(Fault(f"{path}.{name}", f"belongs to source: {source} (remove it)"))
+                yield Fault(f"{path}.{name}", f"belongs to source: {source} (remove it)")
     if parameters.source == "discharge" and facts.operation.discharge.temperature is not None:
         what = "is given, and the returned gas has the outflow's (remove it, or the bypass)"
-        faults.append(Fault("operation.discharge.temperature", what))
+        yield Fault("operation.discharge.temperature", what)
     if facts.machine.mode == "expander":
-        what = "belongs to machine.mode: compressor (an expander's discharge is the lower pressure)"
-        faults.append(Fault(path, what))
-    return faults
+        yield Fault(path, "belongs to machine.mode: compressor (an expander's discharge is the lower pressure)")
 
 
 EFFECT = Effect(

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.declare import quantity
-from screwsim.effects.base import Effect, FlowPath, Reading
+from screwsim.effects.base import Effect, Faults, FlowPath, Reading
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.faults import Fault
@@ -57,10 +57,9 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Reading]:
     return [*paths, valve_losses()]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     if "reed_valves" in facts.effects:
-        return [Fault("effects.check_valves", "are simulated beside reed_valves, the same valves twice (remove one)")]
-    return []
+        yield Fault("effects.check_valves", "are simulated beside reed_valves, the same valves twice (remove one)")
 
 
 EFFECT = Effect(

@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from screwsim.declare import choice, number, quantity
-from screwsim.effects.base import Around, Effect, Wall
+from screwsim.effects.base import Around, Effect, Faults, Wall
 from screwsim.faults import Fault, UsageError
 from screwsim.fluid.constants import transport
 from screwsim.machine.protocol import CYLINDER
@@ -79,12 +79,11 @@ def build(parameters: Parameters, machine) -> list[Wall]:
     return [Wall("walls of the cylinder", law, values, parameters.wall_temperature)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     try:
         transport(facts.gas.fluid, 1e4, max(parameters.wall_temperature, 300.0))
     except UsageError as error:
-        return [Fault("effects.cylinder_heat", f"{error} (remove the effect, or choose another wall temperature)")]
-    return []
+        yield Fault("effects.cylinder_heat", f"{error} (remove the effect, or choose another wall temperature)")
 
 
 EFFECT = Effect(

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.declare import choice, quantity
-from screwsim.effects.base import Effect, Given, Reading, Shaft
+from screwsim.effects.base import Effect, Faults, Given, Reading, Shaft
 from screwsim.effects.gas_torque import torque as gas_torque
 from screwsim.faults import Fault
 from screwsim.machine.drive.linear_coupling import LinearCoupling
@@ -87,11 +87,6 @@ def train_of(parameters: Parameters, speed: float, lobes: int) -> Train:
     return Train(*inertias, coupling.spring, coupling.damping, parameters.motor, held, speed, lobes)
 
 
-def load_torque(figures: Any) -> np.ndarray:
-    """Return the torque of gas and losses on the rotors at the points of a pitch [N m] (M144, M213)."""
-    return gas_torque(figures.pitch()) + (figures.shaft_power - figures.indicated_power) / figures.omega
-
-
 def energies(motion: Response) -> tuple[float, float, float]:
     """Return the means over time of the motor's power, of the coupling's loss and of the load's power [W] (M215)."""
     slip = motion.motor_speed - motion.speed
@@ -100,9 +95,9 @@ def energies(motion: Response) -> tuple[float, float, float]:
 
 
 def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
-    """Return what forbids a motion, or an empty text; warnings of it; the relative residue of its powers (M215)."""
+    """Return what forbids a motion, or an empty text; warnings of it; the relative residual of its powers (M215)."""
     train, torque = motion.train, motion.coupling_torque
-    sound = train.coupling.state(motion.worst_twist)
+    sound = train.coupling.state(float(motion.twist[np.argmax(np.abs(motion.twist))]))
     why = "" if sound == "sound" else f"under the steady ripple {sound}"
     most = float(np.max(np.abs(motion.motor_torque)))
     if not why and most > train.motor.most:
@@ -137,7 +132,8 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
     last: dict[Any, Response | NoMotion] = {}  # figures, traces and the closing ask for the same motions
 
     def motion(figures) -> Response:
-        load = load_torque(figures)
+        # torque of gas and losses on the rotors at the points of a pitch [N m] (M144, M213)
+        load = gas_torque(figures.pitch()) + (figures.shaft_power - figures.indicated_power) / figures.omega
         key = load.tobytes(), figures.set_speed, figures.omega
         if key not in last:
             if len(last) == KEPT:
@@ -195,15 +191,13 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
     return [Shaft(train, motion, judged), Reading(names_of(FIGURES), read, traces)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     path, coupling = "effects.drive.coupling", parameters.coupling
-    faults = check_motor(parameters.motor, "effects.drive.motor")
+    yield from check_motor(parameters.motor, "effects.drive.motor")
     if (coupling.linear is None) == (coupling.rubber_cord is None):
-        faults.append(Fault(path, "needs one of linear and rubber_cord (write e.g. linear: {spring: 5000 N m/rad})"))
-    if coupling.rubber_cord is not None:
-        under = check_coupling(coupling.rubber_cord)
-        faults += [Fault(fault.path.replace("coupling", f"{path}.rubber_cord", 1), fault.what) for fault in under]
-    return faults
+        yield Fault(path, "needs one of linear and rubber_cord (write e.g. linear: {spring: 5000 N m/rad})")
+    for fault in check_coupling(coupling.rubber_cord) if coupling.rubber_cord is not None else ():
+        yield Fault(fault.path.replace("coupling", f"{path}.rubber_cord", 1), fault.what)
 
 
 EFFECT = Effect(

@@ -17,7 +17,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from screwsim.declare import choice, number, quantity
-from screwsim.effects.base import Around, Effect, HeatRate, Reading
+from screwsim.effects.base import Around, Effect, Faults, HeatRate, Reading
 from screwsim.effects.gas_transport import gas_faults, gas_numbers
 from screwsim.faults import Fault
 from screwsim.machine.protocol import OIL
@@ -117,22 +117,19 @@ def build(parameters: Parameters, machine) -> list[HeatRate | Reading]:
     return [HeatRate(heat, {"slip": parameters.slip}), Reading(("droplet_diameter",), read)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults, path = [], "effects.droplets"
+def check(parameters: Parameters, facts) -> Faults:
+    path, needed = "effects.droplets", _OF_SIZE[parameters.size]
     if "oil_heat" in facts.effects:
-        faults.append(Fault(path, "is simulated beside effects.oil_heat, the same heat twice (remove one of the two)"))
-    needed = _OF_SIZE[parameters.size]
-    for name in _EXAMPLES:
+        yield Fault(path, "is simulated beside effects.oil_heat, the same heat twice (remove one of the two)")
+    for name, example in _EXAMPLES.items():
         given = getattr(parameters, name) is not None
         if name in needed and not given:
-            what = f"is missing (size: {parameters.size} needs it, e.g. {_EXAMPLES[name]})"
-            faults.append(Fault(f"{path}.{name}", what))
+            yield Fault(f"{path}.{name}", f"is missing (size: {parameters.size} needs it, e.g. {example})")
         elif given and name not in needed:
-            faults.append(Fault(f"{path}.{name}", f"has no meaning with size: {parameters.size} (remove it)"))
+            yield Fault(f"{path}.{name}", f"has no meaning with size: {parameters.size} (remove it)")
     if parameters.size != "fixed" and facts.oil is not None and not facts.oil.knows_viscosity:
-        what = f"is missing (effects.droplets.size: {parameters.size} needs it, or oil.name)"
-        faults.append(Fault("oil.viscosity", what))
-    return [*faults, *gas_faults(path, parameters, facts.gas.fluid)]
+        yield Fault("oil.viscosity", f"is missing (effects.droplets.size: {parameters.size} needs it, or oil.name)")
+    yield from gas_faults(path, parameters, facts.gas.fluid)
 
 
 EFFECT = Effect(

@@ -11,12 +11,12 @@ Parameters: temperature (saturation) or pressure, superheat, opens, closes, area
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from screwsim.declare import choice, quantity
-from screwsim.effects.base import Drawn, Effect, FlowPath, Given, Plenum, Site
+from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.faults import Fault
@@ -93,15 +93,12 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     return found
 
 
-def warnings(found: Mapping[str, Any]) -> list[str]:
-    """Return a warning where the port draws more vapour than the liquid makes."""
+def warnings(found: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a warning where the port draws more vapour than the liquid makes."""
     ratio = found.get("economizer_draw_ratio") or 0.0
-    if ratio <= 1.0 + DRAWN_TOO_MUCH:
-        return []
-    return [
-        f"the economizer's port draws {ratio:.3g} times the vapour that the liquid makes: "
-        "its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
-    ]
+    if ratio > 1.0 + DRAWN_TOO_MUCH:
+        what = f"the economizer's port draws {ratio:.3g} times the vapour that the liquid makes"
+        yield f"{what}: its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
 
 
 def _cold_liquid(parameters: Parameters, site: Site) -> float:
@@ -112,44 +109,41 @@ def _cold_liquid(parameters: Parameters, site: Site) -> float:
     return constants.liquid_enthalpy(site.fluid, site.p_d, T + parameters.approach)
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults, path = list(check_window(NAME, parameters, facts)), f"effects.{NAME}"
-    if (parameters.temperature is None) == (parameters.pressure is None):
-        given = "is given beside pressure (remove one of the two)"
-        missing = "is missing (write e.g. temperature: 15 degC, or pressure: 5 bar)"
-        return [*faults, Fault(f"{path}.temperature", missing if parameters.temperature is None else given)]
-    fluid, limits = facts.gas.fluid, constants.limits(facts.gas.fluid)
-    if limits is None:
-        return faults
-    if parameters.temperature is None:
-        p, low, high = parameters.pressure or 0.0, limits.p_triple, limits.p_critical
-        if not low <= p < high:
-            what = f"{p / 1e5:.6g} bar: {fluid} saturates between {low / 1e5:.4g} bar and {high / 1e5:.4g} bar"
-            return [*faults, Fault(f"{path}.pressure", f"{what} (choose another)")]
-    elif not limits.T_triple <= parameters.temperature < limits.T_critical:
+def check(parameters: Parameters, facts) -> Faults:
+    yield from check_window(NAME, parameters, facts)
+    p, T, fluid = parameters.pressure, parameters.temperature, facts.gas.fluid
+    stated, limits = "temperature" if p is None else "pressure", constants.limits(fluid)
+    if T is None and p is None:
+        yield Fault(f"effects.{NAME}.temperature", "is missing (write e.g. temperature: 15 degC, or pressure: 5 bar)")
+    elif T is not None and p is not None:
+        yield Fault(f"effects.{NAME}.temperature", "is given beside pressure (remove one of the two)")
+    elif limits is None:
+        return
+    elif p is not None and not limits.p_triple <= p < limits.p_critical:
+        low, high = limits.p_triple / 1e5, limits.p_critical / 1e5
+        what = f"{p / 1e5:.6g} bar: {fluid} saturates between {low:.4g} bar and {high:.4g} bar"
+        yield Fault(f"effects.{NAME}.pressure", f"{what} (choose another)")
+    elif T is not None and not limits.T_triple <= T < limits.T_critical:
         what = f"{fluid} saturates between {limits.T_triple:.6g} K and {limits.T_critical:.6g} K"
-        return [*faults, Fault(f"{path}.temperature", f"{parameters.temperature:.6g} K: {what} (choose another)")]
-    T = saturation(parameters, fluid)
-    return [*faults, *_between(parameters, T, facts), *_warm_enough(parameters, T, facts)]
+        yield Fault(f"effects.{NAME}.temperature", f"{T:.6g} K: {what} (choose another)")
+    else:
+        T = saturation(parameters, fluid)
+        yield from _between(parameters, T, facts, stated)
+        yield from _warm_enough(parameters, T, facts, stated)
 
 
-def _warm_enough(parameters: Parameters, T: float, facts) -> list[Fault]:
-    """Return a fault where the liquid behind the condenser is colder than the economizer can make it."""
+def _warm_enough(parameters: Parameters, T: float, facts, stated: str) -> Faults:
+    """Yield a fault where the liquid behind the condenser is colder than the economizer can make it."""
     T_c, subcooling = facts.operation.condensing_temperature, facts.operation.subcooling or 0.0
     coldest = T + (parameters.approach if parameters.kind == "heat_exchanger" else 0.0)
-    if T_c is None or T_c - subcooling > coldest:
-        return []
-    what = f"the liquid, {T_c - subcooling:.6g} K, is not warmer than the {coldest:.6g} K to which it would be cooled"
-    remedy = f"choose a lower {_stated(parameters)}, a smaller approach or less subcooling"
-    return [Fault(f"effects.{NAME}", f"{what} ({remedy})")]
+    if T_c is not None and T_c - subcooling <= coldest:
+        what = f"the liquid, {T_c - subcooling:.6g} K, is not warmer than the {coldest:.6g} K to which it would be"
+        remedy = f"choose a lower {stated}, a smaller approach or less subcooling"
+        yield Fault(f"effects.{NAME}", f"{what} cooled ({remedy})")
 
 
-def _stated(parameters: Parameters) -> str:
-    return "temperature" if parameters.pressure is None else "pressure"
-
-
-def _between(parameters: Parameters, T: float, facts) -> list[Fault]:
-    """Return a fault where the economizer's pressure is not between those of the lines."""
+def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:
+    """Yield a fault where the economizer's pressure is not between those of the lines."""
     operation, what = facts.operation, ""
     low, high = operation.evaporating_temperature, operation.condensing_temperature
     if low is not None and high is not None and not low < T < high:
@@ -159,7 +153,8 @@ def _between(parameters: Parameters, T: float, facts) -> list[Fault]:
         p = parameters.pressure or constants.dew_pressure(facts.gas.fluid, T)
         if not min(p_s, p_d) < p < max(p_s, p_d):
             what = f"{T:.6g} K saturates at {p / 1e5:.4g} bar, not between {p_s / 1e5:.4g} bar and {p_d / 1e5:.4g} bar"
-    return [Fault(f"effects.{NAME}.{_stated(parameters)}", f"{what} (choose one between)")] if what else []
+    if what:
+        yield Fault(f"effects.{NAME}.{stated}", f"{what} (choose one between)")
 
 
 EFFECT = Effect(

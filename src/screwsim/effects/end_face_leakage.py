@@ -17,10 +17,9 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.declare import number, quantity
-from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths, ramp
 from screwsim.effects.gap_flow import numbers
-from screwsim.faults import Fault
 from screwsim.machine.protocol import END_GAP
 from screwsim.numerics.kernel import kernel
 
@@ -52,13 +51,13 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     for share, offset in ((1.0 - parameters.suction_share, 1), (parameters.suction_share, machine.lobes)):
         shift = offset * machine.pitch
         values = {"gap": parameters.gap, "width": share * length, "shift": shift}
-        paths.append(gap_path(parameters, area, values, knots=(), offset=offset, use_table=offset == 1))
+        paths.append(gap_path(parameters, area, values, breakpoints=(), offset=offset, use_table=offset == 1))
     return paths
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     what = "length of the end-face gap of one chamber, both paths together"
-    return list(check_gap("end_face_leakage", parameters, facts, "length", "128 mm", what, tabled=False))
+    return check_gap("end_face_leakage", parameters, facts, "length", "128 mm", what, tabled=False)
 
 
 EFFECT = Effect(

@@ -91,14 +91,14 @@ def ramp(phi, start, full, fall, end):
     return x * x * (3.0 - 2.0 * x)
 
 
-def gap_path(parameters, area, values, *, knots, offset, use_table=True) -> FlowPath:
+def gap_path(parameters, area, values, *, breakpoints, offset, use_table=True) -> FlowPath:
     """Return the flow path of a gap between chambers `offset` pitches apart, from its kernel or from its table."""
     tables = {}
     if use_table and parameters.area_file is not None:
         angles, areas = read_curve(parameters.area_file, "area_m2")
-        area, values, knots = table_area, {}, (angles[0], *features(angles, areas), angles[-1])
+        area, values, breakpoints = table_area, {}, (angles[0], *features(angles, areas), angles[-1])
         tables = {"curve": (angles, areas)}
-    return _between(parameters, area, values, knots=knots, offset=offset, tables=tables)
+    return _between(parameters, area, values, breakpoints=breakpoints, offset=offset, tables=tables)
 
 
 def _between(parameters, area, values, **others) -> FlowPath:
@@ -114,7 +114,8 @@ def profile_paths(parameters, interfaces, gap=None, factor=1.0) -> list[FlowPath
     found = []
     for each in interfaces:
         tables = {"curve": each.table.times(factor).curve}
-        found.append(_between(parameters, area, values, own_knots=each.table.knots, offset=each.offset, tables=tables))
+        own = each.table.breakpoints
+        found.append(_between(parameters, area, values, own_breakpoints=own, offset=each.offset, tables=tables))
     return found
 
 
@@ -141,5 +142,5 @@ def check_gap(
 
 def port_path(parameters, law, to) -> FlowPath:
     """Return the flow path of a port to a plenum; its area law belongs to the machine."""
-    coefficient, own = parameters.flow_coefficient, law.own_knots
-    return FlowPath(to, law.area, law.values, law.knots, own, flow_coefficient=coefficient, tables=law.tables)
+    coefficient, own = parameters.flow_coefficient, law.own_breakpoints
+    return FlowPath(to, law.area, law.values, law.breakpoints, own, flow_coefficient=coefficient, tables=law.tables)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.declare import number, quantity
-from screwsim.effects.base import Effect, Reading
+from screwsim.effects.base import Effect, Faults, Reading
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import Figure, Trace, names_of, over
@@ -140,11 +140,10 @@ def build(parameters: Parameters, machine) -> list[Reading]:
     return [Reading(names_of(FIGURES), read, traces)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     if facts.machine.volume.law == "profile" and parameters.male_share is not None:
         what = "is given beside machine.volume.law: profile, which finds it by angle (remove it)"
-        return [Fault("effects.gas_torque.male_share", what)]
-    return []
+        yield Fault("effects.gas_torque.male_share", what)
 
 
 EFFECT = Effect(

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.declare import number
-from screwsim.effects.base import Effect, PowerLoss
+from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import power_figure
@@ -44,10 +44,9 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
     return [PowerLoss("hydromechanical_power", power)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     if parameters.viscous_coefficient > 0.0 and facts.oil is not None and not facts.oil.knows_viscosity:
-        return [Fault("oil.viscosity", "is missing (effects.hydromechanical.viscous_coefficient needs it)")]
-    return []
+        yield Fault("oil.viscosity", "is missing (effects.hydromechanical.viscous_coefficient needs it)")
 
 
 EFFECT = Effect(

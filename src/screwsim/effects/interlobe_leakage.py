@@ -17,10 +17,9 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.declare import quantity
-from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.effects.gap_flow import numbers
-from screwsim.faults import Fault
 from screwsim.machine.protocol import CONTACT_GAP
 from screwsim.numerics.kernel import kernel
 
@@ -49,13 +48,11 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     if interfaces is not None and parameters.area_file is None:
         return profile_paths(parameters, interfaces, parameters.gap)
     values = {"gap": parameters.gap, "length": parameters.length or 0.0}
-    return [gap_path(parameters, area, values, knots=(FULL, FALL, TURN), offset=machine.lobes)]
+    return [gap_path(parameters, area, values, breakpoints=(FULL, FALL, TURN), offset=machine.lobes)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    return list(
-        check_gap("interlobe_leakage", parameters, facts, "length", "128 mm", "length of the full sealing line")
-    )
+def check(parameters: Parameters, facts) -> Faults:
+    return check_gap("interlobe_leakage", parameters, facts, "length", "128 mm", "length of the full sealing line")
 
 
 EFFECT = Effect(

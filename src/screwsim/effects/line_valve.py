@@ -23,7 +23,7 @@ from screwsim.machine.drive.collocation import differentiation, resampled
 Array = np.ndarray
 POINTS = 65  # of a pitch; odd, so that no harmonic is its own alias
 MOST_STEPS = 60
-CONVERGED = 1e-11  # residue over the largest flow
+CONVERGED = 1e-11  # residual over the largest flow
 LEAST_SHARE = 1e-4  # of a step of Newton's method, before it is taken whatever it does
 MOST_CHANGE = 0.4  # of what drives the leaks, by which a shut plenum's pressure changes in a turn
 LEAST_ACROSS = 0.005  # of its pressure, that counts as driving them at least
@@ -71,21 +71,21 @@ def through(valve: Valve, given: Array, behind: Behind) -> Passed:
     beyond = behind.impedance + 1.0 / (behind.capacity * behind.frequency)  # slope of the pressure where it is shut
     largest = float(np.max(np.abs(w)))
 
-    def residue(z: Array) -> tuple[Array, Array, Array, Array]:
+    def residual(z: Array) -> tuple[Array, Array, Array, Array]:
         u, shut = np.maximum(z, 0.0), z <= 0.0
         drop, slope = valve.drop(u, behind.rho)
         p = drop + behind.impedance * u + np.where(shut, beyond * z, 0.0)
         return D @ p + u - w, p, np.where(shut, beyond, slope + behind.impedance), np.where(shut, 0.0, 1.0)
 
     z = np.full(POINTS, mean)
-    left, p, by_p, by_u = residue(z)
+    left, p, by_p, by_u = residual(z)
     for _ in range(MOST_STEPS):
         size = float(np.max(np.abs(left)))
         if size <= CONVERGED * largest:
             break
         change, share = np.linalg.solve(D * by_p + np.diag(by_u), -left), 1.0
         while True:
-            trial = residue(z + share * change)
+            trial = residual(z + share * change)
             if float(np.max(np.abs(trial[0]))) < size or share < LEAST_SHARE:
                 break
             share *= 0.5

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.declare import quantity
-from screwsim.effects.base import Drawn, Effect, FlowPath, Plenum, Site
+from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.faults import Fault
@@ -48,14 +48,13 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
     return [window_path(NAME, parameters), Plenum(NAME, state, figures)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults = list(check_window(NAME, parameters, facts))
+def check(parameters: Parameters, facts) -> Faults:
+    yield from check_window(NAME, parameters, facts)
     if facts.gas.model != "real":
-        faults.append(Fault(f"effects.{NAME}", "an ideal gas has no liquid (write gas.model: real, or remove it)"))
+        yield Fault(f"effects.{NAME}", "an ideal gas has no liquid (write gas.model: real, or remove it)")
     if facts.operation.condensing_temperature is None or facts.machine.mode == "expander":
         what = "needs the liquid of a condenser (state a compressor's lines by evaporating and condensing temperature)"
-        faults.append(Fault(f"effects.{NAME}", what))
-    return faults
+        yield Fault(f"effects.{NAME}", what)
 
 
 EFFECT = Effect(

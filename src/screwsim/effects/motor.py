@@ -22,7 +22,7 @@ from math import inf
 import numpy as np
 
 from screwsim.declare import file, number, quantity
-from screwsim.effects.base import Effect, Given, Reading
+from screwsim.effects.base import Effect, Faults, Given, Reading
 from screwsim.faults import Fault, UsageError
 from screwsim.outputs import COOLED, Figure, efficiency, names_of, power_figure
 from screwsim.sheets import BadSheet, read_sheet
@@ -152,14 +152,12 @@ def build(parameters: Parameters, machine) -> list[Reading]:
     return [Reading(names_of(FIGURES), read, judge=judge)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    if parameters.efficiency_file is None:
-        return []
-    try:
-        read_table(parameters.efficiency_file)
-    except UsageError as error:
-        return [Fault("effects.motor.efficiency_file", str(error))]
-    return []
+def check(parameters: Parameters, facts) -> Faults:
+    if parameters.efficiency_file is not None:
+        try:
+            read_table(parameters.efficiency_file)
+        except UsageError as error:
+            yield Fault("effects.motor.efficiency_file", str(error))
 
 
 EFFECT = Effect(

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.declare import number, quantity
-from screwsim.effects.base import Effect, PowerLoss
+from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import power_figure
@@ -86,19 +86,16 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
     return [PowerLoss("oil_drag_power", power)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults = []
+def check(parameters: Parameters, facts) -> Faults:
     if facts.oil is not None and not facts.oil.knows_viscosity:
-        faults.append(Fault("oil.viscosity", "is missing (effects.oil_drag needs it, or oil.name)"))
+        yield Fault("oil.viscosity", "is missing (effects.oil_drag needs it, or oil.name)")
     if parameters.end_gap is not None and parameters.end_solidity is None:
-        faults.append(Fault("effects.oil_drag.end_solidity", "is missing (end_gap needs it, e.g. end_solidity: 0.6)"))
+        yield Fault("effects.oil_drag.end_solidity", "is missing (end_gap needs it, e.g. end_solidity: 0.6)")
     if parameters.end_gap is None and parameters.end_solidity is not None:
-        faults.append(Fault("effects.oil_drag.end_gap", "is missing (end_solidity is used with it only, e.g. 0.1 mm)"))
-    profile = facts.machine.profile
-    if profile is not None and parameters.female_diameter is not None:
+        yield Fault("effects.oil_drag.end_gap", "is missing (end_solidity is used with it only, e.g. 0.1 mm)")
+    if facts.machine.profile is not None and parameters.female_diameter is not None:
         what = "is given beside machine.profile.female_diameter (remove it)"
-        faults.append(Fault("effects.oil_drag.female_diameter", what))
-    return faults
+        yield Fault("effects.oil_drag.female_diameter", what)
 
 
 EFFECT = Effect(

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.declare import choice, quantity
-from screwsim.effects.base import Effect, HeatRate
+from screwsim.effects.base import Effect, Faults, HeatRate
 from screwsim.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.numerics.kernel import kernel
@@ -47,12 +47,9 @@ def build(parameters: Parameters, machine) -> list[HeatRate]:
     return [HeatRate(heat, values, "printed" if parameters.equation_12 == "printed" else "one")]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     if parameters.equation_12 == "printed" and facts.oil.transport != "paper":
-        return [
-            Fault("effects.oil_heat.equation_12", "the printed form has a constant d: it needs oil.transport: paper")
-        ]
-    return []
+        yield Fault("effects.oil_heat.equation_12", "the printed form has a constant d: it needs oil.transport: paper")
 
 
 EFFECT = Effect(

@@ -15,9 +15,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.declare import quantity
-from screwsim.effects.base import Effect, OilPort
+from screwsim.effects.base import Effect, Faults, OilPort
 from screwsim.effects.gap import ramp
-from screwsim.effects.port_window import RAMP, WindowParameters, check_window, window_knots
+from screwsim.effects.port_window import RAMP, WindowParameters, check_window, window_breakpoints
 from screwsim.faults import Fault
 from screwsim.fluid import constants
 from screwsim.fluid.orifice import smooth_orifice_flow
@@ -85,42 +85,42 @@ def pumped(phi, opens, closes, omega):
 
 
 def build(parameters: Parameters, machine) -> list[OilPort]:
-    window, knots = {"opens": parameters.opens, "closes": parameters.closes}, window_knots(parameters)
+    window, breakpoints = {"opens": parameters.opens, "closes": parameters.closes}, window_breakpoints(parameters)
     if parameters.pressure is not None:
         values = {**window, "upstream_pressure": parameters.pressure}
-        return [OilPort(flow_from, values, parameters.closes, knots, pressure=parameters.pressure)]
+        return [OilPort(flow_from, values, parameters.closes, breakpoints, pressure=parameters.pressure)]
     values = {**window, "pressure_loss": parameters.pressure_loss}
-    return [OilPort(flow, values, parameters.closes, knots, parameters.pressure_loss, pumped)]
+    return [OilPort(flow, values, parameters.closes, breakpoints, parameters.pressure_loss, pumped)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults = list(check_window(NAME, parameters, facts))
+def check(parameters: Parameters, facts) -> Faults:
+    yield from check_window(NAME, parameters, facts)
     if facts.oil_supply.kind == "pump" and parameters.pressure_loss > 0.0:
         what = "is the loss of displaced oil; with oil_supply.kind: pump the pump pays it"
-        faults.append(Fault(f"effects.{NAME}.pressure_loss", f"{what} (write it under effects.oil_pump)"))
-    faults += _stated(parameters, facts)
+        yield Fault(f"effects.{NAME}.pressure_loss", f"{what} (write it under effects.oil_pump)")
+    if parameters.pressure is not None:
+        yield from _stated(parameters.pressure, parameters.pressure_loss, facts)
     if facts.oil.transport != "carried":
-        faults.append(Fault(f"effects.{NAME}", "needs oil.transport: carried (write that, or remove the effect)"))
-    return faults
+        yield Fault(f"effects.{NAME}", "needs oil.transport: carried (write that, or remove the effect)")
 
 
-def _stated(parameters: Parameters, facts) -> list[Fault]:
-    """Return what is wrong with a stated pressure before the bore."""
-    p, path = parameters.pressure, f"effects.{NAME}.pressure"
-    if p is None:
-        return []
+def _stated(p: float, loss: float, facts) -> Faults:
+    """Yield what is wrong with a stated pressure [Pa] before the bore, beside a loss [Pa]."""
+    path = f"effects.{NAME}.pressure"
     if facts.oil_supply.kind == "pump":
         what = "is that of displaced oil; with oil_supply.kind: pump the ratio is stated"
-        return [Fault(path, f"{what} (remove it, or write oil_supply.kind: displacement)")]
-    if parameters.pressure_loss > 0.0:
-        return [Fault(path, "is given beside pressure_loss (remove one of the two)")]
-    p_d, T_c = facts.operation.discharge.pressure, facts.operation.condensing_temperature
-    if p_d is None and T_c is not None:
-        p_d = constants.bubble_pressure(facts.gas.fluid, T_c)
-    if p_d is not None and p > p_d:
+        yield Fault(path, f"{what} (remove it, or write oil_supply.kind: displacement)")
+    elif loss > 0.0:
+        yield Fault(path, "is given beside pressure_loss (remove one of the two)")
+    elif (p_d := discharge_pressure(facts)) is not None and p > p_d:
         what = f"{p / 1e5:.6g} bar is above the {p_d / 1e5:.6g} bar of the separator that pushes the oil"
-        return [Fault(path, f"{what} (choose a lower one, or oil_supply.kind: pump)")]
-    return []
+        yield Fault(path, f"{what} (choose a lower one, or oil_supply.kind: pump)")
+
+
+def discharge_pressure(facts) -> float | None:
+    """Return the pressure [Pa] of the discharge line, stated or of saturation; None where it is not."""
+    p_d, T_c = facts.operation.discharge.pressure, facts.operation.condensing_temperature
+    return constants.bubble_pressure(facts.gas.fluid, T_c) if p_d is None and T_c is not None else p_d
 
 
 EFFECT = Effect(

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from screwsim.declare import number, quantity
-from screwsim.effects.base import Effect, PowerLoss
+from screwsim.effects.base import Effect, Faults, PowerLoss
 from screwsim.faults import Fault
 from screwsim.machine.protocol import OIL
 from screwsim.outputs import power_figure
@@ -41,12 +41,9 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
     return [PowerLoss("oil_pump_power", power, kept)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     if facts.oil_supply is not None and facts.oil_supply.kind != "pump":
-        return [
-            Fault("effects.oil_pump", "displacement supply has no pump (remove it, or write oil_supply.kind: pump)")
-        ]
-    return []
+        yield Fault("effects.oil_pump", "displacement supply has no pump (remove it, or write oil_supply.kind: pump)")
 
 
 EFFECT = Effect(

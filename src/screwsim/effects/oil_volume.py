@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.effects.base import Effect, OilRoom
+from screwsim.effects.base import Effect, Faults, OilRoom
 from screwsim.faults import Fault
 from screwsim.machine.protocol import OIL
 
@@ -27,10 +27,9 @@ def build(parameters: Parameters, machine) -> list[OilRoom]:
     return [OilRoom("leave out effects.oil_volume")]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     if facts.oil.transport != "carried":
-        return [Fault("effects.oil_volume", "needs oil.transport: carried (write that, or remove the effect)")]
-    return []
+        yield Fault("effects.oil_volume", "needs oil.transport: carried (write that, or remove the effect)")
 
 
 EFFECT = Effect(

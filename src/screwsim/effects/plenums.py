@@ -25,7 +25,7 @@ import numpy as np
 
 from screwsim.declare import count, number, quantity
 from screwsim.effects import line_valve
-from screwsim.effects.base import Effect, LineFlow, Made, Pulsation, Reading, Site, Turn
+from screwsim.effects.base import Effect, Faults, LineFlow, Made, Pulsation, Reading, Site, Turn
 from screwsim.effects.line_valve import Valve
 from screwsim.faults import Fault
 from screwsim.machine.protocol import PORTS
@@ -287,29 +287,26 @@ def build(parameters: Parameters, machine) -> list[Made | Pulsation | Reading]:
     return [*(part for one in behind for part in one.parts()), Reading(names_of(FIGURES), read, traces)]
 
 
-def warnings(found: Mapping[str, Any]) -> list[str]:
-    """Return a warning where the pulsation turns the flow in the discharge line round."""
-    if not (found.get("discharge_line_least_flow") or 0.0) < 0.0 < (found.get("gas_mass_flow") or 0.0):
-        return []
-    return [
-        "the pulsation turns the flow in the discharge line round: a check valve would shut (name "
-        "effects.plenums.discharge_valve, a larger discharge_volume or a smaller discharge_area)"
-    ]
+def warnings(found: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a warning where the pulsation turns the flow in the discharge line round."""
+    if (found.get("discharge_line_least_flow") or 0.0) < 0.0 < (found.get("gas_mass_flow") or 0.0):
+        yield (
+            "the pulsation turns the flow in the discharge line round: a check valve would shut (name "
+            "effects.plenums.discharge_valve, a larger discharge_volume or a smaller discharge_area)"
+        )
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults, path = [], f"effects.{NAME}"
+def check(parameters: Parameters, facts) -> Faults:
+    path = f"effects.{NAME}"
     if parameters.suction_volume is None and parameters.discharge_volume is None:
-        faults.append(Fault(path, "has no plenum (write e.g. discharge_volume: 5 l, or remove it)"))
+        yield Fault(path, "has no plenum (write e.g. discharge_volume: 5 l, or remove it)")
     for to in LINES:
         volume, area, loss = (getattr(parameters, f"{to}_{what}") for what in ("volume", "area", "loss"))
         if loss > 0.0 and area is None:
-            faults.append(Fault(f"{path}.{to}_area", f"is missing ({to}_loss needs it, e.g. 20 cm^2)"))
-        if volume is None and area is not None:
-            faults.append(Fault(f"{path}.{to}_volume", f"is missing ({to}_area needs it, e.g. 5 l)"))
-        elif volume is None and getattr(parameters, f"{to}_valve") is not None:
-            faults.append(Fault(f"{path}.{to}_volume", f"is missing ({to}_valve needs it, e.g. 5 l)"))
-    return faults
+            yield Fault(f"{path}.{to}_area", f"is missing ({to}_loss needs it, e.g. 20 cm^2)")
+        given = next((what for what in ("area", "valve") if getattr(parameters, f"{to}_{what}") is not None), None)
+        if volume is None and given is not None:
+            yield Fault(f"{path}.{to}_volume", f"is missing ({to}_{given} needs it, e.g. 5 l)")
 
 
 EFFECT = Effect(

@@ -33,7 +33,7 @@ def window_area(phi, size, opens, closes):
     return size * ramp(phi, opens, opens + RAMP, closes - RAMP, closes)
 
 
-def window_knots(parameters) -> tuple[float, ...]:
+def window_breakpoints(parameters) -> tuple[float, ...]:
     """Return the angles [rad] at which the window is not smooth."""
     return parameters.opens, parameters.opens + RAMP, parameters.closes - RAMP, parameters.closes
 
@@ -42,7 +42,7 @@ def window_path(name: str, parameters) -> FlowPath:
     """Return the flow path of an effect's window to its own plenum, which has the effect's name."""
     values = {"size": parameters.area, "opens": parameters.opens, "closes": parameters.closes}
     coefficient = parameters.flow_coefficient
-    return FlowPath(name, window_area, values, window_knots(parameters), flow_coefficient=coefficient)
+    return FlowPath(name, window_area, values, window_breakpoints(parameters), flow_coefficient=coefficient)
 
 
 def check_window(name: str, parameters, facts) -> Iterator[Fault]:

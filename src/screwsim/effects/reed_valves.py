@@ -17,7 +17,7 @@ import math
 from dataclasses import dataclass
 
 from screwsim.declare import number, quantity
-from screwsim.effects.base import ChamberState, Effect, FlowPath, Reading, Stops
+from screwsim.effects.base import ChamberState, Effect, Faults, FlowPath, Reading, Stops
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
 from screwsim.faults import Fault
@@ -189,10 +189,9 @@ def build(parameters: Parameters, machine) -> list[FlowPath | ChamberState | Sto
     return [*built, valve_losses()]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
+def check(parameters: Parameters, facts) -> Faults:
     if "check_valves" in facts.effects:
-        return [Fault("effects.reed_valves", "are simulated beside check_valves, the same valves twice (remove one)")]
-    return []
+        yield Fault("effects.reed_valves", "are simulated beside check_valves, the same valves twice (remove one)")
 
 
 EFFECT = Effect(

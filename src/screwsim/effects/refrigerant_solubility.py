@@ -30,6 +30,7 @@ import numpy as np
 
 from screwsim.declare import quantity
 from screwsim.effects.base import Drawn, Effect, OilContent, OilGas, OilSolution, Plenum, Site
+from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.faults import Fault
 from screwsim.fluid import constants, solubility
 from screwsim.fluid.reservoir import Reservoir
@@ -38,9 +39,7 @@ from screwsim.outputs import Figure, Scale
 
 NAME = "refrigerant_solubility"
 PLENUM = "oil_gas"
-BROUGHT = (
-    0.1  # of the gas that the oil brings dissolved, over which at the least errors count of what flashes over time
-)
+BROUGHT = 0.1  # of the gas that the oil brings dissolved: errors of what flashes over time count at least over that
 OVER_TIME = "discharge_dissolved_gas_ratio"  # oil that takes gas up, too, lets what flashes pass through zero
 FIGURES = (
     Figure("dissolved_gas_ratio", "1", "refrigerant dissolved in the injected oil, per oil"),
@@ -208,10 +207,7 @@ def check(parameters: Parameters, facts) -> list[Fault]:
         if not solubility.LOW <= T <= HIGHEST:
             what = f"{T:.6g} K lies outside {solubility.LOW:g} K to {HIGHEST:g} K, where solubility is known"
             faults.append(Fault(where, f"{what} (choose one inside, or remove effects.{NAME})"))
-    operation, T = facts.operation, parameters.separator_temperature
-    p_d, T_c = operation.discharge.pressure, operation.condensing_temperature
-    if p_d is None and T_c is not None:
-        p_d = constants.bubble_pressure(solubility.FLUID, T_c)
+    p_d, T = discharge_pressure(facts), parameters.separator_temperature
     if not faults and p_d is not None and p_d >= pair(T).p_sat:
         what = f"at {T:.6g} K the gas condenses in the separator, at {p_d / 1e5:.4g} bar"
         faults.append(Fault(f"{path}.separator_temperature", f"{what} (state a warmer separator)"))

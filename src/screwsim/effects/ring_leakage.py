@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 
 from screwsim.declare import quantity
-from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import GAP_FLOW_COEFFICIENT, flow_coefficient
 from screwsim.effects.valves import port_area
 from screwsim.faults import Fault
@@ -35,13 +35,11 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     return [FlowPath("suction", port_area, {"area": area}, flow_coefficient=coefficient, narrow=True)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    path = "effects.ring_leakage"
+def check(parameters: Parameters, facts) -> Faults:
     if parameters.gap is None and parameters.area is None:
-        return [Fault(f"{path}.gap", "is missing (write e.g. gap: 3 um, or an area)")]
+        yield Fault("effects.ring_leakage.gap", "is missing (write e.g. gap: 3 um, or an area)")
     if parameters.gap is not None and parameters.area is not None:
-        return [Fault(f"{path}.area", "is given beside gap (remove one of the two)")]
-    return []
+        yield Fault("effects.ring_leakage.area", "is given beside gap (remove one of the two)")
 
 
 EFFECT = Effect(

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.declare import number, quantity
-from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.bypass import RAMP, area, window
 from screwsim.effects.gap import flow_coefficient
 from screwsim.faults import Fault, UsageError
@@ -55,29 +55,26 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     return found
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults, path = [], "effects.slide_valve"
+def check(parameters: Parameters, facts) -> Faults:
+    path = "effects.slide_valve"
     given = [name for name in _RADIAL if getattr(parameters, name) is not None]
     if given and len(given) < len(_RADIAL):
         missing = next(name for name in _RADIAL if name not in given)
-        faults.append(Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_RADIAL)})"))
+        yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_RADIAL)})")
     if facts.machine.mode == "expander":
-        faults.append(Fault(path, "belongs to machine.mode: compressor (remove it)"))
+        yield Fault(path, "belongs to machine.mode: compressor (remove it)")
     if facts.machine.volume.law == "paper":
-        faults += _angles(parameters, path)
-    return faults
+        yield from _angles(parameters, path)
 
 
-def _angles(parameters: Parameters, path: str) -> list[Fault]:
-    """Return the angles that lie outside the compression of a life of 720°."""
+def _angles(parameters: Parameters, path: str) -> Faults:
+    """Yield the angles that lie outside the compression of a life of 720°."""
     ends = {"closes": (2.0 * pi, 4.0 * pi - 2.0 * RAMP)} | dict.fromkeys(_RADIAL[1:], (2.0 * pi, 4.0 * pi - 4.0 * RAMP))
-    faults = []
     for name, (low, high) in ends.items():
         angle = getattr(parameters, name)
         if angle is not None and not low < angle < high:
             where = f"outside ({low * DEG:.0f} deg, {high * DEG:.0f} deg)"
-            faults.append(Fault(f"{path}.{name}", f"{angle * DEG:.6g} deg lies {where} (choose an angle inside)"))
-    return faults
+            yield Fault(f"{path}.{name}", f"{angle * DEG:.6g} deg lies {where} (choose an angle inside)")
 
 
 EFFECT = Effect(

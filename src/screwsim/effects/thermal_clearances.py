@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from screwsim.declare import quantity
-from screwsim.effects.base import Effect, Made, Reading, Scaled, Site, Turn
+from screwsim.effects.base import Effect, Faults, Made, Reading, Scaled, Site, Turn
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.made import Entry
@@ -104,24 +104,22 @@ def build(parameters: Parameters, machine) -> list[Made | Scaled | Reading]:
     return [*parts, Reading(names_of(FIGURES), read)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults, path = [], f"effects.{NAME}"
+def check(parameters: Parameters, facts) -> Faults:
+    path = f"effects.{NAME}"
     for lump in LUMPS:
         given = getattr(parameters, f"{lump}_temperature") is not None
         if given and WALLS in facts.effects:
-            what = f"is given beside effects.{WALLS}, which finds it (remove it)"
-            faults.append(Fault(f"{path}.{lump}_temperature", what))
+            yield Fault(f"{path}.{lump}_temperature", f"is given beside effects.{WALLS}, which finds it (remove it)")
         elif not given and WALLS not in facts.effects:
             remedy = f"write e.g. {lump}_temperature: 330 K, or name effects.{WALLS}, which finds it"
-            faults.append(Fault(f"{path}.{lump}_temperature", f"is missing ({remedy})"))
+            yield Fault(f"{path}.{lump}_temperature", f"is missing ({remedy})")
     profiled = facts.machine.profile is not None
     if profiled and parameters.axis_distance is not None:
-        faults.append(Fault(f"{path}.axis_distance", "is given beside machine.profile.centre_distance (remove it)"))
+        yield Fault(f"{path}.axis_distance", "is given beside machine.profile.centre_distance (remove it)")
     if "interlobe_leakage" in facts.effects and not profiled and parameters.axis_distance is None:
-        faults.append(Fault(f"{path}.axis_distance", "is missing (effects.interlobe_leakage needs it, e.g. 120 mm)"))
+        yield Fault(f"{path}.axis_distance", "is missing (effects.interlobe_leakage needs it, e.g. 120 mm)")
     if not any(name in facts.effects for name in GAPS):
-        faults.append(Fault(path, f"has no gap to change (name one of {', '.join(GAPS)}, or remove it)"))
-    return faults
+        yield Fault(path, f"has no gap to change (name one of {', '.join(GAPS)}, or remove it)")
 
 
 EFFECT = Effect(

@@ -13,10 +13,9 @@ from __future__ import annotations
 
 from math import pi
 
-from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.effects.gap_flow import numbers
-from screwsim.faults import Fault
 from screwsim.machine.protocol import TIP_GAP
 from screwsim.numerics.kernel import kernel
 
@@ -35,11 +34,11 @@ def build(parameters: ClearanceParameters, machine) -> list[FlowPath]:
     interfaces = machine.interfaces("tip_leakage")
     if interfaces is not None and parameters.area_file is None:
         return profile_paths(parameters, interfaces, parameters.gap)
-    return [gap_path(parameters, area, {"gap": parameters.gap}, knots=(TURN,), offset=1)]
+    return [gap_path(parameters, area, {"gap": parameters.gap}, breakpoints=(TURN,), offset=1)]
 
 
-def check(parameters: ClearanceParameters, facts) -> list[Fault]:
-    return list(check_gap("tip_leakage", parameters, facts))
+def check(parameters: ClearanceParameters, facts) -> Faults:
+    return check_gap("tip_leakage", parameters, facts)
 
 
 EFFECT = Effect(

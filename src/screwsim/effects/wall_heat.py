@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from screwsim.declare import number, quantity
-from screwsim.effects.base import Around, Effect, Made, Reading, Site, Turn, Wall
+from screwsim.effects.base import Around, Effect, Faults, Made, Reading, Site, Turn, Wall
 from screwsim.effects.gas_transport import gas_faults, gas_numbers
 from screwsim.faults import Fault
 from screwsim.machine.protocol import ROTORS
@@ -141,17 +141,15 @@ def build(parameters: Parameters, machine) -> list[Made | Wall | Reading]:
     return [*parts, Reading(names_of(FIGURES), read)]
 
 
-def check(parameters: Parameters, facts) -> list[Fault]:
-    faults, path = [], f"effects.{NAME}"
+def check(parameters: Parameters, facts) -> Faults:
+    path = f"effects.{NAME}"
     for lump in LUMPS:
         cooling, stated = (getattr(parameters, f"{lump}_{what}") for what in ("cooling", "temperature"))
         if cooling > 0.0 and stated is not None:
-            faults.append(
-                Fault(f"{path}.{lump}_cooling", f"is given beside {lump}_temperature (remove one of the two)")
-            )
+            yield Fault(f"{path}.{lump}_cooling", f"is given beside {lump}_temperature (remove one of the two)")
         if cooling > 0.0 and getattr(parameters, f"{lump}_area") * parameters.nusselt_factor == 0.0:
-            faults.append(Fault(f"{path}.{lump}_cooling", "cools a wall that no gas warms (remove it)"))
-    return [*faults, *gas_faults(path, parameters, facts.gas.fluid, GAS)]
+            yield Fault(f"{path}.{lump}_cooling", "cools a wall that no gas warms (remove it)")
+    yield from gas_faults(path, parameters, facts.gas.fluid, GAS)
 
 
 EFFECT = Effect(

@@ -86,13 +86,13 @@ def evaluate(problem: Problem, cycle: CycleSolution) -> Evaluation:
 def balance(of: Evaluation) -> Figures:
     """Return the balances of a closed cycle (contract: balance)."""
     problem, c, oil = of.problem, of.problem.composition, of.problem.parts.oil
-    left, residue = residuals(problem, of.life.R, of.q), None
+    left, residual = residuals(problem, of.life.R, of.q), None
     T_out = uncarried_oil_temperature(of.life) if "T_oil" in c.states and not c.carried else None
     if oil is not None and T_out is not None:  # what the oil takes up beyond what it carries to discharge (M40) [W]
         carried = float(of.life.R[R_INJECTED]) * oil.heat_capacity * (T_out - oil.temperature)
-        residue = float(-of.q[1] - carried) * problem.rate
+        residual = float(-of.q[1] - carried) * problem.rate
     oil_mass, bound = left.oil if c.carried else None, problem.wanted.bound
-    return Figures(mass=left.mass, energy=left.energy, oil_mass=oil_mass, oil_residue=residue, bound=bound)
+    return Figures(mass=left.mass, energy=left.energy, oil_mass=oil_mass, oil_residue=residual, bound=bound)
 
 
 def loss_torque(of: Evaluation, omega: float) -> float:

@@ -119,9 +119,7 @@ def _shut(problem: Problem, turn: Turn | None) -> bool:
     return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
 
 
-def _of_plenums(
-    problem: Problem, gas: Array, about: dict[str, Figure]
-) -> tuple[dict[str, Any], dict[str, str]]:
+def _of_plenums(problem: Problem, gas: Array, about: dict[str, Figure]) -> tuple[dict[str, Any], dict[str, str]]:
     """Return what effects say of the cycle by their own plenums, and why some nothing; `gas` is that of the streams."""
     found, notes, parts = {}, {}, problem.parts
     suction = float(gas[0] + gas[1]) * problem.rate * (1.0 - problem.suction.returned)  # from the line alone

@@ -113,9 +113,9 @@ def _declared(parts: Parts, own: set[str]) -> Iterator[str]:
         for what, value in numbers.items():
             if not math.isfinite(value) or (what == "flow_coefficient" and value < 0.0):
                 yield f"effects.{name}: its {what} is {value:.6g}, which cannot be; mend that module"
-        knots = [knot for knot in (*path.knots, *path.own_knots) if not math.isfinite(knot)]
-        if knots:
-            yield f"effects.{name}: one of its knots is {knots[0]:.6g} rad, which cannot be; mend that module"
+        breakpoints = [at for at in (*path.breakpoints, *path.own_breakpoints) if not math.isfinite(at)]
+        if breakpoints:
+            yield f"effects.{name}: its breakpoint at {breakpoints[0]:.6g} rad cannot be; mend that module"
 
 
 def _along(life: Trajectory) -> tuple[Array, Array]:

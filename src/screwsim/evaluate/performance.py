@@ -39,10 +39,8 @@ def efficiencies(
     gas (M101).
     """
     names = ("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency")
-    if flow <= 0.0:
-        return dict.fromkeys(names), dict.fromkeys(names, NONE_DELIVERED)
-    if shaft_power <= 0.0:
-        reason = "the shaft power is not positive"
+    if flow <= 0.0 or shaft_power <= 0.0:
+        reason = NONE_DELIVERED if flow <= 0.0 else "the shaft power is not positive"
         return dict.fromkeys(names), dict.fromkeys(names, reason)
     works, obstacle = _ideal_works(gas, lines, inlet)
     powers = [None if work is None else flow * work for work in works]

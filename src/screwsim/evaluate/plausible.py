@@ -6,7 +6,7 @@ are its figures, as a table, and the ways of the gas into and out of the chamber
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from screwsim.effects.base import FlowPath, HeatRate, Wall
@@ -21,6 +21,7 @@ RAM = 0.05  # by which gas in motion may fill a chamber beyond its volume
 BACK = 0.5  # of the displacement, that flows back through leaks beyond what is delivered
 HOT = 700.0  # [K] that oil, seals and rotors do not stand
 BURST = 20.0  # times the higher line's pressure
+NO_MACHINE = "and no machine does so (check its effects)"
 BESIDE = ("slide_valve", "bypass")  # lead to the suction line, and let no gas in
 
 
@@ -45,100 +46,91 @@ class Told:
         return value if value is not None and value > limit + slack * max(1.0, abs(limit)) else None
 
 
-def _isothermal(told: Told) -> str:
+def _isothermal(told: Told) -> Iterator[str]:
     eta = told.above("isothermal_efficiency", 1.0)
     if eta is None or told.expands:
-        return ""
+        return
     words = f"the isothermal efficiency of {eta:.4g} is above 1"
     oil, T_s = told.parts.oil, told.lines.T_s
     if oil is not None and oil.temperature < T_s and told.parts.all(HeatRate):
-        return (
+        yield (
             f"{words}: the oil comes in at {oil.temperature:.5g} K, colder than the suction gas of {T_s:.5g} K, and "
             "the figure's ideal is isothermal at the gas's temperature; what cooled the oil is not counted"
         )
-    if told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
-        return f"{words}: that takes walls, or liquid that evaporates, colder than the suction gas; is it meant?"
-    return f"{words}: nothing in the scene is colder than the suction gas, and no machine does so (check its effects)"
+    elif told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
+        yield f"{words}: that takes walls, or liquid that evaporates, colder than the suction gas; is it meant?"
+    else:
+        yield f"{words}: nothing in the scene is colder than the suction gas, {NO_MACHINE}"
 
 
-def _isentropic(told: Told) -> str:
+def _isentropic(told: Told) -> Iterator[str]:
     eta = told.above("isentropic_efficiency", 1.0)
     if eta is None:
-        return ""
+        return
     words = f"the isentropic efficiency of {eta:.4g} is above 1"
+    ideal = "the gas while it is compressed, and the figure's ideal is without cooling"
     if told.expands:
-        return f"{words}: no expander gives more than that (check its effects)"
-    if told.parts.all(HeatRate):
-        return f"{words}: oil cools the gas while it is compressed, and the figure's ideal is without cooling"
-    if told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
-        return (
-            f"{words}: walls or liquid cool the gas while it is compressed, and the figure's ideal is without cooling"
-        )
-    return f"{words}: nothing in the scene cools the gas, and no machine does so (check its effects)"
+        yield f"{words}: no expander gives more than that (check its effects)"
+    elif told.parts.all(HeatRate):
+        yield f"{words}: oil cools {ideal}"
+    elif told.parts.all(Wall) or "liquid_injection" in told.scene.effects:
+        yield f"{words}: walls or liquid cool {ideal}"
+    else:
+        yield f"{words}: nothing in the scene cools the gas, {NO_MACHINE}"
 
 
-def _volumetric(told: Told) -> str:
-    if told.expands:
-        return ""
+def _volumetric(told: Told) -> Iterator[str]:
     filled, found = told.above("volumetric_efficiency", 1.0 + RAM), told.found.get("volumetric_efficiency")
+    if told.expands:
+        return
     if filled is not None:
-        return (
+        yield (
             f"the volumetric efficiency of {filled:.4g} is above 1: the chambers take in more than they hold of the "
             "suction line's gas; colder oil, or gas in motion, can do so by a few percent"
         )
-    if found is not None and found < -BACK:
-        return (
+    elif found is not None and found < -BACK:
+        yield (
             f"the volumetric efficiency is {found:.4g}: through leaks more flows back than the rotors displace; gaps "
             "and areas that wide are none of a machine (check gaps and speed)"
         )
-    return ""
 
 
-def _driven(told: Told) -> str:
+def _driven(told: Told) -> Iterator[str]:
     power, filled = told.found.get("shaft_power"), told.found.get("volumetric_efficiency")
-    if told.expands or power is None or filled is None or power > 0.0 or filled < DELIVERED:
-        return ""
-    return f"the shaft power is {power:.4g} W: no compressor that delivers gas gives power (check its effects)"
+    if not (told.expands or power is None or filled is None or power > 0.0 or filled < DELIVERED):
+        yield f"the shaft power is {power:.4g} W: no compressor that delivers gas gives power (check its effects)"
 
 
-def _carnot(told: Told) -> str:
+def _carnot(told: Told) -> Iterator[str]:
     operation, cop = told.scene.operation, told.found.get("cop")
     T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
-    if cop is None or T_e is None or T_c is None or T_c <= T_e or cop <= T_e / (T_c - T_e):
-        return ""
-    return (
-        f"the COP of {cop:.4g} is above Carnot's {T_e / (T_c - T_e):.4g} between both temperatures: subcooling or oil "
-        "takes away heat that no figure counts (check operation.subcooling and oil_supply.temperature)"
-    )
+    if not (cop is None or T_e is None or T_c is None or T_c <= T_e or cop <= T_e / (T_c - T_e)):
+        yield (
+            f"the COP of {cop:.4g} is above Carnot's {T_e / (T_c - T_e):.4g} between both temperatures: subcooling or "
+            "oil takes away heat that no figure counts (check operation.subcooling and oil_supply.temperature)"
+        )
 
 
-def _hot(told: Told) -> str:
+def _hot(told: Told) -> Iterator[str]:
     T = told.found.get("discharge_temperature")
-    if T is None or T <= HOT or told.expands:
-        return ""
-    return (
-        f"the gas leaves at {T:.4g} K, and a machine stands no {HOT:g} K (more or cooler oil, a lower pressure ratio)"
-    )
+    if not (T is None or T <= HOT or told.expands):
+        words = f"the gas leaves at {T:.4g} K, and a machine stands no {HOT:g} K"
+        yield f"{words} (more or cooler oil, a lower pressure ratio)"
 
 
-def _burst(told: Told) -> str:
+def _burst(told: Told) -> Iterator[str]:
     peak, line = told.found.get("peak_pressure"), max(told.lines.p_s, told.lines.p_d)
-    if peak is None or peak <= BURST * line:
-        return ""
-    return (
-        f"the chamber reaches {peak / 1e5:.4g} bar, {peak / line:.3g} times the higher line's pressure, which no "
-        "housing stands (an earlier or wider discharge port)"
-    )
+    if not (peak is None or peak <= BURST * line):
+        what = f"the chamber reaches {peak / 1e5:.4g} bar, {peak / line:.3g} times the higher line's pressure"
+        yield f"{what}, which no housing stands (an earlier or wider discharge port)"
 
 
-DOUBTS: tuple[Callable[[Told], str], ...] = (
-    _isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _burst,
-)  # fmt: skip
+DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _burst)
 
 
 def doubts(told: Told) -> tuple[str, ...]:
     """Return what hardly is so of the figures of a cycle that closed."""
-    return tuple(words for ask in DOUBTS if (words := ask(told)))
+    return tuple(words for ask in DOUBTS for words in ask(told))
 
 
 def shut_ways(scene: Scene, parts: Parts) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,9 +16,9 @@ from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.orifice import outside_fit
+from screwsim.model.impacts import MOST_IMPACTS
 from screwsim.model.pulsation import LOWEST
 from screwsim.model.slots import R_LOCK, R_OIL_BEFORE
-from screwsim.model.stops import MOST_IMPACTS
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.integrators import check_of
 from screwsim.outputs import Figures
@@ -139,11 +140,10 @@ def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
     )
 
 
-def warnings(of: Evaluation) -> tuple[str, ...]:
-    """Return what of the oil, of effects and of the flow deserves a word."""
+def warnings(of: Evaluation) -> Iterator[str]:
+    """Yield what of the oil, of effects and of the flow deserves a word."""
     problem, found = of.problem, of.figures
     parts, supply = problem.parts, problem.scene.oil_supply
-    told = []
     if (
         supply is not None
         and supply.kind == "pump"
@@ -151,24 +151,23 @@ def warnings(of: Evaluation) -> tuple[str, ...]:
         and found.oil_ratio
         and found.oil_ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL
     ):
-        told.append(
+        yield (
             f"leaks bring more oil ({of.life.R[R_OIL_BEFORE]:.3g} kg) into the chamber than oil_supply.ratio asks "
             f"for; nothing is injected and the ratio is {found.oil_ratio:.4g}"
         )
-    told += _drowned(of)
-    told += _unfitted_bore(of)
-    asked = (active.effect.warnings for active in problem.scene.effects.values() if active.effect.warnings)
-    told += [words for warn in asked for words in warn(found)]
+    yield from _drowned(of)
+    yield from _unfitted_bore(of)
+    for active in problem.scene.effects.values():
+        yield from active.effect.warnings(found) if active.effect.warnings else ()
     idle = [part.idle for part in parts.pulsations if part.shut is not None]
     if found.gas_mass_flow == 0.0 and idle:
         nothing = "takes nothing in" if parts.plenums else "delivers nothing"
-        told.append(idle[0].format(nothing=nothing) or f"a valve stays shut: the machine {nothing}")
+        yield idle[0].format(nothing=nothing) or f"a valve stays shut: the machine {nothing}"
     elif found.gas_mass_flow is not None and found.gas_mass_flow <= 0.0:
-        told.append(
+        yield (
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
             "operation.discharge.temperature, or where that is not given the temperature of isentropic compression"
         )
-    return tuple(told)
 
 
 def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[str, ...]:
@@ -178,8 +177,8 @@ def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[str, ...]:
     return (*scene_warnings(scene), *plausible.shut_ways(scene, parts), *plausible.doubts(told))
 
 
-def _drowned(of: Evaluation) -> list[str]:
-    """Return a warning where the oil of a chamber is more than its volume holds when the discharge port opens.
+def _drowned(of: Evaluation) -> Iterator[str]:
+    """Yield a warning where the oil of a chamber is more than its volume holds when the discharge port opens.
 
     An expander's chamber has that volume when its inlet closes.
     """
@@ -187,28 +186,26 @@ def _drowned(of: Evaluation) -> list[str]:
     oil, geometry = parts.oil, parts.geometry
     opens = geometry.discharge_opens
     if oil is None or opens is None or not found.oil_ratio or not found.trapped_mass or parts.oil_room:
-        return []
+        return
     share = found.oil_ratio * found.trapped_mass / oil.density / of.life.volume(opens)
-    if share < 1.0:
-        return []
-    when = "inlet closes" if geometry.expands else "discharge port opens"
-    return [
-        f"the oil would fill {share:.0%} of the chamber when the {when}; oil takes no room in this model "
-        "(lower oil_supply.ratio, or take the result as a limit)"
-    ]
+    if not share < 1.0:
+        when = "inlet closes" if geometry.expands else "discharge port opens"
+        what = f"the oil would fill {share:.0%} of the chamber when the {when}; oil takes no room in this model"
+        yield f"{what} (lower oil_supply.ratio, or take the result as a limit)"
 
 
-def _unfitted_bore(of: Evaluation) -> list[str]:
-    """Return a warning where the bore that lets the oil in lies outside what the formula of its flow was fitted to."""
+def _unfitted_bore(of: Evaluation) -> Iterator[str]:
+    """Yield a warning where the bore that lets the oil in lies outside what the formula of its flow was fitted to."""
     oil, port = of.problem.parts.oil, of.problem.parts.oil_port
     if oil is None or "diameter" not in oil.supply:
-        return []
+        return
     bore, source = oil.supply, oil.supply["separator_pressure"]
     before = source - (0.0 if port is None else port.loss(source))
     drop = max(before - (of.figures.injection_pressure or 0.0), 0.0)
     reynolds = bore["diameter"] * math.sqrt(2.0 * drop * bore["density"]) / bore["viscosity"]
     why = outside_fit(bore["length"] / bore["diameter"], reynolds)
-    return [f"the formula of the oil's flow is stretched beyond its range: {why}"] if why else []
+    if why:
+        yield f"the formula of the oil's flow is stretched beyond its range: {why}"
 
 
 def inaccurate(wanted: float, error: Figures) -> tuple[str, ...]:

@@ -42,11 +42,6 @@ def _function(name: str, fluid: str, doc: str, lines: list[str], arguments: str 
     return f"def {name}({arguments}):\n{body}\n"
 
 
-def state_text(fluid: str) -> str:
-    """Return the text of `state(T, rho)`."""
-    return _function("state", fluid, STATE, _state_lines(fluid))
-
-
 def phased_state_text(fluid: str, doc: str, first: tuple[str, ...]) -> str:
     """Return the text of `phased_state(phase, T, rho)`; `first` are lines that come before the equation."""
     return _function("phased_state", fluid, doc, [*first, *_state_lines(fluid)], "phase, T, rho")
@@ -70,7 +65,8 @@ def _state_lines(fluid: str) -> list[str]:
 @lru_cache(maxsize=64)
 def state_kernel(fluid: str) -> Kernel:
     """Return `state(T, rho)` of the fluid; k = ρ w²/p is the local exponent of p v^k = const on the isentrope."""
-    return written(state_text(fluid), describe(fluid).name, {"critical_power": critical_power})
+    text = _function("state", fluid, STATE, _state_lines(fluid))
+    return written(text, describe(fluid).name, {"critical_power": critical_power})
 
 
 @lru_cache(maxsize=64)

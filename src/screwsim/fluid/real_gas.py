@@ -118,7 +118,7 @@ class RealGas:
     def c_v(self) -> float:
         """Heat capacity at constant volume of the dilute gas at 300 K [J/(kg K)]: for first guesses only."""
         T = min(max(TYPICAL, self.known.T_min), self.known.T_max)
-        return float(self._run("state")(T, 1e-9 * self.known.rho_c)[2])
+        return float(self._kernels["state"](T, 1e-9 * self.known.rho_c)[2])
 
     @property
     def c_p(self) -> float:
@@ -126,10 +126,6 @@ class RealGas:
         return self.c_v + self.R
 
     # ---- states ----------------------------------------------------------------------------------------------
-
-    def _run(self, what: str) -> Callable[..., Any]:
-        """Return a compiled kernel of this gas."""
-        return self._kernels[what]
 
     @cached_property
     def _kernels(self) -> dict[str, Callable[..., Any]]:
@@ -140,7 +136,7 @@ class RealGas:
         found = saturation(self.fluid)
         if p > found.p_c or p < self.saturation_pressure(found.T_low):
             return None
-        return float(self._run("temperature")(p))
+        return float(self._kernels["temperature"](p))
 
     def nearest_vapour(self, p: float, T: float) -> float:
         """Return T, or if there is no vapour at p [Pa] and T [K] a temperature 1 K above saturation: for guesses."""
@@ -151,7 +147,7 @@ class RealGas:
     def saturation_pressure(self, T: float) -> float:
         """Return the saturation pressure [Pa] at T [K]; infinite from the critical temperature on."""
         found = saturation(self.fluid)
-        return float(self._run("pressure")(max(T, found.T_low))[0]) if T < found.T_c else inf
+        return float(self._kernels["pressure"](max(T, found.T_low))[0]) if T < found.T_c else inf
 
     def density(self, p: float, T: float) -> float:
         """Return density [kg/m³] of the vapour at p [Pa], T [K]. Raises UsageError for a liquid."""
@@ -176,18 +172,18 @@ class RealGas:
 
     def enthalpy(self, p: float, T: float) -> float:
         """Return specific enthalpy [J/kg] at p [Pa], T [K]."""
-        return float(self._run("state")(T, self.density(p, T))[1])
+        return float(self._kernels["state"](T, self.density(p, T))[1])
 
     def entropy(self, p: float, T: float) -> float:
         """Return specific entropy [J/(kg K)] at p [Pa], T [K]."""
-        return float(self._run("entropy")(T, self.density(p, T)))
+        return float(self._kernels["entropy"](T, self.density(p, T)))
 
     def temperature(self, p: float, h: float) -> float:
         """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]: T_sat where two phases have it."""
         return self._at(p, h, False)[0]
 
     def _place(self, p: float, T: float, rho: float) -> tuple[float, ...]:
-        _p, h, _c_v, _tpt, a, choke, choked = self._run("state")(T, rho)
+        _p, h, _c_v, _tpt, a, choke, choked = self._kernels["state"](T, rho)
         return p, rho, h, a, choke, choked
 
     def place(self, p: float, T: float) -> tuple[float, ...]:
@@ -199,9 +195,7 @@ class RealGas:
 
         A closing may pass through wet states on its way; whether the end may be wet, `why_outside` tells.
         """
-        T, rho = self._at(p, h, False)
-        _p, h, _c_v, _tpt, a, choke, choked = self._run("state")(T, rho)
-        return p, rho, h, a, choke, choked
+        return self._place(p, *self._at(p, h, False))
 
     def vapour(self, p: float, T: float) -> Reservoir:
         """Return a reservoir of vapour at p [Pa] and T [K], saturated or not. Raises UsageError for a liquid."""
@@ -213,14 +207,14 @@ class RealGas:
         Raises UsageError where that is wet or vapour.
         """
         T, rho = self._at(p, h, False)
-        if T >= saturation(self.fluid).T_c or rho < self._run("liquid")(T) * (1.0 - LIQUID):
+        if T >= saturation(self.fluid).T_c or rho < self._kernels["liquid"](T) * (1.0 - LIQUID):
             raise UsageError(f"{self.known.name} at {p:.6g} Pa, h = {h:.6g} J/kg is no liquid; give a colder state")
         return self._reservoir(p, T, rho)
 
     def _reservoir(self, p: float, T: float, rho: float) -> Reservoir:
         """Return a reservoir of one phase, on the border of two as well."""
-        _p, h, _c_v, _tpt, exponent, choke, choked = self._run("single state")(T, rho)
-        return Reservoir(p, T, rho, h, float(self._run("entropy")(T, rho)), exponent, choke, choked)
+        _p, h, _c_v, _tpt, exponent, choke, choked = self._kernels["single state"](T, rho)
+        return Reservoir(p, T, rho, h, float(self._kernels["entropy"](T, rho)), exponent, choke, choked)
 
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
         """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium.
@@ -229,9 +223,9 @@ class RealGas:
         """
         T, rho = self._at(p, s, True)
         below = self.known.pseudo_pure and T < saturation(self.fluid).T_c
-        if below and rho > self._run("vapour")(T) * (1.0 + AT_SATURATION):
+        if below and rho > self._kernels["vapour"](T) * (1.0 + AT_SATURATION):
             raise UsageError(f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K) is wet; give a warmer state")
-        return T, rho, float(self._run("state")(T, rho)[1])
+        return T, rho, float(self._kernels["state"](T, rho)[1])
 
     # ---- work ------------------------------------------------------------------------------------------------
 
@@ -241,7 +235,7 @@ class RealGas:
 
     def isentropic_work_of_enthalpy(self, p_1: float, p_2: float, h: float) -> float:
         """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h, wet or not, to p_2."""
-        return self.isentrope(p_2, float(self._run("entropy")(*self._at(p_1, h, False))))[2] - h
+        return self.isentrope(p_2, float(self._kernels["entropy"](*self._at(p_1, h, False))))[2] - h
 
     def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
         """Return why there is no isothermal compression from p_1 to p_2 at T, or None."""
@@ -266,7 +260,7 @@ class RealGas:
     def first_outside(self, T: np.ndarray, rho: np.ndarray) -> int | None:
         """Return the index of the first of the states (T [K], ρ [kg/m³]) that `why_outside` complains of, or None."""
         if self.two_phase == "refuse":
-            found = int(self._run("first_outside")(T, rho))
+            found = int(self._kernels["first_outside"](T, rho))
             return found if found >= 0 and self.why_outside(float(T[found]), float(rho[found])) else None
         extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
         return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
@@ -280,15 +274,15 @@ class RealGas:
         at = f"{known.name} at {T:.6g} K is"
         if T < found.T_low:
             return Outside(Limit.COLD, f"{at} below the equation's lowest temperature, {found.T_low:.6g} K")
-        if T < found.T_c and rho >= self._run("vapour")(T) * (1.0 + AT_SATURATION):
+        if T < found.T_c and rho >= self._kernels["vapour"](T) * (1.0 + AT_SATURATION):
             if self.two_phase == "equilibrium":
                 return None
-            saturated = f"{self._run('vapour')(T):.6g} kg/m3 at {self.saturation_pressure(T):.6g} Pa"
+            saturated = f"{self._kernels['vapour'](T):.6g} kg/m3 at {self.saturation_pressure(T):.6g} Pa"
             what = f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {saturated})"
             return Outside(Limit.WET, what)
         if T > known.T_max:
             return Outside(Limit.HOT, f"{at} above the equation's highest temperature, {known.T_max:.6g} K")
-        p = float(self._run("single state")(T, rho)[0])
+        p = float(self._kernels["single state"](T, rho)[0])
         if p > known.p_max:
             what = f"{known.name} at {p:.6g} Pa is above the equation's highest pressure, {known.p_max:.6g} Pa"
             return Outside(Limit.PRESSED, what)

@@ -1,4 +1,4 @@
-"""From a machine's settings to laws: kernels with their numbers, knots and tables."""
+"""From a machine's settings to laws: kernels with their numbers, breakpoints and tables."""
 
 from __future__ import annotations
 
@@ -14,23 +14,28 @@ from screwsim.machine.protocol import AreaLaw, MachineGeometry, VolumeKernels
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
 from screwsim.numerics.spline import features, read_curve
 
-KNOTTED_SPACING = np.radians(10.0)  # tables at least this coarse have a knot at every row; finer ones are smooth enough
+KNOTTED_SPACING = np.radians(10.0)  # tables at least this coarse have a breakpoint at every row; finer ones are smooth
 
 
-def table_knots(angles: np.ndarray) -> tuple[float, ...]:
-    """Return the knots of a table: its ends, and its rows when they lie at least 10° apart."""
+def table_breakpoints(angles: np.ndarray) -> tuple[float, ...]:
+    """Return the breakpoints of a table: its ends, and its rows when they lie at least 10° apart."""
     coarse = np.min(np.diff(angles)) >= KNOTTED_SPACING
     return tuple(angles) if coarse else (float(angles[0]), float(angles[-1]))
 
 
-def area_knots(angles: np.ndarray, areas: np.ndarray) -> tuple[float, ...]:
-    """Return the knots of a table of areas: those of its angles, where it opens or has shut, narrow tops."""
-    return tuple(sorted({*table_knots(angles), *features(angles, areas)}))
+def area_breakpoints(angles: np.ndarray, areas: np.ndarray) -> tuple[float, ...]:
+    """Return the breakpoints of a table of areas: those of its angles, where it opens or has shut, narrow tops."""
+    return tuple(sorted({*table_breakpoints(angles), *features(angles, areas)}))
 
 
 def _area(table: Table) -> AreaLaw:
     return AreaLaw(
-        table_law.area, {}, table.ends, (table.angle, table.value), {"curve": table.curve}, own_knots=table.knots
+        table_law.area,
+        {},
+        table.ends,
+        (table.angle, table.value),
+        {"curve": table.curve},
+        own_breakpoints=table.breakpoints,
     )
 
 
@@ -113,8 +118,8 @@ class Geometry(MachineGeometry):
         law = self._volume_law()
         if not self.expands:
             return law
-        knots, own = (tuple(self.life - knot for knot in each) for each in (law.knots, law.own_knots))
-        return replace(law, mirror=self.life, knots=knots, own_knots=own)
+        breakpoints, own = (tuple(self.life - at for at in each) for each in (law.breakpoints, law.own_breakpoints))
+        return replace(law, mirror=self.life, breakpoints=breakpoints, own_breakpoints=own)
 
     def _volume_law(self) -> VolumeKernels:
         """Return the volume law (M16, or M14 from a table, scaled so that its maximum is the swept volume)."""
@@ -122,15 +127,16 @@ class Geometry(MachineGeometry):
         if profile is not None:
             table, values = profile.volume, {"V_min": law.dead_of(profile.swept)}
             tables = {"volume_curve": table.curve}
-            return VolumeKernels(table_law.volume, table_law.volume_slope, values, table.ends, tables, table.knots)
+            laws = table_law.volume, table_law.volume_slope
+            return VolumeKernels(*laws, values, table.ends, tables, table.breakpoints)
         if law.law == "table":
             angles, volumes = read_curve(str(law.file), "volume_m3")
             tables = {"volume_curve": (angles, volumes * (self.swept_volume / np.max(volumes)))}
             values = {"V_min": law.dead}
-            return VolumeKernels(table_law.volume, table_law.volume_slope, values, table_knots(angles), tables)
+            return VolumeKernels(table_law.volume, table_law.volume_slope, values, table_breakpoints(angles), tables)
         values = {"V_max": law.max or 0.0, "V_min": law.dead, "phi_A": float(law.phi_A or 0.0)}
-        knots = (values["phi_A"], LIFE - values["phi_A"])
-        return VolumeKernels(paper_law.volume, paper_law.volume_slope, values, knots)
+        breakpoints = (values["phi_A"], LIFE - values["phi_A"])
+        return VolumeKernels(paper_law.volume, paper_law.volume_slope, values, breakpoints)
 
     def suction_law(self) -> AreaLaw:
         """Return the area law of the suction port (M17 or M14), over the angle of a compressor."""
@@ -141,8 +147,8 @@ class Geometry(MachineGeometry):
         if law.law == "table":
             return self._table(str(law.file))
         phi_B, area = float(law.phi_B or 0.0), float(law.area or 0.0)
-        knots, rows = (phi_B, TURN - phi_B, TURN), ((0.0, 0.5 * TURN, TURN), (0.0, area, 0.0))
-        return AreaLaw(paper_law.suction_area, {"S_suc": area, "phi_B": phi_B}, knots, rows)
+        breakpoints, rows = (phi_B, TURN - phi_B, TURN), ((0.0, 0.5 * TURN, TURN), (0.0, area, 0.0))
+        return AreaLaw(paper_law.suction_area, {"S_suc": area, "phi_B": phi_B}, breakpoints, rows)
 
     def discharge_law(self) -> AreaLaw:
         """Return the area law of the discharge port (M18 or M14), over the angle of a compressor."""
@@ -168,4 +174,4 @@ class Geometry(MachineGeometry):
     @staticmethod
     def _table(path: str) -> AreaLaw:
         angles, areas = read_curve(path, "area_m2")
-        return AreaLaw(table_law.area, {}, area_knots(angles, areas), (angles, areas), {"curve": (angles, areas)})
+        return AreaLaw(table_law.area, {}, area_breakpoints(angles, areas), (angles, areas), {"curve": (angles, areas)})

@@ -78,7 +78,7 @@ def _impossible(geometry: MachineGeometry) -> str:
         where = "inside its life" if alone else f"a whole number of pitches of {_degrees(pitch)} inside its life"
         return f"its injection_angle of {_degrees(at)} is not {where}"
     law = geometry.volume_law()
-    inside = [knot for knot in law.knots if 0.0 < knot < life]
+    inside = [at for at in law.breakpoints if 0.0 < at < life]
     ends = np.union1d(np.linspace(0.0, life, 1 + math.ceil(life / STEP)), inside)
     half = 0.5 * np.diff(ends)
     nodes = np.add.outer(ends[:-1] + half, np.zeros(2)) + np.outer(half, GAUSS)

@@ -146,29 +146,24 @@ def _alive(path: Path, closes: float) -> Curve:
     if np.interp(first, angle, value) > LEAST * value.max():
         x = np.clip((angle - first) / BIRTH, 0.0, 1.0)
         value = value * x * x * (3.0 - 2.0 * x)
-    return replace(curve, angle=angle, value=value, knots=tuple(knot for knot in curve.knots if knot > -1e-9))
+    return replace(curve, angle=angle, value=value, breakpoints=tuple(at for at in curve.breakpoints if at > -1e-9))
 
 
 def _missing(machine: TwinScrew) -> list[Fault]:
-    faults = []
-    if machine.profile is None:
-        what = "is missing (law: profile needs it: kind, centre_distance, female_diameter, wrap_angle …)"
-        faults.append(Fault("machine.profile", what))
-    if machine.built_in_volume_ratio is None:
-        what = "is missing (law: profile needs it, e.g. built_in_volume_ratio: 3.2; it places the discharge port)"
-        faults.append(Fault("machine.built_in_volume_ratio", what))
-    return faults
+    needs = {
+        "profile": "needs it: kind, centre_distance, female_diameter, wrap_angle …",
+        "built_in_volume_ratio": "needs it, e.g. built_in_volume_ratio: 3.2; it places the discharge port",
+    }
+    lacking = (name for name in needs if getattr(machine, name) is None)
+    return [Fault(f"machine.{name}", f"is missing (law: profile {needs[name]})") for name in lacking]
 
 
 def check_profile_law(machine: TwinScrew) -> list[Fault]:
     """Return the faults of a machine whose volume comes from its profile: what is missing, rotors that cannot be."""
     if machine.volume.law != "profile":
         what = f"is not used: machine.volume.law is {machine.volume.law} (write law: profile there, or remove this)"
-        given = {"profile": machine.profile, "built_in_volume_ratio": machine.built_in_volume_ratio}
-        return [Fault(f"machine.{name}", what) for name, value in given.items() if value is not None]
-    missing = _missing(machine)
-    if missing:
-        return missing
+        names = ("profile", "built_in_volume_ratio")
+        return [Fault(f"machine.{name}", what) for name in names if getattr(machine, name) is not None]
     try:
         lay(machine)
     except UsageError as error:

@@ -1,8 +1,8 @@
-"""Curves of rotors as the tables that the cycle is solved with: smooth between knots, and knots where steps shall end.
+"""Curves of rotors as the tables that the cycle is solved with: smooth between breakpoints, where steps shall end.
 
 V is the cubic that has V and dV/dφ of the rotors at its rows; an area has differences of its rows on each side of a
-kink. So what the integrator meets between two knots is smooth, and dV/dφ is the derivative of V. A step ends at each
-knot where a curve bends enough to be seen (docs/reference/rotors.md). Units SI, angles in rad.
+kink. So what the integrator meets between two breakpoints is smooth, and dV/dφ is the derivative of V. A step ends at
+each breakpoint where a curve bends enough to be seen (docs/reference/rotors.md). Units SI, angles in rad.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ class Table:
     angle: Array
     value: Array
     slope: Array
-    knots: tuple[float, ...]
+    breakpoints: tuple[float, ...]
 
     @property
     def ends(self) -> tuple[float, float]:
         """Where the curve begins and ends [rad]."""
-        return self.knots[0], self.knots[-1]
+        return self.breakpoints[0], self.breakpoints[-1]
 
     @property
     def curve(self) -> tuple[Array, Array, Array]:
@@ -52,7 +52,7 @@ class Table:
     def landing(self, angles: Iterable[float]) -> Table:
         """Return the table with steps that end at some more angles [rad], as far as they lie between its ends."""
         first, last = self.ends
-        return replace(self, knots=tuple(sorted({*self.knots, *(x for x in angles if first < x < last)})))
+        return replace(self, breakpoints=tuple(sorted({*self.breakpoints, *(x for x in angles if first < x < last)})))
 
 
 def volume_table(curves: Curves, rotors: Rotors, born: float) -> Table:
@@ -60,9 +60,10 @@ def volume_table(curves: Curves, rotors: Rotors, born: float) -> Table:
     rows, value = curves.volume.angle[::EVERY], curves.volume.value[::EVERY].copy()
     slope = rotors.volume_slope(rows + rotors.start)
     value[[0, -1]] = slope[[0, -1]] = 0.0
-    seen = _bent(rows, differences(rows, slope, curves.volume.knots), curves.volume.knots, BEND * value.max())
-    knots = born, *(knot + born for knot in seen), born + curves.life
-    return Table(rows + born, value, np.column_stack([slope[:-1], slope[1:]]), knots)
+    own = curves.volume.breakpoints
+    seen = _bent(rows, differences(rows, slope, own), own, BEND * value.max())
+    breakpoints = born, *(at + born for at in seen), born + curves.life
+    return Table(rows + born, value, np.column_stack([slope[:-1], slope[1:]]), breakpoints)
 
 
 def area_table(curve: Curve, born: float) -> Table:
@@ -73,7 +74,7 @@ def area_table(curve: Curve, born: float) -> Table:
     rows, value = rows[part], value[part].copy()
     value[[0, -1]] = 0.0
     end = float(rows[-1])
-    inside = [knot for knot in curve.knots if rows[0] < knot < end - 1e-9]
+    inside = [at for at in curve.breakpoints if rows[0] < at < end - 1e-9]
     angle, value = np.append(rows, end + BEYOND), np.append(value, 0.0)
     slope, largest = side_slopes(angle, value, [*inside, end]), float(value.max())
     secant = np.diff(value) / np.diff(angle)
@@ -82,7 +83,7 @@ def area_table(curve: Curve, born: float) -> Table:
     return Table(angle + born, value, slope, (float(rows[0]) + born, *(x + born for x in seen), end + born))
 
 
-def _bent(x: Array, slope: Array, knots: Sequence[float], least: float) -> list[float]:
-    """Return the knots between the ends at which the slope of a curve jumps by more than `least`."""
-    rows = [int(i) for i in np.searchsorted(x, np.sort(knots) - 1e-9) if 0 < i < len(x) - 1]
+def _bent(x: Array, slope: Array, breakpoints: Sequence[float], least: float) -> list[float]:
+    """Return the breakpoints between the ends at which the slope of a curve jumps by more than `least`."""
+    rows = [int(i) for i in np.searchsorted(x, np.sort(breakpoints) - 1e-9) if 0 < i < len(x) - 1]
     return [float(x[i]) for i in rows if abs(slope[i, 0] - slope[i - 1, 1]) > least]

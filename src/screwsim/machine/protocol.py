@@ -27,18 +27,18 @@ CYLINDER = "cylinder"  # one chamber with a bore, valves and rings
 
 @dataclass(frozen=True)
 class AreaLaw:
-    """A port area: kernel, numbers behind its arguments [SI], knots [rad], tables (angle [rad], area [m²]).
+    """A port area: kernel, numbers behind its arguments [SI], breakpoints [rad], tables (angle [rad], area [m²]).
 
     `rows` are angles [rad] between which the area only rises or only falls, and the areas there: what a port does at
-    which angle is read from them, never from the knots, which tell no more than where steps end.
+    which angle is read from them, never from the breakpoints, which tell no more than where steps end.
     """
 
     area: Kernel
     values: Mapping[str, float]
-    knots: tuple[float, ...]
+    breakpoints: tuple[float, ...]
     rows: tuple[Any, Any]
     tables: Mapping[str, Any] = field(default_factory=dict)
-    own_knots: tuple[float, ...] = ()  # that the chambers beside this one do not feel
+    own_breakpoints: tuple[float, ...] = ()  # that the chambers beside this one do not feel
 
     @cached_property
     def widest(self) -> float:
@@ -61,9 +61,9 @@ class VolumeKernels:
     volume: Kernel
     slope: Kernel
     values: Mapping[str, float]
-    knots: tuple[float, ...]
+    breakpoints: tuple[float, ...]
     tables: Mapping[str, Any] = field(default_factory=dict)
-    own_knots: tuple[float, ...] = ()  # that the chambers beside this one do not feel
+    own_breakpoints: tuple[float, ...] = ()  # that the chambers beside this one do not feel
     mirror: float | None = None
 
     def along(self, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

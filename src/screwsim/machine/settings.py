@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,12 +99,8 @@ class TwinScrew(MachineSettings):
 
     def symbols(self) -> dict[str, float]:
         """Return the numbers [SI] that a kernel can ask for by name (docs/reference/nomenclature.md)."""
-        return {
-            "rotor_diameter": self.rotor_diameter,
-            "rotor_length": self.rotor_length,
-            "male_lobes": float(self.male_lobes),
-            "female_lobes": float(self.female_lobes),
-        }
+        names = ("rotor_diameter", "rotor_length", "male_lobes", "female_lobes")
+        return {name: float(getattr(self, name)) for name in names}
 
     def surface_speed(self, omega: float) -> float:
         """Return the speed that moves gas and oil [m/s]: that of the male rotor's tips."""
@@ -121,85 +118,77 @@ class TwinScrew(MachineSettings):
 
 
 def _inside(
-    path: str, value: float | None, low: float, high: float, low_text: str, high_text: str, closed: bool
-) -> list[Fault]:
+    path: str, value: float | None, low: float, high: float, low_text: str, high_text: str, end: str = "]"
+) -> Iterator[Fault]:
+    """Yield an angle that is missing, or outside (low, high] or, with `end` ')', (low, high)."""
     if value is None:
-        return [Fault(path, f"is missing (law: paper needs it; give an angle between {low_text} and {high_text})")]
-    if value > low and (value <= high * (1 + 1e-12) if closed else value < high):
-        return []
-    where = f"({low_text}, {high_text}{']' if closed else ')'}"
-    return [Fault(path, f"{math.degrees(value):.6g} deg lies outside {where}; choose an angle inside")]
+        yield Fault(path, f"is missing (law: paper needs it; give an angle between {low_text} and {high_text})")
+    elif not (value > low and (value <= high * (1 + 1e-12) if end == "]" else value < high)):
+        where = f"({low_text}, {high_text}{end}"
+        yield Fault(path, f"{math.degrees(value):.6g} deg lies outside {where}; choose an angle inside")
 
 
 def check_twin_screw(machine: TwinScrew) -> list[Fault]:
     """Return the faults of the geometry: ranges of φ_A, φ_B, φ_dis, φ_C (0 excluded: it divides), missing fields."""
-    faults: list[Fault] = []
-    volume, suction, discharge = machine.volume, machine.suction_port, machine.discharge_port
-    if volume.law == "paper":
-        faults += _inside("machine.volume.phi_A", volume.phi_A, 0.0, TURN, "0 deg", "360 deg", True)
-    if suction is not None and suction.law == "paper":
-        faults += _inside("machine.suction_port.phi_B", suction.phi_B, 0.0, TURN / 2, "0 deg", "180 deg", True)
-    if discharge is not None and discharge.law == "paper":
-        faults += _discharge(discharge)
-    for name, law in (("volume", volume), ("suction_port", suction), ("discharge_port", discharge)):
-        if law is not None:
-            faults += _law(name, law)
-    return faults + _life(machine)
+    parts = {name: getattr(machine, name) for name in ("volume", "suction_port", "discharge_port")}
+    laws = {name: law for name, law in parts.items() if law is not None}
+    angles = (fault for name, law in laws.items() if law.law == "paper" for fault in _angles(name, law))
+    return [*angles, *(fault for name, law in laws.items() for fault in _law(name, law)), *_life(machine)]
 
 
-def _discharge(port: DischargePort) -> list[Fault]:
-    faults = _inside("machine.discharge_port.opens", port.opens, TURN, LIFE, "360 deg", "720 deg", False)
-    if faults or port.opens is None:
-        return faults
-    middle = 0.5 * (port.opens + LIFE)
-    low, high = f"{math.degrees(port.opens):.6g} deg", f"{math.degrees(middle):.6g} deg"
-    return _inside("machine.discharge_port.phi_C", port.phi_C, port.opens, middle, low, high, True)
-
-
-def _law(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> list[Fault]:
-    """Return what a law lacks, and what is given beside it that belongs to another."""
+def _angles(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator[Fault]:
+    """Yield the angles of a law of the paper that are missing, or outside their range."""
     path = f"machine.{name}"
-    faults = []
+    if isinstance(law, VolumeLaw):
+        yield from _inside(f"{path}.phi_A", law.phi_A, 0.0, TURN, "0 deg", "360 deg")
+    elif isinstance(law, SuctionPort):
+        yield from _inside(f"{path}.phi_B", law.phi_B, 0.0, TURN / 2, "0 deg", "180 deg")
+    elif law.opens is None or not TURN < law.opens < LIFE:
+        yield from _inside(f"{path}.opens", law.opens, TURN, LIFE, "360 deg", "720 deg", ")")
+    else:
+        middle = 0.5 * (law.opens + LIFE)
+        low, high = f"{math.degrees(law.opens):.6g} deg", f"{math.degrees(middle):.6g} deg"
+        yield from _inside(f"{path}.phi_C", law.phi_C, law.opens, middle, low, high)
+
+
+def _law(name: str, law: VolumeLaw | SuctionPort | DischargePort) -> Iterator[Fault]:
+    """Yield what a law lacks, and what is given beside it that belongs to another."""
+    path = f"machine.{name}"
     if law.law == "table" and law.file is None:
-        faults.append(Fault(f"{path}.file", "is missing (law: table needs a CSV file)"))
+        yield Fault(f"{path}.file", "is missing (law: table needs a CSV file)")
     if law.law != "table" and law.file is not None:
-        faults.append(Fault(f"{path}.file", "belongs to law: table (write `law: table`, or remove the file)"))
+        yield Fault(f"{path}.file", "belongs to law: table (write `law: table`, or remove the file)")
     if isinstance(law, VolumeLaw):
         if law.law != "profile" and law.max is None:
-            what = "is missing (write e.g. max: 500 cm^3; swept volume of one chamber)"
-            faults.append(Fault(f"{path}.max", what))
+            yield Fault(f"{path}.max", "is missing (write e.g. max: 500 cm^3; swept volume of one chamber)")
     elif law.law == "paper" and law.area is None:
-        faults.append(Fault(f"{path}.area", "is missing (law: paper needs it)"))
-    if law.law == "profile":
-        faults += [
-            Fault(f"{path}.{field}", "belongs to another law: profile finds it from the rotors (remove it)")
-            for field in ("max", "phi_A", "area", "phi_B", "opens", "phi_C")
-            if getattr(law, field, None) is not None
-        ]
-    return faults
+        yield Fault(f"{path}.area", "is missing (law: paper needs it)")
+    for field in ("max", "phi_A", "area", "phi_B", "opens", "phi_C") if law.law == "profile" else ():
+        if getattr(law, field, None) is not None:
+            yield Fault(f"{path}.{field}", "belongs to another law: profile finds it from the rotors (remove it)")
 
 
-def _life(machine: TwinScrew) -> list[Fault]:
-    """Return the faults of the angles of a chamber's life: whole pitches, and laws that fit together."""
-    volume, pitch, faults = machine.volume, machine.pitch, []
+def _life(machine: TwinScrew) -> Iterator[Fault]:
+    """Yield the faults of the angles of a chamber's life: whole pitches, and laws that fit together."""
+    volume, pitch, good = machine.volume, machine.pitch, True
     for field in ("life", "injection_angle"):
-        angle, path = getattr(volume, field), f"machine.volume.{field}"
-        if angle is None:
-            continue
-        if volume.law != "table":
-            faults.append(Fault(path, f"belongs to law: table; law: {volume.law} knows it (remove it)"))
-        elif abs(angle / pitch - round(angle / pitch)) > 1e-9:
+        angle, what = getattr(volume, field), ""
+        if angle is not None and volume.law != "table":
+            what = f"belongs to law: table; law: {volume.law} knows it (remove it)"
+        elif angle is not None and abs(angle / pitch - round(angle / pitch)) > 1e-9:
             step = f"{math.degrees(pitch):.6g} deg"
-            faults.append(Fault(path, f"{math.degrees(angle):.6g} deg is no whole number of lobe pitches of {step}"))
+            what = f"{math.degrees(angle):.6g} deg is no whole number of lobe pitches of {step}"
+        if what:
+            good = False
+            yield Fault(f"machine.volume.{field}", what)
     life, injection = volume.life or LIFE, volume.injection_angle or TURN
-    if not faults and injection > life - pitch + 1e-9:
+    if good and injection > life - pitch + 1e-9:
         what = "leaves no pitch of the life (choose a smaller angle, or a longer life)"
-        faults.append(Fault("machine.volume.injection_angle", what))
+        yield Fault("machine.volume.injection_angle", what)
     for name in ("suction_port", "discharge_port"):
         law = getattr(machine, name)
         if law is not None and law.law == "paper" and (volume.law == "profile" or machine.counts_otherwise):
             what = "paper counts a life of 720 deg, which volume has not (write law: table or law: profile)"
-            faults.append(Fault(f"machine.{name}.law", what))
+            yield Fault(f"machine.{name}.law", what)
         if law is not None and law.law == "profile" and volume.law != "profile":
-            faults.append(Fault(f"machine.{name}.law", "profile needs machine.volume.law: profile (write that, too)"))
-    return faults
+            yield Fault(f"machine.{name}.law", "profile needs machine.volume.law: profile (write that, too)")

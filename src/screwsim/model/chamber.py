@@ -8,12 +8,9 @@ A context is a `contexts.ChamberContext`.
 
 from __future__ import annotations
 
-from screwsim.model.places import angle_terms, neighbour
-from screwsim.model.pulsation import fill_lines
-from screwsim.model.room import with_room
+from screwsim.model.places import angle_terms, read_neighbour
 from screwsim.model.slots import (
     E_AREAS,
-    E_LINES,
     GAP_OFFSET,
     N_GAPS,
     N_OFFSETS,
@@ -22,10 +19,9 @@ from screwsim.model.slots import (
     P_LIFE,
     P_PITCH,
     PLACE,
-    PULSATING,
-    R_DISCHARGE,
-    VOLUMED,
+    beyond_last,
     gap_area,
+    lines_at,
 )
 from screwsim.numerics.kernel import kernel
 
@@ -40,8 +36,7 @@ def surroundings(phi, middle, context, E):
     angle_terms(phi, middle, P, TAB, E, 0)
     areas = E_AREAS + N_PLENUM
     sides = areas + 2 * N_GAPS
-    if PULSATING == 1:
-        fill_lines(phi, P, R, E, E_LINES)
+    lines_at(phi, P, R, E)
     for o in range(N_OFFSETS):
         shift = OFFSETS[o] * P[P_PITCH]
         ahead = 0.0
@@ -55,21 +50,12 @@ def surroundings(phi, middle, context, E):
         at = sides + 2 * o * SIDE
         if ahead > 0.0:
             if middle + shift > P[P_LIFE]:
-                for i in range(PLACE):
-                    E[at + i] = R[R_DISCHARGE + i]
-                if PULSATING == 1:
-                    for i in range(PLACE):
-                        E[at + i] = E[E_LINES + R_DISCHARGE + i]
-                E[at + PLACE] = 1.0
+                beyond_last(R, E, at)
             else:
-                neighbour(phi + shift, middle + shift, t_old, d_old, kept[1], hints, 2 * o, R, state, E, at)
-                if VOLUMED == 1:
-                    with_room(E, at, P)
+                read_neighbour(phi + shift, middle + shift, t_old, d_old, kept[1], hints, 2 * o, P, R, state, E, at)
         at += SIDE
         if behind > 0.0:
             if kept[0] > 0 and t_new[kept[0]] >= phi - shift:
-                neighbour(phi - shift, middle - shift, t_new, d_new, kept[0], hints, 2 * o + 1, R, state, E, at)
+                read_neighbour(phi - shift, middle - shift, t_new, d_new, kept[0], hints, 2 * o + 1, P, R, state, E, at)
             else:
-                neighbour(phi - shift, middle - shift, t_old, d_old, kept[1], hints, 2 * o + 1, R, state, E, at)
-            if VOLUMED == 1:
-                with_room(E, at, P)
+                read_neighbour(phi - shift, middle - shift, t_old, d_old, kept[1], hints, 2 * o + 1, P, R, state, E, at)

@@ -1,4 +1,4 @@
-"""All chambers alive at once, over one lobe pitch: their surroundings, and on which side of the injection each stands.
+"""All chambers alive at once, over one lobe pitch: their surroundings.
 
 Source: docs/model.md M24. Chamber j stands at s + j pitch. Their rates are written by `network.chambers`; a context is
 a `contexts.CoupledContext`.
@@ -7,18 +7,7 @@ a `contexts.CoupledContext`.
 from __future__ import annotations
 
 from screwsim.model.places import angle_terms
-from screwsim.model.pulsation import fill_lines
-from screwsim.model.slots import (
-    ALL_LINES,
-    CHAMBERS,
-    E_AREAS,
-    N_GAPS,
-    N_PLENUM,
-    P_INJECTION,
-    P_PITCH,
-    PULSATING,
-    gap_area,
-)
+from screwsim.model.slots import CHAMBERS, E_AREAS, N_GAPS, N_PLENUM, P_PITCH, all_lines_at, gap_area
 from screwsim.numerics.kernel import kernel
 
 
@@ -32,11 +21,4 @@ def all_surroundings(s, middle, context, E):
         angle_terms(phi, middle + j * P[P_PITCH], P, TAB, E, j * size)
         for i in range(N_GAPS):
             E[j * size + E_AREAS + N_PLENUM + i] = gap_area(i, phi, P, TAB)
-    if PULSATING == 1:
-        fill_lines(s, P, R, E, ALL_LINES)
-
-
-@kernel
-def side_of(j, P):
-    """Return 0 for a chamber before the injection angle, 1 for one beyond it."""
-    return 0 if (j + 0.5) * P[P_PITCH] < P[P_INJECTION] else 1
+    all_lines_at(s, P, R, E)

@@ -6,7 +6,7 @@ lent is nobody else's; what is not given back, as after an error, is left to the
 
 from __future__ import annotations
 
-from screwsim.model.compose import Composition
+from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 
 STRUCTURES = 8  # of which free arrays are kept

@@ -8,10 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import surroundings
-from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
     CHAMBERS,
-    E_SLOPE,
     E_VOLUME,
     FIRST_OWN,
     GAP_OFFSET,
@@ -22,17 +20,14 @@ from screwsim.model.slots import (
     P_OMEGA,
     P_PITCH,
     PLENUM,
-    S_RHO,
-    S_X_OIL,
-    VOLUMED,
     N,
     given_off,
+    mass_rate,
     path_flows,
     plenum_area,
 )
 from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.rodas import dense_slope
 
 ASIDE = 1e-6  # rad: beyond an angle, on the side on which a jump is read
 
@@ -50,18 +45,7 @@ def faces_line(phi, P, TAB):
 
 
 @kernel
-def mass_slope(theta, step, times, dense, E, y, P):
-    """Return dm/dφ [kg/rad] of the gas in a chamber at the share theta of a step."""
-    h = times[step + 1] - times[step]
-    rise = dense_slope(theta, dense[step, 0, 1], dense[step, 1, 1], dense[step, 2, 1], dense[step, 3, 1]) / h
-    if VOLUMED == 0:
-        return E[E_VOLUME] * rise + E[E_SLOPE] * y[S_RHO]
-    x_rise = dense_slope(theta, dense[step, 0, 3], dense[step, 1, 3], dense[step, 2, 3], dense[step, 3, 3]) / h
-    return gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[S_RHO], rise, y[S_X_OIL], x_rise, P)
-
-
-@kernel
-def from_balance(flows, mass_rate):
+def from_balance(flows, rate):
     """Where one port to a line alone is open, take its flow [kg/s] from the mass balance.
 
     Between steps a wide port's tiny Δp carries the whole error of the interpolated pressure; dm/dφ does not.
@@ -77,7 +61,7 @@ def from_balance(flows, mass_rate):
         else:
             others += flows[i]
     if opened == 1:
-        flows[port] = mass_rate - others
+        flows[port] = rate - others
 
 
 @kernel
@@ -102,7 +86,7 @@ def into_lines(times, dense, steps, context, n_e, into, volume):
         surroundings(phi, inward, context, E)
         path_flows(y, E, context, flows)
         theta = (phi - times[i]) / (times[i + 1] - times[i])
-        slope = P[P_OMEGA] * mass_slope(theta, i, times, dense, E, y, P)
+        slope = P[P_OMEGA] * mass_rate(theta, i, times, dense, E, y, P)
         from_balance(flows, slope - given_off(y, phi, E, own, P, TAB))
         add_lines(flows, phi, E[E_VOLUME], a % points, points, P, into, volume)
 

@@ -2,47 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from screwsim.model import (
-    chamber,
-    chamber_steps,
-    coupled,
-    coupled_steps,
-    landing,
-    ledger,
-    line_flow,
-    places,
-    trace,
-)
+from screwsim.model import chamber, closing_ports, coupled, ledger, line_flow, places, trace
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
 # what the integrator calls of both drivers: by its slot (rodas.py)
-ONE = {
-    "surroundings": chamber.surroundings,
-    "rates": "chamber__rates",
-    "jacobian": "chamber__jacobian",
-    "error_size": chamber_steps.error_size,
-    "share_in_phase": chamber_steps.share_in_phase,
-    "conserve": chamber_steps.conserve,
-    "at_knot": chamber_steps.at_knot,
-    "keep_places": places.keep_places,
-    "lands": landing.lands,
-}
-ALL = {
-    "surroundings": coupled.all_surroundings,
-    "rates": "chambers__rates",
-    "jacobian": "chambers__jacobian",
-    "error_size": coupled_steps.all_error_size,
-    "share_in_phase": coupled_steps.all_share_in_phase,
-    "conserve": coupled_steps.all_conserve,
-    "at_knot": coupled_steps.no_knot,
-    "keep_places": coupled_steps.no_places,
-    "lands": landing.all_lands,
-}
+ASKED = ("rates", "jacobian", "error_size", "share_in_phase", "conserve", "at_breakpoint", "jump")  # and written
+ONE = {name: f"chamber__{name}" for name in ASKED}
+ALL = {name: f"chambers__{name}" for name in (*ASKED, "keep_places")}
+KERNELS = {"surroundings": chamber.surroundings, "keep_places": places.keep_places, "lands": closing_ports.lands}
+ALL_KERNELS = {"surroundings": coupled.all_surroundings, "lands": closing_ports.all_lands}
+
+# what histories are put in place with, and what closed cycles are read with
+READ_WITH = (
+    *(places.places_along, history.add_history, history.states_at, ledger.account),
+    *(trace.peak_pressure, trace.volumes, trace.sample, trace.work_along),
+    *(ledger.arriving, ledger.oil_arriving, ledger.pressed_oil_arriving, ledger.held_arriving),
+    *(trace.oil_with_outflow, line_flow.into_lines, trace.oil_films, trace.port_oil),
+)
 
 # what a composition writes itself (slots.py)
 OWN = {name: name for name in (
@@ -50,8 +30,9 @@ OWN = {name: name for name in (
     *("gap_area", "line_pulse", "injected_oil", "oil_inflow", "path_opening"),
     *("stop_push", "restitution", "solution_entropy"),
 )}  # fmt: skip
-OWN |= {name: f"chamber__{name}" for name in ("path_flows", "film_flows", "given_off")}
-OWN["add_moment"] = "ledger__add_moment"
+OWN |= {name: f"chamber__{name}" for name in ("path_flows", "film_flows", "given_off", "neighbour", "stored")}
+OWN |= {name: f"chamber__{name}" for name in ("mass_rate", "balanced", "beyond_last")}
+OWN |= {"add_moment": "ledger__add_moment", "lines_at": "chamber__lines", "all_lines_at": "chambers__lines"}
 
 
 @lru_cache(maxsize=64)
@@ -68,36 +49,16 @@ def module_text(
     """
     constants, numbers = dict(named), dict(structure)
     own = {name: name for name in constants} | OWN
-    filling = ALL if together else ONE
-    rooms = [each for each in filling.values() if not isinstance(each, str)]
-    if not together:
-        rooms += _read_with(constants, numbers)
+    asked, pasted = (ALL, ALL_KERNELS) if together else (ONE, KERNELS)
     blocks = flatten(kernels, own, numbers=numbers)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
-    slots = {name: filler if isinstance(filler, str) else filler.flat_name for name, filler in filling.items()}
-    jumps = int(numbers["STOPS"] > 0 and not together)
-    if jumps:
-        rooms.append(chamber_steps.jump)
-        slots["jump"] = chamber_steps.jump.flat_name
-    quadratures = numbers["Q_STREAMS"] + numbers["CATEGORIES"] * numbers["WIDTH"] + together
-    sizes = {"STATES": (constants["CHAMBERS"] if together else 1) * constants["N"], "QUADRATURES": quadratures}
-    driver = flatten((rodas.integrate,), slots, "_all" if together else "_one", {"JUMPS": jumps, **sizes})
-    for more in (flatten(rooms, own, numbers=numbers), driver):
+    sizes = {"STATES": constants["N"], "QUADRATURES": numbers["QUADRATURES"]}
+    if together:
+        sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + 1}
+    slots = asked | {name: each.flat_name for name, each in pasted.items()}
+    driver = flatten((rodas.integrate,), slots, "_all" if together else "_one", sizes)
+    rest = [*pasted.values(), *(() if together else READ_WITH)]
+    for more in (flatten(rest, own, numbers=numbers), driver):
         blocks |= {name: text for name, text in more.items() if name not in blocks}
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]
     return "\n\n".join(["\n".join(lines), *blocks.values()]) + "\n"
-
-
-def _read_with(constants: Mapping[str, Any], numbers: Mapping[str, int]) -> list[Kernel]:
-    """Return what histories are put in place with, and what closed cycles are read with."""
-    found = [chamber_steps.inject, places.places_along, history.add_history, history.states_at, ledger.account]
-    found += [trace.peak_pressure, trace.volumes, trace.sample, trace.work_along]
-    found += [ledger.arriving, ledger.oil_arriving, ledger.pressed_oil_arriving]
-    asked = {
-        ledger.held_arriving: numbers["DISSOLVES"],
-        trace.oil_with_outflow: constants["HEATED"] and not constants["CARRIED"],
-        line_flow.into_lines: numbers["PULSATING"],
-        trace.oil_films: numbers["FILMED"],
-        trace.port_oil: numbers["PORTED"],
-    }
-    return [*found, *(each for each, wanted in asked.items() if wanted)]

@@ -17,7 +17,7 @@ import numpy as np
 
 from screwsim.codegen.calls import Context
 from screwsim.model import compiled, under_scipy
-from screwsim.model.compose import Composition
+from screwsim.model.composition import Composition
 from screwsim.model.contexts import ChamberContext, CoupledContext
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
 from screwsim.model.trajectory import Trajectory, with_numbers
@@ -116,7 +116,8 @@ class Machinery:
         c = self.composition
         q = np.zeros(self.nq)
         status, phi, h = self.module.rodas__integrate_one(
-            c.knots, len(c.knots), y, q, self.context, rtol, h, c.n_E, *self.histories[1], self.kept, self.counts
+            *(c.breakpoints, len(c.breakpoints), y, q, self.context, rtol, h, c.n_E),
+            *(*self.histories[1], self.kept, self.counts),
         )
         return int(status), float(phi), float(h), q
 
@@ -205,12 +206,12 @@ class Machinery:
             }
         return self._together
 
-    def pitch_knots(self) -> Array:
-        """Return the knots of all chambers within one pitch [rad]."""
+    def pitch_breakpoints(self) -> Array:
+        """Return the breakpoints of all chambers within one pitch [rad]."""
         pitch = self.composition.P[P_PITCH]
-        knots = np.sort(np.mod(self.composition.knots, pitch))
-        knots = np.append(knots[knots < pitch - 1e-7], pitch)
-        return np.concatenate([[0.0], knots[np.diff(knots, prepend=0.0) > 1e-7]])
+        breakpoints = np.sort(np.mod(self.composition.breakpoints, pitch))
+        breakpoints = np.append(breakpoints[breakpoints < pitch - 1e-7], pitch)
+        return np.concatenate([[0.0], breakpoints[np.diff(breakpoints, prepend=0.0) > 1e-7]])
 
     @property
     def coupled_context(self) -> CoupledContext:
@@ -251,11 +252,11 @@ class Machinery:
         space, c = self.coupled_space(), self.composition
         self.inject(y)
         q = np.zeros(self.nq + 1)
-        counts, knots = np.zeros(4, np.int64), self.pitch_knots()
-        knots[[0, -1]] += inset, -inset
+        counts, breakpoints = np.zeros(4, np.int64), self.pitch_breakpoints()
+        breakpoints[[0, -1]] += inset, -inset
         status, s, h = self.together.rodas__integrate_all(
-            knots,
-            len(knots),
+            breakpoints,
+            len(breakpoints),
             y,
             q,
             self.coupled_context,
@@ -274,7 +275,7 @@ class Machinery:
         c = self.composition
         index = round(c.P[P_INJECTION] / c.P[P_PITCH])
         if index < c.chambers:
-            self.module.chamber_steps__inject(y, index * self.n, c.P, c.TAB, self.R)
+            self.module.chamber__inject(y, index * self.n, c.P, c.TAB, self.R)
 
     def shift(self, y: Array) -> Array:
         """Return the states one pitch on: each chamber takes the next place, the last begins anew with what it kept."""

@@ -15,20 +15,17 @@ kilogram of oil holds,
 `stop_push(k, p, p_suction, p_discharge, y, at, P)` → acceleration at rest of what moves between seat and stop k,
 `restitution(k, P)` → speed after over speed before an impact on its seat, and on its stop.
 
-Constants: N (states of a chamber), VARIES (0 or 1: do the gas's exponent and choking vary with its state), PHASES (0 or
-1: can it have two phases), HEATED and CARRIED (0 or 1: is there an oil temperature, an oil mass),
-OILED (is oil injected), N_PLENUM and PLENUM (path → 0 suction, 1 discharge, from 3 on an effect's own plenum), N_GAPS
-and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at once).
+`neighbour(columns, P, R, E, at)`, `beyond_last(R, E, at)` → the place of a neighbour, or of the line ahead of the last
+chamber, at E[at]; `stored(T, rho, P, TAB, out)` → what a history holds beyond the states (STORED numbers);
+`lines_at(phi, P, R, E)` → the places of lines that pulsate, of one chamber and of all (`all_lines_at`),
+`mass_rate(theta, step, times, dense, E, y, P)` → dm/dφ [kg/rad] of a chamber's gas along a step,
+`balanced(flows, mass_rate, E, own, R, P)` → the flow through the widest port from the mass balance.
 
-Structure, which decides what is pasted: OWN_PLENUMS (how many effects' own plenums), PORTED (1: oil comes through
-ports), VOLUMED (1: oil takes room), OWN_STATES (how many effects' own states, the last of a chamber's; then POSITIVE
-is a constant, too), STOPS (how many of them move between a seat and a stop; then STOP_POSITION and STOP_SPEED, where
-they stand, are, too), OPENED (1: openings depend on states; then HOLDS and ONE_WAY are, too), FILMED (1: oil leaks
-through gaps beside the gas), PULSATING (1: the lines' pressures pulsate), PUMPED (1: a pump feeds the oil port), ACROSS
-(1: effects open chambers beyond the injection angle to suction, or others to discharge), DISSOLVES (1: what the oil
-holds is a state), CATEGORIES, WIDTH (sums of a category: mass, enthalpy, and with carried oil its mass, that times its
-temperature and, where it dissolves, what it holds), Q_STREAMS, E_LINES and ALL_LINES (where the plenums' places stand
-in E of one chamber and of all), and the indices into P that move with them.
+Constants: N (states of a chamber), STORED, N_PLENUM and PLENUM (path → 0 suction, 1 discharge, from 3 on an effect's
+own plenum), N_GAPS and GAP_OFFSET (gap → index in OFFSETS), N_OFFSETS and OFFSETS (lobe pitches), CHAMBERS (alive at
+once), OWN_PLENUMS (how many effects' own plenums), STOPS (how many own states move between a seat and a stop; then
+STOP_POSITION and STOP_SPEED, where they stand), E_LINES and ALL_LINES (where the plenums' places stand in E of one
+chamber and of all), and the indices into P that move with the number of own plenums.
 
 Indices into P, R and a place that are fixed for every composition stand here too.
 """
@@ -54,17 +51,20 @@ path_opening: Any = Slot("path_opening")
 solution_entropy: Any = Slot("solution_entropy")
 stop_push: Any = Slot("stop_push")
 restitution: Any = Slot("restitution")
+neighbour: Any = Slot("neighbour")
+stored: Any = Slot("stored")
+beyond_last: Any = Slot("beyond_last")
+lines_at: Any = Slot("lines_at")
+all_lines_at: Any = Slot("all_lines_at")
+mass_rate: Any = Slot("mass_rate")
+balanced: Any = Slot("balanced")
 given_off: Any = Slot("given_off")
 path_flows: Any = Slot("path_flows")
 film_flows: Any = Slot("film_flows")
 add_moment: Any = Slot("add_moment")
 
 N: Any = Slot("N")
-VARIES: Any = Slot("VARIES")
-PHASES: Any = Slot("PHASES")
-HEATED: Any = Slot("HEATED")
-CARRIED: Any = Slot("CARRIED")
-OILED: Any = Slot("OILED")
+STORED: Any = Slot("STORED")
 N_PLENUM: Any = Slot("N_PLENUM")
 PLENUM: Any = Slot("PLENUM")
 N_GAPS: Any = Slot("N_GAPS")
@@ -72,24 +72,11 @@ GAP_OFFSET: Any = Slot("GAP_OFFSET")
 N_OFFSETS: Any = Slot("N_OFFSETS")
 OFFSETS: Any = Slot("OFFSETS")
 CHAMBERS: Any = Slot("CHAMBERS")
-HOLDS: Any = Slot("HOLDS")
-ONE_WAY: Any = Slot("ONE_WAY")
-POSITIVE: Any = Slot("POSITIVE")
 STOP_POSITION: Any = Slot("STOP_POSITION")
 STOP_SPEED: Any = Slot("STOP_SPEED")
 
 OWN_PLENUMS: Any = Structure("OWN_PLENUMS")
-PORTED: Any = Structure("PORTED")
-VOLUMED: Any = Structure("VOLUMED")
-FILMED: Any = Structure("FILMED")
-OWN_STATES: Any = Structure("OWN_STATES")
-OPENED: Any = Structure("OPENED")
 STOPS: Any = Structure("STOPS")
-ACROSS: Any = Structure("ACROSS")
-PUMPED: Any = Structure("PUMPED")
-DISSOLVES: Any = Structure("DISSOLVES")
-WIDTH: Any = Structure("WIDTH")
-PULSATING: Any = Structure("PULSATING")
 E_LINES: Any = Structure("E_LINES")
 ALL_LINES: Any = Structure("ALL_LINES")
 
@@ -108,7 +95,7 @@ OIL_NUMBERS = ("P_C_OIL", "P_T_OIL", "P_TO_RATIO", "P_ROOM", "P_P_SOURCE", "P_H_
 # a place: pressure, density, enthalpy, 1/k, drop and ψ² of choking, oil per gas, oil temperature, c_v, T p_T, and what
 # a kilogram of the oil holds dissolved.
 # Where oil takes room the density is that which the flow feels, and the temperature is enthalpy over heat capacity of
-# the oil (room.with_room).
+# the oil (network.places).
 PRESSURE, DENSITY, ENTHALPY, EXPONENT, CHOKE, CHOKED, OIL_RATIO, OIL_TEMPERATURE, C_V, TPT, DISSOLVED = range(11)
 PLACE = 11
 S_T, S_RHO, S_T_OIL, S_X_OIL = range(4)  # states of a chamber: of the gas, of the oil, oil per gas
@@ -132,20 +119,16 @@ E_VOLUME, E_SLOPE, E_OILED, E_ANGLE, E_AREAS = range(5)
 # categories of streams: suction in, suction out, discharge in, discharge out, between chambers (net); with own plenums
 # or oil ports also the oil that comes through ports, then in and out of each own plenum: 2 i and 2 i + 1 of plenum i
 SUCTION_IN, SUCTION_OUT, DISCHARGE_IN, DISCHARGE_OUT, BETWEEN, PORT_OIL = range(6)
-CATEGORIES: Any = Structure("CATEGORIES")
-FEWEST = 5  # categories
-# sums of a category: mass, enthalpy, oil, that times its temperature, what it holds
-STREAM_MASS, STREAM_ENTHALPY, STREAM_OIL, STREAM_OIL_HEAT, STREAM_HELD = range(5)
 
 # quadratures: work on the gas, heat from the oil, of each wall heat into the gas and conductance, then per category
 # mass, enthalpy (oil mass, oil mass × T_oil, gas that it holds)
 Q_WORK, Q_HEAT, Q_WALLS = range(3)
-Q_STREAMS: Any = Structure("Q_STREAMS")
 
 # what written texts call by these names
 FIXED = (
     *("P_OMEGA", "P_PITCH", "P_LIFE", "P_INJECTION", "P_PORT_WIDTH", "P_DISCHARGE_WIDTH", "P_GAP_WIDTH"),
     *("PRESSURE", "DENSITY", "ENTHALPY", "EXPONENT", "CHOKE", "CHOKED", "OIL_RATIO", "OIL_TEMPERATURE", "C_V", "TPT"),
     *("DISSOLVED", "PLACE", "OPENING", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
+    *("R_TRAPPED", "R_PRESSURE", "R_OIL_BEFORE", "R_INJECTED"),
     *("E_VOLUME", "E_SLOPE", "E_OILED", "E_ANGLE", "E_AREAS", "PLENUM_ENTROPY"),
 )

@@ -17,7 +17,7 @@ from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import pack_curve
 
 if TYPE_CHECKING:
-    from screwsim.model.compose import Composition
+    from screwsim.model.composition import Composition
 
 Array = np.ndarray
 ROWS = 361  # of the curve over a pitch

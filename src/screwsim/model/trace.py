@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.model.chamber import SIDE, surroundings
-from screwsim.model.room import gas_mass_slope
 from screwsim.model.slots import (
     E_AREAS,
-    E_SLOPE,
     E_VOLUME,
     GAP_OFFSET,
     N_GAPS,
@@ -20,12 +18,11 @@ from screwsim.model.slots import (
     S_RHO,
     S_T,
     S_T_OIL,
-    S_X_OIL,
-    VOLUMED,
     N,
     film_flows,
     gas_state,
     given_off,
+    mass_rate,
     oil_inflow,
     path_flows,
     volume_at,
@@ -34,7 +31,7 @@ from screwsim.model.slots import (
 from screwsim.model.within import NODES, POINTS, WEIGHTS, flows_within
 from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.rodas import dense_slope, dense_value
+from screwsim.numerics.rodas import dense_value
 
 
 @kernel
@@ -83,14 +80,7 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         out[a, 0] = E[E_VOLUME]
         out[a, 1] = gas_state(y[S_T], y[S_RHO], P, TAB)[0]
         out[a, 2] = before + theta * (quads[i, 0] - before)
-        rise = dense[i, 1, 1] - dense[i, 0, 1]
-        bend = (1.0 - 2.0 * theta) * dense[i, 2, 1] + (2.0 - 3.0 * theta) * theta * dense[i, 3, 1]
-        if VOLUMED == 0:
-            out[a, 3] = E[E_VOLUME] * (rise + bend) / (times[i + 1] - times[i]) + E[E_SLOPE] * y[S_RHO]
-        else:
-            h = times[i + 1] - times[i]
-            dx = dense_slope(theta, dense[i, 0, 3], dense[i, 1, 3], dense[i, 2, 3], dense[i, 3, 3]) / h
-            out[a, 3] = gas_mass_slope(E[E_VOLUME], E[E_SLOPE], y[S_RHO], (rise + bend) / h, y[S_X_OIL], dx, P)
+        out[a, 3] = mass_rate(theta, i, times, dense, E, y, P)
         for j in range(N):
             out[a, 4 + j] = y[j]
         path_flows(y, E, context, flows[a])

@@ -14,7 +14,7 @@ import numpy as np
 
 from screwsim.codegen.calls import Context
 from screwsim.model import compiled, ledger
-from screwsim.model.compose import Composition
+from screwsim.model.composition import Composition
 from screwsim.model.contexts import ChamberContext
 
 Array = np.ndarray

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from screwsim.model.meetings import Meetings
+from screwsim.model.impact_events import Meetings
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, PLACE, Q_WALLS
 from screwsim.numerics.integrators import Check
 from screwsim.numerics.scipy_integrators import Slopes, integrate
@@ -32,7 +32,7 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
         meetings.begin(y, rtol)
     kernels = module.chamber__surroundings, module.chamber__rates, module.chamber__jacobian
     slopes = _slopes(machinery, kernels, context, (own[PLACE : PLACE + 1], own[held]), len(y), c.n_E, machinery.nq)
-    end, q, path = integrate(*slopes, c.knots, y, _scales(machinery, q_scale), rtol, check, meetings)
+    end, q, path = integrate(*slopes, c.breakpoints, y, _scales(machinery, q_scale), rtol, check, meetings)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls, path.jacobians])
@@ -42,7 +42,7 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
     machinery.kept[0] = steps
     at = int(np.searchsorted(times[: steps + 1], c.P[P_INJECTION] - 1e-9))
     if at < steps:  # nothing jumps there: what is noted is the trapped mass
-        module.chamber_steps__inject(dense[at, 0, : machinery.n].copy(), 0, c.P, c.TAB, machinery.R)
+        module.chamber__inject(dense[at, 0, : machinery.n].copy(), 0, c.P, c.TAB, machinery.R)
     module.places__places_along(dense, steps, context)
     module.trace__work_along(times, dense, quads, steps, context)
     return int(path.message != ""), path.times[-1], h, q
@@ -56,7 +56,7 @@ def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -
     kernels = module.coupled__all_surroundings, module.chambers__rates, module.chambers__jacobian
     held, context = space["spaces"][0][-c.chambers :], machinery.coupled_context
     slopes = _slopes(machinery, kernels, context, (held,), len(y), c.n_E_all, machinery.nq + 1)
-    end, q, path = integrate(*slopes, machinery.pitch_knots(), y, _scales(machinery, q_scale), rtol, check)
+    end, q, path = integrate(*slopes, machinery.pitch_breakpoints(), y, _scales(machinery, q_scale), rtol, check)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls * c.chambers, path.jacobians * c.chambers])

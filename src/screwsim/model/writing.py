@@ -7,30 +7,18 @@ on time is multiplied by `Writer.slow`.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilGas, OilPort, OilSolution, Scaled, Stops, Wall
-from screwsim.fluid import solubility
-from screwsim.fluid.orifice import orifice_flow
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Scaled, Stops, Wall
 from screwsim.model import pulsation
-from screwsim.model.network.network import Heat, Law, Network, WallHeat, identifier
-from screwsim.model.parts import OilPart, Parts
-from screwsim.model.slots import P_DISCHARGE_WIDTH, P_OMEGA, P_PITCH
+from screwsim.model.network.network import Heat, Law, Network, WallHeat
+from screwsim.model.numbers import Numbers
+from screwsim.model.parts import Parts
+from screwsim.model.slots import P_PITCH
 from screwsim.model.speed import flat_curve, slowness
-from screwsim.numerics.kernel import Kernel, kernel
-from screwsim.numerics.spline import pack_curve, table_value
-
-# names that a kernel has for the numbers of the injection orifice
-BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
-BORE |= {"separator_pressure": "separator_pressure"}
-
-# names of numbers that no kernel can ask for: of the oil's supply, and the time between two chambers
-SUPPLY, SPAN = "oil_supply.", "pitch / omega"
+from screwsim.numerics.kernel import Kernel
 
 # symbols that a kernel can ask for and that are not numbers of the scene
 STATE_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "p_suction", "p_discharge")
@@ -38,38 +26,6 @@ OPENING_SYMBOLS = ("drop", "width", "held")
 PUSH_SYMBOLS = ("p", "p_suction", "p_discharge")
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
-
-
-@dataclass
-class Numbers:
-    """P and TAB while they are being laid out; the head of P is filled in last."""
-
-    values: list[float]
-    tables: list[np.ndarray] = field(default_factory=list)
-    named: dict[int, str] = field(default_factory=dict)  # places in P of what `operating` names
-    places: dict[str, int] = field(default_factory=dict)  # in P, by the names that the text has for them
-
-    def add(self, value: float, label: str, name: str | None = None) -> str:
-        """Return how the text reads a number, by a name made of its label; `name` is that of `operating`."""
-        self.values.append(float(value))
-        at = len(self.values) - 1
-        if name is not None:
-            self.named[at] = name
-        label = first = "P_" + (label if label.isidentifier() else re.sub(r"\W", "_", label))
-        again = 2
-        while label in self.places:
-            label, again = f"{first}_{again}", again + 1
-        self.places[label] = at
-        return f"P[{label}]"
-
-    def add_table(self, curve: tuple[np.ndarray, ...], label: str) -> str:
-        start = sum(len(table) for table in self.tables)
-        self.tables.append(pack_curve(*curve))
-        return self.add(float(start), label)
-
-    def place_of(self, cell: str) -> int:
-        """Return where in P stands what the text reads so."""
-        return self.places[cell.removeprefix("P[").removesuffix("]")]
 
 
 class Writer:
@@ -83,6 +39,7 @@ class Writer:
         self.symbols = symbols
         self.kernels: list[Kernel] = []
         self.text: list[str] = []
+        self.speed_curve: int | None = None  # where in P it begins (speed.slowness)
         self.slow = ""  # factor of all that depends on time, where the speed changes over the pitch
         self.network = network
 
@@ -128,26 +85,6 @@ class Writer:
         body = [line for i, call in enumerate(calls) if call for line in (f"if i == {i}:", f"    return {call}")]
         if calls:
             self.function(f"{name}(i, {', '.join(arguments)}, P)", [*before, *slow, *body, "return 0.0"])
-
-
-def symbols_of(parts: Parts) -> dict[str, float]:
-    """Return the numbers of the scene that any kernel can ask for by name (docs/reference/nomenclature.md)."""
-    settings = parts.geometry.settings
-    found = {"omega": parts.omega, "tip_speed": settings.surface_speed(parts.omega), "pitch": parts.geometry.pitch}
-    found |= settings.symbols()
-    if parts.oil is not None:
-        found["oil_density"] = parts.oil.density
-        found["oil_heat_capacity"] = parts.oil.heat_capacity
-        found["oil_room"] = 1.0 / parts.oil.density if parts.oil_room else 0.0
-        found |= {BORE[name]: value for name, value in parts.oil.supply.items() if name in BORE}
-    return found
-
-
-def operating(parts: Parts) -> dict[str, float]:
-    """Return the numbers of P that may change while machine, gas and effects stay, by names of their own."""
-    found = symbols_of(parts) | {SPAN: parts.geometry.pitch / parts.omega}
-    supply = parts.oil.supply if parts.oil is not None else {}
-    return found | {SUPPLY + name: value for name, value in supply.items()}
 
 
 def write_areas(
@@ -238,50 +175,24 @@ def write_gas(writer: Writer, gas: Any) -> None:
     writer.function("gas_entropy(T, rho, P, TAB)", [f"return {entropy}"])
 
 
-def write_speed(writer: Writer, pitch: float) -> int:
-    """Let all that depends on time follow the speed over the pitch; return where in P its curve begins."""
-    start = len(writer.numbers.values) + 1
+def write_volume(writer: Writer, law: Any) -> None:
+    """Write the volume of a chamber, and its slope."""
+    for name, of_law, sign in (("volume_at", law.volume, ""), ("volume_slope_at", law.slope, "-")):
+        call = writer.call(of_law, law.values, law.tables, ("phi", "TAB"))
+        body = [f"return {call}"]
+        if law.mirror is not None:
+            body = [f"phi = {writer.numbers.add(law.mirror, 'volume_mirror')} - phi", f"return {sign}{call}"]
+        writer.function(f"{name}(phi, P, TAB)", body)
+
+
+def write_speed(writer: Writer, pitch: float) -> None:
+    """Let all that depends on time follow the speed over the pitch."""
+    start = writer.speed_curve = len(writer.numbers.values) + 1
     curve = writer.numbers.add(float(start), "speed_curve")
     writer.numbers.values.extend(flat_curve(pitch).tolist())
     writer.kernels.append(slowness)
     writer.network.kernels[slowness.flat_name] = slowness
     writer.slow = writer.network.slow = f"{slowness.flat_name}(phi, P[{P_PITCH}], {curve}, P)"
-    return start
-
-
-def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
-    if oil is None:
-        body = ["return 0.0"]
-    elif "ratio" in oil.supply:
-        ratio = writer.numbers.add(oil.supply["ratio"], "oil_supply_ratio", SUPPLY + "ratio")
-        body = [f"return {ratio} * m"]
-    else:
-        name = "separator_pressure"
-        separator = writer.numbers.add(oil.supply[name], name, SUPPLY + name)
-        writer.text.append("")
-        call = writer.call(orifice_flow, oil.supply, {}, ("dp",), SUPPLY)
-        span = f"P[{P_PITCH}] / P[{P_OMEGA}]"
-        if not writer.slow:
-            span = writer.numbers.add(pitch / omega, "pitch_over_omega", SPAN)
-        body = [f"dp = {separator} - p", f"return {call} * {span}"]
-    writer.function("injected_oil(p, m, P)", body)
-
-
-def write_ports(writer: Writer, parts: Parts, port: OilPort, trapped: int) -> None:
-    if parts.pumped:
-        assert port.pumped is not None and parts.oil is not None
-        ratio = writer.numbers.add(parts.oil.supply["ratio"], "oil_supply_ratio", SUPPLY + "ratio")
-        call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
-        slow = f"{writer.slow} * " if writer.slow else ""
-        inflow = f"P[{trapped}] * {ratio} * {call}"
-        writer.network.inflow = f"slow * {inflow}" if slow else inflow
-        inflow = slow + inflow
-        writer.function("oil_inflow(phi, p, P, TAB)", [f"return {inflow}"])
-        return
-    call, width = writer.call(port.flow, port.values, {}, ("phi", "p", "width")), f"width = P[{P_DISCHARGE_WIDTH}]"
-    slow = f"{writer.slow} * " if writer.slow else ""
-    writer.network.inflow = f"slow * {call}" if slow else call
-    writer.function("oil_inflow(phi, p, P, TAB)", [width, f"return {slow}{call}"])
 
 
 LAW_SYMBOLS = tuple(f"{name}_{side}" for name in ("p", "rho", "h", "exponent", "oil_ratio") for side in "12")
@@ -346,47 +257,3 @@ def write_stops(writer: Writer, stops: Sequence[Stops], states: Sequence[str]) -
     head = f"stop_push(k, {', '.join(PUSH_SYMBOLS)}, y, at, P)"
     writer.function(head, [*named_states(body, states, asked), "return 0.0"])
     writer.function("restitution(k, P)", [*bounces, "return 0.0, 0.0"])
-
-
-def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:
-    content, state = parts.oil_content, parts.plenums[part.plenum]
-    assert content is not None
-    writer.network.gas_cell = identifier(part.plenum)
-    if isinstance(content, OilSolution):
-        write_solution(writer, oil, content)
-        return
-    curve = {"curve": (content.pressure, content.flashed)}
-    call = writer.call(table_content, {}, curve, ("p", "TAB"))
-    enthalpy = writer.numbers.add(state.h, "flash_enthalpy")
-    latent = writer.numbers.add(content.latent / oil.heat_capacity, "flash_latent")
-    writer.network.flash = call, enthalpy, latent
-
-
-def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
-    """Write what a chamber's oil gives off over time, and its entropy (M230–M233)."""
-    z, s, rise = content.log_held, content.entropy, content.slope
-    rates = {"release": content.release, "uptake": content.uptake, "c_oil": oil.heat_capacity}
-    values = {"enthalpy": content.enthalpy, **rates}
-    back = slice(None, None, -1)  # entropy falls as more is dissolved
-    curve = {"curve": (s[back], z[back], _ends(1.0 / rise[back]))}
-    free = ("m_oil", "w", "s", "h", "T_oil", "TAB")
-    call = writer.call(solubility.given_off, values, curve, free)
-    head, _, given = call.partition("(")
-    assert given.startswith("m_oil, w, ")
-    inside = "slow * m_oil, w_gas, " if writer.slow else "m_oil, w_gas, "
-    writer.network.release = f"{head}({inside}{given.removeprefix('m_oil, w, ')}"
-    writer.network.supply_holds = writer.numbers.add(content.supply, "dissolved_in_supply")
-    tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest, _ends(-rise - content.rest))}
-    call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"))
-    writer.function("solution_entropy(w, P, TAB)", [f"return {call}"])
-
-
-def _ends(slope: np.ndarray) -> np.ndarray:
-    """Return the slopes at both ends of each interval, shape (n - 1, 2), from those of the rows."""
-    return np.column_stack([slope[:-1], slope[1:]])
-
-
-@kernel
-def table_content(p, TAB, curve):
-    """Return the gas that flashes of a kilogram of oil at pressure p, from the table at index `curve` of TAB (M196)."""
-    return table_value(p, TAB, curve)

@@ -37,7 +37,7 @@ from screwsim.numerics.expressions import (
     read,
     targets,
 )
-from screwsim.numerics.kernel import Kernel, Slot, parsed, written
+from screwsim.numerics.kernel import Kernel, Slot, nodes, parsed, unparsed, written
 
 
 @lru_cache(maxsize=256)
@@ -79,7 +79,7 @@ class Forward:
         for name in dict.fromkeys(name for name, _ in self.given):
             self.active[name] = tuple(seed for seed in by if (name, seed) in self.given or name == seed)
         self.plain: dict[tuple[str, str], Expression] = {}  # derivatives that are 1 or -1 wherever they are read
-        self.taken = {node.id for each in body for node in ast.walk(each) if isinstance(node, ast.Name)} | set(by)
+        self.taken = {node.id for node in nodes(*body) if isinstance(node, ast.Name)} | set(by)
         self.pairs = list(assigned(body))
         names = [name for some, _ in self.pairs for name in some]
         self.once = {name for name in names if names.count(name) == 1}
@@ -387,7 +387,7 @@ class Forward:
         called = self.known.get(node.func.id) if isinstance(node.func, ast.Name) else None
         if not isinstance(called, Kernel):
             return 1
-        returns = [one.value for one in ast.walk(parsed(called.source)) if isinstance(one, ast.Return)]
+        returns = [one.value for one in nodes(parsed(called.source)) if isinstance(one, ast.Return)]
         return len(returns[0].elts) if returns and isinstance(returns[0], ast.Tuple) else 1
 
 
@@ -415,9 +415,9 @@ class _OfKernel(Forward):
             body=first + self.statements(self.body),
             decorator_list=[],
         )
-        for node in ast.walk(function):
+        for node in nodes(function):
             if isinstance(node, ast.Name) and node.id in self.known and node.id not in self.uses:
                 self.uses[node.id] = self.known[node.id]
         for module in ("math", "np"):  # which every text has
             self.uses.pop(module, None)
-        return ast.unparse(ast.fix_missing_locations(function)) + "\n", self.uses
+        return unparsed(function) + "\n", self.uses

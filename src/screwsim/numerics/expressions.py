@@ -7,6 +7,8 @@ import copy
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+from screwsim.numerics.kernel import nodes
+
 FLAT = {"floor", "ceil", "trunc"}  # functions of math whose derivative is nothing
 Expression = ast.expr
 Slopes = dict[str, Expression]  # by variable, within a statement
@@ -53,9 +55,9 @@ def each(slope: Callable[[str], Expression | None], *known: Slopes) -> Slopes:
 def assigned(body: Sequence[ast.stmt]) -> Iterator[tuple[list[str], Expression]]:
     """Yield the names that each assignment of a body sets, and its value."""
     for node in body:
-        for part in ast.walk(node):
+        for part in nodes(node):
             if isinstance(part, ast.Assign):
-                names = [one.id for target in part.targets for one in ast.walk(target) if isinstance(one, ast.Name)]
+                names = [one.id for target in part.targets for one in nodes(target) if isinstance(one, ast.Name)]
                 yield names, part.value
             elif isinstance(part, ast.AugAssign) and isinstance(part.target, ast.Name):
                 yield [part.target.id], ast.BinOp(ast.Name(part.target.id, ast.Load()), part.op, part.value)

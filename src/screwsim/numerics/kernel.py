@@ -3,7 +3,7 @@
 A kernel takes and returns floats (or small tuples, or arrays that its caller owns), allocates nothing and keeps
 no state. `flatten` collects kernels with everything that they call or read, renames each to a name of its own
 (`file__function`) and returns the source text. A `Slot` is a name that the generated module must define itself, a
-`Structure` a number of the composition that becomes a constant, and decides which branches are pasted at all.
+`Structure` a number of the composition that becomes a constant.
 `written` makes a kernel from generated text, such as the equation of one fluid.
 """
 
@@ -19,6 +19,7 @@ import textwrap
 import threading
 import types
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -91,11 +92,7 @@ class Slot:
 
 
 class Structure:
-    """A number of what is composed: a constant of the text.
-
-    `if NAME == 1`, `if NAME == 0`, `if NAME > 0`, and the same with `and` behind, are decided when a kernel is pasted:
-    what cannot run is left out.
-    """
+    """A number of what is composed: a constant of the text."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -139,6 +136,37 @@ def parsed(source: str) -> ast.Module:
         return ast.parse(source)
 
 
+_NO_PARTS = {"ctx", "op", "ops", "id", "attr", "name", "arg", "kind", "type_comment", "n", "s"}
+
+
+@cache
+def _parts(kind: type[ast.AST]) -> tuple[str, ...]:
+    """Return the fields of a kind of nodes in which others can stand."""
+    fields = () if kind is ast.Constant else getattr(kind, "_fields", ())  # names in lists have none
+    return tuple(name for name in fields if name not in _NO_PARTS)
+
+
+def nodes(*trees: ast.AST) -> list[Any]:
+    """Return the nodes of trees but operators and contexts, each before its parts: faster than `ast.walk`."""
+    found: list[Any] = list(trees)
+    for node in found:  # grows
+        for name in _parts(type(node)):
+            part = getattr(node, name, None)
+            if type(part) is list:
+                found += part
+            elif part is not None:
+                found.append(part)
+    return found
+
+
+def unparsed(node: ast.AST) -> str:
+    """Return the text of a tree that was made here: statements without a line of their own."""
+    for each in nodes(node):
+        if isinstance(each, ast.stmt):
+            each.lineno = 0  # all that `ast.unparse` asks for
+    return ast.unparse(node)
+
+
 def constant_text(value: Any) -> str | None:
     if isinstance(value, bool | int | float):
         return repr(value)
@@ -147,15 +175,11 @@ def constant_text(value: Any) -> str | None:
     return None
 
 
-def _named(tree: ast.Module) -> list[ast.Name]:
-    """Return the names in a text."""
-    return [node for node in ast.walk(tree) if type(node) is ast.Name]
-
-
-def _rename(tree: ast.Module, found: Iterable[ast.Name], names: Mapping[str, str]) -> None:
+def _rename(tree: ast.Module, names: Mapping[str, str]) -> None:
     """Rename what the one function of a text uses, and the function itself; drop decorators and annotations."""
-    for node in found:
-        node.id = names.get(node.id, node.id)
+    for node in nodes(tree):
+        if type(node) is ast.Name:
+            node.id = names.get(node.id, node.id)
     for function in tree.body:
         assert isinstance(function, ast.FunctionDef)
         function.name = names.get(function.name, function.name)
@@ -163,55 +187,6 @@ def _rename(tree: ast.Module, found: Iterable[ast.Name], names: Mapping[str, str
         function.returns = None
         for argument in function.args.args:
             argument.annotation = None
-
-
-class _Prune:
-    """Leaves out the branches that a composition's numbers rule out."""
-
-    def __init__(self, names: Mapping[str, Any], numbers: Mapping[str, int]) -> None:
-        self.names, self.numbers = names, numbers
-
-    def prune(self, node: Any) -> None:
-        """Change a statement's own statements, in place."""
-        for part in ("body", "orelse"):
-            statements = getattr(node, part, None)
-            if statements:
-                setattr(node, part, [kept for statement in statements for kept in self._kept(statement)])
-
-    def _kept(self, node: ast.stmt) -> list[ast.stmt]:
-        self.prune(node)
-        if not isinstance(node, ast.If):
-            return [node]
-        tests = node.test.values if isinstance(node.test, ast.BoolOp) else [node.test]
-        holds = self._holds(tests[0])
-        if holds is None or (isinstance(node.test, ast.BoolOp) and isinstance(node.test.op, ast.Or)):
-            return [node]
-        if not holds:
-            return node.orelse
-        if len(tests) == 1:
-            return node.body
-        node.test = tests[1] if len(tests) == 2 else ast.BoolOp(ast.And(), tests[1:])
-        return [node]
-
-    def _holds(self, test: ast.expr) -> bool | None:
-        """Return whether a test of a structure holds; None of any other test."""
-        match test:
-            case ast.Compare(ast.Name(id=name), [ast.Eq() | ast.Gt() as how], [ast.Constant(value=int(limit))]):
-                structure = self.names.get(name)
-                if isinstance(structure, Structure):
-                    number = self.numbers[structure.name]
-                    return number == limit if isinstance(how, ast.Eq) else number > limit
-        return None
-
-
-def _pruned(item: Kernel, numbers: Mapping[str, int]) -> tuple[ast.Module, list[ast.Name], list[str]]:
-    """Return a kernel's text without what cannot run, the names in it, and those that are global, in a fixed order."""
-    tree, known, used = parsed(item.source), item.function.__globals__, item.function.__code__.co_names
-    if any(isinstance(known.get(name), Structure) for name in used):
-        _Prune(known, numbers).prune(tree.body[0])
-    found = _named(tree)
-    left = {node.id for node in found}
-    return tree, found, [name for name in used if name in left]
 
 
 def flatten(
@@ -250,8 +225,8 @@ def flatten(
         seen[name] = item
         found[name] = ""  # holds its place; callees come before it
         renames = {item.__name__: name}
-        tree, found_names, names = _pruned(item, numbers)
-        for used in names:
+        tree = parsed(item.source)
+        for used in item.function.__code__.co_names:
             value = item.function.__globals__.get(used)
             own = ""
             if isinstance(value, Structure):
@@ -271,7 +246,7 @@ def flatten(
                 constant = f"{flat_module(item.function)}__{used}{own}"
                 found[constant] = f"{constant} = {text}"
                 renames[used] = constant
-        _rename(tree, found_names, renames)
+        _rename(tree, renames)
         del found[name]
         found[name] = ast.unparse(tree)
 

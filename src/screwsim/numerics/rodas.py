@@ -8,17 +8,15 @@ Quadratures q' = g(φ, y) do not feed back. Their stages are linear, so they red
 q += h [Σ β_i g_i + J_q Σ β_i u_i + h f_q,φ Σ β_i d_i] with β = γ (1 − γC)^(−T) m: exactly what the method gives for
 the system enlarged by q, at a fraction of the cost; linear invariants (mass) are kept to rounding.
 
-The model is reached by nine slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
-derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_knot` (jumps of the state), `lands`
-(whether one step may take all that is left of a segment, from the surroundings at both ends), `error_size` (the size
-of a step's error; huge for a state that cannot be: a smaller step is tried),
-`share_in_phase` (the share of a step after which the equations change their form, 1 where they do not: the step is made
-again that long), `conserve` (closes the balances of an accepted step, in its end and its quadratures), `keep_places`
-(fills columns of the dense output beyond the states). Steps land on knots and keep their size across them. Where JUMPS
-is 1 states may jump between two steps: a tenth slot, `jump`, changes the state from which the next step begins, and
-tells whether the integration may go on. That a step ends where a jump is due is the work of `share_in_phase`. Where
-STATES is not 0 it and QUADRATURES are the numbers of states and quadratures: constants, so that short loops are
-unrolled.
+The model is reached by ten slots: `surroundings` (all that depends on φ alone), `rates`, `jacobian` (rates and their
+derivatives by the state and by φ, from the surroundings at φ and at φ + δ), `at_breakpoint` (jumps of the state),
+`lands` (whether one step may take all that is left of a segment, from the surroundings at both ends), `error_size` (the
+size of a step's error; huge for a state that cannot be: a smaller step is tried), `share_in_phase` (the share of a step
+after which the equations change their form, 1 where they do not: the step is made again that long), `conserve` (closes
+the balances of an accepted step, in its end and its quadratures), `keep_places` (fills columns of the dense output
+beyond the states), `jump` (changes the state from which the next step begins where that is due, and tells whether the
+integration may go on; that a step ends there is the work of `share_in_phase`). Steps land on breakpoints and keep their
+size across them. STATES and QUADRATURES, their numbers, are constants of the text, so that short loops are unrolled.
 """
 
 from __future__ import annotations
@@ -34,7 +32,7 @@ from screwsim.numerics.linear import lu_factor, lu_solve
 surroundings = Slot("surroundings")
 rates = Slot("rates")
 jacobian = Slot("jacobian")
-at_knot = Slot("at_knot")
+at_breakpoint = Slot("at_breakpoint")
 lands = Slot("lands")
 error_size = Slot("error_size")
 share_in_phase = Slot("share_in_phase")
@@ -42,7 +40,6 @@ conserve = Slot("conserve")
 keep_places = Slot("keep_places")
 jump = Slot("jump")
 
-JUMPS: Any = Structure("JUMPS")
 STATES: Any = Structure("STATES")
 QUADRATURES: Any = Structure("QUADRATURES")
 
@@ -106,11 +103,8 @@ SMALLEST = 1e-13  # a step below this share of the angle means that the rates ar
 @kernel
 def attempt(phi, h, middle, y, context, E_next, f, g, f_phi, g_phi, J, Jq, M, pivots, u, y1, g_stage, dq):
     """Try one step from y; fill y1 (new state), dq (quadratures), u (stages; u[LAST] is the error), E_next."""
-    n = y.shape[0]
-    nq = g.shape[0]
-    if STATES > 0:
-        n = STATES
-        nq = QUADRATURES
+    n = STATES
+    nq = QUADRATURES
     inverse = 1.0 / h
     shift = inverse / GAMMA
     for i in range(n):
@@ -175,17 +169,14 @@ def keep(step, phi, h, n, nq, y, y1, q, u, times, dense, quads):
 
 
 @kernel
-def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, quads, kept, counts):
-    """Integrate y and the quadratures q (both in place) over the knots; return (status, φ reached, next step size).
+def integrate(breakpoints, n_breakpoints, y, q, context, rtol, h_start, n_e, times, dense, quads, kept, counts):
+    """Integrate y and the quadratures q (both in place) over the breakpoints; return (status, φ reached, next step).
 
     Fills times[0…steps], dense[step] and quads[step] (see `keep`, `keep_places`), kept[0] = steps so far (readable by
     the slots while integrating); adds to counts: accepted steps, rejected ones, calls of `rates`, Jacobians.
     """
-    n = y.shape[0]
-    nq = q.shape[0]
-    if STATES > 0:
-        n = STATES
-        nq = QUADRATURES
+    n = STATES
+    nq = QUADRATURES
     E = np.empty(n_e)
     E_next = np.empty(n_e)
     E_end = np.empty(n_e)
@@ -203,15 +194,15 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
     pivots = np.empty(n, np.int64)
     h = h_start
     longest = math.inf  # a step to where the equations change; what follows goes on with h
-    phi = knots[0]
+    phi = breakpoints[0]
     step = 0
     kept[0] = 0
-    times[0] = knots[0]
-    for segment in range(n_knots - 1):
-        phi = knots[segment]
-        end = knots[segment + 1]
+    times[0] = breakpoints[0]
+    for segment in range(n_breakpoints - 1):
+        phi = breakpoints[segment]
+        end = breakpoints[segment + 1]
         middle = 0.5 * (phi + end)
-        at_knot(phi, y, context)
+        at_breakpoint(phi, y, context)
         surroundings(end, middle, context, E_end)
         surroundings(phi, middle, context, E)
         fresh = True
@@ -265,7 +256,7 @@ def integrate(knots, n_knots, y, q, context, rtol, h_start, n_e, times, dense, q
             phi = end if landing else phi + trial
             times[step] = phi
             fresh = True
-            if JUMPS == 1 and not jump(y, rtol, context):
+            if not jump(y, rtol, context):
                 return TOO_MANY_JUMPS, phi, h
     return OK, phi, h
 

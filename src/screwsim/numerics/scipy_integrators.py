@@ -1,6 +1,6 @@
-"""scipy's integrators over knots, as an independent check of our own: Radau, BDF, LSODA; RK45 and DOP853 for studies.
+"""scipy's integrators over breakpoints, as an independent check of our own: Radau, BDF, LSODA; RK45 and DOP853 for studies.
 
-Each segment between knots is integrated by itself. Tolerances are relative to the state; quadratures are states here,
+Each segment between breakpoints is integrated by itself. Tolerances are relative to the state; quadratures are states here,
 with an absolute tolerance from their scale.
 """
 
@@ -84,14 +84,14 @@ class Events(Protocol):
 def integrate(
     rates: Slopes,
     jacobian: Slopes,
-    knots: Array,
+    breakpoints: Array,
     y: Array,
     q_scale: Array,
     rtol: float,
     check: Check,
     events: Events | None = None,
 ) -> tuple[Array, Array, Path]:
-    """Integrate y and the quadratures (appended to it in `rates`) over the knots; return y, q and the path.
+    """Integrate y and the quadratures (appended to it in `rates`) over the breakpoints; return y, q and the path.
 
     `rates(t, middle, y)` returns both slopes in one vector, `jacobian` their derivatives by y. The Jacobian is given
     because scipy's own differences overflow for quadratures, on which nothing depends. `path.message` is empty when
@@ -104,7 +104,7 @@ def integrate(
     path = Path()
     method: Any = _radau() if check.method == "Radau" else check.method
     held = np.empty(n)  # one array for all calls: compiled code finds it where it was
-    for start, end in pairwise(knots):
+    for start, end in pairwise(breakpoints):
         middle = 0.5 * (start + end)
         of_states = 1e-3 * rtol * np.abs(z[:n])
         if events is not None:

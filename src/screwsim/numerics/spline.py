@@ -113,41 +113,41 @@ def _hermite(x: Array, y: Array, slope: Array) -> Array:
     return np.column_stack([y[:-1], first, square, cube])
 
 
-def differences(x: Array, y: Array, knots: Sequence[float]) -> Array:
-    """Return the derivatives at both ends of each interval, shape (n − 1, 2), of a curve that is smooth between knots.
+def differences(x: Array, y: Array, breakpoints: Sequence[float]) -> Array:
+    """Return the derivatives at both ends of each interval, shape (n − 1, 2), of a curve smooth between breakpoints.
 
-    Differences of second order, one-sided at the rows that lie on a knot (within 1e-9).
+    Differences of second order, one-sided at the rows that lie on a breakpoint (within 1e-9).
     """
     step = np.diff(x)
     secant = np.diff(y) / step
     rate = np.diff(secant) / (step[:-1] + step[1:])  # half the second derivative at each inner row
     rate = np.concatenate([rate[:1], rate, rate[-1:]]) if len(rate) else np.zeros(2)
-    border = _borders(x, knots)
+    border = _borders(x, breakpoints)
     lone = border[:-1] & border[1:]
     before, after = np.where(border[:-1], rate[1:], rate[:-1]), np.where(border[1:], rate[:-1], rate[1:])
     first, last = secant - step * before, secant + step * after
     return np.column_stack([np.where(lone, secant, first), np.where(lone, secant, last)])
 
 
-def side_slopes(x: Array, y: Array, knots: Sequence[float]) -> Array:
+def side_slopes(x: Array, y: Array, breakpoints: Sequence[float]) -> Array:
     """Return `differences`, limited so that Hermite's cubics rise and fall with the rows and nowhere else.
 
-    Source: Fritsch & Carlson 1980. Off the knots the slopes on both sides of a row are the same.
+    Source: Fritsch & Carlson 1980. Off the breakpoints the slopes on both sides of a row are the same.
     """
-    found, secant = differences(x, y, knots), (np.diff(y) / np.diff(x))[:, None]
+    found, secant = differences(x, y, breakpoints), (np.diff(y) / np.diff(x))[:, None]
     found = np.where(found * secant > 0.0, np.sign(secant) * np.minimum(np.abs(found), 3.0 * np.abs(secant)), 0.0)
     left, right = found[:-1, 1], found[1:, 0]
     both = np.where(left * right > 0.0, np.sign(left) * np.minimum(np.abs(left), np.abs(right)), 0.0)
-    smooth = ~_borders(x, knots)[1:-1]
+    smooth = ~_borders(x, breakpoints)[1:-1]
     found[:-1, 1], found[1:, 0] = np.where(smooth, both, left), np.where(smooth, both, right)
     return found
 
 
-def _borders(x: Array, knots: Sequence[float]) -> np.ndarray:
-    """Return which rows lie on a knot or at an end."""
+def _borders(x: Array, breakpoints: Sequence[float]) -> np.ndarray:
+    """Return which rows lie on a breakpoint or at an end."""
     border = np.zeros(len(x), bool)
     border[[0, -1]] = True
-    rows = np.searchsorted(x, np.asarray(knots) - 1e-9)
+    rows = np.searchsorted(x, np.asarray(breakpoints) - 1e-9)
     border[rows[rows < len(x)]] = True
     return border
 

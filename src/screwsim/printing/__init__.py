@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from screwsim.engineering import engineering, engineering_temperature, quantity, scale, shown_name, small
 from screwsim.figures import declared
 from screwsim.outputs import STATUSES, Result, sorted_entries
+from screwsim.printing.tables import wrapped
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
 from screwsim.screen import json_safe, printable, say
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from screwsim.report.accuracy import Drawing
     from screwsim.study.accuracy import Study
 
-WIDTH = 80
 MOST_FAILURES = 20  # listed of one sweep; all are in its file
 MOST_WARNINGS = 8  # kinds of them, likewise
 
@@ -65,9 +64,9 @@ def print_result(title: str, result: Result) -> None:
     console = Console(highlight=False, markup=False, emoji=False)
     if title:
         console.print(printable(title), style="bold")
-    console.print(_wrapped(f"status: {_ended(result)}"))
+    console.print(wrapped(printable(f"status: {_ended(result)}")))
     for warning in result.warnings:
-        console.print(_wrapped(f"warning: {warning}"))
+        console.print(wrapped(printable(f"warning: {warning}")))
     if result.performance:
         console.print()
         console.print(_table(result))
@@ -79,7 +78,7 @@ def print_result(title: str, result: Result) -> None:
         console.print(_knock_out(result.knock_out))
     console.print()
     for line in _account(result):
-        console.print(_wrapped(line))
+        console.print(wrapped(printable(line)))
 
 
 def _ended(result: Result) -> str:
@@ -187,7 +186,7 @@ def _balance(balance: Mapping[str, Any]) -> str:
     if balance.get("oil_mass") is not None:
         text += f", oil mass {balance['oil_mass']:.1e}"
     if balance.get("oil_residue") is not None:
-        text += f"; oil residue {balance['oil_residue']:.3g} W (paper's transport of oil)"
+        text += f"; oil residual {balance['oil_residue']:.3g} W (paper's transport of oil)"
     return text
 
 
@@ -198,10 +197,6 @@ def _numerics(numerics: Mapping[str, Any]) -> str:
     words += [f"{round(numerics[name], 2):.12g} {text}" for name, text in counts.items() if name in numerics]
     words += [f"{1e3 * numerics['wall_time']:.1f} ms"] if "wall_time" in numerics else []
     return f"numerics: {', '.join(words)}"
-
-
-def _wrapped(text: str) -> str:
-    return textwrap.fill(printable(text), WIDTH - 1, subsequent_indent="  ", break_on_hyphens=False)
 
 
 def sweep_document(scene: Scene, summary: SweepSummary) -> dict[str, Any]:
@@ -239,14 +234,14 @@ def print_sweep(document: Mapping[str, Any]) -> None:
     counts += f" ({document['reused']} of an earlier run)" if document["reused"] else ""
     say(f"{document['path']}\n{counts}, {document['seconds']:.1f} s")
     for failure in document["failures"]:
-        say(_wrapped(f"{failure['status']} at {_where(failure['values'])}: {failure['message']}"))
+        say(wrapped(printable(f"{failure['status']} at {_where(failure['values'])}: {failure['message']}")))
     more = document["cases"] - document["ok"] - len(document["failures"])
     if more:
         say(f"… and {more} more, in the file")
     for kind in document["warnings"][:MOST_WARNINGS]:
         first = f"first at {_where(kind['values'])}" if kind["cases"] > 1 else f"at {_where(kind['values'])}"
         cases = "1 case" if kind["cases"] == 1 else f"{kind['cases']} cases"
-        say(_wrapped(f"warning in {cases}, {first}: {kind['warning']}"))
+        say(wrapped(printable(f"warning in {cases}, {first}: {kind['warning']}")))
     more = len(document["warnings"]) - MOST_WARNINGS
     if more > 0:
         say(f"… and {more} other kinds of warnings, in the file")

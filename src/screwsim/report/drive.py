@@ -25,11 +25,9 @@ class Point(NamedTuple):
     ripple: float | None
 
 
-def draw_campbell(
-    cases: Mapping[str, Sequence[Point]], lobes: int, folder: Path, name: str, title: str = "", orders: int = 3
-) -> list[str]:
+def draw_campbell(cases: Mapping[str, Sequence[Point]], lobes: int, folder: Path, name: str) -> list[str]:
     """Write the Campbell figure of named drives over the speed (PNG, PDF); return the paths."""
-    return write_all({name: partial(campbell, cases, lobes, title, orders)}, folder)
+    return write_all({name: partial(campbell, cases, lobes, "", 3)}, folder)
 
 
 def campbell(cases: Mapping[str, Sequence[Point]], lobes: int, title: str, orders: int) -> Any:

@@ -99,12 +99,13 @@ def _preferred(axes: tuple[Axis, ...], lengths: list[int], path: str) -> int:
     return int(np.argmax(lengths))
 
 
-def slices(results: Results, layout: Layout) -> Iterator[tuple[str, dict[int, int]]]:
-    """Yield (what is constant, {axis: index}) of each figure: all values of the axes that are neither x nor curves."""
+def slices(results: Results, layout: Layout) -> Iterator[tuple[str, str, dict[int, int]]]:
+    """Yield (suffix of its name, what is constant, {axis: index}) of each figure: all values of the other axes."""
     axes = results.axis_list
-    for indices in itertools.product(*(range(len(axes[i].values)) for i in layout.rest)):
+    for number, indices in enumerate(itertools.product(*(range(len(axes[i].values)) for i in layout.rest)), start=1):
         chosen = dict(zip(layout.rest, indices, strict=True))
-        yield ", ".join(value_of(axes[i], index) for i, index in chosen.items()), chosen
+        constant = ", ".join(value_of(axes[i], index) for i, index in chosen.items())
+        yield f"_{number}" if layout.rest and constant else "", constant, chosen
 
 
 def family(results: Results, layout: Layout, chosen: dict[int, int], x_name: str | None, y_name: str) -> list[Curve]:

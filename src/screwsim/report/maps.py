@@ -31,8 +31,7 @@ def plans(results: Results) -> Iterator[Plan]:
     across = [results.axis_list[i] for i in (layout.x, layout.curves)]
     if not all(is_numeric(axis) and len(axis.values) >= _FEWEST for axis in across):
         return
-    for number, (constant, chosen) in enumerate(slices(results, layout), start=1):
-        suffix = f"_{number}" if layout.rest and constant else ""
+    for suffix, constant, chosen in slices(results, layout):
         for name, word in (("map", families.efficiency_name(results)), *((f"map_{each}", each) for each in _COOLING)):
             if word is not None and len(family(results, layout, chosen, None, word)) >= _FEWEST:
                 yield f"{name}{suffix}", partial(_draw, results, layout, chosen, constant, word)

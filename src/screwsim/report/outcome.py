@@ -20,8 +20,7 @@ def plans(results: Results) -> Iterator[Plan]:
     layout, name = families.outcome_layout(results), families.efficiency_name(results)
     if layout is None or name is None:
         return
-    for number, (constant, chosen) in enumerate(slices(results, layout), start=1):
-        suffix = f"_{number}" if layout.rest and constant else ""
+    for suffix, constant, chosen in slices(results, layout):
         if family(results, layout, chosen, "oil_ratio", name):
             yield f"efficiency_ratio{suffix}", partial(_draw, results, layout, chosen, constant, name)
 

@@ -28,13 +28,8 @@ def plans(results: Results) -> Iterator[Plan]:
 
 def columns(results: Results) -> list[tuple[Axis, np.ndarray]]:
     """Return every quantity that varies with its values [SI] on the axes of the results; those of numbers."""
-    found = []
-    for place, axis in enumerate(results.axis_list):
-        shape = [-1 if i == place else 1 for i in range(len(results.shape))]
-        for inner in axis.joined or (axis,):
-            if is_numeric(inner) and np.ptp(inner.values) > 0.0:
-                found.append((inner, np.broadcast_to(inner.values.reshape(shape), results.shape)))
-    return found
+    axes = (inner for axis in results.axis_list for inner in axis.joined or (axis,))
+    return [(axis, results.along(axis.path)) for axis in axes if is_numeric(axis) and np.ptp(axis.values) > 0.0]
 
 
 def _draw(results: Results, shown: list[tuple[Axis, np.ndarray]], name: str) -> Any:

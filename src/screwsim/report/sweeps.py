@@ -27,8 +27,7 @@ def plans(results: Results) -> Iterator[Plan]:
     if layout is None or families.outcome_layout(results) is not None:
         return
     name = families.efficiency_name(results)
-    for number, (constant, chosen) in enumerate(slices(results, layout), start=1):
-        suffix = f"_{number}" if layout.rest and constant else ""
+    for suffix, constant, chosen in slices(results, layout):
         if name and family(results, layout, chosen, None, name):
             yield f"efficiency{suffix}", partial(_efficiency, results, layout, chosen, constant, name)
         if any(family(results, layout, chosen, None, other) for other in _OTHERS):

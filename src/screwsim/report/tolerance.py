@@ -113,9 +113,10 @@ def _contours(axes: Any, function: Any, alpha: Array, nominal: Links) -> None:
     plain_ticks(axes.xaxis, axes.yaxis)
 
 
-def draw_law(nominal: Links, folder: str | Path) -> list[str]:
-    """Write the surface and the contours of one machine's law of motion (PNG, PDF) and return their paths."""
-    return write_all({"law_of_motion": partial(law_figure, nominal)}, folder)
+def draw_machine(nominal: Links, drawn: tuple[Sequence[Grade], Array, Mapping[str, Array]], folder: Path) -> list[str]:
+    """Write the law of motion of one machine and the spread of those drawn (PNG, PDF); return the paths."""
+    plans = {"law_of_motion": partial(law_figure, nominal), "tolerance": partial(spread_figure, *drawn)}
+    return write_all(plans, folder)
 
 
 def law_figure(nominal: Links) -> Any:
@@ -132,15 +133,8 @@ def law_figure(nominal: Links) -> Any:
     return figure
 
 
-def draw_spread(
-    table: Sequence[Grade], shifts: np.ndarray, deviations: Mapping[str, np.ndarray], folder: str | Path
-) -> list[str]:
-    """Write the figure (PNG, PDF) and return its paths; `deviations` are those of figures from the nominal value."""
-    return write_all({"tolerance": partial(spread_figure, table, shifts, deviations)}, folder)
-
-
 def spread_figure(table: Sequence[Grade], shifts: np.ndarray, deviations: Mapping[str, np.ndarray]) -> Any:
-    """Draw error of the law and shift of the dead centre by grades, and figures over that shift."""
+    """Draw error of the law and shift of the dead centre by grades, and over that figures' relative deviations."""
     figure = new_figure(DOUBLE, 78.0)
     left, right = figure.subplots(1, 2)
     numbers = [row.crank for row in table]

@@ -127,10 +127,8 @@ def cannot_write(path: Path, error: OSError) -> str:
 
 def make_folder(folder: Path) -> None:
     """Make a folder and those above it; raise UsageError, in one line, when the system refuses."""
-    try:
+    with refused(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(cannot_write(folder, error)) from error
 
 
 def remove(path: Path) -> None:

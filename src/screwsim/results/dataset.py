@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES
-from screwsim.results.read import Group, Results
+from screwsim.results.read import OWN, Group, Results
 from screwsim.results.schema import Axis
 
 _PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out")
-_OWN = {"cycle": "angle", "knock_out": "effect"}  # the dimension of its own that a group has
 
 
 def dataset(results: Results, group: str | None) -> Any:
@@ -24,18 +23,14 @@ def dataset(results: Results, group: str | None) -> Any:
     for prefix, part in parts:
         variables |= _variables(part, prefix, results.axis_list)
     coordinates = {
-        inner.name: (axis.name, inner.values, _attributes(inner))
+        inner.name: (axis.name, inner.values, {"units": inner.units, "long_name": inner.long_name, "path": inner.path})
         for axis in results.axis_list
         for inner in (axis, *axis.joined)
     }
-    for name, part in ((_OWN[part.name], part) for _, part in parts if part.name in _OWN):
+    for name, part in ((OWN[part.name], part) for _, part in parts if part.name in OWN):
         if name in part:
             coordinates[name] = (name, part[name], part.about[name]._asdict())
     return xr.Dataset(variables, coordinates, dict(results.attributes))
-
-
-def _attributes(axis: Axis) -> dict[str, Any]:
-    return {"units": axis.units, "long_name": axis.long_name, "path": axis.path}
 
 
 def _variables(part: Group, prefix: str, axes: tuple[Axis, ...]) -> dict[str, Any]:
@@ -44,7 +39,7 @@ def _variables(part: Group, prefix: str, axes: tuple[Axis, ...]) -> dict[str, An
     joined = {inner.name for axis in axes for inner in axis.joined}
     found = {}
     for name in part:
-        own = _OWN.get(part.name)
+        own = OWN.get(part.name)
         if name == own or name in joined:
             continue
         values, about = part[name], part.about[name]._asdict()

@@ -27,7 +27,7 @@ _TOLD = 3  # differences that are told
 
 def code_identity(own: Iterable[str]) -> dict[str, str]:
     """Return what this process computes with: this package, libraries, the modules of the user's own."""
-    found = {"screwsim": _own_version(), _SOURCES: sources.of_package()}
+    found = {"screwsim": version(), _SOURCES: sources.of_package()}
     found |= {name: _library(name) for name in LIBRARIES}
     for name in own:
         own_module(name)  # imports it, where a worker has not
@@ -121,7 +121,8 @@ def _content(path: str) -> str:
         return _NONE
 
 
-def _own_version() -> str:
+def version() -> str:
+    """Return the version of this package."""
     from screwsim import __version__
 
     return __version__

@@ -180,14 +180,10 @@ def flag_attributes(words: Sequence[str], long_name: str, fill: int | None = Non
 
 
 def text_lines(text: str) -> str:
-    """Return a text as it is stored: cut to the limit, without empty lines."""
-    return "\n".join(line for line in _cut(text).decode().splitlines() if line.strip())
-
-
-def _cut(text: str) -> bytes:
-    """Return a text in UTF-8, shortened to the limit between two characters."""
+    """Return a text as it is stored: cut to the limit of its bytes, between two characters, without empty lines."""
     raw = text.encode()
-    return raw if len(raw) <= _TEXT_LIMIT else raw[: _TEXT_LIMIT - 3].decode(errors="ignore").encode() + "…".encode()
+    cut = text if len(raw) <= _TEXT_LIMIT else raw[: _TEXT_LIMIT - 3].decode(errors="ignore") + "…"
+    return "\n".join(line for line in cut.splitlines() if line.strip())
 
 
 def chunks_of(shape: tuple[int, ...]) -> tuple[int, ...]:

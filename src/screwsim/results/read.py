@@ -20,7 +20,7 @@ from screwsim.results.stored import REMEDY, Odd, opened
 
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
 _OPTIONAL = ("cycle", "ledger", "knock_out")  # the first two come with traces, the last where it was asked for
-_OWN = {"cycle": "angle", "knock_out": "effect"}  # the coordinate of its own that a group has
+OWN = {"cycle": "angle", "knock_out": "effect"}  # the coordinate of its own that a group has
 _LARGEST = 1e30  # of a coordinate, in SI units
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
 
@@ -56,12 +56,8 @@ class Group(Mapping[str, np.ndarray]):
 
     def texts_at(self, name: str, cases: np.ndarray) -> list[str]:
         """Return a text of some cases, by their numbers (last axis fastest), without making those of all."""
-        with opened(self._path) as file:
-            group = stored.member(file, self.name, dataset=False)
-            if not stored.has(group, f"{name}_text"):
-                return [str(_values(group, name))] * len(cases)
-            words = _words(group, name)
-            return [words[number] for number in _numbers(group, name, len(words)).ravel()[cases]]
+        words, numbers = self.texts(name)
+        return [words[number] for number in numbers[cases]]
 
     def texts(self, name: str) -> tuple[list[str], np.ndarray]:
         """Return the different texts of a variable, and the number of each case's, last axis fastest (cases,)."""
@@ -70,7 +66,7 @@ class Group(Mapping[str, np.ndarray]):
             if not stored.has(group, f"{name}_text"):
                 return [str(_values(group, name))], np.zeros(1, np.int32)
             words = _words(group, name)
-            return words, _numbers(group, name, len(words)).ravel()
+            return words, _in_range(stored.member(group, name), len(words)).ravel()
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.about)
@@ -117,6 +113,11 @@ class Results:
         for number, axis in enumerate(self.axis_list):
             found |= {inner.path: (number, inner.values) for inner in axis.joined or (axis,)}
         return found
+
+    def along(self, path: str) -> np.ndarray:
+        """Return the value of a path that varies in every case, on the axes of the results."""
+        number, values = self.varied[path]
+        return np.broadcast_to(values.reshape([-1 if i == number else 1 for i in range(len(self.shape))]), self.shape)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -191,7 +192,7 @@ def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
     if name == "inputs":
         known = tuple(each for each in known if stored.is_scale(stored.member(group, each)))
     shape = () if name == "knock_out" else tuple(len(axis.values) for axis in axes)
-    own = _own_length(group, _OWN.get(name))
+    own = _own_length(group, OWN.get(name))
     about = _about_all(group, known, _Shapes(name, shape, own))
     return Group(path, name, about, dict(_scales(group, about)) if name == "error" else {})
 
@@ -229,8 +230,8 @@ class _Shapes:
             fits = numbers and len(found) <= 1
         elif not numbers:  # one text
             fits = len(found) == 1 and not self.axes and not self.own
-        elif name in _OWN.values():  # of another group it would be two things in one dataset
-            fits = name == _OWN.get(self.group) and found == self.own
+        elif name in OWN.values():  # of another group it would be two things in one dataset
+            fits = name == OWN.get(self.group) and found == self.own
         else:
             fits = found == (*self.axes, *self.own)
         if not fits:
@@ -291,21 +292,17 @@ def _values(group: Any, name: str) -> np.ndarray:
         return _labelled(data)
     if stored.has(group, f"{name}_text"):
         words = _words(group, name)
-        values = _numbers(group, name, len(words))
+        values = _in_range(data, len(words))
         large = values.size * max(map(len, words)) > _LONG_TEXTS
         return np.array(words, object if large else np.str_)[values]
     if name == "status":
         first, words = (0, KNOCK_OUT_STATUSES) if group.name.endswith("/knock_out") else (-1, STATUSES)
-        return _numbers(group, name, len(words), first)
+        return _in_range(data, len(words), first)
     return stored.values(data) if stored.is_numbers(data) else np.array(stored.characters(data))
 
 
-def _numbers(group: Any, name: str, count: int, first: int = 0) -> np.ndarray:
-    """Return a variable of numbers of words, from `first` to below `count`."""
-    return _in_range(stored.member(group, name), count, first)
-
-
 def _in_range(data: Any, count: int, first: int = 0) -> np.ndarray:
+    """Return a variable of numbers of words, from `first` to below `count`."""
     values = stored.values(data)
     if values.dtype.kind not in "iu" or (values.size and not first <= values.min() <= values.max() < count):
         raise Odd(f"is damaged: {data.name} has numbers of texts that are not there")

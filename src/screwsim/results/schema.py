@@ -22,6 +22,7 @@ import numpy as np
 from screwsim.declare import KINDS
 from screwsim.outputs import Variable
 from screwsim.results import identity
+from screwsim.results.identity import version
 from screwsim.scene.types import Scene
 
 RELATIVE_TO = "relative_to"  # attribute of an error: what it is relative to (`outputs.Scale`)
@@ -140,13 +141,6 @@ def identity_of(scene: Scene) -> dict[str, str]:
         **identity.code_identity(scene.own),
         **identity.file_identity(named_files(scene)),
     }
-
-
-def version() -> str:
-    """Return the version of this package."""
-    from screwsim import __version__
-
-    return __version__
 
 
 def _library_version(name: str) -> str:

@@ -220,6 +220,8 @@ def join(tables: Sequence[Table]) -> Table:
         if table.angle.size:
             same_angles(angle, table.angle)
     about = reduce(merged, {names_of(table.about): table.about for table in tables}.values(), ())
+    traces = trace_names(name for table in tables for name in table.traces)
+    ledger = ledger_names(name for table in tables for name in table.ledger)
     return Table(
         status=np.concatenate([table.status for table in tables]),
         figures=np.concatenate([_figures_of(table, about) for table in tables]),
@@ -227,8 +229,8 @@ def join(tables: Sequence[Table]) -> Table:
         effects=next((table.effects for table in tables if table.effects), ()),
         states=next((table.states for table in tables if table.states), ()),
         angle=angle,
-        traces=_joined_traces(tables, angle.size),
-        ledger=_joined_ledgers(tables),
+        traces={name: np.concatenate([rows_of(table, name, angle.size) for table in tables]) for name in traces},
+        ledger={name: np.concatenate([ledger_of(table, name) for table in tables]) for name in ledger},
         about=about,
     )
 
@@ -251,16 +253,6 @@ def _joined_texts(parts: Sequence[Texts]) -> Texts:
 def renumbered(texts: Texts, place: Mapping[str, int]) -> np.ndarray:
     """Return the numbers of texts where each has another place."""
     return np.array([place[word] for word in texts.words], np.int32)[texts.number]
-
-
-def _joined_traces(tables: Sequence[Table], points: int) -> dict[str, np.ndarray]:
-    names = trace_names(name for table in tables for name in table.traces)
-    return {name: np.concatenate([rows_of(table, name, points) for table in tables]) for name in names}
-
-
-def _joined_ledgers(tables: Sequence[Table]) -> dict[str, np.ndarray]:
-    names = ledger_names(name for table in tables for name in table.ledger)
-    return {name: np.concatenate([ledger_of(table, name) for table in tables]) for name in names}
 
 
 def rows_of(table: Table, name: str, points: int) -> np.ndarray:

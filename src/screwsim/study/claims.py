@@ -205,12 +205,10 @@ def _is_figure(path: str, axis: str) -> bool:
 
 def table(found: list[Claim]) -> str:
     """Return the claims as text, three lines each."""
-    lines = []
-    for claim in found:
-        lines.append(f"{claim.name}  {claim.verdict:<10}  {claim.says}")
-        lines.append(f"    measure: {claim.measure}")
-        lines.append(f"    found:   {claim.found}")
-    return "\n".join(lines)
+    return "\n".join(
+        f"{claim.name}  {claim.verdict:<10}  {claim.says}\n    measure: {claim.measure}\n    found:   {claim.found}"
+        for claim in found
+    )
 
 
 def main(arguments: Sequence[str]) -> int:

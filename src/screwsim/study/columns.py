@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.faults import UsageError
 from screwsim.outputs import Variable
-from screwsim.results.atomic import make_folder, replacing
+from screwsim.results.atomic import make_folder, replacing, write_csv
+from screwsim.results.identity import version
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
-from screwsim.results.schema import variable_name, version
+from screwsim.results.schema import variable_name
 
 
 class Column(NamedTuple):
@@ -24,30 +23,16 @@ class Column(NamedTuple):
     long_name: str
 
 
-def check_target(path: Path, endings: Sequence[str]) -> None:
-    """Raise UsageError unless the name of a file has one of the endings."""
-    if path.suffix.lower() not in endings:
-        raise UsageError(f"-o {path}: has no ending that tells its format (write one of {', '.join(endings)})")
-
-
 def write_columns(path: Path, title: str, columns: Mapping[str, Column]) -> None:
     """Write columns of one length: CSV with the units in its first line, or HDF5 with the layout of netCDF-4."""
     make_folder(path.parent)
+    if path.suffix.lower() == ".csv":
+        heads = (f"{name} [{each.units}]" if each.units not in ("1", "") else name for name, each in columns.items())
+        rows = zip(*(each.values for each in columns.values()), strict=True)
+        write_csv(path, heads, (["" if value is None else value for value in row] for row in rows))
+        return
     with replacing(path) as temporary:
-        if path.suffix.lower() == ".csv":
-            _write_csv(temporary, columns)
-        else:
-            _write_hdf5(temporary, title, columns)
-
-
-def _write_csv(path: Path, columns: Mapping[str, Column]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(
-            f"{name} [{each.units}]" if each.units not in ("1", "") else name for name, each in columns.items()
-        )
-        for row in zip(*(each.values for each in columns.values()), strict=True):
-            writer.writerow("" if value is None else value for value in row)
+        _write_hdf5(temporary, title, columns)
 
 
 def _write_hdf5(path: Path, title: str, columns: Mapping[str, Column]) -> None:

@@ -96,11 +96,12 @@ def compare(a: Results, b: Results, tolerance: float = 0.0) -> Comparison:
     sides = _Side(a, in_a), _Side(b, in_b)
     names = dict.fromkeys((*a.error, *b.error))
     figures = (_change(name, sides, ok, point, tolerance) for name in names)
+    sides_of = {path: (flat_a.get(path), flat_b.get(path)) for path in (*flat_a, *flat_b)}
     return Comparison(
         len(in_a),
         math.prod(a.shape) - len(in_a),
         math.prod(b.shape) - len(in_b),
-        dict(_scene_changes(flat_a, flat_b, paths)),
+        {path: both for path, both in sides_of.items() if path not in paths and both[0] != both[1]},
         tuple(each for each in figures if each is not None),
         len(changed),
         tuple(first),
@@ -131,15 +132,13 @@ def _common(
 
 def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:
     """Return the value of a path in every case, flat; of a path that is not varied, that of the scene."""
-    shape = results.shape
     if path in results.varied:
-        number, values = results.varied[path]
-        return np.broadcast_to(values.reshape([-1 if i == number else 1 for i in range(len(shape))]), shape).ravel()
+        return results.along(path).ravel()
     name = variable_name(path)
     value: Any = results.inputs[name] if name in results.inputs else flat.get(path)
     if value is None or (isinstance(value, np.ndarray) and np.isnan(value)):
         raise UsageError(f"{results.path}: has no {path}, over which the other file was swept (compare files of it)")
-    return np.full(math.prod(shape), value)
+    return np.full(math.prod(results.shape), value)
 
 
 def _coded(a: Array, b: Array) -> tuple[Array, Array]:
@@ -199,14 +198,6 @@ def _change(
     relative = (value_b - value_a) / abs(value_a) if value_a else None
     changes = (value_a, value_b, value_b - value_a, relative, float(error[worst]), point(both[worst]))
     return FigureChange(name, len(both), int(np.count_nonzero(over > 1.0)), only_a, only_b, *changes)
-
-
-def _scene_changes(
-    a: Mapping[str, str], b: Mapping[str, str], varied: list[str]
-) -> Iterator[tuple[str, tuple[str | None, str | None]]]:
-    for path in dict.fromkeys([*a, *b]):
-        if path not in varied and a.get(path) != b.get(path):
-            yield path, (a.get(path), b.get(path))
 
 
 def _flat_scene(results: Results) -> dict[str, str]:

@@ -29,11 +29,9 @@ def optimum(ratio: Array, efficiency: Array) -> Optimum | None:
 
     Points that are not finite are left out; None when fewer than five are left.
     """
-    good = np.isfinite(efficiency) & (ratio > 0.0)
-    if np.count_nonzero(good) < 5:
+    x, eta = _over_logarithm(ratio, efficiency)
+    if len(x) < 5:
         return None
-    order = np.argsort(ratio[good])
-    x, eta = np.log(ratio[good])[order], efficiency[good][order]
     best = int(np.argmax(eta))
     if best in (0, len(x) - 1):
         return Optimum(float(np.exp(x[best])), float(eta[best]), 0.0, None, False)
@@ -52,11 +50,14 @@ def optimum(ratio: Array, efficiency: Array) -> Optimum | None:
 
 def value_at(ratio: Array, efficiency: Array, d: float) -> float | None:
     """Return η at the oil ratio d, linear in ln d; None outside the curve or without values there."""
-    good = np.isfinite(efficiency) & (ratio > 0.0)
-    if np.count_nonzero(good) < 2:
-        return None
-    order = np.argsort(ratio[good])
-    x, eta = np.log(ratio[good])[order], efficiency[good][order]
-    if not x[0] - 1e-9 <= np.log(d) <= x[-1] + 1e-9:
+    x, eta = _over_logarithm(ratio, efficiency)
+    if len(x) < 2 or not x[0] - 1e-9 <= np.log(d) <= x[-1] + 1e-9:
         return None
     return float(np.interp(np.log(d), x, eta))
+
+
+def _over_logarithm(ratio: Array, efficiency: Array) -> tuple[Array, Array]:
+    """Return the finite points of a curve as ln d, rising, and η."""
+    good = np.isfinite(efficiency) & (ratio > 0.0)
+    order = np.argsort(ratio[good])
+    return np.log(ratio[good])[order], efficiency[good][order]

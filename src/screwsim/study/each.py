@@ -72,6 +72,4 @@ def _answers(function: bytes, numbers: range) -> tuple[list[Any], float]:
     return [call(number) for number in numbers], time.perf_counter() - began
 
 
-@lru_cache(maxsize=1)
-def _unpacked(function: bytes) -> Callable[[int], Any]:
-    return pickle.loads(function)
+_unpacked = lru_cache(maxsize=1)(pickle.loads)

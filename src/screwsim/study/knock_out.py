@@ -40,17 +40,9 @@ def _without(scene: Scene, name: str, result: Result) -> Figures:
     """Return what leaving one effect out changes."""
     from screwsim.simulate import simulate
 
-    cooled = [name for name in REFRIGERATION if name in result.performance]
-    found = Figures(
-        effect=name,
-        status="needed",
-        message="",
-        shaft_power=None,
-        change_of_shaft_power=None,
-        specific_work=None,
-        change_of_specific_work=None,
-        **{f"{word}{name}": None for name in cooled for word in ("", "change_of_")},
-    )
+    cooled = [each for each in REFRIGERATION if each in result.performance]
+    figures = (f"{word}{each}" for each in ("shaft_power", "specific_work", *cooled) for word in ("", "change_of_"))
+    found = Figures(effect=name, status="needed", message="", **dict.fromkeys(figures))
     try:
         other = simulate(loads(scene.text, folder=scene.folder, without=[name]), trace=False)
     except SceneError as error:
@@ -63,9 +55,9 @@ def _without(scene: Scene, name: str, result: Result) -> Figures:
     before, after = (specific_work(each) for each in (result, other))
     power = other.performance.shaft_power
     found |= {"shaft_power": power, "change_of_shaft_power": power - result.performance.shaft_power}
-    for name in cooled:
-        value, full = other.performance.get(name), result.performance[name]
-        found |= {name: value, f"change_of_{name}": None if value is None or full is None else value - full}
+    for each in cooled:
+        value, full = other.performance.get(each), result.performance[each]
+        found |= {each: value, f"change_of_{each}": None if value is None or full is None else value - full}
     if after is None:
         found["message"] = "no net gas is delivered without it"
     elif before is not None:

@@ -118,7 +118,8 @@ def _groups(results: Results, varied: Mapping[str, tuple[int, Array]]) -> Iterat
 def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], cases: Array) -> PerformanceMap:
     nothing = np.full(results.shape, np.nan)
     columns = {figure: results.performance.get(figure, nothing).ravel()[cases] for figure in figures}
-    S, D = (_celsius(results, path)[cases] for path in (EVAPORATING, CONDENSING))
+    # rounded: 258.15 K less 273.15 K is not quite -15 °C
+    S, D = (np.round(results.along(path) - ZERO_CELSIUS, 9).ravel()[cases] for path in (EVAPORATING, CONDENSING))
     good = results.status.ravel()[cases] == "ok"
     not_ok = int(np.count_nonzero(~good))
     for column in columns.values():
@@ -138,15 +139,6 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
         return PerformanceMap(values, message, len(S), not_ok, design.condition)
     fits = {figure: design.fit(column[good]) for figure, column in columns.items()}
     return PerformanceMap(values, "", len(S), not_ok, design.condition, _hull(S, D), fits)
-
-
-def _celsius(results: Results, path: str) -> Array:
-    """Return a temperature [°C] of all cases, flat."""
-    number, values = results.varied[path]
-    shape = [1] * len(results.shape)
-    shape[number] = -1
-    # rounded: 258.15 K less 273.15 K is not quite -15 °C
-    return np.broadcast_to(np.round(values - ZERO_CELSIUS, 9).reshape(shape), results.shape).ravel()
 
 
 def _unfit(S: Array, D: Array, cases: int) -> str:

@@ -6,7 +6,7 @@ scrambled Sobol sequence, bootstrapped confidence intervals).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
@@ -14,19 +14,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
 from screwsim.study.each import each
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value, usual_efficiency
-from screwsim.study.optimum import absolute_error, closed, simulator
+from screwsim.study.optimum import Simulate, absolute_error, closed, simulator
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
 CONFIDENCE = 0.95
 NOISY = 0.01  # share of the variance that numerical errors may have made
-Simulate = Callable[[Scene], Result]
 
 
 class Range(NamedTuple):
@@ -126,7 +124,8 @@ def sensitivity(
     what = too_many(samples * (len(ranges) + 2))
     if what:
         raise UsageError(f"--samples {samples}: {what}")
-    problem = _problem(ranges)
+    bounds = [[each.low, each.high] for each in ranges]
+    problem = {"num_vars": len(ranges), "names": [each.path for each in ranges], "bounds": bounds}  # as SALib has it
     points = _sampled(problem, samples, seed)
     middle = {each.path: 0.5 * (each.low + each.high) for each in ranges}
     check_fit(scene, middle, "in the middle of the ranges")
@@ -162,12 +161,6 @@ def _answer(
         return _Answer(lacks[0], lacks=True)
     values = tuple(float(result.performance[figure]) for figure in figures)
     return _Answer("", values, tuple(absolute_error(result, figure, scene) for figure in figures))
-
-
-def _problem(ranges: Sequence[Range]) -> dict[str, Any]:
-    """Return SALib's description of the inputs."""
-    bounds = [[each.low, each.high] for each in ranges]
-    return {"num_vars": len(ranges), "names": [each.path for each in ranges], "bounds": bounds}
 
 
 def _sampled(problem: dict[str, Any], samples: int, seed: int) -> np.ndarray:

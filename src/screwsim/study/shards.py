@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.faults import UsageError
-from screwsim.results.atomic import cannot_write, check_target_kind, make_folder, replacing
+from screwsim.results.atomic import check_target_kind, make_folder, refused, replacing
 from screwsim.results.table import Table, join
 from screwsim.study.part_files import is_whole, read_head, read_part, write_part
 from screwsim.textfiles import Unreadable, read_text
@@ -64,10 +64,8 @@ class Parts:
 
     def _hold(self) -> None:
         check_target_kind(self.folder / "lock")
-        try:
+        with refused(self.folder):
             self._lock = (self.folder / "lock").open("w")
-        except OSError as error:
-            raise UsageError(cannot_write(self.folder, error)) from error
         try:
             import fcntl
 

@@ -187,17 +187,14 @@ class _Sweep:
         self._progress.start(self.blocks.cases, reused)
         try:
             if limit is None:
-                self._run_here(job)
+                while (blocks := self._chunks.take()) is not None:
+                    self._finish(blocks, run_blocks(job, self._payload(blocks)))
+                    self._progress.tick()
             else:
                 task = partial(run_packed, packed(job), self._wanted)
                 settle(self._chunks, Work(pool, task, self._payload, self._finish, self._progress.tick), limit)
         finally:
             self._progress.stop()
-
-    def _run_here(self, job: Job) -> None:
-        while (blocks := self._chunks.take()) is not None:
-            self._finish(blocks, run_blocks(job, self._payload(blocks)))
-            self._progress.tick()
 
     def _payload(self, blocks: range) -> list[Block]:
         """Return the cases of blocks, made when they are wanted."""

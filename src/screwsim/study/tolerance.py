@@ -6,7 +6,6 @@ Source: ISO 286-1 grades (S10), lengths drawn as in S31; docs/reference/slider-c
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
@@ -16,18 +15,16 @@ import numpy as np
 from screwsim.faults import UsageError
 from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.machine.slider_crank.tolerance import GRADES, Grade, Links, grade, right, tolerance
-from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
 from screwsim.study.each import each
-from screwsim.study.optimum import simulator
+from screwsim.study.optimum import Simulate, simulator
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
 FIGURES = ("gas_mass_flow", "cooling_capacity", "volumetric_efficiency", "shaft_power", "isentropic_efficiency")
 LEAST_SIZE = 1e-3  # [m], from which on ISO 286 has tolerances: a smaller offset has that of this size
 TURN = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
-Simulate = Callable[[Scene], Result]
 
 
 class Spread(NamedTuple):

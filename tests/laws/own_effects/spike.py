@@ -17,7 +17,7 @@ class Parameters:
     area: float = quantity("area", "of the hole", gt=0.0)
     at: float = quantity("angle", "angle of the chamber at which it is widest", ge=0.0, lt=4.0 * pi)
     width: float = quantity("angle", "from first to last contact", gt=0.0)
-    stated: float = number("1: its angles are knots; 0: they are not", 0.0, ge=0.0, le=1.0)
+    stated: float = number("1: its angles are breakpoints; 0: they are not", 0.0, ge=0.0, le=1.0)
 
 
 @kernel
@@ -32,7 +32,7 @@ def area(phi, size, at, width):
 def build(parameters: Parameters, machine) -> list[FlowPath]:
     values = {"size": parameters.area, "at": parameters.at, "width": parameters.width}
     ends = parameters.at - 0.5 * parameters.width, parameters.at + 0.5 * parameters.width
-    return [FlowPath("suction", area, values, knots=ends if parameters.stated >= 0.5 else ())]
+    return [FlowPath("suction", area, values, breakpoints=ends if parameters.stated >= 0.5 else ())]
 
 
 EFFECT = Effect(

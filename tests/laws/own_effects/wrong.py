@@ -69,10 +69,10 @@ def build(parameters: Parameters, machine) -> list:
     def image(turn: Turn) -> float:
         return math.nan if nan["made"] else 300.0
 
-    knots = (parameters.opens, parameters.closes)
+    breakpoints = (parameters.opens, parameters.closes)
     return [
-        FlowPath(to="vessel", area=area, values=sizes, knots=knots, flow_coefficient=parameters.coefficient),
-        FlowPath(to="neighbour", area=area, values=sizes, knots=knots, offset=1),
+        FlowPath("vessel", area=area, values=sizes, breakpoints=breakpoints, flow_coefficient=parameters.coefficient),
+        FlowPath(to="neighbour", area=area, values=sizes, breakpoints=breakpoints, offset=1),
         Plenum("vessel", state, figures),
         HeatRate(heat, {"hot": parameters.hot}),
         Made(Entry("wrong_temperature"), lambda site: 300.0, image),

@@ -157,8 +157,8 @@ class Pockets(MachineGeometry):
 
 def _port(area: float, opens: float, shuts: float) -> AreaLaw:
     values = {"size": area, "opens": opens, "shuts": shuts, "width": RAMP}
-    knots = opens, opens + RAMP, shuts - RAMP, shuts
-    return AreaLaw(port_area, values, knots, (knots, (0.0, area, area, 0.0)))
+    breakpoints = opens, opens + RAMP, shuts - RAMP, shuts
+    return AreaLaw(port_area, values, breakpoints, (breakpoints, (0.0, area, area, 0.0)))
 
 
 def _window(first: float, last: float, length: float) -> Table:

@@ -1,4 +1,4 @@
-"""Curves: ends, knots, the spline of `pack_curve` against the exact functions, files that `law: table` reads."""
+"""Curves: ends, breakpoints, the spline of `pack_curve` against the exact functions, files that `law: table` reads."""
 
 import math
 
@@ -44,7 +44,7 @@ def test_curves_live_as_long_as_the_chamber_and_begin_and_end_with_nothing(curve
 
 @pytest.mark.parametrize("name", ["a", "b", "c"])
 def test_the_spline_of_the_volume_table_meets_volume_and_slope(pairs, curves, name):
-    """Rows every 0.5° and knots: V to 5e-6 of its maximum; the slope to 1 % of its own beside kinks of dV/dφ."""
+    """Rows every 0.5° and breakpoints: V to 5e-6 of its maximum; the slope to 1 % of its own beside kinks of dV/dφ."""
     rotors, made = pairs[name], curves[name]
     TAB = pack_curve(made.volume.angle, made.volume.value)
     theta = np.linspace(0.0, made.life, 1501)
@@ -131,7 +131,7 @@ def test_coefficients_are_listed_with_units(pairs):
     assert all(len(row.split(",")) == 4 for row in rows)
 
 
-def test_rows_lie_on_knots(pairs, curves):
+def test_rows_lie_on_breakpoints(pairs, curves):
     assert module.STEP == pytest.approx(math.radians(0.5))
     curve = curves["b"].volume
-    assert all(np.min(np.abs(curve.angle - knot)) < 1e-9 for knot in curve.knots)
+    assert all(np.min(np.abs(curve.angle - at)) < 1e-9 for at in curve.breakpoints)

@@ -81,8 +81,8 @@ def test_stroke_without_offset_is_twice_the_crank_and_grows_with_the_offset():
 
 def test_mean_speed_without_offset_is_the_formula_of_the_source():
     """v = 4 r n: 4.4 m/s at 12 turns a second; with its offset of 15 mm the piston is 0.07 % faster."""
-    assert machine(offset=0.0).mean_speed(2 * pi * 12.0) == pytest.approx(4.4, rel=1e-14)
-    assert machine().mean_speed(2 * pi * 12.0) == pytest.approx(4.4 * 1.00070, rel=1e-5)
+    assert machine(offset=0.0).surface_speed(2 * pi * 12.0) == pytest.approx(4.4, rel=1e-14)
+    assert machine().surface_speed(2 * pi * 12.0) == pytest.approx(4.4 * 1.00070, rel=1e-5)
 
 
 @pytest.mark.parametrize("sizes", SIZES)
@@ -90,7 +90,7 @@ def test_volume_is_clearance_at_the_top_and_all_at_the_bottom(sizes):
     r, rod, e = sizes
     cylinder = machine(crank_radius=r, rod_length=rod, offset=e)
     numbers = tuple(cylinder.numbers().values())
-    (bottom,) = cylinder.knots()
+    (bottom,) = cylinder.breakpoints()
     assert law.volume(0.0, *numbers) == pytest.approx(2e-5, rel=1e-12)
     assert law.volume(2 * pi, *numbers) == pytest.approx(2e-5, rel=1e-11)
     assert law.volume(bottom, *numbers) == pytest.approx(2e-5 + cylinder.swept_volume, rel=1e-13)
@@ -108,8 +108,8 @@ def test_volume_is_the_integral_of_its_slope(sizes):
 
 
 def test_offset_makes_suction_and_compression_unequally_long():
-    assert machine(offset=0.0).knots()[0] == pytest.approx(pi, abs=1e-15)
-    assert machine().knots()[0] - pi == pytest.approx(asin(E / (L - R)) - asin(E / (L + R)), rel=1e-13)
+    assert machine(offset=0.0).breakpoints()[0] == pytest.approx(pi, abs=1e-15)
+    assert machine().breakpoints()[0] - pi == pytest.approx(asin(E / (L - R)) - asin(E / (L + R)), rel=1e-13)
 
 
 def test_numbers_of_the_machine_are_the_arguments_of_the_law():

@@ -1,6 +1,6 @@
 """The ledger: where the shaft power goes, as exergy destroyed by each effect (docs/model.md M50–M59).
 
-Shaft power = exergy rise of the gas + exergy rise of the oil + T_0 Σ entropy generated + residue. Every effect of the
+Shaft power = exergy rise of the gas + exergy rise of the oil + T_0 Σ entropy generated + residual. Every effect of the
 scene has an entry, and so has what the model itself destroys or gives: the oil's supply, its injection, the lines.
 """
 
@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 from screwsim.cycle.balances import discharge_enthalpy
@@ -39,7 +38,7 @@ class Ledger:
         return sum([entry.exergy_destroyed for entry in self.entries.values()])
 
     @property
-    def residue(self) -> float:
+    def residual(self) -> float:
         """What no entry explains [W]."""
         return self.shaft_power - self.of_gas - (self.of_oil or 0.0) - self.destroyed
 
@@ -47,34 +46,34 @@ class Ledger:
     def finite(self) -> bool:
         """Is every number one?"""
         values = [value for entry in self.entries.values() for value in vars(entry).values() if value is not None]
-        return math.isfinite(self.residue) and all(map(math.isfinite, values))
+        return math.isfinite(self.residual) and all(map(math.isfinite, values))
 
-    def entropy_residue(self, least_power: float = 0.0) -> float:
-        """Return the residue over the shaft power, all that is destroyed, and all energy that is moved to and fro.
+    def entropy_residual(self, least_power: float = 0.0) -> float:
+        """Return the residual over the shaft power, all that is destroyed, and all energy that is moved to and fro.
 
-        Given that energy closes, it is the residue of the entropy balance times T_0 (docs/model.md M59); what is left
+        Given that energy closes, it is the residual of the entropy balance times T_0 (docs/model.md M59); what is left
         open of energy is in it, and so it counts against no less than that does. Powers [W] below the least one are
         rounding, as in the energy balance.
         """
         size = abs(self.shaft_power)
         for entry in self.entries.values():
             size += abs(entry.exergy_destroyed) + abs(entry.energy_moved or 0.0)
-        return abs(self.residue) / max(size, least_power, 1e-300)
+        return abs(self.residual) / max(size, least_power, 1e-300)
 
     def figures(self) -> Figures:
         """Return the totals, and the entries as `<quantity>_<effect>` (outputs.LEDGER)."""
-        residue = self.residue
+        residual = self.residual
         found: dict[str, Any] = {
             "ambient_temperature": self.T_0,
             "shaft_power": self.shaft_power,
             "gas_exergy_rise": self.of_gas,
             "oil_exergy_rise": self.of_oil,
             "exergy_destroyed": self.destroyed,
-            "residue": residue,
-            "relative_residue": residue / abs(self.shaft_power) if self.shaft_power != 0.0 else None,
+            "residue": residual,
+            "relative_residue": residual / abs(self.shaft_power) if self.shaft_power != 0.0 else None,
         }
         for name, entry in self.entries.items():
-            found |= zip(_titles(name), vars(entry).values(), strict=True)
+            found |= {f"{quantity}_{name}": value for quantity, value in vars(entry).items()}
         return Figures(found)
 
 
@@ -88,9 +87,7 @@ def ledger(of: Evaluation) -> Ledger:
     mean = discharge_enthalpy(cycle.streams)
     discharge = line if mean is None else cycle.at_discharge(mean[0])
     sucked, given = cycle.behind("suction", suction), cycle.behind("discharge", discharge)
-    moved, heats, oil = (
-        cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind("discharge", line).s)
-    )
+    moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind("discharge", line).s))
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
     book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
@@ -113,12 +110,6 @@ def _acting(cycle: Cycle) -> Iterator[str]:
     for name, items in cycle.parts.effects.items():
         if not (items and all(isinstance(part, Reading) for part in items)):
             yield name
-
-
-@cache
-def _titles(name: str) -> tuple[str, ...]:
-    """Return what the figures of an entry are called."""
-    return tuple(f"{quantity}_{name}" for quantity in vars(Entry()))
 
 
 def _losses(book: Book, cycle: Cycle) -> None:

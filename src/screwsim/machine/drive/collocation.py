@@ -104,8 +104,8 @@ def sizes(x: Array, omega: float) -> Array:
     return np.repeat(sizes, [POINTS, POINTS, 1])
 
 
-def residue(train: Train, x: Array, torque: Array, omega: float) -> Array:
-    """Return the residues of M210 at all points, and of the mean speed or of the given no-load speed."""
+def residual(train: Train, x: Array, torque: Array, omega: float) -> Array:
+    """Return the residuals of M210 at all points, and of the mean speed or of the given no-load speed."""
     n, D = POINTS, differentiation(train.pitch)
     u, twist, no_load = x[:n], x[n : 2 * n], float(x[-1])
     rate = D @ (twist - twist.mean())  # D takes a constant to none but for rounding

@@ -16,7 +16,7 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.machine.drive import collocation
-from screwsim.machine.drive.collocation import POINTS, differentiation, residue, sizes
+from screwsim.machine.drive.collocation import POINTS, differentiation, residual, sizes
 from screwsim.machine.drive.linear_coupling import LinearCoupling
 from screwsim.machine.drive.train import Train
 from screwsim.numerics.periodic import Anderson
@@ -64,11 +64,6 @@ class Response:
     def power(self, torque: Array, speed: Array) -> float:
         """Return the mean over time of torque × speed [W]."""
         return float(np.mean(torque * speed / self.speed)) * self.mean_speed
-
-    @property
-    def worst_twist(self) -> float:
-        """Return the twist of largest magnitude [rad]."""
-        return float(self.twist[np.argmax(np.abs(self.twist))])
 
 
 def respond(train: Train, load: Array, omega: float, near: Response | None = None) -> Response:
@@ -142,7 +137,7 @@ def _newton(train: Train, x: Array, torque: Array, omega: float, left: list[int]
     for _ in range(min(MOST_STEPS, left[0])):
         left[0] -= 1
         try:
-            change = np.linalg.solve(collocation.jacobian(train, x, omega), -residue(train, x, torque, omega))
+            change = np.linalg.solve(collocation.jacobian(train, x, omega), -residual(train, x, torque, omega))
         except np.linalg.LinAlgError:
             return None
         if not np.isfinite(change).all():
@@ -169,7 +164,7 @@ def _by_harmonics(train: Train, x: Array, torque: Array, omega: float) -> Array 
     linear, means, scale = collocation.linearised(train, x), collocation.linearised_mean(train, x), sizes(x, omega)
     before = 0.0
     for _ in range(MOST_CORRECTIONS):
-        left = residue(train, x, torque, omega)
+        left = residual(train, x, torque, omega)
         spectra = collocation.spectra_of(left[:-1].reshape(2, n))
         mean = np.linalg.solve(means, [*(spectra[:, 0].real / n), left[-1]])
         change = -np.append(collocation.solved(linear, spectra) + mean[:2, None], mean[2])

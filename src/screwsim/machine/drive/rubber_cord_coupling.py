@@ -186,15 +186,13 @@ class RubberCordCoupling:
 
 def check_coupling(coupling: RubberCordCoupling) -> list[Fault]:
     """Return the faults of a coupling: radii in the wrong order, cords that lie along the circle."""
-    faults = []
-    if coupling.outer_radius <= coupling.inner_radius:
-        faults.append(Fault("coupling.outer_radius", "is not above inner_radius (choose a larger one)"))
-    faults += [
+    wrong = coupling.outer_radius <= coupling.inner_radius
+    faults = [Fault("coupling.outer_radius", "is not above inner_radius (choose a larger one)")] if wrong else []
+    return faults + [
         Fault(f"coupling.{name}", f"{math.degrees(lean):.6g} deg is not below 90 deg (choose a smaller angle)")
         for name, lean in (("lean_plus", coupling.lean_plus), ("lean_minus", coupling.lean_minus))
         if lean >= 0.5 * math.pi
     ]
-    return faults
 
 
 class Crossings(NamedTuple):

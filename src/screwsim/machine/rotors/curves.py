@@ -19,9 +19,9 @@ from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import Rotors
 from screwsim.machine.rotors.sections import TURN
 
-STEP = np.radians(0.5)  # of the tables, between knots, at most
+STEP = np.radians(0.5)  # of the tables, between breakpoints, at most
 OVERLAP = np.radians(20.0)  # before suction closes: from there on paths on the suction side count (`profile_law`)
-TOGETHER = 1e-6  # rad: knots as close as that are one
+TOGETHER = 1e-6  # rad: breakpoints as close as that are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class Curve:
     angle: Array
     value: Array
     unit: str
-    knots: tuple[float, ...]
+    breakpoints: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class Path:
     def behind(self) -> Curve:
         """The curve over the trailing chamber's angle (negative where that one is not yet born)."""
         shift, c = self.offset * self.pitch, self.curve
-        return Curve(c.angle - shift, c.value, c.unit, tuple(knot - shift for knot in c.knots))
+        return Curve(c.angle - shift, c.value, c.unit, tuple(at - shift for at in c.breakpoints))
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,16 +66,16 @@ class Curves:
     discharge_opens: float
 
 
-def _grid(rotors: Rotors, knots: list[float]) -> tuple[Array, tuple[float, ...]]:
-    """Return angles φ over the life [rad], evenly spaced between knots that lie in it, and these knots as own angles.
+def _grid(rotors: Rotors, breakpoints: list[float]) -> tuple[Array, tuple[float, ...]]:
+    """Return angles φ over the life [rad], evenly spaced between breakpoints that lie in it, and these as own angles.
 
-    The number of intervals between knots is even, so that every second angle has all of them, too.
+    The number of intervals between breakpoints is even, so that every second angle has all of them, too.
     """
     start, end = rotors.start, rotors.wrap
     inside = [start]
-    for knot in sorted(knots):
-        if inside[-1] + TOGETHER < knot < end - TOGETHER:
-            inside.append(knot)
+    for at in sorted(breakpoints):
+        if inside[-1] + TOGETHER < at < end - TOGETHER:
+            inside.append(at)
     parts = [
         np.linspace(low, high, 2 * math.ceil(0.5 * (high - low) / STEP) + 1)[:-1]
         for low, high in itertools.pairwise([*inside, end])
@@ -83,20 +83,20 @@ def _grid(rotors: Rotors, knots: list[float]) -> tuple[Array, tuple[float, ...]]
     return np.concatenate([*parts, [end]]), tuple(np.array(inside[1:]) - start)
 
 
-def _curve(rotors: Rotors, knots: list[float], unit: str, function) -> Curve:
-    phi, kept = _grid(rotors, knots)
+def _curve(rotors: Rotors, breakpoints: list[float], unit: str, function) -> Curve:
+    phi, kept = _grid(rotors, breakpoints)
     return Curve(phi - rotors.start, function(phi), unit, (0.0, *kept, rotors.life))
 
 
-def section_knots(rotors: Rotors) -> list[float]:
+def section_breakpoints(rotors: Rotors) -> list[float]:
     """Return the angles ψ at which the slope of the section area jumps [rad]."""
     pair, S = rotors.pair, float(rotors.chain.psi[rotors.chain.trail])
     p = pair.pitch
-    mesh = contact_knots(rotors)
+    mesh = contact_breakpoints(rotors)
     return [*(m - TURN for m in mesh), mesh[-1] - TURN - p, *mesh, -pair.beta1 - p, -pair.beta1, S]
 
 
-def contact_knots(rotors: Rotors) -> list[float]:
+def contact_breakpoints(rotors: Rotors) -> list[float]:
     """Return the angles ψ at which the contact line begins, ends, or runs along the flat [rad]."""
     chain, p = rotors.chain, rotors.pair.pitch
     S, lead = float(chain.psi[chain.trail]), float(chain.psi[chain.lead])
@@ -108,36 +108,36 @@ def _both_ends(rotors: Rotors, psi: list[float]) -> list[float]:
 
 
 def _volume_curves(rotors: Rotors) -> tuple[Curve, Curve, Curve]:
-    knots = [*_both_ends(rotors, section_knots(rotors)), rotors.largest[0]]
+    breakpoints = [*_both_ends(rotors, section_breakpoints(rotors)), rotors.largest[0]]
     cut, wrap, length = rotors.sections, rotors.wrap, rotors.length
     return (
-        _curve(rotors, knots, "m^3", rotors.volume),
-        _curve(rotors, knots, "m^3/rad", rotors.volume_slope),
-        _curve(rotors, knots, "m^3/rad", lambda phi: cut.male_slope(phi, wrap, length)),
+        _curve(rotors, breakpoints, "m^3", rotors.volume),
+        _curve(rotors, breakpoints, "m^3/rad", rotors.volume_slope),
+        _curve(rotors, breakpoints, "m^3/rad", lambda phi: cut.male_slope(phi, wrap, length)),
     )
 
 
 def _suction_curves(rotors: Rotors, closes: float) -> dict[str, Curve]:
     pair, chain, h = rotors.pair, rotors.chain, rotors.h
-    knots = [closes, closes - pair.pitch, -TURN + pair.beta1]
+    breakpoints = [closes, closes - pair.pitch, -TURN + pair.beta1]
     grooves = ports.uncovered(pair, chain, rotors.sections)
-    phi, cut = _grid(rotors, knots)[0], rotors.sections
+    phi, cut = _grid(rotors, breakpoints)[0], rotors.sections
     middle = 0.5 * (cut.psi[0] + cut.psi[-1])
     gained = np.where(phi < middle, cut.area_at(phi) / cut.grooves, 1.0)  # a chamber is born shut, whatever its grooves
     one, two = ports.radial_suction(pair, chain, phi, rotors.wrap, h, closes)
     parts = {"axial": ports.axial_suction(grooves, cut, phi, closes), "radial": gained * (one + two)}
-    return {name: _curve(rotors, knots, "m^2", lambda _, area=area: area) for name, area in parts.items()}
+    return {name: _curve(rotors, breakpoints, "m^2", lambda _, area=area: area) for name, area in parts.items()}
 
 
 def _discharge_curves(rotors: Rotors, opens: float) -> dict[str, Curve]:
     pair, chain, h = rotors.pair, rotors.chain, rotors.h
-    knots = [opens, opens + pair.pitch, rotors.wrap - pair.beta1 - pair.pitch, rotors.wrap - pair.beta1]
+    breakpoints = [opens, opens + pair.pitch, rotors.wrap - pair.beta1 - pair.pitch, rotors.wrap - pair.beta1]
     grooves = ports.uncovered(pair, chain, rotors.sections)
-    phi = _grid(rotors, knots)[0]
+    phi = _grid(rotors, breakpoints)[0]
     one, two = ports.radial_discharge(pair, chain, phi, rotors.wrap, h, opens)
     axial = ports.axial_discharge(grooves, rotors.sections, phi, rotors.wrap, opens)
     parts = {"axial": axial, "radial": one + two}
-    return {name: _curve(rotors, knots, "m^2", lambda _, area=area: area) for name, area in parts.items()}
+    return {name: _curve(rotors, breakpoints, "m^2", lambda _, area=area: area) for name, area in parts.items()}
 
 
 def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
@@ -145,12 +145,12 @@ def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
     z1, S, p = pair.male_lobes, float(chain.psi[chain.trail]), pair.pitch
     line, tips = sealing_line(pair, chain, h), (male_tip(pair, h), female_tip(pair, chain, h))
     bores = _both_ends(rotors, [edge for tip in tips for edge in (tip.start, tip.end)])
-    contact = _both_ends(rotors, [*contact_knots(rotors), S])
+    contact = _both_ends(rotors, [*contact_breakpoints(rotors), S])
     hole, back = rotors.blow_hole, rotors.suction_blow_hole
     angles = [float(x) for x in (hole.psi_male[0], S, hole.psi_female[0])]
     early = [-TURN - float(x) for x in (back.psi_male[0], back.psi_male[-1], back.psi_female[0])]
     births = [rotors.start + offset * p for offset in end_face.offsets(pair)]
-    face = [*_both_ends(rotors, [*section_knots(rotors), S - p, S]), closes - OVERLAP, *births]
+    face = [*_both_ends(rotors, [*section_breakpoints(rotors), S - p, S]), closes - OVERLAP, *births]
     phi = _grid(rotors, face)[0]
     faces = {"end": end_face.face_lengths(pair, chain, phi - wrap), "suction": end_face.face_lengths(pair, chain, phi)}
     made = [
@@ -175,15 +175,14 @@ def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
         ),
     ]
     return tuple(
-        Path(name, offset, p, _curve(rotors, [*knots, rotors.start + offset * p], unit, function))
-        for name, offset, knots, unit, function in made
+        Path(name, offset, p, _curve(rotors, [*breakpoints, rotors.start + offset * p], unit, function))
+        for name, offset, breakpoints, unit, function in made
     )
 
 
-def make_curves(rotors: Rotors, volume_ratio: float, suction_closes: float | None = None) -> Curves:
-    """Return all curves; suction closes at an own angle [rad], by default where the volume is largest."""
-    closes = rotors.largest[0] if suction_closes is None else suction_closes + rotors.start
-    opens = rotors.discharge_angle(volume_ratio)
+def make_curves(rotors: Rotors, volume_ratio: float) -> Curves:
+    """Return all curves; suction closes where the volume is largest."""
+    closes, opens = rotors.largest[0], rotors.discharge_angle(volume_ratio)
     return Curves(
         rotors.life,
         rotors.chambers,

@@ -32,7 +32,7 @@ def curves_csv(curves: Curves) -> dict[str, str]:
     files = {"volume.csv": curve_csv(curves.volume)}
     for name, parts in (("suction", curves.suction), ("discharge", curves.discharge)):
         one, two = parts["axial"], parts["radial"]
-        both = Curve(one.angle, one.value + two.value, one.unit, one.knots)
+        both = Curve(one.angle, one.value + two.value, one.unit, one.breakpoints)
         files[f"{name}_port.csv"] = curve_csv(both)
     for path in curves.paths:
         files[f"{path.name}.csv"] = curve_csv(path.behind)

@@ -1,10 +1,10 @@
-"""What a scene says of a rotor profile and its ports (typed, SI units)."""
+"""What a scene says of a rotor profile (typed, SI units)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import choice, file, number, quantity
+from screwsim.declare import choice, file, quantity
 from screwsim.faults import Fault
 
 _NEEDS = {
@@ -36,19 +36,6 @@ class Profile:
     file: str | None = file("CSV with columns x_mm, y_mm of one lobe, from root to root (kind: points)")
     curve: str = choice("what the points are: the male lobe, or the rack", ("male", "rack"), "male")
     smoothing: float = quantity("length", "length over which the tangent of the points is averaged", 0.0, ge=0.0)
-
-
-@dataclass(frozen=True)
-class Ports:
-    """Ports that the geometry cuts into the housing for a built-in volume ratio."""
-
-    volume_ratio: float = number("built-in volume ratio: largest chamber volume over that at phi_dis", gt=1.0)
-    suction_closes: float | None = quantity(
-        "angle",
-        "angle of a chamber's life at which suction closes (default: where its volume is largest)",
-        None,
-        gt=0.0,
-    )
 
 
 def check_settings(profile: Profile) -> list[Fault]:

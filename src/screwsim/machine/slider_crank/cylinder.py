@@ -40,5 +40,5 @@ class Cylinder(MachineGeometry):
 
     def volume_law(self) -> VolumeKernels:
         """Return the volume law (S5)."""
-        knots = self.settings.knots()
-        return VolumeKernels(kinematics.volume, kinematics.volume_slope, self.settings.numbers(), knots)
+        breakpoints = self.settings.breakpoints()
+        return VolumeKernels(kinematics.volume, kinematics.volume_slope, self.settings.numbers(), breakpoints)

@@ -99,20 +99,12 @@ def check_rod(rod: FlexibleRod, compression: float = 0.0) -> list[Fault]:
     """Return the faults of a rod: sizes that do not fit, large deflections, a compressive load [N] it cannot bear."""
     if rod.flexible > rod.length:
         return [Fault("rod.flexible", "is longer than the whole rod (choose at most rod.length)")]
-    faults = []
-    if rod.crank_radius > 0.15 * rod.length:
-        faults.append(
-            Fault("rod.crank_radius", "is above 0.15 of the rod: deflections are not small (choose a longer rod)")
-        )
     bearable = buckling_load(rod)
+    large = "is above 0.15 of the rod: deflections are not small (choose a longer rod)"
+    buckles = f"lets the rod buckle at {bearable:.6g} N, below the load of {compression:.6g} N"
+    faults = [Fault("rod.crank_radius", large)] if rod.crank_radius > 0.15 * rod.length else []
     if compression >= bearable:
-        faults.append(
-            Fault(
-                "rod.thickness",
-                f"lets the rod buckle at {bearable:.6g} N, below the load of {compression:.6g} N "
-                "(choose a thicker or a shorter rod)",
-            )
-        )
+        faults.append(Fault("rod.thickness", f"{buckles} (choose a thicker or a shorter rod)"))
     return faults
 
 

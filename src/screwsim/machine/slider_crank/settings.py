@@ -55,34 +55,19 @@ class SliderCrank(MachineSettings):
 
     def symbols(self) -> dict[str, float]:
         """Return the numbers [SI] that a kernel can ask for by name (docs/reference/nomenclature.md)."""
-        return {
-            "bore": self.bore,
-            "stroke": self.stroke,
-            "piston_area": self.piston_area,
-            "crank_radius": self.crank_radius,
-            "rod_length": self.rod_length,
-            "clearance": self.clearance,
-        }
+        names = ("bore", "stroke", "piston_area", "crank_radius", "rod_length", "clearance")
+        return {name: getattr(self, name) for name in names}
 
     def surface_speed(self, omega: float) -> float:
-        """Return the speed that moves the gas [m/s]: the mean piston speed."""
-        return self.mean_speed(omega)
-
-    def mean_speed(self, omega: float) -> float:
-        """Return the mean piston speed [m/s] at a crank speed [rad/s]: two strokes a turn."""
+        """Return the mean piston speed [m/s] at a crank speed [rad/s], which moves the gas: two strokes a turn."""
         return self.stroke * omega / math.pi
 
     def numbers(self) -> dict[str, float]:
         """Return the numbers behind the arguments of `kinematics.volume` and `kinematics.volume_slope`."""
-        return {
-            "V_c": self.clearance,
-            "A_piston": self.piston_area,
-            "crank": self.crank_radius,
-            "rod": self.rod_length,
-            "offset": self.offset,
-        }
+        lengths = {"crank": self.crank_radius, "rod": self.rod_length, "offset": self.offset}
+        return {"V_c": self.clearance, "A_piston": self.piston_area, **lengths}
 
-    def knots(self) -> tuple[float, ...]:
+    def breakpoints(self) -> tuple[float, ...]:
         """Return the angles [rad] of a life at which dV/dφ changes its sign; the law itself is smooth everywhere."""
         return (self.bottom - self.top,)
 

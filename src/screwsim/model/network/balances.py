@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from screwsim.model.balance import held_slope, oil_temperature_slope, temperature_slope
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements
-from screwsim.model.room import gas_mass
+from screwsim.model.oil_displacement import gas_mass
 
 KERNELS = (temperature_slope, oil_temperature_slope, held_slope, gas_mass)
 

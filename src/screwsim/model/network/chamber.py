@@ -10,13 +10,15 @@ from functools import lru_cache
 from typing import Any
 
 from screwsim.model.network import balances
+from screwsim.model.network.between import between_texts
 from screwsim.model.network.cell import BY_ANGLE, CONSTANT, Cell
 from screwsim.model.network.flows import film_flux, gap_flux, needed, place_of, port_flux, read_place
 from screwsim.model.network.network import Gap, Network
+from screwsim.model.network.places import place_texts
 from screwsim.model.network.statements import Statements, Tangent, function, slope_name
+from screwsim.model.network.steps import CONTEXT, step_texts
 from screwsim.numerics.kernel import Kernel
 
-CONTEXT = "P, TAB, R, own = context.P, context.TAB, context.R, context.own"
 KEPT = ["own[PRESSURE] = p", "own[TPT] = TpT"]
 
 
@@ -39,7 +41,9 @@ class Chamber(Cell):
     def written(self) -> list[str]:
         """Return the texts of all functions."""
         films = [self.film_flows()] if any(gap.film for gap in self.network.gaps) else []
-        return [self.rates(), self.jacobian(), self.path_flows(), self.given_off(), *films]
+        network = self.network
+        between = [*place_texts(network), *between_texts(network), *step_texts(network)]
+        return [self.rates(), self.jacobian(), self.path_flows(), self.given_off(), *films, *between]
 
     def _side(self, gap: Gap, way: str) -> tuple[str, str]:
         """Return where in E the area of a gap's side stands, and the place beyond it."""
@@ -107,7 +111,7 @@ class Chamber(Cell):
             ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', CONTEXT],
             [*self.states(), f"phase = {held}" if self.network.phases else "phase = 0"],
             [*self._body(False), *KEPT, *self._stored()],
-            ["stops__keep_at_rest(own, f)", "stops__note_end(E, own)"] if self.network.stops else [],
+            ["impacts__keep_at_rest(own, f)", "impacts__note_end(E, own)"] if self.network.stops else [],
         )
 
     def jacobian(self) -> str:
@@ -130,8 +134,8 @@ class Chamber(Cell):
             if port.one_way
         ]
         if network.stops:
-            after += [f"stops__keep_at_rest(own, {name})" for name in ("f", "f_phi")]
-            after += [f"stops__keep_rows_at_rest(own, J, {len(states)})", "stops__note_start(E, own)"]
+            after += [f"impacts__keep_at_rest(own, {name})" for name in ("f", "f_phi")]
+            after += [f"impacts__keep_rows_at_rest(own, J, {len(states)})", "impacts__note_start(E, own)"]
         return function(
             "chamber__jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)",
             ['"""Fill f, g and their derivatives by y and by phi; E_next is E at phi + delta."""', CONTEXT],
@@ -211,7 +215,7 @@ class Chamber(Cell):
         asked = {"p": "PRESSURE", "exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
         asked |= {"rho_felt": "DENSITY"} if self.network.roomed else {}
         place = [
-            "places__fill_place(FREE, y, 0, P, TAB, own, 0)",
+            "chamber__place(FREE, y, 0, P, TAB, own, 0)",
             *(f"{each} = own[{at}]" for each, at in asked.items()),
         ]
         return function(

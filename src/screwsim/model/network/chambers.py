@@ -15,10 +15,14 @@ from functools import lru_cache
 from typing import Any
 
 from screwsim.model.network import balances
+from screwsim.model.network.between import between_texts
 from screwsim.model.network.cell import CONSTANT, Cell
 from screwsim.model.network.flows import Place, place_of, read_place
 from screwsim.model.network.network import Gap, Network
+from screwsim.model.network.places import place_texts
 from screwsim.model.network.statements import Statements, Tangent, function, slope_name
+from screwsim.model.network.steps import step_texts
+from screwsim.model.network.steps_together import SIDE, held_phase, step_texts_together
 from screwsim.numerics.kernel import Kernel
 
 CONTEXT = "P, TAB, R, places, work = context.P, context.TAB, context.R, context.places, context.work"
@@ -34,7 +38,9 @@ def chambers_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel,
     """Return the functions of all chambers of a network, given by its key, and the kernels that they call."""
     network = Network(*key)
     chambers = Chambers(network)
-    return (chambers.rates(), chambers.jacobian()), (*network.kernels.values(), *chambers.tangents)
+    of_one = [*place_texts(network), *between_texts(network), *step_texts(network)]
+    texts = chambers.rates(), chambers.jacobian(), *step_texts_together(network), *of_one
+    return texts, (*network.kernels.values(), *chambers.tangents)
 
 
 def room(network: Network) -> int:
@@ -191,7 +197,7 @@ class Chambers(Cell):
         """Read what a chamber is given by the others, and on which side of the injection it stands."""
         for k, quantity in enumerate(self.network.quantities):
             to.add(f"{quantity}_between = work[j * {self.width} + {k}]")
-        to.add("side = coupled__side_of(j, P)")
+        to.add(f"side = {SIDE}")
 
     @property
     def _all(self) -> list[str]:
@@ -210,8 +216,8 @@ class Chambers(Cell):
         """Return the text of dy/dφ of all chambers, and of the rates of their quadratures."""
         network, to = self.network, Statements()
         with to.within(f"for j in range({network.chambers})"):
-            phase = f"places[{network.chambers + 1} * PLACE + j]"
-            to.add(f"places__fill_place({phase}, y, j * {self.n}, P, TAB, places, j * PLACE)")
+            phase = held_phase(network, "j")
+            to.add(f"chamber__place({phase}, y, j * {self.n}, P, TAB, places, j * PLACE)")
         to.add(*self._between(False))
         with to.within(f"for i in range({len(self._all)})"):
             to.add("g[i] = 0.0")
@@ -231,7 +237,7 @@ class Chambers(Cell):
         self.tangents += tangent.kernels
         with to.within(f"for j in range({network.chambers})"):
             to.add(f"T = y[j * {self.n}]", f"rho = y[j * {self.n} + 1]")
-            phase = f"places[{network.chambers + 1} * PLACE + j]"
+            phase = held_phase(network, "j")
             to.add(*(["phase = gas_phase(T, rho)", f"{phase} = phase"] if network.phases else ["phase = 0"]))
             to.add(*tangent.lines)
             to.add(*(f"places[j * PLACE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))

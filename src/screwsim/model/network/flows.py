@@ -71,15 +71,20 @@ def read_place(
         )
 
 
-def add_stream(to: Statements, network: Network, sums: str, stream: str, source: Place) -> None:
-    """Add a stream with the state of a place to sums."""
+def stream_terms(to: Statements, network: Network, stream: str, source: Place) -> dict[str, str]:
+    """Return what a stream with the state of a place adds to the sum of each quantity."""
     terms = {"mass": stream, "energy": f"{stream} * {source.h}"}
     if network.carried:
         to.add(f"oil = {stream} * {source.oil_ratio}")
         terms |= {"oil": "oil", "oil_heat": f"oil * {source.T_oil}"}
         if network.dissolves:
             terms["held"] = f"oil * {source.held}"
-    for quantity, term in terms.items():
+    return terms
+
+
+def add_stream(to: Statements, network: Network, sums: str, stream: str, source: Place) -> None:
+    """Add a stream with the state of a place to sums."""
+    for quantity, term in stream_terms(to, network, stream, source).items():
         to.add(f"{quantity}_{sums} += {term}")
 
 

@@ -10,10 +10,11 @@ from functools import lru_cache
 from typing import Any
 
 from screwsim.model.network import balances
-from screwsim.model.network.chamber import CONTEXT, Chamber
+from screwsim.model.network.chamber import Chamber
 from screwsim.model.network.flows import Place, place_of, read_place
 from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.statements import Statements, function
+from screwsim.model.network.steps import CONTEXT
 
 
 @lru_cache(maxsize=64)

@@ -10,6 +10,7 @@ import re
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from screwsim.model.slots import FIRST_OWN
 from screwsim.numerics.kernel import Kernel
 
 QUANTITIES = ("mass", "energy", "oil", "oil_heat", "held")  # of a stream: as many of them as there are sums
@@ -35,6 +36,12 @@ class Port:
     opening: str = ""  # call for the open share (drop, width, held, states); none where it is open by the angle alone
     one_way: int = 0
     law: Law | None = None  # in place of the nozzle's
+    narrow: bool = False
+
+    @property
+    def wide(self) -> bool:
+        """Can it hold the chamber's pressure to that of a line?"""
+        return self.number < FIRST_OWN and not self.narrow
 
 
 @dataclass(frozen=True)
@@ -75,6 +82,10 @@ class Network:
     carried: bool
     dissolves: bool
     roomed: bool
+    varies: bool = False  # do the gas's exponent and choking vary with its state?
+    supplied: bool = False  # is there oil?
+    pumped: bool = False  # does a pump feed the oil port?
+    positive: tuple[bool, ...] = ()  # are the own states, in their order?
     ports: list[Port] = field(default_factory=list)
     gaps: list[Gap] = field(default_factory=list)
     offsets: list[int] = field(default_factory=list)  # lobe pitches between neighbours that gaps join

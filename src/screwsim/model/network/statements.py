@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from screwsim.numerics.derivative import Forward
-from screwsim.numerics.kernel import Kernel, parsed
+from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed
 
 
 class Statements:
@@ -61,10 +61,10 @@ class Tangent:
         self.kernels = list(self._forward.uses.values())
         names = {alias: item.flat_name for alias, item in self._forward.uses.items()}
         for statement in found:
-            for node in ast.walk(statement):
+            for node in nodes(statement):
                 if isinstance(node, ast.Name):
                     node.id = names.get(node.id, node.id)
-        self.lines = [line for node in found for line in ast.unparse(ast.fix_missing_locations(node)).splitlines()]
+        self.lines = [line for node in found for line in unparsed(node).splitlines()]
 
     def slope(self, name: str, seed: str) -> str:
         """Return the text of the derivative of a variable behind the statements; 0.0 where there is none."""

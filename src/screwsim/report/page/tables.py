@@ -25,7 +25,7 @@ _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_versi
 
 
 class Check(NamedTuple):
-    """One residue: what, the largest over all cases, the bound, and whether it was kept."""
+    """One residual: what, the largest over all cases, the bound, and whether it was kept."""
 
     what: str
     largest: str
@@ -58,19 +58,17 @@ def _cases(count: int) -> str:
     return "1 case" if count == 1 else f"{count} cases"
 
 
-def axes(results: Results) -> list[str]:
-    """Return a line about each axis of a sweep: its words, how many values, from where to where."""
-    lines = []
+def axes(results: Results) -> Iterator[str]:
+    """Yield a line about each axis of a sweep: its words, how many values, from where to where."""
     for axis in (inner for outer in results.axis_list for inner in outer.joined or (outer,)):
         count = f"{len(axis.values)} values" if len(axis.values) > 1 else "one value"
         if not is_numeric(axis):
-            lines.append(f"{axis.path}: {count}: {', '.join(str(value) for value in axis.values)}")
+            yield f"{axis.path}: {count}: {', '.join(str(value) for value in axis.values)}"
             continue
         how, ends = shown_axis(axis), (int(np.argmin(axis.values)), int(np.argmax(axis.values)))
         low, high = (value_of(axis, end).rpartition(" = ")[2] for end in ends)
-        lines.append(f"{how.words}: {count}, {low} to {high}" if low != high else f"{how.words}: {low}")
-    lines += [f"{len(axis.values)} cases in which these vary together" for axis in results.axis_list if axis.joined]
-    return lines
+        yield f"{how.words}: {count}, {low} to {high}" if low != high else f"{how.words}: {low}"
+    yield from (f"{len(axis.values)} cases in which these vary together" for axis in results.axis_list if axis.joined)
 
 
 def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, str, str, str]]:
@@ -84,9 +82,8 @@ def figures(results: Results, shown: Selection, case: int) -> list[tuple[str, st
     return rows
 
 
-def ranges(results: Results) -> list[tuple[str, str, str, str]]:
-    """Return name, lowest, highest and largest estimated error of every figure over all cases with a result."""
-    rows = []
+def ranges(results: Results) -> Iterator[tuple[str, str, str, str]]:
+    """Yield name, lowest, highest and largest estimated error of every figure over all cases with a result."""
     there = results.status != "failed"
     for name in results.figures:
         values, about = np.where(there, results.performance[name], np.nan), results.figure(name)
@@ -94,13 +91,11 @@ def ranges(results: Results) -> list[tuple[str, str, str, str]]:
         if finite.size:
             low, high = (" ".join(engineering(about, float(end))).strip() for end in (finite.min(), finite.max()))
             errors = results.error[name][np.isfinite(results.error[name]) & there]
-            rows.append((shown_name(name), low, high, small(float(errors.max())) if errors.size else ""))
-    return rows
+            yield shown_name(name), low, high, small(float(errors.max())) if errors.size else ""
 
 
-def checks(results: Results) -> list[Check]:
-    """Return the largest residue of each balance over all cases that claim to have closed, against their bound."""
-    rows = []
+def checks(results: Results) -> Iterator[Check]:
+    """Yield the largest residual of each balance over all cases that claim to have closed, against their bound."""
     closed = results.status == "ok"
     for name in _BALANCES:
         values = np.where(closed, results.balance[name], np.nan)
@@ -108,20 +103,15 @@ def checks(results: Results) -> list[Check]:
         if there.any():
             bound = results.balance["bound"]
             kept = bool(np.all(values[there] <= bound[there]))
-            words = BALANCE[name].long_name
-            rows.append(
-                Check(words, small(float(values[there].max())), small(float(bound[there].max())), _verdict(kept))
-            )
+            largest, most = (small(float(each[there].max())) for each in (values, bound))
+            yield Check(BALANCE[name].long_name, largest, most, _verdict(kept))
     worst = [(float(np.nanmax(errors)), name) for name, errors in _errors(results)]
     if worst:
         error, name = max(worst)
         wanted = float(results.inputs["numerics_accuracy"]) if "numerics_accuracy" in results.inputs else np.nan
         words = f"largest estimated error of a figure ({shown_name(name)})"
         known = np.isfinite(wanted)
-        rows.append(
-            Check(words, small(error), small(wanted) if known else "", _verdict(error <= wanted) if known else "")
-        )
-    return rows
+        yield Check(words, small(error), small(wanted) if known else "", _verdict(error <= wanted) if known else "")
 
 
 def _verdict(kept: bool) -> str:

@@ -12,7 +12,7 @@ from screwsim.scene import Scene
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
 from screwsim.study.accuracy.cases import QUICK, Case, Extent, all_cases, omitted
-from screwsim.study.accuracy.effects import EffectCost, effect_costs, effect_names
+from screwsim.study.accuracy.effects import EffectCost, effect_costs
 from screwsim.study.accuracy.measure import Asked, Measured, NoReference, Truth, as_asked, measure, one_line, truth
 from screwsim.study.accuracy.size import Size, lobe_times, sweep_times
 from screwsim.study.progress import Progress, Silent
@@ -38,7 +38,7 @@ class Study:
 def study(scene: Scene, extent: Extent | None = None, progress: Progress | None = None) -> Study:
     """Return the study of a scene. Raises NoReference where no reference closes."""
     extent, progress = extent or Extent(), progress or Silent()
-    cases, effects = all_cases(scene, extent), effect_names(scene)
+    cases, effects = all_cases(scene, extent), list(scene.effects)
     lobe_counts = extent.lobes if ROTORS in kind_of(scene.machine).offers else ()
     jobs = 1 + len(cases) + len(extent.asked) + len(effects) + len(extent.points) + len(lobe_counts)
     progress.start(jobs, 0)

@@ -115,8 +115,8 @@ def choices(scene: Scene, extent: Extent) -> Iterator[Case]:
     for closing in ("histories", "coupled"):
         for landing in (True, False):
             how = way(asked, closing=closing, landing=landing)
-            text = f"{closing}, {'on knots' if landing else 'not on knots'}"
-            yield Case("knots", text, asked, how, scene, gas, factor=float(landing))
+            text = f"{closing}, {'on breakpoints' if landing else 'not on breakpoints'}"
+            yield Case("breakpoints", text, asked, how, scene, gas, factor=float(landing))
     for factor in extent.widths:
         how = way(asked, closing="histories", regularised=factor * WIDTH * asked)
         yield Case("regularisation", f"histories, {_times(factor)}", asked, how, scene, gas, factor)

@@ -34,11 +34,6 @@ class EffectCost:
     reason: str = ""
 
 
-def effect_names(scene: Scene) -> list[str]:
-    """Return the effects of a scene."""
-    return list(scene.effects)
-
-
 def effect_costs(scene: Scene, name: str, extent: Extent) -> EffectCost:
     """Return what one effect costs and changes: runs with it and without it in turn, medians of both."""
     rest = {key: active for key, active in scene.effects.items() if key != name}
@@ -57,37 +52,28 @@ def effect_costs(scene: Scene, name: str, extent: Extent) -> EffectCost:
     ratio = statistics.median(_time(full) / _time(less) for full, less in pairs) - 1.0
     evaluations = full.numerics.rhs_evaluations / less.numerics.rhs_evaluations - 1.0
     relative = {each: _relative(full, less, each) for each in ("shaft_power", "gas_mass_flow", "cooling_capacity")}
-    warmer, cop = _warmer(full, less), _cop(full, less)
-    costs = EffectCost(name, "ok", ratio, evaluations, _points(full, less), discharge_temperature=warmer, cop=cop)
-    return replace(costs, **relative)
+    one, other = _both(full, less, "discharge_temperature")
+    costs = EffectCost(name, "ok", ratio, evaluations, _points(full, less), discharge_temperature=one - other)
+    one, other = _both(full, less, "electrical_cop", "cop")  # on the power that the machine takes
+    return replace(costs, **relative, cop=one / other - 1.0)
 
 
 def _time(result: Result) -> float:
     return result.numerics.wall_time + result.numerics.estimating_time
 
 
+def _both(full: Result, less: Result, name: str, instead: str = "") -> tuple[float, float]:
+    """Return a figure, or another in its place, with and without the effect; NaN where one of both lacks it."""
+    one, other = (each.performance.get(name) or each.performance.get(instead or name) for each in (full, less))
+    return (np.nan, np.nan) if one is None or other is None else (one, other)
+
+
 def _points(full: Result, less: Result) -> float:
-    for name in ("isothermal_efficiency", "isentropic_efficiency"):
-        one, other = (each.performance.get(name) for each in (full, less))
-        if one is not None and other is not None:
-            return 100.0 * (one - other)
-    return np.nan
-
-
-def _warmer(full: Result, less: Result) -> float:
-    one, other = (each.performance.discharge_temperature for each in (full, less))
-    return np.nan if one is None or other is None else one - other
-
-
-def _cop(full: Result, less: Result) -> float:
-    """Return the change of the COP on the power that the machine takes: electrical with a motor, else of the shaft."""
-    one, other = (each.performance.get("electrical_cop") or each.performance.get("cop") for each in (full, less))
-    return np.nan if one is None or other is None else one / other - 1.0
+    pairs = (_both(full, less, name) for name in ("isothermal_efficiency", "isentropic_efficiency"))
+    return next((100.0 * (one - other) for one, other in pairs if not np.isnan(one)), np.nan)
 
 
 def _relative(full: Result, less: Result, name: str) -> float:
     """Return a figure over that without the effect, less one; NaN where next to nothing is left without it."""
-    one, other = (each.performance.get(name) for each in (full, less))
-    if one is None or other is None or abs(other) <= NOTHING * abs(one):
-        return np.nan
-    return one / other - 1.0
+    one, other = _both(full, less, name)
+    return one / other - 1.0 if abs(other) > NOTHING * abs(one) else np.nan

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from screwsim.figures import declaration
-from screwsim.results.atomic import replacing
+from screwsim.results.atomic import replacing, write_csv
 from screwsim.study.accuracy.measure import NAMES, Measured
 from screwsim.study.accuracy.words import competing, front, sentence
 
@@ -23,12 +22,13 @@ UNITS = {"time": "s", "estimating_time": "s", "efficiency": "percent"}
 
 def write(study: Study, folder: Path) -> list[str]:
     """Write both files and return their paths."""
-    table, data = folder / "accuracy.csv", folder / "accuracy.h5"
-    with replacing(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
-        _write_csv(study, csv.writer(file))
+    columns, data = _of_cases(study), folder / "accuracy.h5"
+    rows = zip(*columns.values(), strict=True)
+    cells = (["" if isinstance(value, float) and np.isnan(value) else value for value in row] for row in rows)
+    table = write_csv(folder / "accuracy.csv", columns, cells)
     with replacing(data) as temporary:
         _write_hdf5(study, temporary)
-    return [str(table), str(data)]
+    return [table, str(data)]
 
 
 def _columns(records: Sequence[Any], without: Sequence[str] = ()) -> dict[str, list[Any]]:
@@ -48,13 +48,6 @@ def _of_cases(study: Study) -> dict[str, list[Any]]:
     for name in dict.fromkeys(name for each in study.measured for name in each.errors):
         columns[f"error_{name}"] = [_known(each.errors.get(name)) for each in study.measured]
     return columns
-
-
-def _write_csv(study: Study, writer: Any) -> None:
-    columns = _of_cases(study)
-    writer.writerow(columns)
-    for row in zip(*columns.values(), strict=True):
-        writer.writerow("" if isinstance(value, float) and np.isnan(value) else value for value in row)
 
 
 def _write_hdf5(study: Study, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Solving one scene in a stated way: integrator, closing, tolerances, regularisation and knots, each by itself.
+"""Solving one scene in a stated way: integrator, closing, tolerances, regularisation and breakpoints, each by itself.
 
 `simulate` derives all of these from the wanted accuracy. A study of that accuracy has to set them one by one.
 """
@@ -24,7 +24,7 @@ from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.model import leases
-from screwsim.model.compose import Composition
+from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.integrators import DEFAULT, check_of
@@ -50,7 +50,7 @@ class Way:
     tolerance: float = 1e-4
     bound: float = 1e-3
     regularised: float = 1.5e-4
-    landing: bool = True  # do steps end on the knots of the laws?
+    landing: bool = True  # do steps end on the breakpoints of the laws?
 
 
 def way(accuracy: float, integrator: str = DEFAULT, closing: str = "coupled", **others: Any) -> Way:
@@ -100,7 +100,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery 
     series = Series()
     scene = replace(scene, numerics=replace(scene.numerics, integrator=how.integrator))
     problem = at_its_speed(problem_of(scene, series), series)
-    composition = replace(problem.composition, knots=_knots(problem.composition, how.landing))
+    composition = replace(problem.composition, breakpoints=_breakpoints(problem.composition, how.landing))
     at, check = problem.lines, check_of(how.integrator)
     gaps = max(at.p_s, at.p_d)  # of gaps and of ports to plenums of effects
     pressures = np.array([at.p_s, at.p_d, *(gaps for _ in range(composition.n_widths - 2))])
@@ -127,11 +127,11 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery 
     return Solved(cycle, evaluate(problem, cycle), watch.times["closing"], evaluations, int(counts[0]))
 
 
-def _knots(composition: Composition, landing: bool) -> np.ndarray:
+def _breakpoints(composition: Composition, landing: bool) -> np.ndarray:
     """Return the angles to land on: all, or only those where chambers are born, end, and oil comes in."""
     if landing:
-        return composition.knots
+        return composition.breakpoints
     P = composition.P
     jumps = np.append(np.arange(0.0, P[P_LIFE], P[P_PITCH]), (P[P_INJECTION], P[P_LIFE]))
-    near = np.abs(composition.knots[:, None] - jumps[None, :]).min(axis=1) < 1e-6
-    return composition.knots[near]
+    near = np.abs(composition.breakpoints[:, None] - jumps[None, :]).min(axis=1) < 1e-6
+    return composition.breakpoints[near]

@@ -109,7 +109,7 @@ def _short(figure: str) -> str:
 _TITLES = {
     "integrators": "Integrators, on the scene's own gas (*: none is both faster and better)",
     "back ends": "Property back ends, each against a reference of the same gas (change: of the answer)",
-    "knots": "Landing on knots of the laws, at the scene's accuracy",
+    "breakpoints": "Landing on breakpoints of the laws, at the scene's accuracy",
     "regularisation": "Width of the regularisation, over the default of the scene's accuracy",
     "regularisation alone": "The same with all else tight: the error that the regularisation itself makes",
     "closure": "Tolerance of closing, over the default of the scene's accuracy",

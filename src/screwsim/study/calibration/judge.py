@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,33 +87,31 @@ def open_combinations(
     scaled = v.T * inverse
     deviation = np.sqrt(np.sum(scaled**2, axis=1))
     correlation = (scaled @ scaled.T) / np.outer(deviation, deviation)
-    found = _weak(parameters, share, inverse, v)
+    found = list(_weak(parameters, share, inverse, v))
     found += _pairs(parameters, correlation, deviation, {path for each in found for path in each.paths})
     return tuple(map(float, share)), tuple(found)
 
 
-def _weak(parameters: Sequence[Parameter], share: Array, inverse: Array, v: Array) -> list[Combination]:
-    """Return the combinations whose singular value is small."""
-    found = []
+def _weak(parameters: Sequence[Parameter], share: Array, inverse: Array, v: Array) -> Iterator[Combination]:
+    """Yield the combinations whose singular value is small."""
     for strength, span, direction in zip(share, inverse, v, strict=True):
         if strength < WEAK:
             move = direction / direction[int(np.argmax(np.abs(direction)))]
             parts = [index for index, size in enumerate(move) if abs(size) >= SHARE]
-            found.append(_told([parameters[index] for index in parts], move[parts], float(strength), float(span)))
-    return found
+            yield _told([parameters[index] for index in parts], move[parts], float(strength), float(span))
 
 
-def _pairs(parameters: Sequence[Parameter], correlation: Array, deviation: Array, known: set[str]) -> list[Combination]:
-    """Return pairs that are strongly correlated and in no weak combination already."""
-    found = []
+def _pairs(
+    parameters: Sequence[Parameter], correlation: Array, deviation: Array, known: set[str]
+) -> Iterator[Combination]:
+    """Yield pairs that are strongly correlated and in no weak combination already."""
     for i, first in enumerate(parameters):
         for j, second in enumerate(parameters[:i]):
             r = float(correlation[i, j])
             if abs(r) > CORRELATED and not {first.path, second.path} <= known:
                 moves = np.array([1.0, r * deviation[i] / deviation[j]])
                 moves /= np.max(np.abs(moves))
-                found.append(_told([second, first], moves, float("nan"), float(max(deviation[i], deviation[j]))))
-    return found
+                yield _told([second, first], moves, float("nan"), float(max(deviation[i], deviation[j])))
 
 
 def _told(parameters: Sequence[Parameter], moves: Array, strength: float, span: float) -> Combination:

@@ -7,7 +7,7 @@ search turns back, and a difference over it is taken to the other side.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -18,10 +18,9 @@ from numpy.typing import NDArray
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene
 from screwsim.study.calibration.fit import Fit, Point
-from screwsim.study.optimum import closed
+from screwsim.study.optimum import Simulate, closed
 
 Array = NDArray[np.float64]
-Simulate = Callable[[Scene], Result]
 PENALTY = 1e4  # [uncertainties] of a figure without a solution
 STEP = 0.01  # of the bounds' distance, each way: far above the solver's noise
 

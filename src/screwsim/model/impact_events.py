@@ -1,6 +1,6 @@
 """Meetings of seat and stop under scipy's integrators, which find them as terminal events of their own.
 
-Source: docs/reference/slider-crank.md S32, S33. What happens there is that of `model.stops`: only the place is found
+Source: docs/reference/slider-crank.md S32, S33. What happens there is that of `model.impacts`: only the place is found
 otherwise.
 """
 
@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.model.impacts import LEAVES, MOVES, SEATED, STOPPED
 from screwsim.model.places import SHARP
-from screwsim.model.stops import LEAVES, MOVES, SEATED, STOPPED
 
 Array = np.ndarray
 
@@ -40,7 +40,7 @@ class Meetings:
     def begin(self, y: Array, rtol: float) -> None:
         """Set the modes at the start of a turn, from its state (changed in place)."""
         self.rtol = rtol
-        self.module.stops__begin(y, self.own, *self.around)
+        self.module.impacts__begin(y, self.own, *self.around)
 
     def watched(self, t: float, y: Array) -> list[Callable[[float, Array], float]]:
         """Return scipy's terminal events from angle t [rad] and state y on."""
@@ -61,7 +61,8 @@ class Meetings:
 
     def _leaving(self, k: int, side: float) -> Any:
         def off(t: float, state: Array) -> float:
-            return -side * self.module.stops__push_on(k, state[0], state[1], np.ascontiguousarray(state), *self.around)
+            y = np.ascontiguousarray(state)
+            return -side * self.module.impacts__push_on(k, y[0], y[1], y, *self.around)
 
         return off
 
@@ -71,7 +72,7 @@ class Meetings:
         if due != LEAVES:
             y[self.pairs[k][0]] = 0.5 * (1.0 + due)
         self.own[self.first + len(self.pairs) + k] = due
-        return bool(self.module.stops__take_event(y, self.rtol, self.own, *self.around))
+        return bool(self.module.impacts__take_event(y, self.rtol, self.own, *self.around))
 
 
 def _meeting(position: int, side: float, end: float, started: float) -> Any:

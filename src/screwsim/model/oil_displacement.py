@@ -10,14 +10,10 @@ from __future__ import annotations
 import math
 
 from screwsim.model.slots import (
-    DENSITY,
-    OIL_RATIO,
-    OIL_TEMPERATURE,
     P_C_OIL,
     P_P_SOURCE,
     P_ROOM,
     P_T_OIL,
-    PRESSURE,
     R_LOCK,
     R_PRESSURE,
     S_RHO,
@@ -65,14 +61,6 @@ def density_of(m, V, x, P):
 def locked(y, at, P):
     """Tell whether oil takes more than the share FULL of a chamber's volume."""
     return gas_share(y[at + S_RHO], y[at + S_X_OIL], P) < 1.0 - FULL
-
-
-@kernel
-def with_room(place, at, P):
-    """Let a place be felt as one where oil takes room (M107, M108)."""
-    share = gas_share(place[at + DENSITY], place[at + OIL_RATIO], P)
-    place[at + DENSITY] *= share * share
-    place[at + OIL_TEMPERATURE] += place[at + PRESSURE] * P[P_ROOM] / P[P_C_OIL]
 
 
 @kernel

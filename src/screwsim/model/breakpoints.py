@@ -1,0 +1,87 @@
+"""The angles of one life at which steps shall end: where laws are not smooth.
+
+The laws of the package's own effects state them. Those of a user's effects are sampled, whatever these state, as they
+are not known; that takes some milliseconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from screwsim.effects.base import FlowPath
+from screwsim.model.numbers import symbols_of
+from screwsim.model.parts import Parts
+from screwsim.numerics.spline import features, pack_curve
+
+Array = np.ndarray
+EVERY = math.radians(0.2)  # a feature that is narrower may be missed
+STATED = math.radians(0.5)  # from a stated breakpoint, within which no other is needed
+
+
+def breakpoints(parts: Parts, law: Any, named: Sequence[tuple[str, FlowPath]], more: Sequence[float]) -> np.ndarray:
+    """Return the angles of one life at which own or neighbours' laws are not smooth, sorted, ends included."""
+    geometry, paths = parts.geometry, [path for _, path in named]
+    own = {geometry.injection_angle, *law.breakpoints, *more}
+    for path in paths:
+        own.update(path.breakpoints)
+    shifts = {0}
+    for path in paths:
+        shifts |= {path.offset, -path.offset}
+    found = [at + shift * geometry.pitch for at in own for shift in shifts]
+    found += law.own_breakpoints
+    for path in paths:
+        found += [at + shift * geometry.pitch for at in path.own_breakpoints for shift in {0, path.offset}]
+    symbols = symbols_of(parts)
+    for name, path in named:
+        unstated = _unstated(name, path, symbols, geometry.life)
+        found += [at + shift * geometry.pitch for at in unstated for shift in {0, path.offset}]
+    # where a neighbour is born or ends
+    found += [shift * geometry.pitch + edge for shift in shifts for edge in (0.0, geometry.life)]
+    inside = sorted({0.0, geometry.life, *(at for at in found if 0.0 < at < geometry.life)})
+    kept = [inside[0]]
+    for at in inside[1:]:
+        if at - kept[-1] > 1e-7:
+            kept.append(at)
+    kept[-1] = geometry.life
+    return np.array(kept)
+
+
+def _unstated(name: str, path: FlowPath, symbols: Mapping[str, float], life: float) -> tuple[float, ...]:
+    """Return the angles [rad] of a path's features that it does not state; none of an effect of the package."""
+    if "." not in name:
+        return ()
+    angles = np.append(np.arange(0.0, life, EVERY), life)
+    areas = _areas(path, symbols, angles)
+    if areas is None or not np.all(np.isfinite(areas)) or areas.max() <= 0.0:
+        return ()
+    stated = np.array([*path.breakpoints, *path.own_breakpoints, 0.0, life])
+    return tuple(x for x in features(angles, areas) if np.min(np.abs(stated - x)) > STATED)
+
+
+def _areas(path: FlowPath, symbols: Mapping[str, float], angles: Array) -> Array | None:
+    """Return the areas [m²] of a path at angles of the chamber; None where they depend on more than the angle."""
+    TAB, known = np.zeros(1), {**symbols, **path.values}
+    for name, curve in path.tables.items():
+        known[name] = float(len(TAB))
+        TAB = np.concatenate([TAB, pack_curve(*curve)])
+    if not set(path.area.arguments) <= {*known, "phi", "TAB"}:
+        return None
+    at = angles if path.mirror is None else path.mirror - angles
+    return np.array([_area(path, _called(path.area.arguments, known, phi, TAB)) for phi in at.tolist()], float)
+
+
+def _area(path: FlowPath, arguments: Sequence[float | Array]) -> float:
+    """Return an area [m²]; NaN where Python raises what compiled code goes on with."""
+    try:
+        return path.area(*arguments)
+    except (ArithmeticError, ValueError):
+        return math.nan
+
+
+def _called(names: Sequence[str], known: Mapping[str, float], phi: float, TAB: Array) -> list[float | Array]:
+    """Return the arguments of an area's kernel at an angle [rad]."""
+    return [phi if name == "phi" else TAB if name == "TAB" else known[name] for name in names]

@@ -1,0 +1,95 @@
+"""P and TAB: which number of a scene stands where, and which kernels can ask for by name."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from screwsim.model.parts import Parts
+from screwsim.model.slots import OIL_NUMBERS, P_FIRST_OIL
+from screwsim.numerics.spline import pack_curve
+
+# names that a kernel has for the numbers of the injection orifice
+BORE = {"viscosity": "oil_viscosity", "diameter": "bore_diameter", "length": "bore_length", "number": "bore_count"}
+BORE |= {"separator_pressure": "separator_pressure"}
+
+# names of numbers that no kernel can ask for: of the oil's supply, and the time between two chambers
+SUPPLY, SPAN = "oil_supply.", "pitch / omega"
+
+
+@dataclass
+class Numbers:
+    """P and TAB while they are being laid out; the head of P is filled in last."""
+
+    values: list[float]
+    tables: list[np.ndarray] = field(default_factory=list)
+    named: dict[int, str] = field(default_factory=dict)  # places in P of what `operating` names
+    places: dict[str, int] = field(default_factory=dict)  # in P, by the names that the text has for them
+
+    def add(self, value: float, label: str, name: str | None = None) -> str:
+        """Return how the text reads a number, by a name made of its label; `name` is that of `operating`."""
+        self.values.append(float(value))
+        at = len(self.values) - 1
+        if name is not None:
+            self.named[at] = name
+        label = first = "P_" + (label if label.isidentifier() else re.sub(r"\W", "_", label))
+        again = 2
+        while label in self.places:
+            label, again = f"{first}_{again}", again + 1
+        self.places[label] = at
+        return f"P[{label}]"
+
+    def add_table(self, curve: tuple[np.ndarray, ...], label: str) -> str:
+        start = sum(len(table) for table in self.tables)
+        self.tables.append(pack_curve(*curve))
+        return self.add(float(start), label)
+
+    def place_of(self, cell: str) -> int:
+        """Return where in P stands what the text reads so."""
+        return self.places[cell.removeprefix("P[").removesuffix("]")]
+
+
+def symbols_of(parts: Parts) -> dict[str, float]:
+    """Return the numbers of the scene that any kernel can ask for by name (docs/reference/nomenclature.md)."""
+    settings = parts.geometry.settings
+    found = {"omega": parts.omega, "tip_speed": settings.surface_speed(parts.omega), "pitch": parts.geometry.pitch}
+    found |= settings.symbols()
+    if parts.oil is not None:
+        found["oil_density"] = parts.oil.density
+        found["oil_heat_capacity"] = parts.oil.heat_capacity
+        found["oil_room"] = 1.0 / parts.oil.density if parts.oil_room else 0.0
+        found |= {BORE[name]: value for name, value in parts.oil.supply.items() if name in BORE}
+    return found
+
+
+def operating(parts: Parts) -> dict[str, float]:
+    """Return the numbers of P that may change while machine, gas and effects stay, by names of their own."""
+    found = symbols_of(parts) | {SPAN: parts.geometry.pitch / parts.omega}
+    supply = parts.oil.supply if parts.oil is not None else {}
+    return found | {SUPPLY + name: value for name, value in supply.items()}
+
+
+def oil_places(parts: Parts) -> dict[str, int]:
+    """Return where the numbers of the oil stand in P: behind the widths of the own plenums."""
+    return {name: P_FIRST_OIL + len(parts.plenums) + i for i, name in enumerate(OIL_NUMBERS)}
+
+
+def fixed_numbers(parts: Parts) -> list[float]:
+    """Return the head of P (slots.P_OMEGA …); each own plenum has its width of the regularisation."""
+    oil, geometry = parts.oil, parts.geometry
+    head = [parts.omega, geometry.pitch, geometry.life, geometry.injection_angle]
+    head += parts.widths
+    head += [parts.widths[2] for _ in parts.plenums]
+    head += [oil.heat_capacity, oil.temperature, float("ratio" in oil.supply)] if oil is not None else [1.0, 0.0, 0.0]
+    if oil is not None and (parts.oil_room or parts.oil_port is not None):
+        room = 1.0 / oil.density if parts.oil_room else 0.0
+        loss = parts.oil_port.loss(oil.source_pressure) if parts.oil_port is not None else 0.0
+        if parts.pumped:
+            loss = 0.0  # the pump pays it
+        at_port = oil.temperature + room * (oil.source_pressure - loss) / oil.heat_capacity
+        head += [room, oil.source_pressure, at_port]
+        if parts.pumped:
+            head.append(0.0)
+    return head

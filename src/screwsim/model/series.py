@@ -1,0 +1,59 @@
+"""The compositions of a series of scenes: one that differs by its numbers alone is not written anew."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from screwsim.model.compose import compose
+from screwsim.model.composition import Composition
+from screwsim.model.numbers import fixed_numbers, operating
+from screwsim.model.parts import Parts
+
+
+class Composer:
+    """Composes the scenes of a series; one that differs from the last by its operation alone gets its text.
+
+    It gets a vector P of its own: what one solution does to its numbers, another never sees.
+    """
+
+    def __init__(self) -> None:
+        self._last: tuple[Parts, Composition] | None = None
+
+    def compose(self, parts: Parts) -> Composition:
+        """Return what `compose` does."""
+        if self._last is None or not _alike(parts, self._last[0]):
+            self._last = parts, compose(parts)
+            return self._last[1]
+        return _filled(self._last[1], parts)
+
+
+def _alike(parts: Parts, other: Parts) -> bool:
+    """Tell whether no more than `fixed_numbers`, `operating` and what the cycle makes differs.
+
+    Machine and effects must be the same objects: what is in them is not looked at.
+    """
+    if parts.geometry is not other.geometry or parts.effects is not other.effects or parts.gas != other.gas:
+        return False
+    if parts.oil_content is not other.oil_content or list(parts.plenums) != list(other.plenums):
+        return False
+    if parts.oil_content is not None and parts.plenums != other.plenums:
+        return False
+    return list(parts.made) == list(other.made) and _supplied(parts) == _supplied(other)
+
+
+def _supplied(parts: Parts) -> tuple[str, ...]:
+    """Return what of the oil decides on the structure: nothing without oil, its transport, names of its supply."""
+    return () if parts.oil is None else (parts.oil.transport, *parts.oil.supply)
+
+
+def _filled(composition: Composition, parts: Parts) -> Composition:
+    """Return a composition with the numbers of parts that are alike."""
+    recipe, head = composition.recipe, fixed_numbers(parts)
+    P = recipe.P.copy()
+    P[: len(head)] = head
+    if composition.made:
+        P[list(composition.made)] = list(parts.made.values())
+    if recipe.places:
+        named = operating(parts)
+        P[recipe.places] = [named[name] for name in recipe.names]
+    return replace(composition, P=P)

@@ -1,0 +1,98 @@
+"""Writing what a composition says of its oil: its supply, the ports through which it comes, the gas that it gives off.
+
+Source: docs/model.md M9, M30, M104, M196, M230–M233.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from screwsim.effects.base import OilGas, OilPort, OilSolution
+from screwsim.fluid import solubility
+from screwsim.fluid.orifice import orifice_flow
+from screwsim.model.network.network import identifier
+from screwsim.model.numbers import SPAN, SUPPLY
+from screwsim.model.parts import OilPart, Parts
+from screwsim.model.slots import P_DISCHARGE_WIDTH, P_OMEGA, P_PITCH
+from screwsim.model.writing import Writer
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.spline import table_value
+
+
+def write_supply(writer: Writer, oil: OilPart | None, pitch: float, omega: float) -> None:
+    if oil is None:
+        body = ["return 0.0"]
+    elif "ratio" in oil.supply:
+        ratio = writer.numbers.add(oil.supply["ratio"], "oil_supply_ratio", SUPPLY + "ratio")
+        body = [f"return {ratio} * m"]
+    else:
+        name = "separator_pressure"
+        separator = writer.numbers.add(oil.supply[name], name, SUPPLY + name)
+        writer.text.append("")
+        call = writer.call(orifice_flow, oil.supply, {}, ("dp",), SUPPLY)
+        span = f"P[{P_PITCH}] / P[{P_OMEGA}]"
+        if not writer.slow:
+            span = writer.numbers.add(pitch / omega, "pitch_over_omega", SPAN)
+        body = [f"dp = {separator} - p", f"return {call} * {span}"]
+    writer.function("injected_oil(p, m, P)", body)
+
+
+def write_ports(writer: Writer, parts: Parts, port: OilPort, trapped: int) -> None:
+    if parts.pumped:
+        assert port.pumped is not None and parts.oil is not None
+        ratio = writer.numbers.add(parts.oil.supply["ratio"], "oil_supply_ratio", SUPPLY + "ratio")
+        call = writer.call(port.pumped, port.values, {}, ("phi", "TAB"))
+        slow = f"{writer.slow} * " if writer.slow else ""
+        inflow = f"P[{trapped}] * {ratio} * {call}"
+        writer.network.inflow = f"slow * {inflow}" if slow else inflow
+        inflow = slow + inflow
+        writer.function("oil_inflow(phi, p, P, TAB)", [f"return {inflow}"])
+        return
+    call, width = writer.call(port.flow, port.values, {}, ("phi", "p", "width")), f"width = P[{P_DISCHARGE_WIDTH}]"
+    slow = f"{writer.slow} * " if writer.slow else ""
+    writer.network.inflow = f"slow * {call}" if slow else call
+    writer.function("oil_inflow(phi, p, P, TAB)", [width, f"return {slow}{call}"])
+
+
+def write_flash(writer: Writer, parts: Parts, oil: OilPart, part: OilGas) -> None:
+    content, state = parts.oil_content, parts.plenums[part.plenum]
+    assert content is not None
+    writer.network.gas_cell = identifier(part.plenum)
+    if isinstance(content, OilSolution):
+        write_solution(writer, oil, content)
+        return
+    curve = {"curve": (content.pressure, content.flashed)}
+    call = writer.call(table_content, {}, curve, ("p", "TAB"))
+    enthalpy = writer.numbers.add(state.h, "flash_enthalpy")
+    latent = writer.numbers.add(content.latent / oil.heat_capacity, "flash_latent")
+    writer.network.flash = call, enthalpy, latent
+
+
+def write_solution(writer: Writer, oil: OilPart, content: OilSolution) -> None:
+    """Write what a chamber's oil gives off over time, and its entropy (M230–M233)."""
+    z, s, rise = content.log_held, content.entropy, content.slope
+    rates = {"release": content.release, "uptake": content.uptake, "c_oil": oil.heat_capacity}
+    values = {"enthalpy": content.enthalpy, **rates}
+    back = slice(None, None, -1)  # entropy falls as more is dissolved
+    curve = {"curve": (s[back], z[back], _ends(1.0 / rise[back]))}
+    free = ("m_oil", "w", "s", "h", "T_oil", "TAB")
+    call = writer.call(solubility.given_off, values, curve, free)
+    head, _, given = call.partition("(")
+    assert given.startswith("m_oil, w, ")
+    inside = "slow * m_oil, w_gas, " if writer.slow else "m_oil, w_gas, "
+    writer.network.release = f"{head}({inside}{given.removeprefix('m_oil, w, ')}"
+    writer.network.supply_holds = writer.numbers.add(content.supply, "dissolved_in_supply")
+    tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest, _ends(-rise - content.rest))}
+    call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"))
+    writer.function("solution_entropy(w, P, TAB)", [f"return {call}"])
+
+
+def _ends(slope: np.ndarray) -> np.ndarray:
+    """Return the slopes at both ends of each interval, shape (n - 1, 2), from those of the rows."""
+    return np.column_stack([slope[:-1], slope[1:]])
+
+
+@kernel
+def table_content(p, TAB, curve):
+    """Return the gas that flashes of a kilogram of oil at pressure p, from the table at index `curve` of TAB (M196)."""
+    return table_value(p, TAB, curve)
