@@ -23,24 +23,27 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as a shell's job in the
 
 # scripts/test gives each process whole files, in this order: those that take longest come first, so that none is last
 LONGEST = (
-    "tests/study/test_accuracy_kept.py",
     "tests/hard/test_fuzz.py",
+    "tests/report/test_browser.py",
     "tests/hard/test_hard_cases.py",
+    "tests/hard/test_mutate.py",
+    "tests/study/test_accuracy_kept.py",
+    "tests/study/test_cluster.py",
     "tests/report/test_report.py",
     "tests/validation/test_sources.py",
-    "tests/study/test_cluster.py",
-    "tests/model/test_jacobian.py",
-    "tests/laws/test_line_valve.py",
-    "tests/laws/test_side_by_side.py",
     "tests/cli/test_process.py",
-    "tests/model/test_checked.py",
-    "tests/report/test_browser.py",
-    "tests/machine/rotors/test_solids.py",
-    "tests/hard/test_mutate.py",
-    "tests/laws/test_plausible.py",
+    "tests/study/test_kills.py",
     "tests/study/test_sweep.py",
-    "tests/study/test_accuracy.py",
+    "tests/laws/test_line_valve.py",
+    "tests/model/test_jacobian.py",
     "tests/hard/test_alike.py",
+    "tests/study/test_culprits.py",
+    "tests/model/test_checked.py",
+    "tests/laws/test_side_by_side.py",
+    "tests/results/test_results.py",
+    "tests/study/test_accuracy.py",
+    "tests/report/test_rotors.py",
+    "tests/laws/test_plausible.py",
 )
 YOUNG = 50_000  # objects made between two searches for garbage; Python's own number is 700
 

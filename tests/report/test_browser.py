@@ -63,61 +63,94 @@ def pages(tmp_path_factory):
     return made
 
 
+@pytest.fixture(scope="module")
+def window(browser):
+    """Return the one window in which pages are opened after each other: its process keeps the library compiled."""
+    context = browser.new_context()
+    yield context.new_page()
+    context.close()
+
+
+IN_ITS_COLOURS = (
+    "Array.from(document.querySelectorAll('.chart'))"
+    ".every((chart) => !chart.layout || chart.layout.font.color === colour('text'))"
+)
+
+
 class Seen:
     """A page that is open, what it complained of, and what it asked for."""
 
-    def __init__(self, browser, path, scheme="light", size="desktop"):
+    def __init__(self, window, path, scheme="light", size="desktop"):
         width, height = SIZES[size]
-        self.context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
-        self.page = self.context.new_page()
+        self.page = window
         self.complaints, self.asked = [], []
-        self.page.on("console", lambda message: self.complaints.append(message.text))
-        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
-        self.page.on("request", lambda request: self.asked.append(request.url))
-        self.page.goto(f"file://{path}")
-        self.page.wait_for_selector("html[data-ready=yes]")
+        self.heard = {
+            "console": lambda message: self.complaints.append(message.text),
+            "pageerror": lambda error: self.complaints.append(str(error)),
+            "request": lambda request: self.asked.append(request.url),
+        }
+        for event, hear in self.heard.items():
+            window.on(event, hear)
+        window.set_viewport_size({"width": width, "height": height})
+        window.emulate_media(color_scheme=scheme)
+        window.goto(f"file://{path}")
+        window.wait_for_selector("html[data-ready=yes]")
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        self.context.close()
+        for event, hear in self.heard.items():
+            self.page.remove_listener(event, hear)
+
+    def turn(self, scheme):
+        """Change the reader's theme, and wait until every drawing has the colour of its text."""
+        self.page.emulate_media(color_scheme=scheme)
+        self.page.wait_for_function(f"() => isDark() === {'true' if scheme == 'dark' else 'false'} && {IN_ITS_COLOURS}")
 
     def drawn(self, chart):
         """Return the number of points of the first curve of a drawing that have a value."""
         return self.page.evaluate(f"document.getElementById('{chart}').data[0].y.filter((y) => y !== null).length")
 
 
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(("scheme", "size"), [("light", "desktop"), ("dark", "phone")])
 @pytest.mark.parametrize("kind", FILES)
-def test_a_page_draws_without_complaint_and_fits(browser, pages, kind, scheme, size):
+def test_a_page_draws_without_complaint_and_fits(window, pages, kind, scheme, size):
+    """As it is opened, and drawn anew when its reader turns to the other theme: both themes at both sizes."""
     path, html = pages[kind]
-    with Seen(browser, html, scheme, size) as seen:
-        assert seen.complaints == []
-        assert [url for url in seen.asked if not url.startswith(("file:", "data:", "blob:"))] == []
-        assert seen.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-        if open_results(path).axis_list:
-            assert seen.page.locator("#overview .scatterlayer .point").count() > 10
-        if "angle" in open_results(path).cycle:
-            assert seen.drawn("loop") > 20 and seen.drawn("temperatures") > 20
-            assert seen.page.locator("#loop .scatterlayer path.js-line").count() >= 1
+    results = open_results(path)
+    with Seen(window, html, scheme, size) as seen:
+        draws_and_fits(seen, results)
+        seen.turn("light" if scheme == "dark" else "dark")
+        draws_and_fits(seen, results)
 
 
-def test_the_theme_is_the_reader_s(browser, pages):
-    light, dark = (
-        Seen(browser, pages["run"][1], scheme).page.evaluate(
-            "[getComputedStyle(document.body).backgroundColor, document.getElementById('loop').layout.font.color]"
-        )
-        for scheme in ("light", "dark")
-    )
+def draws_and_fits(seen, results):
+    """Require drawings without a complaint, no request to a network, and a page no wider than its window."""
+    assert seen.complaints == []
+    assert [url for url in seen.asked if not url.startswith(("file:", "data:", "blob:"))] == []
+    assert seen.page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    if results.axis_list:
+        assert seen.page.locator("#overview .scatterlayer .point").count() > 10
+    if "angle" in results.cycle:
+        assert seen.drawn("loop") > 20 and seen.drawn("temperatures") > 20
+        assert seen.page.locator("#loop .scatterlayer path.js-line").count() >= 1
+
+
+def test_the_theme_is_the_reader_s(window, pages):
+    script = "[getComputedStyle(document.body).backgroundColor, document.getElementById('loop').layout.font.color]"
+    found = []
+    for scheme in ("light", "dark"):
+        with Seen(window, pages["run"][1], scheme) as seen:
+            found.append(seen.page.evaluate(script))
+    light, dark = found
     assert light[0] != dark[0] and light[1] != dark[1]
 
 
-def test_a_click_on_a_point_shows_its_case(browser, pages):
+def test_a_click_on_a_point_shows_its_case(window, pages):
     path, html = pages["sweep with cycles"]
     results = open_results(path)
-    with Seen(browser, html) as seen:
+    with Seen(window, html) as seen:
         before = seen.page.locator("#case-words").inner_text()
         box = seen.page.locator("#overview .scatterlayer .trace").nth(2).locator(".point").nth(4).bounding_box()
         seen.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
@@ -141,21 +174,21 @@ def figures_shown(seen) -> list[tuple[str, ...]]:
     return [tuple(row) for row in seen.page.evaluate(script)]
 
 
-def test_the_script_writes_numbers_as_the_tables_do(browser, pages):
+def test_the_script_writes_numbers_as_the_tables_do(window, pages):
     values = [0.0, 1.0, -2.5, 123456.0, 99999.6, 0.00012345678, 0.00009999951, 1234.5, 1e-7, 12.0, 0.1, -31415.9265]
-    with Seen(browser, pages["run"][1]) as seen:
+    with Seen(window, pages["run"][1]) as seen:
         assert [seen.page.evaluate("(v) => general(v, 5)", value) for value in values] == [f"{v:.5g}" for v in values]
         assert [seen.page.evaluate("(v) => small(v)", value) for value in values] == [f"{v:.1e}" for v in values]
 
 
-def test_the_optima_are_those_of_the_printed_figure(browser, pages):
+def test_the_optima_are_those_of_the_printed_figure(window, pages):
     path, html = pages["sweep with cycles"]
     results = open_results(path)
     layout = layout_of(results)
     assert layout is not None
     curves = family(results, layout, {}, None, "isothermal_efficiency")
     wanted = [optimum(curve.x, curve.y) for curve in curves]
-    with Seen(browser, html) as seen:
+    with Seen(window, html) as seen:
         script = "document.getElementById('overview').data.find((t) => t.name === 'optimum')"
         x, y = (seen.page.evaluate(f"Array.from({script}.{axis})") for axis in "xy")
     # the page has float32: relative 6e-8 of η, which moves a flat top by the root of that
@@ -163,8 +196,8 @@ def test_the_optima_are_those_of_the_printed_figure(browser, pages):
     assert y == pytest.approx([best[1] for best in wanted], rel=1e-6)
 
 
-def test_every_choice_of_figure_and_view_draws(browser, pages):
-    with Seen(browser, pages["sweep without"][1]) as seen:
+def test_every_choice_of_figure_and_view_draws(window, pages):
+    with Seen(window, pages["sweep without"][1]) as seen:
         for name in seen.page.evaluate("data.figures.map((figure) => figure.name)"):
             seen.page.select_option("#figure", name)
         seen.page.select_option("#over", "shaft_power")
@@ -175,12 +208,12 @@ def test_every_choice_of_figure_and_view_draws(browser, pages):
         assert seen.complaints == []
 
 
-def test_a_design_is_drawn_as_points_and_picked_by_number(browser, tmp_path):
+def test_a_design_is_drawn_as_points_and_picked_by_number(window, tmp_path):
     from screwsim.report.page import page_of
 
     results = design(file(tmp_path / "x.h5", RATIO + CYCLE, with_ledger))
     (tmp_path / "x.html").write_text(page_of(results), encoding="utf-8")
-    with Seen(browser, tmp_path / "x.html") as seen:
+    with Seen(window, tmp_path / "x.html") as seen:
         assert seen.complaints == []
         assert seen.page.locator("#overview .scatterlayer .point").count() == 20 + 1  # and the picked one
         seen.page.fill("#picker input", "3")
@@ -192,8 +225,8 @@ def test_a_design_is_drawn_as_points_and_picked_by_number(browser, tmp_path):
         assert seen.complaints == [] and seen.drawn("overview") == 20
 
 
-def test_a_case_is_picked_from_the_keyboard(browser, pages):
-    with Seen(browser, pages["sweep with cycles"][1]) as seen:
+def test_a_case_is_picked_from_the_keyboard(window, pages):
+    with Seen(window, pages["sweep with cycles"][1]) as seen:
         first = seen.page.locator("#picker select").first
         first.focus()
         before = seen.page.evaluate("picked")
@@ -202,15 +235,15 @@ def test_a_case_is_picked_from_the_keyboard(browser, pages):
         assert first.evaluate("(select) => getComputedStyle(select).outlineStyle") != "none"
 
 
-def test_a_failed_case_says_why(browser, pages):
-    with Seen(browser, pages["sweep without"][1]) as seen:
+def test_a_failed_case_says_why(window, pages):
+    with Seen(window, pages["sweep without"][1]) as seen:
         seen.page.evaluate("pick(0)")
         assert seen.page.locator("#case-message").inner_text() == "the integration stopped"
         assert "failed" in seen.page.locator("#case-words").inner_text()
 
 
-def test_every_drawing_and_control_has_a_name(browser, pages):
-    with Seen(browser, pages["sweep with cycles"][1]) as seen:
+def test_every_drawing_and_control_has_a_name(window, pages):
+    with Seen(window, pages["sweep with cycles"][1]) as seen:
         script = "Array.from(document.querySelectorAll('{}'), (e) => {})"
         selects = seen.page.evaluate(script.format("select", "e.labels.length"))
         assert selects and all(selects)
@@ -233,14 +266,14 @@ COVERED = """() => {
 
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("kind", ["run", "sweep with cycles"])
-def test_no_label_covers_the_loop(browser, pages, kind, size):
-    with Seen(browser, pages[kind][1], size=size) as seen:
+def test_no_label_covers_the_loop(window, pages, kind, size):
+    with Seen(window, pages[kind][1], size=size) as seen:
         seen.page.wait_for_function("() => document.querySelectorAll('#loop .annotation-text-g').length === 2")
         assert seen.page.evaluate(COVERED) == []
 
 
-def test_an_expander_has_its_ledger(browser, pages):
-    with Seen(browser, pages["expander"][1]) as seen:
+def test_an_expander_has_its_ledger(window, pages):
+    with Seen(window, pages["expander"][1]) as seen:
         assert seen.complaints == []
         rows = seen.page.locator("#ledger tbody tr").all_inner_texts()
         assert rows[0].split("\t")[:3] == ["all, given by the gas", "3.141", "100.00"]
@@ -249,8 +282,8 @@ def test_an_expander_has_its_ledger(browser, pages):
         assert (words[0], words[-1]) == ("exergy that the gas gives", "power at the shaft")
 
 
-def test_a_case_that_warns_says_of_what(browser, pages):
-    with Seen(browser, pages["warned"][1]) as seen:
+def test_a_case_that_warns_says_of_what(window, pages):
+    with Seen(window, pages["warned"][1]) as seen:
         seen.page.evaluate("pick(99)")
         assert seen.page.locator("#case-words").inner_text().endswith("ok, with warnings")
         assert len(seen.page.locator("#case-warnings").inner_text().splitlines()) == 2
@@ -264,19 +297,19 @@ def test_a_case_that_warns_says_of_what(browser, pages):
         assert colours[0] != colours[1]
 
 
-def test_a_table_that_is_cut_says_so(browser, pages):
+def test_a_table_that_is_cut_says_so(window, pages):
     cut = "e.scrollWidth > e.clientWidth + 1, e.nextElementSibling.checkVisibility()"
     script = f"Array.from(document.querySelectorAll('.scroll'), (e) => [{cut}])"
-    with Seen(browser, pages["sweep with cycles"][1], size="phone") as seen:
+    with Seen(window, pages["sweep with cycles"][1], size="phone") as seen:
         found = seen.page.evaluate(script)
         assert [True, True] in found and all(cut == told for cut, told in found)
-    with Seen(browser, pages["sweep with cycles"][1]) as seen:
+    with Seen(window, pages["sweep with cycles"][1]) as seen:
         assert not any(told for _, told in seen.page.evaluate(script))
 
 
-def test_a_map_of_few_values_is_drawn_on_more(browser, pages):
+def test_a_map_of_few_values_is_drawn_on_more(window, pages):
     """The splines go through the values; the points that can be picked stay the computed ones."""
-    with Seen(browser, pages["warned"][1]) as seen:
+    with Seen(window, pages["warned"][1]) as seen:
         seen.page.select_option("#view", "map")
         contours, points = seen.page.evaluate(
             "(({x, y, z}, d) => [[x.length, y.length, z.flat().every(Number.isFinite)], d.x.length])"
@@ -290,23 +323,22 @@ def test_a_map_of_few_values_is_drawn_on_more(browser, pages):
 
 
 @pytest.mark.parametrize("size", SIZES)
-def test_the_page_of_rotors_has_the_theme_of_the_reader(browser, tmp_path, size):
+def test_the_page_of_rotors_has_the_theme_of_the_reader(window, tmp_path, size):
     laid = laid_of(load(Path(__file__).parents[2] / "configs" / "rotors" / "c.yaml"))
     (tmp_path / "rotors.html").write_text(rotors_page.page(laid, "rotors"), encoding="utf-8")
     width, height = SIZES[size]
     seen = []
     for scheme in ("light", "dark"):
-        context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
-        page = context.new_page()
-        page.goto(f"file://{tmp_path / 'rotors.html'}")
+        window.set_viewport_size({"width": width, "height": height})
+        window.emulate_media(color_scheme=scheme)
+        window.goto(f"file://{tmp_path / 'rotors.html'}")
         style = "getComputedStyle(document.body)"
-        seen.append(page.evaluate(f"[{style}.backgroundColor, {style}.color, getComputedStyle(male).fill]"))
+        seen.append(window.evaluate(f"[{style}.backgroundColor, {style}.color, getComputedStyle(male).fill]"))
         script = (
             "Array.from(graph.querySelectorAll('text'), (e) => [e.textContent, e.getBoundingClientRect().toJSON()])"
         )
-        boxes = page.evaluate(script)
-        assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
-        context.close()
+        boxes = window.evaluate(script)
+        assert window.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
         for (one, a), (other, b) in itertools.combinations(boxes, 2):
             beside = a["right"] <= b["left"] or b["right"] <= a["left"]
             assert beside or a["bottom"] <= b["top"] or b["bottom"] <= a["top"], (one, other)

@@ -181,7 +181,7 @@ print(run_sweep(scene(SCENE + GRID), "out.h5", scheduler="s.json", simulate=fake
 
 def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(reference, tmp_path, monkeypatch, capfd):
     monkeypatch.setenv("SWEEP_FAKES_PIDS", str(tmp_path / "pids"))
-    monkeypatch.setattr("screwsim.study.cluster._PATIENCE", 8.0)
+    monkeypatch.setattr("screwsim.study.cluster._PATIENCE", 3.0)  # and the worker is there before the sweep
     file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
     local = ("--scheduler-file", str(file), "--host", "127.0.0.1", "--no-dashboard")
     program = started("scheduler", "--port", "0", *local, folder=tmp_path)
@@ -196,6 +196,8 @@ def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(r
     try:
         while not file.exists():
             time.sleep(0.05)
+        with Client(json.loads(file.read_text())["address"], set_as_default=False) as client:
+            client.wait_for_workers(1, timeout=60.0)
         with pytest.raises(UsageError, match=r"the scheduler, or its connection, was lost \(start it again; the sweep"):
             run_sweep(grid_scene(), output, scheduler=str(file), simulate_many=dawdling)
     finally:

@@ -103,9 +103,12 @@ def _log_uniform(random: np.random.Generator, low: float, high: float) -> float:
     return float(math.exp(random.uniform(math.log(low), math.log(high))))
 
 
-def true_error(scene: Scene, result: Result, radau: bool = False) -> tuple[str, str, float]:
-    """Return status of the reference, the figure that differs most from it and by how much, NaN where it has none."""
-    status, better = _by_radau(scene) if radau else _by_coupling(scene)
+def true_error(scene: Scene, result: Result, radau: float | None = None) -> tuple[str, str, float]:
+    """Return status of the reference, the figure that differs most from it and by how much, NaN where it has none.
+
+    The reference is scipy's Radau where a tolerance of its steps is given.
+    """
+    status, better = _by_coupling(scene) if radau is None else _by_radau(scene, radau)
     if status != "ok":
         return status, "", math.nan
     return status, *worst(relative_errors(result.performance, better))
@@ -125,14 +128,14 @@ def _by_coupling(scene: Scene) -> tuple[str, Figures]:
     return "differs from others", Figures()
 
 
-def _by_radau(scene: Scene) -> tuple[str, Figures]:
+def _by_radau(scene: Scene, rtol: float) -> tuple[str, Figures]:
     """Return status and figures of coupled chambers under scipy's Radau, at least a thousand times finer, with hardly
     any regularisation.
     """
     accuracy = scene.numerics.accuracy
     fine = min(max(RADAU_FINER * accuracy, FINEST), COARSEST)
     # the balances of scipy's methods are as good as their steps, not kept to rounding
-    how = way(fine, "scipy-radau", rtol=RADAU, regularised=WIDTH * fine, bound=0.1 * accuracy)
+    how = way(fine, "scipy-radau", rtol=rtol, regularised=WIDTH * fine, bound=0.1 * accuracy)
     try:
         found = solve(scene, how, LIMIT)
     except WorkLimit as error:
@@ -140,14 +143,14 @@ def _by_radau(scene: Scene) -> tuple[str, Figures]:
     return found.cycle.status, found.evaluation.figures if found.cycle.status != "failed" else Figures()
 
 
-def kept(scene: Scene, changes: dict[str, Any], radau: bool = False) -> Kept:
-    """Return how a scene's figures compare with its reference."""
+def kept(scene: Scene, changes: dict[str, Any], radau: float | None = None) -> Kept:
+    """Return how a scene's figures compare with its reference: Radau where a tolerance of its steps is given."""
     result, wanted = simulate(scene, trace=False), scene.numerics.accuracy
     status, name, true = result.status, "", math.nan
     if status == "ok":
         known, name, true = true_error(scene, result, radau)
         status = "ok" if known == "ok" else f"reference {known}"
-    kind = "scipy-radau" if radau else "coupled"
+    kind = "coupled" if radau is None else "scipy-radau"
     estimated, evaluations = worst(Figures(result.error))[1], int(result.numerics.rhs_evaluations)
     return Kept(status, wanted, estimated, true, name, kind, evaluations, warns(result, wanted), changes)
 

@@ -50,7 +50,7 @@ def label_ends(axes: Any, ends: Sequence[tuple[float, float]], texts: Sequence[s
     figure = axes.figure
     if heading:
         axes.annotate(heading, (1.045, 1.02), xycoords="axes fraction", va="bottom", fontsize=SMALL)
-    figure.draw_without_rendering()
+    figure.get_layout_engine().execute(figure)  # as when it is drawn, without its lines
     box = axes.get_window_extent()
     gap = _GAP * SMALL * figure.dpi / 72.0 / box.height
     low, high = 0.4 * gap, 1.0 - 0.4 * gap

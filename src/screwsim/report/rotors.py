@@ -53,10 +53,10 @@ def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
     axes = figure.subplots()
     (mx, my), (fx, fy) = outlines(pair, chain)
     c, s = math.cos(psi), math.sin(psi)
-    axes.fill(MM * (c * mx + s * my), MM * (c * my - s * mx), facecolor=_FILL, edgecolor=COLOURS[0], linewidth=0.9)
+    _fill(axes, MM * (c * mx + s * my), MM * (c * my - s * mx), _FILL)
     c, s = math.cos(pair.k * psi), math.sin(pair.k * psi)
     x, y = A + c * fx - s * fy, s * fx + c * fy
-    axes.fill(MM * x, MM * y, facecolor="white", edgecolor=COLOURS[0], linewidth=0.9)
+    _fill(axes, MM * x, MM * y, "white")
     for centre, radius, beta, side in ((0.0, pair.male_radius, pair.beta1, 1), (A, pair.female_radius, pair.beta2, -1)):
         angle = np.linspace(beta, 2.0 * math.pi - beta, 400)
         bore = MM * (centre + side * radius * np.cos(angle)), MM * radius * np.sin(angle)
@@ -75,6 +75,16 @@ def mesh_figure(rotors: Rotors, psi: float = 0.0) -> Any:
     plain_ticks(axes.xaxis, most=9)
     plain_ticks(axes.yaxis)
     return figure
+
+
+def _fill(axes: Any, x: np.ndarray, y: np.ndarray, colour: str) -> None:
+    """Fill an outline as `axes.fill` does, which asks each of its sides for its extent: 0.8 s of a thousand points."""
+    from matplotlib.patches import Polygon
+
+    points = np.column_stack([x, y])
+    axes.add_artist(Polygon(points, facecolor=colour, edgecolor=COLOURS[0], linewidth=0.9))
+    axes.update_datalim(points)
+    axes.autoscale_view()
 
 
 def sealing_figure(rotors: Rotors) -> Any:

@@ -19,6 +19,7 @@ THIN = 0.01  # of the centre distance: thinner lobes are refused
 SEEN = 2e-4  # of the outer radius: length of the steps along a curve (10 µm at 50 mm)
 OTHER_SIZE = 2e-3  # of the radius, by which points may miss the outer diameter: a tip that is cut or rounded
 SCALED = "another size of machine takes all lengths of its profile with it"
+NEAR = 1e-2  # of the centre distance: how far points are looked for that touch
 DEEP = 1e-4  # of the centre distance: deeper interference is refused (8 µm at 80 mm; closed forms: 1e-7)
 
 
@@ -118,6 +119,8 @@ def mesh(pair: Pair, chain: Chain, angles: int = 12) -> tuple[float, float]:
     (mx, my), (fx, fy) = outlines(pair, chain)
     near = pair.centre_distance - pair.female_radius
     female = np.column_stack([fx, fy])
+    longest = max(float(np.hypot(np.diff(x), np.diff(y)).max()) for x, y in ((mx, my), (fx, fy)))
+    reach = max(NEAR * pair.centre_distance, 2.0 * longest)
     tree, gap, depth = KDTree(female), -math.inf, -math.inf
     for psi in chain.psi[0] + pair.pitch * (np.arange(angles) + 0.5) / angles:
         c, s = math.cos(psi), math.sin(psi)
@@ -125,8 +128,8 @@ def mesh(pair: Pair, chain: Chain, angles: int = 12) -> tuple[float, float]:
         close = x > near - 1e-3 * pair.centre_distance
         x, y = x[close] - pair.centre_distance, y[close]
         c, s = math.cos(pair.k * psi), math.sin(pair.k * psi)
-        distance = _signed(np.column_stack([c * x + s * y, c * y - s * x]), female, tree)
-        gap, depth = max(gap, float(distance.min())), max(depth, float(-distance.min()))
+        least = _least(np.column_stack([c * x + s * y, c * y - s * x]), female, tree, reach)
+        gap, depth = max(gap, least), max(depth, -least)
     return max(gap, 0.0), max(depth, 0.0)
 
 
@@ -141,9 +144,23 @@ def inside(points: Array, polygon: Array) -> Array:
     return np.count_nonzero(spans & right, axis=1) % 2 == 1
 
 
-def _signed(points: Array, polygon: Array, tree) -> Array:
-    """Return the distances of points from a clockwise polygon [m]: negative inside; exact near it."""
-    i = tree.query(points)[1]
+def _least(points: Array, polygon: Array, tree, reach: float) -> float:
+    """Return the least distance of points on a curve from a clockwise polygon [m]: negative inside.
+
+    The points within `reach` of a corner tell it where it is less than half of that: its sides and the steps are
+    half as long at most, so that no point is nearer, or deeper inside, unless one between there and the edge is seen.
+    """
+    away, i = tree.query(points, distance_upper_bound=reach)
+    near = np.isfinite(away)
+    if near.any():
+        least = float(_signed(points[near], polygon, i[near]).min())
+        if abs(least) < 0.5 * reach:
+            return least
+    return float(_signed(points, polygon, tree.query(points)[1]).min())
+
+
+def _signed(points: Array, polygon: Array, i: Array) -> Array:
+    """Return the distances of points from a clockwise polygon [m]: negative inside; `i`: the corners next to them."""
     best = np.full(len(points), np.inf)
     for first, second in ((i - 1, i), (i, (i + 1) % len(polygon))):
         p, d = polygon[first], polygon[second] - polygon[first]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import gzip
 import json
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -46,7 +47,14 @@ def steps(values: np.ndarray) -> dict[str, str]:
 
 def compressed(document: Any) -> str:
     """Return a JSON document, or a text, as base64 of gzip; the same bytes again for the same content."""
-    text = document if isinstance(document, str) else json.dumps(document, allow_nan=False, ensure_ascii=False)
+    if isinstance(document, str):
+        return _compressed(document)
+    return _compressed.__wrapped__(json.dumps(document, allow_nan=False, ensure_ascii=False))
+
+
+@lru_cache(maxsize=1)
+def _compressed(text: str) -> str:
+    """Return a text as base64 of gzip; the last is kept: every page has the same library, which takes half a second."""
     return base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode()
 
 
