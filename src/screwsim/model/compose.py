@@ -13,7 +13,7 @@ import numpy as np
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
 from screwsim.fluid import nozzle
-from screwsim.model import impacts, ledger, slots
+from screwsim.model import impacts, ledger, slots, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
 from screwsim.model.composition import Composition, Recipe
 from screwsim.model.module_text import module_text
@@ -32,23 +32,7 @@ from screwsim.model.slots import (
     PLACE,
     R_SIZE,
 )
-from screwsim.model.writing import (
-    Writer,
-    scales,
-    write_areas,
-    write_gas,
-    write_heat,
-    write_laws,
-    write_openings,
-    write_own_states,
-    write_pulsations,
-    write_resistances,
-    write_speed,
-    write_stops,
-    write_volume,
-    write_walls,
-)
-from screwsim.model.writing_oil import write_flash, write_ports, write_supply
+from screwsim.model.writing import Writer, scales
 
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
@@ -147,31 +131,31 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
     """Write what the composition has of its own, and put the calls of its kernels into the network."""
     network, geometry, oil, port = writer.network, parts.geometry, parts.oil, parts.oil_port
     ports, between_chambers = [path for _, path in plenum], [path for _, path in gaps]
-    write_gas(writer, parts.gas)
-    write_volume(writer, geometry.volume_law())
+    writing.write_gas(writer, parts.gas)
+    writing.write_volume(writer, geometry.volume_law())
     if parts.shaft is not None:
-        write_speed(writer, geometry.pitch)
+        writing.write_speed(writer, geometry.pitch)
     factors = scales(writer, parts)
-    write_areas(writer, "plenum_area", plenum, factors)
-    write_areas(writer, "gap_area", gaps, factors)
-    write_heat(writer, [part for _, part in parts.all(HeatRate)])
-    write_walls(writer, [wall for _, wall in parts.walls])
-    write_pulsations(writer, parts)
-    write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
+    writing.write_areas(writer, "plenum_area", plenum, factors)
+    writing.write_areas(writer, "gap_area", gaps, factors)
+    writing.write_heat(writer, [part for _, part in parts.all(HeatRate)])
+    writing.write_walls(writer, [wall for _, wall in parts.walls])
+    writing.write_pulsations(writer, parts)
+    writing_oil.write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
     if port is not None:
-        write_ports(writer, parts, port, oil_places(parts)["P_TRAPPED"])
+        writing_oil.write_ports(writer, parts, port, oil_places(parts)["P_TRAPPED"])
     if parts.oil_gas is not None:
         assert oil is not None
-        write_flash(writer, parts, oil, parts.oil_gas)
-    write_laws(writer, ports, network.ports)
-    write_laws(writer, between_chambers, network.gaps)
-    write_resistances(writer, between_chambers)
+        writing_oil.write_flash(writer, parts, oil, parts.oil_gas)
+    writing.write_laws(writer, ports, network.ports)
+    writing.write_laws(writer, between_chambers, network.gaps)
+    writing.write_resistances(writer, between_chambers)
     if network.own_states:
-        write_own_states(writer, [part for _, part in parts.all(ChamberState)], network.states)
+        writing.write_own_states(writer, [part for _, part in parts.all(ChamberState)], network.states)
     if any(path.opening is not None for path in ports):
-        write_openings(writer, ports, network.states)
+        writing.write_openings(writer, ports, network.states)
     if network.stops:
-        write_stops(writer, [part for _, part in parts.all(Stops)], network.states)
+        writing.write_stops(writer, [part for _, part in parts.all(Stops)], network.states)
     resting = (impacts.keep_at_rest, impacts.keep_rows_at_rest, impacts.note_end, impacts.note_start)
     called = (*balances.KERNELS, *places.KERNELS, *between.KERNELS, *steps.step_kernels(network), nozzle.flow)
     for each in (*called, *(resting if network.stops else ())):

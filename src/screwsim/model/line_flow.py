@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from screwsim.model.chamber import surroundings
 from screwsim.model.slots import (
     CHAMBERS,
     E_VOLUME,
@@ -26,6 +25,7 @@ from screwsim.model.slots import (
     path_flows,
     plenum_area,
 )
+from screwsim.model.surroundings import around_chamber
 from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel
 
@@ -83,7 +83,7 @@ def into_lines(times, dense, steps, context, n_e, into, volume):
         inward = phi + ASIDE
         i = locate(phi, inward, times, steps, i)
         read(phi, times, dense, i, y)
-        surroundings(phi, inward, context, E)
+        around_chamber(phi, inward, context, E)
         path_flows(y, E, context, flows)
         theta = (phi - times[i]) / (times[i + 1] - times[i])
         slope = P[P_OMEGA] * mass_rate(theta, i, times, dense, E, y, P)

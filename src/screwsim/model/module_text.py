@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from screwsim.model import chamber, closing_ports, coupled, ledger, line_flow, places, trace
+from screwsim.model import closing_ports, ledger, line_flow, places, surroundings, trace
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
@@ -13,8 +13,8 @@ from screwsim.numerics.kernel import HEADER, Kernel, flatten
 ASKED = ("rates", "jacobian", "error_size", "share_in_phase", "conserve", "at_breakpoint", "jump")  # and written
 ONE = {name: f"chamber__{name}" for name in ASKED}
 ALL = {name: f"chambers__{name}" for name in (*ASKED, "keep_places")}
-KERNELS = {"surroundings": chamber.surroundings, "keep_places": places.keep_places, "lands": closing_ports.lands}
-ALL_KERNELS = {"surroundings": coupled.all_surroundings, "lands": closing_ports.all_lands}
+KERNELS = {"surroundings": surroundings.around_chamber, "keep_places": places.keep_places, "lands": closing_ports.lands}
+ALL_KERNELS = {"surroundings": surroundings.around_chambers, "lands": closing_ports.all_lands}
 
 # what histories are put in place with, and what closed cycles are read with
 READ_WITH = (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from screwsim.model.chamber import SIDE, surroundings
 from screwsim.model.slots import (
     E_AREAS,
     E_VOLUME,
@@ -28,6 +27,7 @@ from screwsim.model.slots import (
     volume_at,
     volume_slope_at,
 )
+from screwsim.model.surroundings import SIDE, around_chamber
 from screwsim.model.within import NODES, POINTS, WEIGHTS, flows_within
 from screwsim.numerics.history import locate, read
 from screwsim.numerics.kernel import kernel
@@ -74,7 +74,7 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
         inward = phi - 1e-6 if a == angles.shape[0] - 1 else phi + 1e-6
         i = locate(phi, inward, times, steps, i)
         read(phi, times, dense, i, y)
-        surroundings(phi, inward, context, E)
+        around_chamber(phi, inward, context, E)
         theta = (phi - times[i]) / (times[i + 1] - times[i])
         before = quads[i - 1, 0] if i > 0 else 0.0
         out[a, 0] = E[E_VOLUME]
@@ -105,7 +105,7 @@ def oil_films(angles, times, dense, steps, context, n_e, out):
         inward = phi - 1e-6 if a == angles.shape[0] - 1 else phi + 1e-6
         i = locate(phi, inward, times, steps, i)
         read(phi, times, dense, i, y)
-        surroundings(phi, inward, context, E)
+        around_chamber(phi, inward, context, E)
         film_flows(y, E, context, out[a])
 
 

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from screwsim.model.chamber import surroundings
 from screwsim.model.slots import P_OMEGA, balanced, given_off, mass_rate, path_flows
+from screwsim.model.surroundings import around_chamber
 from screwsim.numerics.history import read
 from screwsim.numerics.kernel import kernel
 
@@ -25,7 +25,7 @@ def flows_within(theta, step, times, dense, context, E, y, flows):
     h = times[step + 1] - times[step]
     phi = times[step] + theta * h
     read(phi, times, dense, step, y)
-    surroundings(phi, times[step] + 0.5 * h, context, E)
+    around_chamber(phi, times[step] + 0.5 * h, context, E)
     path_flows(y, E, context, flows)
     dm = P[P_OMEGA] * mass_rate(theta, step, times, dense, E, y, P)
     balanced(flows, dm - given_off(y, phi, E, own, P, TAB), E, own, R, P)

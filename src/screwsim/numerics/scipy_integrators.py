@@ -7,7 +7,6 @@ with an absolute tolerance from their scale.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from itertools import pairwise
 from typing import Any, Protocol
 
@@ -38,32 +37,6 @@ class Path:
             c3 = h * slopes[i] - rise
             self.dense.append(np.array([y[i], y[i + 1], c3, rise - h * slopes[i + 1] - c3]))
             self.times.append(float(t[i + 1]))
-
-
-@cache
-def _radau() -> Any:
-    """Return scipy's Radau with LAPACK called directly: scipy's wrappers take longer than systems so small."""
-    from scipy.integrate import Radau
-    from scipy.linalg import get_lapack_funcs
-
-    factor_and_solve = {kind: get_lapack_funcs(("getrf", "getrs"), dtype=kind) for kind in (np.float64, np.complex128)}
-
-    class Direct(Radau):
-        def __init__(self, *given: Any, **named: Any) -> None:
-            super().__init__(*given, **named)
-            self.lu, self.solve_lu = self._factored, self._solved
-
-        def _factored(self, A: Array) -> tuple[Array, Array]:
-            self.nlu += 1
-            factor, _ = factor_and_solve[A.dtype.type]
-            found, pivots, _ = factor(np.asarray_chkfinite(A), overwrite_a=True)
-            return found, pivots
-
-        def _solved(self, factors: tuple[Array, Array], b: Array) -> Array:
-            _, solve = factor_and_solve[factors[0].dtype.type]
-            return solve(*factors, np.asarray_chkfinite(b))[0]
-
-    return Direct
 
 
 Slopes = Callable[[float, float, Array], Array]
@@ -102,7 +75,6 @@ def integrate(
     n = len(y)
     z = np.concatenate([y, np.zeros(len(q_scale))])
     path = Path()
-    method: Any = _radau() if check.method == "Radau" else check.method
     held = np.empty(n)  # one array for all calls: compiled code finds it where it was
     for start, end in pairwise(breakpoints):
         middle = 0.5 * (start + end)
@@ -126,7 +98,7 @@ def integrate(
         while going and at < end:
             if events is not None:
                 extra["events"] = events.watched(at, z[:n])
-            found = solve_ivp(slopes_at, (at, end), z, method, rtol=rtol, atol=atol, **extra)
+            found = solve_ivp(slopes_at, (at, end), z, check.method, rtol=rtol, atol=atol, **extra)
             path.calls += found.nfev
             path.jacobians += found.njev
             slopes = np.array([slopes_at(t, state) for t, state in zip(found.t, found.y.T, strict=True)])

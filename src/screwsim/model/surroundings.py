@@ -1,15 +1,15 @@
-"""One chamber among neighbours whose histories are known: its surroundings.
+"""Surroundings of chambers: what depends on the angle alone, and of one among neighbours what these do.
 
-Source: docs/model.md M1–M13. What the neighbours do is read from histories: those ahead from the last turn, those
-behind from the turn being integrated, which has passed their angle already.
-
-A context is a `contexts.ChamberContext`.
+Source: docs/model.md M1–M13, M24. What neighbours do is read from histories: those ahead from the last turn, those
+behind from the turn being integrated, which has passed their angle already. Of all chambers together, over one lobe
+pitch, chamber j stands at s + j pitch. A context is one of `contexts`.
 """
 
 from __future__ import annotations
 
 from screwsim.model.places import angle_terms, read_neighbour
 from screwsim.model.slots import (
+    CHAMBERS,
     E_AREAS,
     GAP_OFFSET,
     N_GAPS,
@@ -19,6 +19,7 @@ from screwsim.model.slots import (
     P_LIFE,
     P_PITCH,
     PLACE,
+    all_lines_at,
     beyond_last,
     gap_area,
     lines_at,
@@ -29,7 +30,7 @@ SIDE = PLACE + 1  # a neighbour in E: its place, and whether it is the discharge
 
 
 @kernel
-def surroundings(phi, middle, context, E):
+def around_chamber(phi, middle, context, E):
     """Fill E for a chamber at phi: own angle terms, areas of all gaps on both sides, places of the neighbours."""
     P, TAB, R, kept, hints, state = context.P, context.TAB, context.R, context.kept, context.hints, context.state
     t_old, d_old, t_new, d_new = context.t_old, context.d_old, context.t_new, context.d_new
@@ -59,3 +60,16 @@ def surroundings(phi, middle, context, E):
                 read_neighbour(phi - shift, middle - shift, t_new, d_new, kept[0], hints, 2 * o + 1, P, R, state, E, at)
             else:
                 read_neighbour(phi - shift, middle - shift, t_old, d_old, kept[1], hints, 2 * o + 1, P, R, state, E, at)
+
+
+@kernel
+def around_chambers(s, middle, context, E):
+    """Fill E for all chambers, the first at angle s: angle terms and, for the trailing side, areas of the gaps."""
+    P, TAB, R = context.P, context.TAB, context.R
+    size = E_AREAS + N_PLENUM + N_GAPS
+    for j in range(CHAMBERS):
+        phi = s + j * P[P_PITCH]
+        angle_terms(phi, middle + j * P[P_PITCH], P, TAB, E, j * size)
+        for i in range(N_GAPS):
+            E[j * size + E_AREAS + N_PLENUM + i] = gap_area(i, phi, P, TAB)
+    all_lines_at(s, P, R, E)
