@@ -65,13 +65,11 @@ Bounds = tuple[float | None, float | None]
 ANY: Bounds = (None, None)
 
 
-def _field(
-    kind: str, default: Any, optional: bool, doc: str, hardly: Bounds = ANY, remedy: str = "", **limits: Any
-) -> Any:
+def _field(kind: str, default: Any, doc: str, hardly: Bounds = ANY, remedy: str = "", **limits: Any) -> Any:
     metadata = {
         "kind": kind,
         "doc": doc,
-        "optional": optional,
+        "optional": default is None,
         "hardly": hardly,
         "remedy": remedy,
         "limits": {name: value for name, value in limits.items() if value is not None},
@@ -92,24 +90,24 @@ class Limits(TypedDict, total=False):
     remedy: str
 
 
-def quantity(kind: str, doc: str, default: Any = REQUIRED, *, optional: bool = False, **limits: Unpack[Limits]) -> Any:
+def quantity(kind: str, doc: str, default: Any = REQUIRED, **limits: Unpack[Limits]) -> Any:
     """Declare a dimensional input of a kind of `KINDS`; default, limits and what it hardly is beyond in SI units.
 
     `remedy` is what to write in place of a value that is out of range.
     """
     if kind not in KINDS:
         raise ValueError(f"unknown kind of quantity {kind!r}; known: {', '.join(KINDS)}")
-    return _field(kind, default, optional or default is None, doc, **limits)
+    return _field(kind, default, doc, **limits)
 
 
-def number(doc: str, default: Any = REQUIRED, *, optional: bool = False, **limits: Unpack[Limits]) -> Any:
+def number(doc: str, default: Any = REQUIRED, **limits: Unpack[Limits]) -> Any:
     """Declare a dimensionless input."""
-    return _field("number", default, optional or default is None, doc, **limits)
+    return _field("number", default, doc, **limits)
 
 
 def count(doc: str, default: Any = REQUIRED, *, ge: int | None = None, le: int | None = None) -> Any:
     """Declare a whole number."""
-    return _field("count", default, default is None, doc, ge=ge, le=le)
+    return _field("count", default, doc, ge=ge, le=le)
 
 
 def choice(doc: str, options: tuple[str, ...], default: Any = REQUIRED, own: str | None = None) -> Any:
@@ -117,14 +115,14 @@ def choice(doc: str, options: tuple[str, ...], default: Any = REQUIRED, own: str
 
     `own` is the variable by which a module of the user's own, named with a dot, is one of them, too.
     """
-    return _field("choice", default, default is None, doc, options=options, own=own)
+    return _field("choice", default, doc, options=options, own=own)
 
 
 def word(doc: str, default: Any = REQUIRED) -> Any:
     """Declare a free text."""
-    return _field("word", default, default is None, doc)
+    return _field("word", default, doc)
 
 
 def file(doc: str, default: Any = None) -> Any:
     """Declare the path of a file, relative to the scene."""
-    return _field("file", default, default is None, doc)
+    return _field("file", default, doc)

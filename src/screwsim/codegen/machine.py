@@ -10,8 +10,6 @@ from typing import Any
 import llvmlite.binding as llvm
 
 PASSES, CODE = 1, 3  # of LLVM's levels 0 to 3: more passes take twice the time, and what they make is no faster
-
-
 _alone = threading.RLock()
 _own = threading.local()  # a thread's target
 

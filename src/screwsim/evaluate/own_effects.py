@@ -19,15 +19,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilPort, Stops
 from screwsim.model.parts import Parts
-from screwsim.model.slots import (
-    LOOSE,
-    P_PORT_WIDTH,
-    PLACE,
-    PRESSURE,
-    R_DISCHARGE,
-    R_RATIO,
-    R_SUCTION,
-)
+from screwsim.model.slots import LOOSE, P_PORT_WIDTH, PLACE, PRESSURE, R_DISCHARGE, R_RATIO, R_SUCTION
 from screwsim.model.trajectory import Trajectory
 from screwsim.model.within import NODES as GAUSS
 from screwsim.numerics.rodas import NODES, dense_value

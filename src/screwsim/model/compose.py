@@ -25,13 +25,7 @@ from screwsim.model.network.moments import moment_text
 from screwsim.model.network.network import Gap, Network, Port, identifier
 from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
-from screwsim.model.slots import (
-    E_AREAS,
-    FIRST_OWN,
-    OIL_NUMBERS,
-    PLACE,
-    R_SIZE,
-)
+from screwsim.model.slots import E_AREAS, FIRST_OWN, OIL_NUMBERS, PLACE, R_SIZE
 from screwsim.model.writing import Writer, scales
 
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name

@@ -14,10 +14,8 @@ from screwsim.model.slots import (
     E_VOLUME,
     N_PLENUM,
     P_INJECTION,
-    S_RHO,
     STORED,
     N,
-    gas_phase,
     neighbour,
     plenum_area,
     stored,
@@ -26,12 +24,11 @@ from screwsim.model.slots import (
 )
 from screwsim.numerics.history import cubic, locate, read
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.rodas import dense_coefficients, dense_value
+from screwsim.numerics.rodas import dense_value
 
 SHARP = 0.01  # of its scale: an effect's own state below it errs as if it were that large; valves amplify errors
 SOME_GAS = 1e-3  # gas per oil below which its error counts as that of so much
 SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: dry gas that meets oil takes it at once
-BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
 IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
 NO_OIL = 1e-13  # oil per gas, of either sign, that is rounding; `balance.oil_temperature_slope` has a floor above it
 
@@ -99,30 +96,3 @@ def places_along(dense, steps, context):
 def relative(error, before, after, least):
     """Return an error relative to the larger of the values at both ends of a step, or to the least that counts."""
     return abs(error) / max(abs(before), abs(after), least)
-
-
-@kernel
-def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol):
-    """Return the share of a step after which a chamber leaves the phase held; 1 where it does not, or hardly.
-
-    The state's derivatives jump there, so a step must end there. Beyond it, within the tolerance, the phase's own
-    equation goes on smoothly.
-    """
-    if gas_phase(y1[at], y1[at + S_RHO]) == int(held):
-        return 1.0
-    T3, T4 = dense_coefficients(u, at)
-    rho3, rho4 = dense_coefficients(u, at + 1)
-    low = 0.0
-    high = 1.0
-    while high - low > 1e-9:
-        middle = 0.5 * (low + high)
-        T = dense_value(middle, y0[at], y1[at], T3, T4)
-        rho = dense_value(middle, y0[at + S_RHO], y1[at + S_RHO], rho3, rho4)
-        if gas_phase(T, rho) == int(held):
-            low = middle
-        else:
-            high = middle
-    T = dense_value(high, y0[at], y1[at], T3, T4)
-    rho = dense_value(high, y0[at + S_RHO], y1[at + S_RHO], rho3, rho4)
-    beyond = max(abs(y1[at] - T) / T * max(1.0, tpt_over_p), abs(y1[at + S_RHO] - rho) / rho)
-    return 1.0 if beyond <= rtol else high + (1.0 - high) * BEYOND * rtol / beyond

@@ -8,16 +8,7 @@ from __future__ import annotations
 
 import math
 
-from screwsim.model.slots import (
-    DENSITY,
-    ENTHALPY,
-    EXPONENT,
-    FIRST_OWN,
-    OWN_PLENUMS,
-    PLACE,
-    PRESSURE,
-    line_pulse,
-)
+from screwsim.model.slots import DENSITY, ENTHALPY, EXPONENT, FIRST_OWN, OWN_PLENUMS, PLACE, PRESSURE, line_pulse
 from screwsim.numerics.kernel import kernel
 
 LOWEST = 0.1  # share of the mean pressure below which a guess of the pulsation is not followed

@@ -1,6 +1,6 @@
 """From a YAML file to a typed scene in SI units, with every fault at its line; and the grid of a sweep."""
 
-from screwsim.scene.checks import check_files, cross_check
+from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import value_at
 from screwsim.scene.grid import (
     axis_label,
@@ -13,20 +13,18 @@ from screwsim.scene.grid import (
     read_value,
     with_values,
 )
-from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
+from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.load import load, loads
 from screwsim.scene.schema import schema
 from screwsim.scene.types import Scene
 from screwsim.scene.write import scene_text
 
 __all__ = [
-    "Lines",
     "Scene",
     "axis_label",
     "case",
     "case_count",
     "case_values",
-    "check_files",
     "cross_check",
     "dimensions",
     "leaf_of",

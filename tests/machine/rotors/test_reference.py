@@ -34,6 +34,12 @@ def test_widths_of_lobe_and_flat(pairs, name):
     near(flat, column(name, 7.517, 8.510, 2.008), 3)
 
 
+def delay(cut):
+    """Return the angle [rad] that meshing takes off the linear range: ∫(1 − a/(A01 + A02)) dψ up to 0."""
+    start = float(cut.psi[np.searchsorted(cut.psi, 0.5 * (cut.psi[0] + cut.psi[-1]))])
+    return -start - float(cut.integral[-1] - cut.integral_at(np.array([start]))[0]) / cut.grooves
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_groove_areas_and_their_coefficients(pairs, name):
     rotors = pairs[name]
@@ -43,7 +49,7 @@ def test_groove_areas_and_their_coefficients(pairs, name):
     near(table["area_coefficient"][0], column(name, 0.46264, 0.47870, 0.48378), 5)
     near(table["wrap_coefficient"][0], column(name, 0.9812, 0.9784, 0.9888), 4)
     near(cut.male_share, column(name, 0.899, 0.949, 0.906), 3)
-    near(cut.delay / DEG, column(name, 55.50, 64.57, 54.08), 2)
+    near(delay(cut) / DEG, column(name, 55.50, 64.57, 54.08), 2)
     near(cut.crossing / MM**2, column(name, 134.98, 1.90, 2.95), 2)
 
 

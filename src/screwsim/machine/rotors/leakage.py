@@ -23,11 +23,6 @@ class SealingLine:
     rising: tuple[Array, Array]  # S₋₁ → S'₀: the chamber behind it fills in the same grooves, z1 pitches behind
     falling: tuple[Array, Array]  # S'₀ → S₀, over the male tip: z1 + 1 pitches behind
 
-    @property
-    def whole(self) -> float:
-        """Length of the full line of one chamber [m]."""
-        return float(self.rising[1][-1] + self.falling[1][-1])
-
     def lengths_at(self, phi: Array, wrap: float) -> tuple[Array, Array]:
         """Return the lengths [m] of both branches between the end faces, ψ ∈ [φ − τ, φ]."""
         rising, falling = (
@@ -59,11 +54,6 @@ class Helix:
     start: float
     end: float
     slope: float
-
-    @property
-    def whole(self) -> float:
-        """Length of the tip between the cusps, on rotors that are long enough [m]."""
-        return self.slope * (self.end - self.start)
 
     def length_at(self, phi: Array, wrap: float) -> Array:
         """Return the length [m] that seals between the end faces."""

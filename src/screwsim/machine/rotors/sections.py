@@ -54,13 +54,6 @@ class Sections:
         """Area of both grooves, A01 + A02 [m²]."""
         return self.male_groove + self.female_groove
 
-    @property
-    def delay(self) -> float:
-        """Angle φ̄ that meshing takes off the linear range: ∫(1 − a/(A01 + A02)) dψ up to 0 [rad]."""
-        middle = 0.5 * (self.psi[0] + self.psi[-1])
-        start = float(self.psi[np.searchsorted(self.psi, middle)])
-        return -start - float(self.integral[-1] - self.integral_at(np.array([start]))[0]) / self.grooves
-
     def area_at(self, psi: Array) -> Array:
         """Return a(ψ) [m²]; zero outside the life of a section."""
         return np.interp(psi, self.psi, self.a, left=0.0, right=0.0)

@@ -5,6 +5,7 @@ Source: docs/model.md M9, M30, M104–M110; docs/explanation/numerics.md.
 
 from __future__ import annotations
 
+from screwsim.model.borders import share_before_border, share_before_switch
 from screwsim.model.impacts import begin, put_within, share_before_event, take_event
 from screwsim.model.network.balances import heads
 from screwsim.model.network.cell import Cell
@@ -12,8 +13,7 @@ from screwsim.model.network.flows import NUMBERS, Place, stream_terms
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
 from screwsim.model.oil_displacement import density_of, displaced, locked
-from screwsim.model.places import IMPOSSIBLE, NO_OIL, SHARP, SOME_GAS, SOME_OIL, relative, share_before_border
-from screwsim.model.valve import share_before_switch
+from screwsim.model.places import IMPOSSIBLE, NO_OIL, SHARP, SOME_GAS, SOME_OIL, relative
 from screwsim.numerics.kernel import Kernel
 
 CONTEXT = "P, TAB, R, own = context.P, context.TAB, context.R, context.own"
@@ -144,11 +144,11 @@ def _share_in_phase(network: Network) -> str:
             line = f"R[{port.number} * PLACE + PRESSURE]"
             to.add(f"held = own[OPENING + {n + port.index}]")
             ends = f"{port.one_way}, {line}, {port.width}, held, share"
-            to.add(f"share = valve__share_before_switch({ends}, y, y1, u, P, TAB)")
+            to.add(f"share = borders__share_before_switch({ends}, y, y1, u, P, TAB)")
     tests = ["impacts__share_before_event(y, y1, u, rtol, own, R, P, TAB)"] if network.stops else []
     if network.phases:
         steep = "own[TPT] / own[PRESSURE]"
-        tests.append(f"places__share_before_border(own[PLACE], y, y1, u, 0, {steep}, rtol)")
+        tests.append(f"borders__share_before_border(own[PLACE], y, y1, u, 0, {steep}, rtol)")
     for test in tests:
         with to.within("if share == 1.0"):
             to.add(f"share = {test}")

@@ -1,0 +1,66 @@
+"""Borders at which a step ends, for the equations change: of a phase, and where a one-way path opens or shuts.
+
+Source: docs/reference/slider-crank.md S22, S25–S27 (`FlowPath.opening`); docs/explanation/numerics.md.
+"""
+
+from __future__ import annotations
+
+from screwsim.model.slots import S_RHO, S_T, gas_phase, gas_state
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.rodas import dense_coefficients, dense_value
+
+BEYOND = 0.3  # share of the tolerance by which a step is to pass the border of a phase
+SWITCHED = 1e-4  # of the width of the regularisation, by which a step passes the place where a valve opens or shuts
+
+
+@kernel
+def share_before_switch(one_way, line, width, held, most, y, y1, u, P, TAB):
+    """Return the share of a step, at most `most`, after which a one-way path to a line opens or shuts.
+
+    `held` tells whether it is open. Beyond that share lies at most SWITCHED of the width of the regularisation.
+    """
+    against = -one_way if held == 1.0 else one_way  # the way in which it switches
+    p1, _h, _c, _t, _a, _x, _f = gas_state(y1[S_T], y1[S_RHO], P, TAB)
+    if not (against * (line - p1) > SWITCHED * width):
+        return most
+    T3, T4 = dense_coefficients(u, 0)
+    rho3, rho4 = dense_coefficients(u, 1)
+    low = 0.0
+    high = most
+    while high - low > 1e-12:
+        middle = 0.5 * (low + high)
+        T = dense_value(middle, y[S_T], y1[S_T], T3, T4)
+        rho = dense_value(middle, y[S_RHO], y1[S_RHO], rho3, rho4)
+        p, _h, _c, _t, _a, _x, _f = gas_state(T, rho, P, TAB)
+        if against * (line - p) > 0.5 * SWITCHED * width:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@kernel
+def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol):
+    """Return the share of a step after which a chamber leaves the phase held; 1 where it does not, or hardly.
+
+    The state's derivatives jump there, so a step must end there. Beyond it, within the tolerance, the phase's own
+    equation goes on smoothly.
+    """
+    if gas_phase(y1[at], y1[at + S_RHO]) == int(held):
+        return 1.0
+    T3, T4 = dense_coefficients(u, at)
+    rho3, rho4 = dense_coefficients(u, at + 1)
+    low = 0.0
+    high = 1.0
+    while high - low > 1e-9:
+        middle = 0.5 * (low + high)
+        T = dense_value(middle, y0[at], y1[at], T3, T4)
+        rho = dense_value(middle, y0[at + S_RHO], y1[at + S_RHO], rho3, rho4)
+        if gas_phase(T, rho) == int(held):
+            low = middle
+        else:
+            high = middle
+    T = dense_value(high, y0[at], y1[at], T3, T4)
+    rho = dense_value(high, y0[at + S_RHO], y1[at + S_RHO], rho3, rho4)
+    beyond = max(abs(y1[at] - T) / T * max(1.0, tpt_over_p), abs(y1[at + S_RHO] - rho) / rho)
+    return 1.0 if beyond <= rtol else high + (1.0 - high) * BEYOND * rtol / beyond
