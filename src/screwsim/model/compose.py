@@ -13,11 +13,11 @@ import numpy as np
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Stops
 from screwsim.fluid import nozzle
-from screwsim.model import impacts, ledger, slots, writing, writing_oil
+from screwsim.model import impacts, ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
 from screwsim.model.composition import Composition, Recipe
 from screwsim.model.module_text import module_text
-from screwsim.model.network import balances, between, places, steps
+from screwsim.model.network import balances, places, steps
 from screwsim.model.network.cell import RESERVED, Cell
 from screwsim.model.network.chamber import chamber_texts
 from screwsim.model.network.chambers import chambers_texts, room
@@ -27,6 +27,7 @@ from screwsim.model.numbers import fixed_numbers, oil_places, symbols_of
 from screwsim.model.parts import Parts
 from screwsim.model.slots import E_AREAS, FIRST_OWN, OIL_NUMBERS, PLACE, R_SIZE
 from screwsim.model.writing import Writer, scales
+from screwsim.numerics.kernel import Kernel
 
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # what texts call by name
 HELD_GAS = "w_gas"  # the state of what the oil holds dissolved
@@ -55,8 +56,9 @@ def compose(parts: Parts) -> Composition:
     texts, kernels = chamber_texts(network.key())
     texts = *writer.text, *texts, moment_text(network.key())
     held = places_of_lines * PLACE if parts.pulsations else 0
+    items = tuple(constants.items()), tuple(structure.items())
     return Composition(
-        text=module_text(texts, (*writer.kernels, *kernels), tuple(constants.items()), tuple(structure.items())),
+        text=module_text(texts, (*writer.kernels, *kernels), *items, _read_with(network)),
         together=_together(writer, network, constants, structure),
         P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
@@ -151,7 +153,7 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
     if network.stops:
         writing.write_stops(writer, [part for _, part in parts.all(Stops)], network.states)
     resting = (impacts.keep_at_rest, impacts.keep_rows_at_rest, impacts.note_end, impacts.note_start)
-    called = (*balances.KERNELS, *places.KERNELS, *between.KERNELS, *steps.step_kernels(network), nozzle.flow)
+    called = (*balances.balance_kernels(network), *steps.step_kernels(network), nozzle.flow)
     for each in (*called, *(resting if network.stops else ())):
         network.kernels[each.flat_name] = each
 
@@ -181,6 +183,20 @@ def _constants(
     structure["E_LINES"] = E_AREAS + ports + 2 * gaps + 2 * (PLACE + 1) * len(network.offsets)
     structure["ALL_LINES"] = chambers * (E_AREAS + ports + gaps)
     return constants, structure
+
+
+def _read_with(network: Network) -> tuple[Kernel, ...]:
+    """Return what closed cycles are read with, beside what all are."""
+    asked = {
+        ledger.held_arriving: network.dissolves,
+        ledger.oil_arriving: network.carried and not network.roomed,
+        ledger.pressed_oil_arriving: network.roomed,
+        trace.oil_with_outflow: network.heated and not network.carried,
+        line_flow.into_lines: network.pulsating,
+        trace.oil_films: any(gap.film for gap in network.gaps),
+        trace.port_oil: network.ported,
+    }
+    return tuple(each for each, wanted in asked.items() if wanted)
 
 
 def _together(writer: Writer, network: Network, constants: Any, structure: Any) -> Callable[[], str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from screwsim.model import closing_ports, ledger, line_flow, places, surroundings, trace
+from screwsim.model import closing_ports, ledger, places, surroundings, trace
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
@@ -17,12 +17,8 @@ KERNELS = {"surroundings": surroundings.around_chamber, "keep_places": places.ke
 ALL_KERNELS = {"surroundings": surroundings.around_chambers, "lands": closing_ports.all_lands}
 
 # what histories are put in place with, and what closed cycles are read with
-READ_WITH = (
-    *(places.places_along, history.add_history, history.states_at, ledger.account),
-    *(trace.peak_pressure, trace.volumes, trace.sample, trace.work_along),
-    *(ledger.arriving, ledger.oil_arriving, ledger.pressed_oil_arriving, ledger.held_arriving),
-    *(trace.oil_with_outflow, line_flow.into_lines, trace.oil_films, trace.port_oil),
-)
+READ_WITH = (places.places_along, history.add_history, history.states_at, ledger.account, ledger.arriving)
+READ_WITH += (trace.peak_pressure, trace.volumes, trace.sample, trace.work_along)
 
 # what a composition writes itself (slots.py)
 OWN = {name: name for name in (
@@ -41,11 +37,13 @@ def module_text(
     kernels: tuple[Kernel, ...],
     named: tuple[tuple[str, Any], ...],
     structure: tuple[tuple[str, int], ...],
+    read_with: tuple[Kernel, ...] = (),
     together: bool = False,
 ) -> str:
     """Return a flat module: constants, pasted kernels, the composition's functions, the driver.
 
-    That of one chamber holds all that a closed cycle is read with; that of all chambers `together` the driver alone.
+    That of one chamber holds all that a closed cycle is read with, `read_with` too; that of all chambers `together` the
+    driver alone.
     """
     constants, numbers = dict(named), dict(structure)
     own = {name: name for name in constants} | OWN
@@ -57,7 +55,7 @@ def module_text(
         sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + 1}
     slots = asked | {name: each.flat_name for name, each in pasted.items()}
     driver = flatten((rodas.integrate,), slots, "_all" if together else "_one", sizes)
-    rest = [*pasted.values(), *(() if together else READ_WITH)]
+    rest = [*pasted.values(), *(() if together else (*READ_WITH, *read_with))]
     for more in (flatten(rest, own, numbers=numbers), driver):
         blocks |= {name: text for name, text in more.items() if name not in blocks}
     lines = [HEADER, *(f"{name} = {value}" for name, value in named)]

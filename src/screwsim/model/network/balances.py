@@ -11,8 +11,13 @@ from screwsim.model.balance import held_slope, oil_temperature_slope, temperatur
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements
 from screwsim.model.oil_displacement import gas_mass
+from screwsim.numerics.kernel import Kernel
 
-KERNELS = (temperature_slope, oil_temperature_slope, held_slope, gas_mass)
+
+def balance_kernels(network: Network) -> list[Kernel]:
+    """Return what the balances call."""
+    asked = {oil_temperature_slope: network.heated, held_slope: network.dissolves, gas_mass: network.roomed}
+    return [temperature_slope, *(each for each, wanted in asked.items() if wanted)]
 
 
 def gas_state(to: Statements, network: Network) -> None:

@@ -12,7 +12,6 @@ from screwsim.model.oil_displacement import gas_mass, gas_mass_slope
 from screwsim.numerics.rodas import dense_slope
 
 NEAR = 100.0  # widths ε of a port within which the chamber's balance tells its flow better than its Δp does
-KERNELS = (dense_slope, gas_mass_slope)
 
 
 def between_texts(network: Network) -> list[str]:

@@ -10,14 +10,12 @@ from screwsim.model.network import balances
 from screwsim.model.network.cell import Cell
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
-from screwsim.model.pulsation import fill_lines
 
 STORED = {"p": "PRESSURE", "h": "ENTHALPY"}  # in the columns beyond the states, in this order
 VARYING = {"exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}  # of a real gas these, too
 OIL = {"x_oil": "OIL_RATIO", "w_gas": "DISSOLVED"}
 LEAST = 1e-6  # exponent and choking of a neighbour: a cubic across a border of the phases may dip below none
 LINE = 1  # of the discharge, which lies ahead of the last chamber
-KERNELS = (fill_lines,)
 
 
 def place_texts(network: Network) -> list[str]:

@@ -12,9 +12,11 @@ from screwsim.model.network.cell import Cell
 from screwsim.model.network.flows import NUMBERS, Place, stream_terms
 from screwsim.model.network.network import Network
 from screwsim.model.network.statements import Statements, function
-from screwsim.model.oil_displacement import density_of, displaced, locked
+from screwsim.model.oil_displacement import density_of, displaced, gas_mass_slope, locked
 from screwsim.model.places import IMPOSSIBLE, NO_OIL, SHARP, SOME_GAS, SOME_OIL, relative
+from screwsim.model.pulsation import fill_lines
 from screwsim.numerics.kernel import Kernel
+from screwsim.numerics.rodas import dense_slope
 
 CONTEXT = "P, TAB, R, own = context.P, context.TAB, context.R, context.own"
 
@@ -27,13 +29,16 @@ def step_texts(network: Network) -> list[str]:
     ]
 
 
-def step_kernels(network: Network) -> tuple[Kernel, ...]:
-    """Return what those functions call."""
-    found = [relative]
-    found += [share_before_border] if network.phases else []
-    found += [density_of, displaced, locked] if network.roomed else []
-    found += [begin, put_within, share_before_event, take_event] if network.stops else []
-    return (*found, *([share_before_switch] if any(port.one_way for port in network.ports) else []))
+def step_kernels(network: Network) -> list[Kernel]:
+    """Return what those functions call, and those of places and of gas between two steps."""
+    asked = {
+        share_before_border: network.phases,
+        share_before_switch: any(port.one_way for port in network.ports),
+        fill_lines: network.pulsating,
+    }
+    asked |= dict.fromkeys((density_of, displaced, locked, gas_mass_slope), network.roomed)
+    asked |= dict.fromkeys((begin, put_within, share_before_event, take_event), network.stops > 0)
+    return [relative, dense_slope, *(each for each, wanted in asked.items() if wanted)]
 
 
 # ---- errors ----------------------------------------------------------------------------------------------------------
