@@ -1,13 +1,13 @@
 """Solve every hard case that is ok again by coupled chambers under scipy's Radau, and store how far the two differ.
 
-Run: hard_against_radau.py [--limit 600] [CASE ...]. `tests/hard` does it for some; this script for the others, each
-try within `--limit` seconds of processor time. Radau begins from the cold guess as the case itself does; where that
-does not close, from the case's own closed cycle, which it has to keep or to leave for its own; then from that cycle
-closed more tightly. Where none of these ends the chambers are followed for one life from there, and must come back
-within the accuracy; then BDF is asked, and LSODA with coarser steps. `tests/hard/against_radau.json` holds a row a
-case: the larger relative difference of work and trapped mass, the accuracy that was asked for, from where which
-method closed with what tolerance of a step over that accuracy, and what the last pitch (or the life) still changed.
-It goes on where it holds cases already; cases that are named are done again.
+Run: hard_against_radau.py [--limit 600] [CASE ...]. `tests/hard` does it for some; this script for the others, each try
+within `--limit` seconds of processor time. Radau begins from the cold guess as the case itself does; where that does
+not close, from the case's own closed cycle, which it has to keep or to leave for its own; then from that cycle closed
+more tightly, then with damping. Where none of these ends the chambers are followed for one life from there, and must
+come back within the accuracy; then BDF is asked, and LSODA with coarser steps. `tests/hard/against_radau.json` holds a
+row a case: the larger relative difference of work and trapped mass, the accuracy that was asked for, from where which
+method closed with what tolerance of a step over that accuracy, and what the last pitch (or the life) still changed. It
+goes on where it holds cases already; cases that are named are done again.
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ from judging import Stopped, limited  # noqa: E402
 from scenes import make  # noqa: E402
 
 from screwsim.cycle.balances import LEAST_WORK  # noqa: E402
+from screwsim.cycle.fallbacks import DAMPED_DEPTH, DAMPING, NEAR_DAMPED  # noqa: E402
 from screwsim.cycle.guess import leased  # noqa: E402
+from screwsim.cycle.mixing import FULL, Pace  # noqa: E402
 from screwsim.cycle.problem import Problem, problem_of  # noqa: E402
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together  # noqa: E402
 from screwsim.cycle.solution import CycleSolution  # noqa: E402
@@ -46,12 +48,14 @@ from screwsim.simulate import simulate  # noqa: E402
 from screwsim.solve.accurately import solve  # noqa: E402
 
 GUESS, OWN, TIGHTENED, FOLLOWED = COLD, "own cycle", "own cycle, tightened", "own cycle, followed for a life"
+DAMPED = "own cycle, damped"
 FINER = 1e-2  # accuracy of scipy's cycle over the case's
 LOOSER = 1e-2  # tolerance of a step over that accuracy, where no finer one gets through
 TRIES = (
     ("scipy-radau", GUESS, OF_STEPS),
     ("scipy-radau", OWN, OF_STEPS),
     ("scipy-radau", TIGHTENED, OF_STEPS),
+    ("scipy-radau", DAMPED, OF_STEPS),
     ("scipy-radau", FOLLOWED, OF_STEPS),
     ("scipy-bdf", TIGHTENED, OF_STEPS),
     ("scipy-lsoda", FOLLOWED, LOOSER),
@@ -94,8 +98,12 @@ def from_own_cycle(scene: Scene, method: str, start: str, of_steps: float) -> tu
             return f"{cycle.status} before", Figures(), None
         y = cycle.y
     kept = {"tolerance": 0.2 * FINER * accuracy, "bound": BALANCED * accuracy, "check": check_of(method)}
-    way = followed if start == FOLLOWED else close_together
-    cycle = way(problem, machinery, tightened(FINER, rtol=of_steps * accuracy, **kept), y.copy())
+    finest = tightened(FINER, rtol=of_steps * accuracy, **kept)
+    if start == FOLLOWED:
+        cycle = followed(problem, machinery, finest, y.copy())
+    else:
+        pace = Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED) if start == DAMPED else FULL
+        cycle = close_together(problem, machinery, finest, y.copy(), pace)
     return cycle.status, evaluate(problem, cycle).figures, cycle.change
 
 

@@ -72,8 +72,8 @@ def _conserve(network: Network) -> str:
                 to.add(*(f"defect -= dq[{first + c * width}]" for c in range(2 * FIRST_OWN, categories)))
         with to.within(f"for j in range({network.chambers})"), to.within(f"if ({SIDE}) == side"):
             to.add(f"e = j * (E_AREAS + {len(network.ports) + len(network.gaps)})")
-            for sign, state, E in (("+", "y1", "E_next"), ("-", "y", "E")):
-                to.add(f"defect {sign}= chamber__gas({E}[e + E_VOLUME], {state}, j * {n}, P)")
+            gas = [f"chamber__gas({E}[e + E_VOLUME], {y}, j * {n}, P)" for E, y in (("E_next", "y1"), ("E", "y"))]
+            to.add(f"defect += {gas[0]} - {gas[1]}")  # first what is small
             for port in network.ports:
                 if port.number < FIRST_OWN:
                     to.add(f"area = E[e + E_AREAS + {port.index}] + E_next[e + E_AREAS + {port.index}]")
