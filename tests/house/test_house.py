@@ -1,5 +1,6 @@
 """What holds the house together: shipped scenes load, one version, names of results written once."""
 
+import ast
 import importlib.util
 import re
 import sys
@@ -15,7 +16,16 @@ ROOT = Path(__file__).parents[2]
 NO_SCENES = (".fit.yaml", ".stages.yaml")
 CONFIGS = sorted(path for path in (ROOT / "configs").glob("**/*.yaml") if not path.name.endswith(NO_SCENES))
 
+COMPARISONS = sorted((ROOT / "validation").glob("*/*.py"))
 PROGRAMS = sorted(path for folder in ("scripts", "benchmarks") for path in (ROOT / folder).glob("*.py"))
+
+
+@pytest.mark.parametrize("path", COMPARISONS, ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_what_a_comparison_asks_of_the_package_is_there(path):
+    """Some of them take minutes, and no test runs them."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("screwsim"):
+            exec(ast.unparse(node), {})
 
 
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.name)

@@ -12,7 +12,8 @@ import numpy as np
 
 from screwsim.outputs import Figures, ledger_entries
 from screwsim.scene import load
-from screwsim.study.calibration import Point, read_fit
+from screwsim.study.calibration import read_fit
+from screwsim.study.calibration.fit import Point
 from screwsim.study.validation import Row, Series, equal, sibling, solved
 
 FIGURES = {"volumetric_efficiency": ("volumetric", 2.0), "isentropic_efficiency": ("isentropic", 3.0)}
