@@ -16,14 +16,12 @@ import numpy as np
 from screwsim.codegen.kinds import FLOAT, INTEGER, TRUTH, Kind, array
 
 MOST_KNOWN = 512  # arrays
-MOST_TUPLES = 4  # that are remembered with what they hold
 MOST_AXES = 3
 KINDS: list[Kind] = [FLOAT, INTEGER, TRUTH]  # by number
 _FLOAT, _INTEGER, _TRUTH = range(3)
 _FLOATS, _INTEGERS = np.dtype(np.float64), np.dtype(np.int64)
 known: dict[int, tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]] = {}  # by id: where an array stands
 _contexts: dict[tuple[Any, ...], int] = {}
-_tuples: dict[int, tuple[tuple[Any, ...], int, tuple[float, ...]]] = {}  # by id: number and words of the last ones
 for _of in (FLOAT, INTEGER):
     KINDS += [array(_of, axes) for axes in range(1, MOST_AXES + 1)]
 
@@ -64,11 +62,15 @@ def take(argument: Any, kinds: list[int], words: list[float]) -> None:
         kinds.append(argument.number)
         words.extend(argument.words)
     elif isinstance(argument, tuple):
-        seen = _tuples.get(id(argument))
-        if seen is None or seen[0] is not argument:
-            seen = _look_into(argument)
-        kinds.append(seen[1])
-        words.extend(seen[2])
+        inner: list[int] = []
+        for each in argument:
+            take(each, inner, words)
+        names = getattr(argument, "_fields", ())
+        key = (names, *inner)
+        if key not in _contexts:
+            KINDS.append(Kind("c", tuple(KINDS[one] for one in inner), names=names))
+            _contexts[key] = len(KINDS) - 1
+        kinds.append(_contexts[key])
     else:
         kinds.append(_number(argument))
         words.append(float(argument) if kinds[-1] == _FLOAT else int(argument))
@@ -82,23 +84,6 @@ def _number(argument: Any) -> int:
     if isinstance(argument, float | np.floating):
         return _FLOAT
     raise TypeError(f"a compiled function takes numbers, arrays and tuples of arrays, not {type(argument).__name__}")
-
-
-def _look_into(argument: tuple[Any, ...]) -> tuple[tuple[Any, ...], int, tuple[float, ...]]:
-    inner: list[int] = []
-    words: list[float] = []
-    for each in argument:
-        take(each, inner, words)
-    names = getattr(argument, "_fields", ())
-    key = (names, *inner)
-    if key not in _contexts:
-        KINDS.append(Kind("c", tuple(KINDS[one] for one in inner), names=names))
-        _contexts[key] = len(KINDS) - 1
-    found = argument, _contexts[key], tuple(words)
-    if len(_tuples) >= MOST_TUPLES:
-        _tuples.clear()
-    _tuples[id(argument)] = found  # it holds the tuple, so that no other has this id
-    return found
 
 
 def _look_at(table: np.ndarray) -> tuple[weakref.ref[np.ndarray], int, tuple[int, ...]]:

@@ -214,10 +214,10 @@ class Machinery:
         return np.concatenate([[0.0], breakpoints[np.diff(breakpoints, prepend=0.0) > 1e-7]])
 
     @property
-    def coupled_context(self) -> CoupledContext:
+    def coupled_context(self) -> Context:
         """The context of all chambers."""
         c = self.composition
-        return CoupledContext(c.P, c.TAB, self.R, *self.coupled_space()["spaces"])
+        return Context(CoupledContext(c.P, c.TAB, self.R, *self.coupled_space()["spaces"]))
 
     def pitch(
         self, y: Array, rtol: float, h: float, inset: float = 0.0, check: Check | None = None

@@ -85,11 +85,10 @@ def _of_neighbour(network: Network) -> str:
 def _of_lines(network: Network) -> list[str]:
     """Return the texts of the lines' places at an angle, and of that which lies ahead of the last chamber."""
     array, at = Cell(network).line(LINE)
-    numbers = ("P, R, E, ALL_LINES", "P, R, E, E_LINES")
-    around, together = ([f"pulsation__fill_lines(phi, {each})"] if network.pulsating else ["pass"] for each in numbers)
+    begin = {"chamber": "E_LINES", "chambers": "ALL_LINES"}
+    filled = "pulsation__fill_lines(phi, P, R, E, {})" if network.pulsating else "pass"
     return [
-        function("chamber__lines(phi, P, R, E)", together),
-        function("chambers__lines(phi, P, R, E)", around),
+        *(function(f"{whose}__lines(phi, P, R, E)", [filled.format(first)]) for whose, first in begin.items()),
         function(
             "chamber__beyond_last(R, E, at)",
             ['"""Fill the place of the discharge line, ahead of the last chamber, at E[at]."""'],

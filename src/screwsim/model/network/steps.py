@@ -187,8 +187,8 @@ def _conserve(network: Network) -> str:
     to, cell, width = Statements(), Cell(network), len(network.quantities)
     opened = [port for port in network.ports if port.opening]
     if opened:
-        held_shares(to, network, "y", "share")
-        held_shares(to, network, "y1", "next")
+        _held_shares(to, network, "y", "share")
+        _held_shares(to, network, "y1", "next")
     to.add("widest = 0.0", "line = 0")
     for port in network.ports:
         if port.wide:
@@ -219,7 +219,7 @@ def _conserve(network: Network) -> str:
     return function(head, ['"""Close the mass balance of a step."""', CONTEXT], to.lines)
 
 
-def held_shares(to: Statements, network: Network, y: str, name: str) -> None:
+def _held_shares(to: Statements, network: Network, y: str, name: str) -> None:
     """Set how far each port whose opening hangs on the state is open to a chamber of state y, whose place is filled."""
     to.add(f"chamber__place(own[PLACE], {y}, 0, P, TAB, own, 0)")
     for port in network.ports:
