@@ -36,10 +36,15 @@ CONDENSER = (
 BORE = (*CARRIED, "oil_supply={kind: displacement, ratio: null, orifice_diameter: 6 mm}", "effects.oil_pump=off")
 WALLS = "effects.wall_heat={rotor_area: 400 cm^2, housing_area: 150 cm^2, characteristic_length: 58 mm}"
 NO_HEAT = "effects.oil_heat=off"
+RETURNING = (*CARRIED, "effects.suction_line={}")
+SLIDING = (*CARRIED, "effects.slide_valve={slot_area: 60 cm^2, closes: 640 deg, position: 0.5}")
 TABLE_HEAD = "| effect | scene | its source says | source | ours | vanishes with | evaluations | balance over bound |"
 
 
-BASES = {"": (), "carried": CARRIED, "condenser": CONDENSER, "bore": BORE, "walls": (WALLS,), "no_heat": (NO_HEAT,)}
+BASES = {
+    "": (), "carried": CARRIED, "condenser": CONDENSER, "bore": BORE, "walls": (WALLS,), "no_heat": (NO_HEAT,),
+    "returning": RETURNING, "sliding": SLIDING,
+}
 
 
 class Row(NamedTuple):

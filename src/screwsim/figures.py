@@ -32,7 +32,7 @@ from screwsim.scene.types import Scene
 
 _OF_PARTS: Mapping[tuple[str, ...], Callable[[Scene, Parts], bool]] = {  # what no key of a scene tells
     HEATED: lambda scene, parts: any("T_oil" in active.effect.states for active in scene.effects.values()),
-    CHANGED: lambda scene, parts: bool(parts.all(Intake)),
+    CHANGED: lambda scene, parts: bool(parts.all(Intake)) or parts.suction_line,
     WALLED: lambda scene, parts: bool(parts.walls),
     HELD: lambda scene, parts: parts.dissolves,
 }

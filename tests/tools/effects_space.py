@@ -114,6 +114,7 @@ OF_EFFECT: dict[str, Ranges] = {
     "suction_throttle": {"pressure_ratio": Range(0.5, 0.99, "", False)},
     "economizer": {"area": Range(0.1, 3.0, "cm^2"), "closes": Range(440.0, 520.0, DEG, False)},
     "liquid_injection": {"area": Range(0.1, 4.0, "mm^2")},
+    "shaft_leakage": {"area": Range(0.3, 100.0, "mm^2")},
     "oil_injection": {"opens": Range(340.0, 400.0, DEG, False), "closes": Range(430.0, 560.0, DEG, False)},
     "mechanical": {"fraction": Range(0.0, 0.15, "", False)},
     "oil_pump": {"efficiency": Range(0.3, 0.9, "", False)},
@@ -240,6 +241,30 @@ STRUCTURES: dict[str, Structure] = {
             MOTOR,
         ),
         (*SCREW, {"effects.bypass.area": Range(0.1, 10.0, "cm^2")}),
+    ),
+    "what flows back": Structure(
+        PAPER,
+        (
+            CARRIED,
+            "effects.slide_valve={slot_area: 30 cm^2, closes: 600 deg, position: 0.3}",
+            "effects.shaft_leakage={area: 5 mm^2}",
+            "effects.suction_line={}",
+            MOTOR,
+        ),
+        OILED,
+    ),
+    "what flows back, gas dissolved": Structure(
+        PAPER,
+        (
+            CARRIED,
+            WINDOW,
+            "effects.oil_volume={}",
+            "oil_supply={ratio: 1, temperature: 325 K}",
+            "effects.refrigerant_solubility={separator_temperature: 70 degC, flash_time: 5 ms, absorption_time: 50 ms}",
+            "effects.shaft_leakage={area: 5 mm^2}",
+            "effects.suction_line={}",
+        ),
+        SOLVING,
     ),
     "bypass": Structure(
         PAPER,

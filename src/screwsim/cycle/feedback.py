@@ -1,4 +1,4 @@
-"""What a cycle makes beside its states and that acts back on it: the discharge line, and what effects declare.
+"""What a cycle makes beside its states and that acts back on it: the lines, and what effects declare.
 
 They are the feedback unknowns of a cycle; one turn maps them to the next (`image`), together with the states.
 """
@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 
+from screwsim.cycle import suction_line
 from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_of, walls_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import LineFlow, Made, OilSolution, Turn
@@ -36,24 +37,30 @@ LINE_POINTS = 64  # of a pitch, at which the flow to a pulsating line is taken
 
 
 def unknowns(problem: Problem, machinery: Machinery) -> Array:
-    """Return the unknowns as the next turn meets them: the discharge line, and what effects declare."""
-    composition = machinery.composition
-    return np.concatenate([_line(problem, machinery.R), composition.P[list(composition.made)]])
+    """Return the unknowns as the next turn meets them: the discharge line, the suction line, what effects declare."""
+    composition, R = machinery.composition, machinery.R
+    lines = [_line(problem, R), *([suction_line.values(problem, R)] if problem.parts.suction_line else [])]
+    return np.concatenate([*lines, composition.P[list(composition.made)]])
 
 
 def set_unknowns(problem: Problem, machinery: Machinery, values: Array) -> None:
     """Let the next turn be integrated with these."""
-    line = len(values) - len(problem.parts.made)
+    made = len(values) - len(problem.parts.made)
+    line = len(_line(problem, machinery.R))
     _set_line(problem, machinery.R, values[:line])
-    machinery.composition.P[list(machinery.composition.made)] = values[line:]
+    if problem.parts.suction_line:
+        suction_line.set_values(problem, machinery.R, values[line:made])
+    machinery.composition.P[list(machinery.composition.made)] = values[made:]
 
 
 def image(problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None) -> Array:
     """Return what a life of these quadratures makes of the unknowns; `turn`, where it is known already."""
-    line = _outflow(problem, life.R, q)
-    if not problem.parts.made:
-        return line
-    return np.concatenate([line, list((turn or turn_of(problem, life, q)).made.values())])
+    lines = [_outflow(problem, life.R, q)]
+    if problem.parts.suction_line:
+        h_d = float(lines[0][0])
+        lines.append(suction_line.image(problem, life.R, streams_of(problem.composition, q), h_d))
+    made = list((turn or turn_of(problem, life, q)).made.values()) if problem.parts.made else []
+    return np.concatenate([*lines, made])
 
 
 def turn_of(problem: Problem, life: Trajectory, q: Array) -> Turn:
@@ -159,7 +166,7 @@ def _set_line(problem: Problem, R: Array, plenum: Array) -> None:
     suction = problem.suction
     try:
         place = problem.parts.gas.place_of_enthalpy(problem.lines.p_d, float(plenum[0]))
-        if suction.returned > 0.0:
+        if suction.returned > 0.0 and not problem.parts.suction_line:
             R[R_SUCTION : R_SUCTION + OIL_RATIO] = suction.place(float(plenum[0]))
     except UsageError:
         place = None
@@ -181,7 +188,7 @@ def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float) -> N
     R[R_DISCHARGE : R_DISCHARGE + 8] = *discharge, d, T_oil + problem.pressed(p_d)
     R[R_DISCHARGE + DENSITY] *= problem.gas_share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
     if isinstance(parts.oil_content, OilSolution):
-        R[R_DISCHARGE + DISSOLVED] = parts.oil_content.supply
+        R[R_DISCHARGE + DISSOLVED] = R[R_SUCTION + DISSOLVED] = parts.oil_content.supply
     for i, state in enumerate(parts.plenums.values(), FIRST_OWN):
         R[i * PLACE : i * PLACE + 8] = *state.place, 0.0, T_oil
         R[i * PLACE + PLENUM_ENTROPY] = state.s

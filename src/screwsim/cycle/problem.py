@@ -101,7 +101,8 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     inlet, suction = Inlet(line[DENSITY], line[ENTHALPY]), suction_of(parts, line)
     begins = suction.place(_h_isentropic(parts, at, inlet)) if suction.changed else line
     parameters = np.concatenate([composition.P, [*begins, at.p_d, *parts.geometry.outcomes]])
-    entries = _entries((*_discharge_line(composition), *(part.entry for _, part in parts.all(Made))))
+    lines_of = (*_discharge_line(composition), *(_suction_line(composition) if parts.suction_line else ()))
+    entries = _entries((*lines_of, *(part.entry for _, part in parts.all(Made))))
     wanted = wanted_of(scene.numerics, tuple(composition.P[composition.widths].tolist()))
     return Problem(scene, parts, composition, at, inlet, suction, entries, parameters, wanted)
 
@@ -133,6 +134,15 @@ def _discharge_line(composition: Composition) -> tuple[Entry, ...]:
     if composition.dissolves:
         oil = (*oil, Entry("discharge_held_gas", of=ratio.name, scale=1.0))
     return Entry("discharge_enthalpy"), *oil
+
+
+def _suction_line(composition: Composition) -> tuple[Entry, ...]:
+    """Return the entries of a suction line that keeps what flows back (M270): its enthalpy, oil, gas held in that.
+
+    The amounts are those of a kilogram of gas, over which their changes count: little of them is of little account.
+    """
+    amounts = ("suction_oil", "suction_held_gas")[: composition.carried + composition.dissolves]
+    return Entry("suction_enthalpy"), *(Entry(name, scale=1.0) for name in amounts)
 
 
 _entries = lru_cache(maxsize=8)(Entries)

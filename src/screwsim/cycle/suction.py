@@ -26,6 +26,11 @@ class SuctionState:
         """Tell whether the machine sucks another state than the line's."""
         return self.pressure_ratio < 1.0 or self.returned > 0.0
 
+    @property
+    def pressure(self) -> float:
+        """The pressure [Pa] before the machine's suction port."""
+        return self.pressure_ratio * self.line[PRESSURE]
+
     def mixed(self, h_d: float) -> Place:
         """Return the place at the line's pressure with the returned gas of enthalpy h_d [J/kg] mixed in (M161)."""
         if self.returned == 0.0:
@@ -38,7 +43,7 @@ class SuctionState:
         mixed = self.mixed(h_d)
         if self.pressure_ratio == 1.0:
             return mixed
-        return self.gas.place_of_enthalpy(self.pressure_ratio * self.line[PRESSURE], mixed[ENTHALPY])
+        return self.gas.place_of_enthalpy(self.pressure, mixed[ENTHALPY])
 
     def temperature(self, place: Place, T_s: float) -> float:
         """Return the temperature [K] of a place; T_s is the line's own."""

@@ -17,9 +17,10 @@ from screwsim.numerics.trial import own_module
 _NOT_EFFECTS = {"base", "gap", "gap_flow", "gas_transport", "line_valve", "port_window", "valves"}
 _PORTS = ("suction_port", "discharge_port", "check_valves", "reed_valves", "ring_leakage", "cylinder_heat")
 _GAPS = ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage", "slide_valve", "bypass")
-_HEAT = ("suction_throttle", "oil_heat", "droplets", "wall_heat", "thermal_clearances", "plenums")
+_LINES = ("shaft_leakage", "suction_line", "suction_throttle")
+_HEAT = ("oil_heat", "droplets", "wall_heat", "thermal_clearances", "plenums")
 _LOSSES = ("oil_pump", "hydromechanical", "mechanical", "oil_drag", "bearings", "motor", "gas_torque", "drive")
-_ORDER = (*_PORTS, *_GAPS, *_HEAT, *_LOSSES)
+_ORDER = (*_PORTS, *_GAPS, *_LINES, *_HEAT, *_LOSSES)
 
 
 @cache

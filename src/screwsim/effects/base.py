@@ -427,9 +427,24 @@ class Intake:
     returned: float = 0.0
 
 
+@dataclass(frozen=True)
+class SuctionLine:
+    """What flows back into the suction line stays in it, mixes with what is sucked in and comes back (M270)."""
+
+
+@dataclass(frozen=True)
+class LineLeak:
+    """A leak from the discharge line to the suction line beside the chambers, of an effective area [m²] (M274).
+
+    Needs a `SuctionLine`, to which its gas and oil come.
+    """
+
+    area: float
+
+
 Part = (
     FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | Stops | HeatRate | Wall | Made | Scaled | Pulsation
-    | PowerLoss | Reading | Shaft | Intake
+    | PowerLoss | Reading | Shaft | Intake | SuctionLine | LineLeak
 )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.build import build_site
+from screwsim.cycle import suction_line
 from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Drawn, Plenum, Turn
@@ -16,7 +17,7 @@ from screwsim.evaluate.known import CycleFigures
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.settings import TURN
-from screwsim.model.slots import ENTHALPY, PRESSURE, Q_WALLS, R_DISCHARGE, R_RATIO, R_TRAPPED
+from screwsim.model.slots import ENTHALPY, Q_WALLS, R_DISCHARGE, R_RATIO, R_SUCTION, R_TRAPPED
 from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import Figure
 from screwsim.scene.lines import refrigerating_effect
@@ -32,7 +33,7 @@ def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures
     parts, lines, geometry, rate = problem.parts, problem.lines, problem.parts.geometry, problem.rate
     streams = streams_of(problem.composition, q)
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
-    flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate) + 0.0  # nothing has no sign
+    flow = delivered * (suction_line.fresh(problem, life.R, streams) * rate) + 0.0  # nothing has no sign
     losses = performance.power_losses(parts, known)
     lift = performance.oil_lift(parts, lines, known) if parts.oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
@@ -67,7 +68,7 @@ def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures
         notes["oil_discharge_temperature"] = "next to no oil flows out to the discharge line"
     if parts.dissolves:
         found["discharge_dissolved_gas_ratio"] = discharge_held(streams)
-    own, reasons = _of_plenums(problem, streams[:, 0], about)
+    own, reasons = _of_plenums(problem, life.R, streams, about)
     found |= own
     notes |= reasons
     gain = sum(own.get(part.gain) or 0.0 for _, part in parts.all(Plenum))
@@ -77,9 +78,10 @@ def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures
     found |= cooling
     notes |= reasons
     if "intake_pressure" in problem.called:
-        place = problem.suction.place(float(life.R[R_DISCHARGE + ENTHALPY]))
-        found["intake_pressure"] = place[PRESSURE]
-        found["intake_temperature"] = problem.suction.temperature(place, lines.T_s)
+        found["intake_pressure"] = problem.suction.pressure
+        found["intake_temperature"] = _intake_temperature(problem, life)
+    if parts.suction_line:
+        found |= _of_suction_line(problem, life, streams)
     if geometry.expands:
         work, closes = problem.h_isentropic - problem.inlet.enthalpy, geometry.inlet_closes
         filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
@@ -110,6 +112,29 @@ def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float
     }
 
 
+def _intake_temperature(problem: Problem, life: Trajectory) -> float:
+    """Return the temperature [K] of what the machine sucks: the line's own where nothing changes it."""
+    suction = problem.suction
+    if problem.parts.suction_line:
+        return problem.parts.gas.temperature(suction.pressure, float(life.R[R_SUCTION + ENTHALPY]))
+    return suction.temperature(suction.place(float(life.R[R_DISCHARGE + ENTHALPY])), problem.lines.T_s)
+
+
+def _of_suction_line(problem: Problem, life: Trajectory, streams: Array) -> dict[str, float]:
+    """Return what comes back to the suction line, and what leaks past the chambers of it (M270, M274)."""
+    rate, R = problem.rate, life.R
+    back, leak = suction_line.back(problem, R, streams), suction_line.leak(problem, R)
+    fresh = suction_line.fresh(problem, R, streams)
+    warmed = float(R[R_SUCTION + ENTHALPY]) - problem.suction.place(float(R[R_DISCHARGE + ENTHALPY]))[ENTHALPY]
+    return {
+        "returned_gas_flow": back.gas * rate,
+        "returned_oil_flow": back.oil * rate,
+        "returned_heat": max(fresh, 0.0) * warmed * rate,
+        "shaft_leakage_gas_flow": leak.gas * rate,
+        "shaft_leakage_oil_flow": leak.oil * rate,
+    }
+
+
 def _shut(problem: Problem, turn: Turn | None) -> bool:
     """Tell whether a check valve lets nothing in from the suction line for good, but for rounding.
 
@@ -119,10 +144,12 @@ def _shut(problem: Problem, turn: Turn | None) -> bool:
     return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
 
 
-def _of_plenums(problem: Problem, gas: Array, about: dict[str, Figure]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return what effects say of the cycle by their own plenums, and why some nothing; `gas` is that of the streams."""
-    found, notes, parts = {}, {}, problem.parts
-    suction = float(gas[0] + gas[1]) * problem.rate * (1.0 - problem.suction.returned)  # from the line alone
+def _of_plenums(
+    problem: Problem, R: Array, streams: Array, about: dict[str, Figure]
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return what effects say of the cycle by their own plenums, and why some nothing."""
+    found, notes, parts, gas = {}, {}, problem.parts, streams[:, 0]
+    suction = suction_line.fresh(problem, R, streams) * problem.rate * (1.0 - problem.suction.returned)
     why = "" if suction > 0.0 else performance.NONE_DELIVERED
     for name, plenum in parts.all(Plenum):
         if plenum.figures is None:

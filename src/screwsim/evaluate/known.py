@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from screwsim.cycle import suction_line
 from screwsim.cycle.balances import discharge_enthalpy, streams_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Turn
@@ -16,7 +17,7 @@ from screwsim.model.trajectory import Array, Trajectory
 
 @dataclass(frozen=True)
 class CycleFigures:
-    """What a power loss or a reading can ask of a closed cycle (SI units); the last six are for readings only."""
+    """What a power loss or a reading can ask of a closed cycle (SI units); `set_speed` to `turn` are for readings."""
 
     omega: float
     tip_speed: float
@@ -38,6 +39,7 @@ class CycleFigures:
     cop: float | None = None
     motor_power: float | None = None  # where a drive lies between motor and shaft
     turn: Turn | None = None
+    leaked_oil_lift: float = 0.0  # [W] of oil that leaks from the discharge line to suction beside the chambers
 
 
 def known_of(
@@ -69,7 +71,17 @@ def known_of(
         pitch=pitch,
         set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
         turn=turn,
+        leaked_oil_lift=_leaked_oil_lift(problem, life),
     )
+
+
+def _leaked_oil_lift(problem: Problem, life: Trajectory) -> float:
+    """Return the power [W] that lifts the oil again which leaks to suction beside the chambers (M28)."""
+    oil = problem.parts.oil
+    if oil is None:
+        return 0.0
+    volume = suction_line.leak(problem, life.R).oil * problem.rate / oil.density
+    return volume * (problem.lines.p_d - problem.suction.pressure)
 
 
 def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> float | None:

@@ -74,7 +74,9 @@ def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float |
 
 def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
     """Return the power [W] that lifts the oil to discharge (M28); none where ∮ p dV contains it, as oil takes room."""
-    return 0.0 if parts.oil_room else known.oil_volume_flow * (lines.p_d - known.injection_pressure)
+    if parts.oil_room:
+        return 0.0
+    return known.oil_volume_flow * (lines.p_d - known.injection_pressure) + known.leaked_oil_lift
 
 
 def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:

@@ -36,6 +36,7 @@ REMEDIES = {  # of the limits of an equation of state
 HOT = 1000.0  # [K] beyond what a machine stands
 PHASES = 120  # of a pitch at which a plenum's pressure is looked at
 RESTLESS = 500  # impacts of a turn that does not settle, above which the reeds are why
+LOST = 0.02  # of the shaft power, that goes with what flows back to suction and deserves a word
 UNSETTLED = 0.05  # change of the states in a pitch above which a cycle is far from closed
 
 
@@ -157,6 +158,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
         )
     yield from _drowned(of)
     yield from _unfitted_bore(of)
+    yield from _lost_to_suction(of)
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()
     idle = [part.idle for part in parts.pulsations if part.shut is not None]
@@ -175,6 +177,26 @@ def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[str, ...]:
     scene, parts = problem.scene, problem.parts
     told = plausible.Told(scene, parts, problem.lines, found, error)
     return (*scene_warnings(scene), *plausible.shut_ways(scene, parts), *plausible.doubts(told))
+
+
+def _lost_to_suction(of: Evaluation) -> Iterator[str]:
+    """Yield a warning where a good part of the shaft power leaves to the suction line, and is not followed there."""
+    parts, power, out = of.problem.parts, of.figures.shaft_power, of.streams[1]
+    delivers = power > 0.0 and (of.figures.gas_mass_flow or 0.0) > 0.0
+    if parts.suction_line or parts.geometry.expands or not of.problem.composition.carried or not delivers:
+        return
+    assert parts.oil is not None  # carried
+    T_s = of.problem.lines.T_s + of.problem.pressed(of.problem.lines.p_s)
+    heat = -float(out[1] - of.problem.inlet.enthalpy * out[0])
+    heat -= parts.oil.heat_capacity * float(out[3] - T_s * out[2])
+    heat *= of.problem.rate
+    if abs(heat) > LOST * power:
+        brings = "warms" if heat > 0.0 else "cools"
+        yield (
+            f"{1e-3 * abs(heat):.3g} kW, {abs(heat) / power:.0%} of the shaft power, goes with gas and oil that flow "
+            f"back into the suction line, and is not counted where it {brings} what is sucked in (name "
+            "effects.suction_line, which lets it come back)"
+        )
 
 
 def _drowned(of: Evaluation) -> Iterator[str]:

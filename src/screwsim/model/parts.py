@@ -7,7 +7,18 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from screwsim.effects.base import FlowPath, OilContent, OilGas, OilPort, OilRoom, OilSolution, Pulsation, Shaft, Wall
+from screwsim.effects.base import (
+    FlowPath,
+    OilContent,
+    OilGas,
+    OilPort,
+    OilRoom,
+    OilSolution,
+    Pulsation,
+    Shaft,
+    SuctionLine,
+    Wall,
+)
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import MachineGeometry
@@ -112,6 +123,11 @@ class Parts:
         """Does a check valve let nothing of the discharge line back, at once or because it could go nowhere else?"""
         valved = [part.to for part in self.pulsations if part.shut is not None]
         return "discharge" in valved or bool(valved and not self.plenums)
+
+    @cached_property
+    def suction_line(self) -> bool:
+        """Does what flows back into the suction line stay in it?"""
+        return bool(self.all(SuctionLine))
 
     @cached_property
     def oil_room(self) -> bool:

@@ -90,20 +90,23 @@ class Cycle:
         c = self.composition
         return State(T, rho, h, float(self.life.module.gas_entropy(T, rho, c.P, c.TAB)))
 
-    def behind(self, to: str, line: State) -> State:
-        """Return the mean state that the chambers meet in a line: throttled where its pressure has an offset (M184)."""
+    def pressure_behind(self, to: str) -> float | None:
+        """Return the mean pressure [Pa] that the chambers meet in a line that pulsates (M184); None in one that not."""
         for part in self.parts.pulsations:
             if part.to == to:
-                c, gas = self.composition, self.parts.gas
-                p = float(self.R[self.parts.number(to) * PLACE + PRESSURE])
-                p *= 1.0 + float(c.P[c.made[list(self.parts.made).index(part.offset)]])
-                return self.state(gas.temperature(p, line.h), gas.place_of_enthalpy(p, line.h)[1], line.h)
-        return line
+                offset = float(self.composition.P[self.composition.made[list(self.parts.made).index(part.offset)]])
+                return float(self.R[self.parts.number(to) * PLACE + PRESSURE]) * (1.0 + offset)
+        return None
 
-    def at_discharge(self, h: float) -> State:
-        """Return the state at discharge pressure of enthalpy h [J/kg]."""
-        gas, p_d = self.parts.gas, self.lines.p_d
-        return self.state(gas.temperature(p_d, h), gas.place_of_enthalpy(p_d, h)[1], h)
+    def behind(self, to: str, line: State) -> State:
+        """Return the mean state that the chambers meet in a line: throttled where its pressure has an offset (M184)."""
+        p = self.pressure_behind(to)
+        return line if p is None else self.at(p, line.h)
+
+    def at(self, p: float, h: float) -> State:
+        """Return the state at a pressure [Pa] of enthalpy h [J/kg]."""
+        gas = self.parts.gas
+        return self.state(gas.temperature(p, h), gas.place_of_enthalpy(p, h)[1], h)
 
     @property
     def paths(self) -> list[str]:
@@ -113,7 +116,7 @@ class Cycle:
 
     def pressure(self, end: str) -> float:
         """Return the pressure [Pa] of a line or plenum."""
-        pressures = {"suction": self.lines.p_s, "discharge": self.lines.p_d}
+        pressures = {"suction": self.suction.pressure, "discharge": self.lines.p_d}
         return pressures[end] if end in pressures else self.parts.plenums[end].p
 
     def drawn(self) -> Iterator[tuple[float, Reservoir]]:

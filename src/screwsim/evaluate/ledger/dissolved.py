@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import OilSolution
 from screwsim.evaluate.ledger.book import Cycle, State
 from screwsim.fluid.reservoir import Reservoir
@@ -37,6 +38,19 @@ class Held:
         """Return the exergy [W] of what oil [kg/s] holds."""
         return self.exergy(oil * w, oil * self.entropies(w)[1])
 
+    def of_stream(self, stream: Stream) -> float:
+        """Return the exergy [W] of what the oil of a stream holds, all of it the same."""
+        return self.of_oil(stream.oil, stream.held / stream.oil) if stream.oil > 0.0 else 0.0
+
+    def mix(self, paths: list[tuple[str, list[float]]], stream: Stream, add: Callable[..., None]) -> None:
+        """Enter the mixing of oil that comes by paths to what all of it, the stream, holds in the mean (M233)."""
+        w = stream.held / stream.oil if stream.oil > 0.0 else 0.0
+        s, total = self.entropies(w)
+        for name, row in paths:
+            oil, gas, entropy = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_HELD, kernels.OUT_HELD_ENTROPY))
+            if oil > 0.0:
+                add(name, entropy=oil * total + s * (gas - oil * w) - entropy)
+
     def of_gas(self, gas: float, state: Reservoir) -> float:
         """Return the exergy [W] of gas [kg/s] of a state."""
         return gas * (state.h - self.suction.h - self.cycle.T_0 * (state.s - self.suction.s))
@@ -47,15 +61,11 @@ class Held:
         `ends` holds, for each line's entry, '' for the discharge line, the paths that lead to it with their sums.
         """
         out, held = self.flow_out()
-        w_out = held / out if out > 0.0 else 0.0
-        s, total = self.entropies(w_out)
+        self.mix(ends.pop("", []), Stream(oil=out, held=held), add)
         for entry, paths in ends.items():
-            for name, row in paths:
-                oil, gas, entropy = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_HELD, kernels.OUT_HELD_ENTROPY))
-                if oil > 0.0 and not entry:
-                    add(name, entropy=oil * total + s * (gas - oil * w_out) - entropy)
-                elif oil > 0.0:
-                    add(entry, exergy=self.exergy(gas, entropy))
+            for _, row in paths:
+                if row[kernels.OUT_OIL] > 0.0:
+                    add(entry, exergy=self.exergy(row[kernels.OUT_HELD], row[kernels.OUT_HELD_ENTROPY]))
 
     def flow_out(self) -> tuple[float, float]:
         """Return the oil [kg/s] that leaves to the discharge line, and the gas [kg/s] that it holds."""

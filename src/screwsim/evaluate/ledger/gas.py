@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from screwsim.cycle import suction_line
 from screwsim.effects.base import Intake, Pulsation
 from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
@@ -9,18 +10,22 @@ from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE
 from screwsim.model.trajectory import Array
 
 
-def enter_paths(book: Book, cycle: Cycle, paths: Rows, suction: State, discharge: State) -> None:
-    """Enter every flow path: what its gas generates where it arrives, in a chamber or in a line (M50–M52)."""
+def enter_paths(book: Book, cycle: Cycle, paths: Rows, suction: State, discharge: State, back: State) -> None:
+    """Enter every flow path: what its gas generates where it arrives, in a chamber or in a line (M50–M52).
+
+    `back` is the state to which what flows back to suction comes: the suction line's, or its own mean.
+    """
     states = {"suction": suction, "discharge": discharge} | {
         name: State(own.T, own.rho, own.h, own.s) for name, own in cycle.parts.plenums.items()
     }
     for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
-        target = states[end]
+        target = back if end == "suction" else states[end]
         left = target.generated(row[kernels.OUT_MASS], row[kernels.OUT_ENTHALPY], row[kernels.OUT_ENTROPY])
         moved = row[kernels.MOVED]
         energy = row[kernels.CARRIES] - moved * suction.h
         book.add(name, gas=moved, energy=energy, entropy=row[kernels.GENERATED] + left)
-        if end != "discharge" and row[kernels.OUT_MASS] > 0.0:
+        kept = end == "discharge" or (end == "suction" and cycle.parts.suction_line)
+        if not kept and row[kernels.OUT_MASS] > 0.0:
             # the line stays at T_s: what the gas brings above that leaves as heat at T_s (M54)
             heat = row[kernels.OUT_ENTHALPY] - row[kernels.OUT_MASS] * target.h
             entry = SUCTION_LINE if end == "suction" else f"{end}_plenum"
@@ -63,27 +68,25 @@ def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> f
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttle (M163)."""
     intake, T_s = cycle.suction, cycle.lines.T_s
     h_d = float(cycle.R[R_DISCHARGE + ENTHALPY])
-    drawn = list(cycle.drawn())
-    flow = -float(cycle.streams[2, 0] + cycle.streams[3, 0]) * cycle.rate - sum(net for net, _ in drawn)
+    flow = suction_line.fresh(cycle.problem, cycle.R, cycle.streams) * cycle.rate
 
     def exergy(state: State) -> float:
         return state.h - cycle.T_0 * state.s
 
-    line, mixed = (
+    line, mixed, port = (
         exergy(cycle.state(intake.temperature(place, T_s), place[DENSITY], place[ENTHALPY]))
-        for place in (intake.line, intake.mixed(h_d))
+        for place in (intake.line, intake.mixed(h_d), intake.place(h_d))
     )
     share, out = intake.returned, exergy(discharge)
-    delivered = (1.0 - share) * flow * (out - line)
-    delivered += sum(net * (out - exergy(State(own.T, own.rho, own.h, own.s))) for net, own in drawn)
     returned = flow * (share * out + (1.0 - share) * line - mixed)
+    throttled = flow * (mixed - port)
     for name, part in cycle.parts.all(Intake):
         if part.returned > 0.0:
             energy = share * flow * (discharge.h - intake.line[ENTHALPY])
             book.add(name, gas=share * flow, energy=energy, exergy=returned)
         if part.pressure_ratio < 1.0:
-            book.add(name, gas=flow, exergy=of_gas - delivered - returned)
-    return delivered
+            book.add(name, gas=flow, exergy=throttled)
+    return of_gas - returned - throttled
 
 
 def enter_walls(book: Book, cycle: Cycle, heats: Array) -> None:

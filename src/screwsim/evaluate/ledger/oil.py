@@ -6,7 +6,7 @@ from math import log
 
 import numpy as np
 
-from screwsim.effects.base import OilGas, OilSolution, PowerLoss
+from screwsim.effects.base import LineLeak, OilGas, OilSolution, PowerLoss
 from screwsim.evaluate.ledger.book import (
     NOT_CONSERVED,
     OIL_INJECTION,
@@ -18,6 +18,7 @@ from screwsim.evaluate.ledger.book import (
     State,
 )
 from screwsim.evaluate.ledger.dissolved import Held
+from screwsim.evaluate.ledger.suction import Streams
 from screwsim.evaluate.performance import oil_lift
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import OIL_TEMPERATURE, P_INJECTION, R_DISCHARGE, R_INJECTED, R_OIL_BEFORE, R_RATIO
@@ -32,8 +33,13 @@ def cool_at_lines(cycle: Cycle, paths: Rows) -> None:
         row[kernels.OUT_OIL_T] -= row[kernels.OUT_OIL] * cycle.problem.pressed(cycle.pressure(end))
 
 
-def oil_rise(book: Book, cycle: Cycle, suction: State, paths: Rows, heats: Array, sums: Array) -> float:
-    """Return the exergy rise of the oil [W] (M56), and enter its heat, injection, supply and what is not conserved."""
+def oil_rise(
+    book: Book, cycle: Cycle, suction: State, paths: Rows, heats: Array, sums: Array, met: Streams | None
+) -> float:
+    """Return the exergy rise of the oil [W] (M56), and enter its heat, injection, supply and what is not conserved.
+
+    `met` is what meets in a suction line that keeps what flows back.
+    """
     c, known = cycle.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
         book.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
@@ -41,37 +47,47 @@ def oil_rise(book: Book, cycle: Cycle, suction: State, paths: Rows, heats: Array
     book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
     if c.ported:
         book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
-    dissolved = _flash(book, cycle, suction, paths, sums)
+    dissolved = _flash(book, cycle, suction, paths, sums, met)
     mechanical = known.oil_volume_flow * (cycle.lines.p_d - known.oil_source_pressure)
     if c.carried:
-        return dissolved + mechanical + _carried(book, cycle, paths)
+        return dissolved + mechanical + _carried(book, cycle, paths, met)
     if c.heats:
         return mechanical + _not_carried(book, cycle, paths, sums)
     return mechanical
 
 
-def _flash(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array) -> float:
+def _flash(
+    book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array, met: Streams | None
+) -> float:
     """Enter the gas that flashes out of the oil; return the exergy [W] by which it is less than that gas (M197)."""
     content, flashed = cycle.parts.oil_content, float(sums[kernels.FLASH_MASS])
     if content is None:
         return 0.0
     if isinstance(content, OilSolution):
-        return _released(book, cycle, suction, paths, sums)
+        return _released(book, cycle, suction, paths, sums, met)
     for name, _ in cycle.parts.all(OilGas):
         generated = float(sums[kernels.FLASH_GENERATED])
         book.add(name, gas=flashed, energy=flashed * content.latent, entropy=generated)
     return flashed * content.latent * (1.0 - cycle.T_0 / cycle.oil.temperature)
 
 
-def _released(book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array) -> float:
+def _released(
+    book: Book, cycle: Cycle, suction: State, paths: Rows, sums: Array, met: Streams | None
+) -> float:
     """Enter the gas that oil gives off over time; return the rise [W] of what it holds, and of that gas (M234)."""
     held, ends = Held(cycle, suction), {}
     for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
         entry = {"discharge": "", "suction": SUCTION_LINE}.get(end, f"{end}_plenum")
         ends.setdefault(entry, []).append((name, row))
+    of_suction = ends.pop(SUCTION_LINE, []) if met is not None else []
     held.at_lines(ends, book.add)
     gas, energy = float(sums[kernels.FLASH_MASS]), float(sums[kernels.RELEASED])
     rise = held.rise()
+    if met is not None:
+        held.mix(of_suction, met.back, book.add)
+        leaked = held.of_stream(met.leak)
+        book.add(SUCTION_LINE, exergy=held.of_stream(met.back) + leaked - held.of_stream(met.sucked))
+        rise -= leaked
     for name, part in cycle.parts.all(OilGas):
         book.add(name, gas=gas, energy=energy, entropy=float(sums[kernels.FLASH_GENERATED]))
         i = 2 * cycle.parts.number(part.plenum)
@@ -108,16 +124,16 @@ def _mixed(mass: float, mass_T: float) -> tuple[float, float, float]:
     return mass, mass_T, mass * log(mass_T / mass) if mass > 0.0 else 0.0
 
 
-def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float) -> None:
-    """Enter the mixing of the oil that leaves to the discharge line to its mean temperature there (M53)."""
+def _mixing(book: Book, cycle: Cycle, paths: Rows, T_mean: float, line: str = "discharge") -> None:
+    """Enter the mixing of the oil that leaves to a line to its mean temperature there (M53)."""
     c_oil = cycle.oil.heat_capacity
     for name, end, row in zip(cycle.paths, cycle.composition.ends, paths, strict=True):
         mass, mass_T, mass_log = (row[i] for i in (kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_OIL_LOG))
-        if mass > 0.0 and end == "discharge":
+        if mass > 0.0 and end == line:
             book.add(name, entropy=c_oil * ((mass_T / T_mean - mass) - (mass_log - mass * log(T_mean))))
 
 
-def _carried(book: Book, cycle: Cycle, paths: Rows) -> float:
+def _carried(book: Book, cycle: Cycle, paths: Rows, met: Streams | None) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
     oil = cycle.oil
     out, out_T = (-float(cycle.streams[3, i]) * cycle.rate for i in (2, 3))
@@ -127,7 +143,8 @@ def _carried(book: Book, cycle: Cycle, paths: Rows) -> float:
         _mixing(book, cycle, paths, out_T / out)
     lost = 0.0
     columns, ends = slice(kernels.OUT_OIL, kernels.OUT_OIL_LOG + 1), cycle.composition.ends
-    for end in dict.fromkeys(end for end in ends if end != "discharge"):
+    kept = ("discharge",) if met is None else ("discharge", "suction")
+    for end in dict.fromkeys(end for end in ends if end not in kept):
         rows = [row[columns] for row, other in zip(paths, ends, strict=True) if other == end]
         taken = [sum(column) for column in zip(*rows, strict=True)]
         rise = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
@@ -141,7 +158,26 @@ def _carried(book: Book, cycle: Cycle, paths: Rows) -> float:
     if not cycle.composition.ported:
         book.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
     T_line = float(cycle.R[R_DISCHARGE + OIL_TEMPERATURE]) - cycle.problem.pressed(cycle.lines.p_d)
-    return _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
+    rise = _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
+    return rise if met is None else rise - _line(book, cycle, paths, met, T_line)
+
+
+def _line(book: Book, cycle: Cycle, paths: Rows, met: Streams, T_line: float) -> float:
+    """Enter what oil has to do with the suction line, and its leak; return what of its exergy rise leaks, or leaves.
+
+    T_line [K] is the oil's temperature in the discharge line.
+    """
+    oil, room = cycle.oil, cycle.parts.oil_room
+    p_i, p_d, source = cycle.suction.pressure, cycle.lines.p_d, cycle.known.oil_source_pressure
+    if met.back.oil > 0.0:
+        _mixing(book, cycle, paths, met.T_back, "suction")
+    leaked, before = (_thermal(cycle, *_mixed(met.leak.oil, met.leak.oil * T)) for T in (met.T_leak, T_line))
+    mixed = _thermal(cycle, *_mixed(met.back.oil, met.back.oil * met.T_back)) + leaked
+    mixed -= _thermal(cycle, *_mixed(met.sucked.oil, met.sucked.oil * met.T_sucked))
+    book.add(SUCTION_LINE, exergy=mixed + met.oil_lost / oil.density * ((p_i if room else p_d) - source))
+    for name, _ in cycle.parts.all(LineLeak):
+        book.add(name, exergy=met.leak.oil / oil.density * (p_d - p_i) + before - leaked)
+    return before + met.oil_lost / oil.density * (p_d - source)
 
 
 def _injection(cycle: Cycle) -> float:

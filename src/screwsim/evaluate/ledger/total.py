@@ -14,9 +14,10 @@ from typing import Any
 from screwsim.cycle.balances import discharge_enthalpy
 from screwsim.effects.base import PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.evaluate.ledger.book import Book, Cycle, Entry
+from screwsim.evaluate.ledger.book import Book, Cycle, Entry, State
 from screwsim.evaluate.ledger.gas import enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
 from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise
+from screwsim.evaluate.ledger.suction import enter_line, mean_back, streams_of
 from screwsim.faults import own_number
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
 from screwsim.outputs import Figures
@@ -80,29 +81,40 @@ class Ledger:
 def ledger(of: Evaluation) -> Ledger:
     """Return where the shaft power of a closed cycle goes (contract: ledger)."""
     cycle, R = Cycle(of), of.life.R
-    place = cycle.suction.place(float(R[R_DISCHARGE + ENTHALPY]))
-    T_suction = cycle.suction.temperature(place, cycle.lines.T_s)
-    suction = cycle.state(T_suction, float(R[R_SUCTION + DENSITY]), float(R[R_SUCTION + ENTHALPY]))
-    line = cycle.at_discharge(float(R[R_DISCHARGE + ENTHALPY]))
+    suction = _sucked(cycle)
+    line = cycle.at(cycle.lines.p_d, float(R[R_DISCHARGE + ENTHALPY]))
     mean = discharge_enthalpy(cycle.streams)
-    discharge = line if mean is None else cycle.at_discharge(mean[0])
+    discharge = line if mean is None else cycle.at(cycle.lines.p_d, mean[0])
     sucked, given = cycle.behind("suction", suction), cycle.behind("discharge", discharge)
     moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind("discharge", line).s))
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
     book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
-    enter_paths(book, cycle, paths, sucked, given)
+    met = streams_of(cycle, paths) if cycle.parts.suction_line else None
+    back = sucked if met is None else mean_back(cycle, met, sucked)
+    enter_paths(book, cycle, paths, sucked, given, back)
     enter_pulsations(book, cycle, (suction, sucked), (given, discharge), line)
     of_gas = gas_rise(book, cycle, suction, line, discharge)
+    if met is not None:
+        of_gas = enter_line(book, cycle, of_gas, met, (suction, sucked, back), discharge)
     if cycle.suction.changed:
         of_gas = enter_intake(book, cycle, of_gas, discharge)
     warmed = len(cycle.composition.heats)
     enter_walls(book, cycle, heats[warmed:])
     of_oil = None
     if cycle.parts.oil is not None:
-        of_oil = oil_rise(book, cycle, suction, paths, heats[:warmed], oil)
+        of_oil = oil_rise(book, cycle, suction, paths, heats[:warmed], oil, met)
     _losses(book, cycle)
     return Ledger(book.entries, book.T_0, cycle.shaft_power, of_gas, of_oil)
+
+
+def _sucked(cycle: Cycle) -> State:
+    """Return the state of the gas before the suction port: the line's where nothing is mixed in, or throttled."""
+    h, rho = (float(cycle.R[R_SUCTION + at]) for at in (ENTHALPY, DENSITY))
+    if cycle.parts.suction_line:
+        return cycle.at(cycle.suction.pressure, h)
+    place = cycle.suction.place(float(cycle.R[R_DISCHARGE + ENTHALPY]))
+    return cycle.state(cycle.suction.temperature(place, cycle.lines.T_s), rho, h)
 
 
 def _acting(cycle: Cycle) -> Iterator[str]:

@@ -1,0 +1,190 @@
+"""The suction line where what flows back stays in it: gas and oil mix with what is sucked in (docs/model.md M270–M274).
+
+Its enthalpy, and with carried oil its ratio and what that holds dissolved, are feedback unknowns of the cycle. Sums are
+those of one chamber's life, as the streams are (`balances.streams_of`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import exp
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.problem import LEAST_OIL, Problem
+from screwsim.effects.base import LineLeak, OilSolution
+from screwsim.faults import UsageError
+from screwsim.fluid.nozzle import flow
+from screwsim.model.slots import (
+    CHOKED,
+    DENSITY,
+    DISSOLVED,
+    ENTHALPY,
+    OIL_RATIO,
+    OIL_TEMPERATURE,
+    PLACE,
+    R_DISCHARGE,
+    R_SUCTION,
+)
+
+Array = np.ndarray
+CLOSE = 1e-13  # relative width of the interval in which the mixture's enthalpy is found
+REACH = 0.02  # relative distance from the first guess of that enthalpy in which it is looked for first
+
+
+class Stream(NamedTuple):
+    """Gas [kg], its enthalpy [J], oil [kg], that times its enthalpy over heat capacity [kg K], gas held in it [kg]."""
+
+    gas: float = 0.0
+    enthalpy: float = 0.0
+    oil: float = 0.0
+    oil_heat: float = 0.0
+    held: float = 0.0
+
+    @property
+    def fluid(self) -> float:
+        """Gas and what the oil holds of it [kg]."""
+        return self.gas + self.held
+
+    def plus(self, other: Stream, share: float = 1.0) -> Stream:
+        """Return the sum of this stream and a share of another one."""
+        return Stream(*(one + share * more for one, more in zip(self, other, strict=True)))
+
+
+class Mixture(NamedTuple):
+    """What is sucked in: enthalpy of the gas [J/kg], oil per gas, and what that holds dissolved, per gas, too."""
+
+    enthalpy: float
+    oil: float = 0.0
+    held: float = 0.0
+
+
+def values(problem: Problem, R: Array) -> Array:
+    """Return the unknowns as the next turn meets them."""
+    c = problem.composition
+    h, oil, held = (float(R[R_SUCTION + cell]) for cell in (ENTHALPY, OIL_RATIO, DISSOLVED))
+    return np.array(Mixture(h, oil, oil * held)[: 1 + c.carried + c.dissolves])
+
+
+def set_values(problem: Problem, R: Array, found: Array) -> None:
+    """Let the next turn suck this; what no state of the gas has, on the way, leaves the line as it is."""
+    try:
+        place = problem.parts.gas.place_of_enthalpy(problem.suction.pressure, float(found[0]))
+        T = problem.parts.gas.temperature(problem.suction.pressure, float(found[0]))
+    except UsageError:
+        return
+    R[R_SUCTION : R_SUCTION + len(place)] = place
+    if len(found) > 1:
+        ratio = max(float(found[1]), 0.0)
+        R[R_SUCTION + OIL_RATIO] = ratio
+        R[R_SUCTION + OIL_TEMPERATURE] = T + problem.pressed(problem.suction.pressure)
+        if len(found) > 2 and ratio > 0.0:
+            R[R_SUCTION + DISSOLVED] = max(float(found[2]), 0.0) / ratio
+        R[R_SUCTION + DENSITY] *= problem.gas_share(float(place[DENSITY]), ratio) ** 2
+
+
+def leak(problem: Problem, R: Array) -> Stream:
+    """Return what leaks from the discharge line beside the chambers, per life of one of them (M274)."""
+    leaks = [part for _, part in problem.parts.all(LineLeak)]
+    if not leaks:
+        return Stream()
+    suction, discharge = (R[at : at + CHOKED + 1].tolist() for at in (R_SUCTION, R_DISCHARGE))
+    place = R[R_DISCHARGE : R_DISCHARGE + PLACE].tolist()
+    flux = float(flow(1.0, *_nozzle(suction), *_nozzle(discharge), 0.0))
+    gas = max(0.0, flux) * sum(part.area for part in leaks) / problem.rate
+    oil = gas * place[OIL_RATIO] if problem.composition.carried else 0.0
+    held = oil * place[DISSOLVED] if problem.parts.dissolves else 0.0
+    return Stream(gas, gas * place[ENTHALPY], oil, oil * place[OIL_TEMPERATURE], held)
+
+
+def _nozzle(place: list[float]) -> tuple[float, ...]:
+    """Return what a nozzle asks of a place: p, ρ, 1/k, drop and ψ² of choking."""
+    p, rho, _h, *rest = place
+    return p, rho, *rest
+
+
+def back(problem: Problem, R: Array, streams: Array) -> Stream:
+    """Return what comes to the suction line from the chambers and from leaks beside them."""
+    return Stream(*(-streams[1]).tolist()).plus(leak(problem, R))
+
+
+def fresh(problem: Problem, R: Array, streams: Array) -> float:
+    """Return the gas [kg] that the line takes from before it, net, a life: what is sucked less what came back."""
+    if not problem.parts.suction_line:
+        return float(streams[0, 0] + streams[1, 0])
+    return Stream(*streams[0].tolist()).fluid - back(problem, R, streams).fluid
+
+
+def image(problem: Problem, R: Array, streams: Array, h_d: float) -> Array:
+    """Return the unknowns that a life makes of the line; h_d [J/kg] is the enthalpy of the discharge line.
+
+    Where more flows back than is sucked the rest leaves by the line, mixed as it came: the mixture is a continuous
+    function of the flows (as M27).
+    """
+    sucked, returned = Stream(*streams[0].tolist()).fluid, back(problem, R, streams)
+    before = values(problem, R)
+    if not sucked > 0.0:
+        return before
+    share = min(1.0, sucked / returned.fluid) if returned.fluid > 0.0 else 1.0
+    own = max(0.0, sucked - returned.fluid)
+    try:
+        total = Stream(own, own * problem.suction.place(h_d)[ENTHALPY]).plus(returned, share)
+        found = mixed(problem, total, float(before[0]))
+    except UsageError:
+        return before
+    return np.array(found[: len(before)])
+
+
+def mixed(problem: Problem, total: Stream, guess: float) -> Mixture:
+    """Return the mixture in equilibrium at the pressure of the intake: one temperature, and gas dissolved (M271, M272).
+
+    The enthalpy of gas, oil and dissolved gas together grows with the gas's, in which it is sought from a guess [J/kg].
+    """
+    if not total.oil > LEAST_OIL * max(total.gas, 0.0):
+        return Mixture(*(each / total.gas for each in (total.enthalpy, max(total.oil, 0.0), total.held)))
+    parts, p = problem.parts, problem.suction.pressure
+    gas, oil, content = parts.gas, parts.oil, parts.oil_content
+    assert oil is not None  # of the stream
+    solution = content if isinstance(content, OilSolution) else None
+    pressed = problem.pressed(p)
+    wanted = total.enthalpy + oil.heat_capacity * total.oil_heat
+    wanted += solution.enthalpy * total.held if solution else 0.0
+
+    def held_at(T: float) -> float:
+        """Return what a kilogram of oil holds in equilibrium with the gas (M232)."""
+        if solution is None:
+            return 0.0
+        s = gas.entropy(p, T) - (gas.enthalpy(p, T) - solution.enthalpy) / T  # the same in both phases
+        return min(held_of(solution, s), total.fluid / total.oil)
+
+    def excess(h: float) -> float:
+        T = gas.temperature(p, h)
+        held = held_at(T) * total.oil
+        dissolved = solution.enthalpy * held if solution else 0.0
+        return (total.fluid - held) * h + total.oil * oil.heat_capacity * (T + pressed) + dissolved - wanted
+
+    h = _root(excess, guess)
+    held = held_at(gas.temperature(p, h)) * total.oil
+    left = max(total.fluid - held, 1e-12 * total.oil)
+    return Mixture(h, total.oil / left, held / left)
+
+
+def held_of(solution: OilSolution, entropy: float) -> float:
+    """Return the gas [kg per kg of oil] whose entropy [J/(kg K)], dissolved, is this: it falls as more is held."""
+    return exp(float(np.interp(-entropy, -np.asarray(solution.entropy), np.asarray(solution.log_held))))
+
+
+def _root(excess: Callable[[float], float], guess: float) -> float:
+    """Return where a function that grows passes zero, looked for from a guess on."""
+    from scipy.optimize import brentq
+
+    low = high = guess
+    at, reach = excess(guess), REACH * guess
+    grows = at < 0.0
+    while (at < 0.0) == grows and at != 0.0:
+        if reach > guess:
+            raise UsageError("the suction line has no mixture of its gas and oil")
+        low, high = (high, guess + reach) if grows else (max(guess - reach, CLOSE * guess), low)
+        at, reach = excess(high if grows else low), 2.0 * reach
+    return float(brentq(excess, low, high, xtol=CLOSE * guess, rtol=CLOSE)) if low < high else guess  # type: ignore[arg-type]

@@ -1,0 +1,93 @@
+"""Shaft leakage: gas and oil from the discharge end to suction, around the shafts and through drains and pistons.
+
+What: nozzle flow (M12, M13) from the discharge line to the suction line beside the chambers, with the line's oil ratio
+and what the oil holds dissolved (M274). It follows the discharge pressure all the time, where the leaks of chambers
+follow the course of theirs: what a volumetric efficiency that falls in proportion to the pressure ratio asks for. The
+area is stated, or an annulus around each shaft.
+Source: annular clearances (textbook); M12.
+Assumptions: fed from the mean state of the discharge line; oil in the ratio there, at the gas's speed. The power of
+pumping the leaked oil up again counts (M28). Labyrinths, bushings and bearings hold more back than a nozzle does: take
+a smaller flow coefficient.
+Parameters: area, or shaft_diameter, clearance and shafts; flow_coefficient.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import Effect, Faults, LineLeak
+from screwsim.effects.gap import flow_coefficient
+from screwsim.faults import Fault
+from screwsim.machine.protocol import ROTORS
+from screwsim.outputs import HEATED, Figure, over
+
+_ANNULUS = ("shaft_diameter", "clearance")
+FIGURES = (
+    Figure("shaft_leakage_gas_flow", "kg s-1", "gas that leaks from discharge to suction beside the chambers"),
+    Figure(
+        "shaft_leakage_oil_flow",
+        "kg s-1",
+        "oil that leaks with it",
+        over("oil_mass_flow"),
+        needs=HEATED,
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Size of the leak."""
+
+    area: float | None = quantity("area", "of all paths together, in place of a shaft's annulus", None, ge=0.0)
+    shaft_diameter: float | None = quantity("length", "of a shaft where it passes the discharge end", None, gt=0.0)
+    clearance: float | None = quantity("length", "radial, between shaft and bore", None, ge=0.0)
+    shafts: int = number("shafts of that diameter and clearance", 2, ge=1, le=4)
+    flow_coefficient: float = flow_coefficient("the leak", 0.7)
+
+
+def area_of(parameters: Parameters) -> float:
+    """Return the area [m²] of the leak: that which is stated, or of annuli of a clearance c around d, π (d + c) c."""
+    if parameters.area is not None:
+        return parameters.area
+    d, c = parameters.shaft_diameter or 0.0, parameters.clearance or 0.0
+    return parameters.shafts * pi * (d + c) * c
+
+
+def build(parameters: Parameters, machine) -> list[LineLeak]:
+    return [LineLeak(parameters.flow_coefficient * area_of(parameters))]
+
+
+def check(parameters: Parameters, facts) -> Faults:
+    path = "effects.shaft_leakage"
+    given = [name for name in _ANNULUS if getattr(parameters, name) is not None]
+    if parameters.area is None and len(given) < len(_ANNULUS):
+        missing = next(name for name in _ANNULUS if name not in given)
+        if given:
+            yield Fault(f"{path}.{missing}", f"is missing (stated together: {', '.join(_ANNULUS)})")
+        else:
+            yield Fault(f"{path}.area", "is missing (state it, or shaft_diameter and clearance)")
+    elif parameters.area is not None and given:
+        yield Fault(f"{path}.{given[0]}", "is stated beside area (remove one of both)")
+    if "suction_line" not in facts.effects:
+        what = "needs effects.suction_line, to which its gas and oil come (add it)"
+        yield Fault(path, what)
+    if facts.operation.discharge.temperature is not None:
+        what = "is given, and what leaks has the outflow's (remove it, or effects.shaft_leakage)"
+        yield Fault("operation.discharge.temperature", what)
+    if facts.machine.mode == "expander":
+        yield Fault(path, "belongs to machine.mode: compressor (remove it)")
+
+
+EFFECT = Effect(
+    name="shaft_leakage",
+    title="leak from the discharge end to suction around the shafts",
+    equations=("M12", "M13", "M274"),
+    source="annular clearances",
+    parameters=Parameters,
+    build=build,
+    check=check,
+    needs=frozenset({ROTORS}),
+    figures=FIGURES,
+)

@@ -1,0 +1,60 @@
+"""Suction line: gas and oil that flow back into it stay there, mix with what is sucked in and come again.
+
+What: what leaves the chambers to the suction line (slide valve, bypass bore, leaks, the port itself) brings its heat
+and its oil back: one temperature of gas and oil by the balance of energy (M271), oil in the ratio of both flows, gas
+that the oil holds dissolved in equilibrium (M272). Without this effect the suction line keeps its state whatever flows
+back, and heat and oil that leave to it are lost (M10, M54).
+Source: adiabatic mixing (textbook).
+Assumptions: a steady mixture between line (behind throttle and bypass) and port, without heat to the surroundings; gas
+and oil have time to come to one temperature, and what the oil holds to equilibrium. Oil of which no effect keeps an
+account while it is in the chamber (`refrigerant_solubility` without `flash_time`) gives nothing off. Where more flows
+back than is sucked, the rest leaves by the line, mixed as it came.
+Parameters: none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.effects.base import Effect, Faults, SuctionLine
+from screwsim.faults import Fault
+from screwsim.outputs import HEATED, POWER, Figure, over
+
+FIGURES = (
+    Figure("returned_gas_flow", "kg s-1", "gas that comes back to the suction line", over("gas_mass_flow")),
+    Figure(
+        "returned_oil_flow",
+        "kg s-1",
+        "oil that comes back to the suction line",
+        over("oil_mass_flow"),
+        needs=HEATED,
+    ),
+    Figure("returned_heat", "W", "heat that what comes back gives the gas that is sucked in", POWER),
+)
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """None: the state follows from the balances."""
+
+
+def build(parameters: Parameters, machine) -> list[SuctionLine]:
+    return [SuctionLine()]
+
+
+def check(parameters: Parameters, facts) -> Faults:
+    if facts.oil is not None and facts.oil.transport != "carried":
+        what = "mixes oil that comes back, which oil.transport: paper does not follow (oil.transport: carried)"
+        yield Fault("effects.suction_line", what)
+
+
+EFFECT = Effect(
+    name="suction_line",
+    title="what flows back to suction mixes with what is sucked in",
+    equations=("M270", "M271", "M272", "M273"),
+    source="adiabatic mixing",
+    parameters=Parameters,
+    build=build,
+    check=check,
+    figures=FIGURES,
+)

@@ -1,0 +1,198 @@
+"""What flows back into the suction line stays in it (M270–M274): conservation, limits, mixing, leaks to it."""
+
+import math
+
+import pytest
+from scenes import OIL_VOLUME, SOLUBLE_RATE, make, run
+from test_capacity_control import SLIDE
+
+from screwsim.cycle.problem import problem_of
+from screwsim.cycle.suction_line import Stream, held_of, mixed
+from screwsim.effects.base import OilSolution
+from screwsim.effects.refrigerant_solubility import content
+from screwsim.faults import SceneError
+from screwsim.outputs import ledger_entries
+
+LINE = {"oil.transport": "carried", "effects.suction_line": {}, "effects.slide_valve": {**SLIDE, "position": 0.6}}
+REAL = {"gas.model": "real", "operation.suction.temperature": "290 K", "oil_supply.temperature": "325 K"}
+LEAK = {"effects.shaft_leakage": {"area": "17 mm^2"}}
+INTAKE = {"effects.suction_throttle": {"pressure_ratio": 0.7}, "effects.bypass": {"share": 0.2}}
+BACKWARDS = {"operation.speed": "150 rpm", "effects.tip_leakage.gap": "400 um"}  # more flows back than is sucked
+CASES = {
+    "slide valve": LINE,
+    "real gas": {**LINE, **REAL},
+    "oil takes room": {**LINE, **OIL_VOLUME},
+    "gas dissolved": {**SOLUBLE_RATE, **LINE, **REAL},
+    "throttle and bypass": {**LINE, **INTAKE},
+    "shaft leakage": {**LINE, **LEAK},
+    "shaft leakage, oil takes room": {**LINE, **LEAK, **OIL_VOLUME, **INTAKE},
+    "shaft leakage, gas dissolved": {**SOLUBLE_RATE, **LINE, **LEAK, **REAL},
+    "plenums": {**LINE, **LEAK, "effects.plenums": {"suction_volume": "8 l", "suction_area": "40 cm^2"}},
+    "backwards": {**LINE, **BACKWARDS},
+    "backwards, shaft leakage": {**LINE, **BACKWARDS, **LEAK, **OIL_VOLUME},
+    "coupled chambers": {**LINE, **LEAK, "numerics": {"closing": "coupled"}},
+}
+FORWARDS = [case for case in CASES if not case.startswith("backwards")]
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_mass_energy_oil_and_entropy_close(case):
+    result = run(CASES[case])
+    assert result.status == "ok"
+    b = result.balance
+    assert max(b.mass, b.energy, b.entropy, b.oil_mass) <= b.bound
+
+
+@pytest.mark.parametrize("case", FORWARDS)
+def test_mixing_in_the_line_and_leaks_to_it_generate_entropy(case):
+    entries = ledger_entries(run(CASES[case]).ledger)
+    assert entries["suction_line"]["exergy_destroyed"] > 0.0
+    assert entries.get("shaft_leakage", {"exergy_destroyed": 1.0})["exergy_destroyed"] > 0.0
+
+
+@pytest.mark.parametrize("case", ["slide valve", "oil takes room", "shaft leakage", "shaft leakage, oil takes room"])
+def test_all_that_the_rotors_give_the_fluids_arrives_at_discharge(case):
+    """First law of machine and suction line: P_ind = ṁ c_p (T_d − T_s) + ṁ_o c_o (T_o,d − T_inj), oil from p_d to p_d.
+
+    Without the effect what leaves to suction is missed.
+    """
+    gas, oil = (getattr(problem_of(make(CASES[case])).parts, name) for name in ("gas", "oil"))
+
+    def missing(p):
+        warmed = p.gas_mass_flow * gas.c_p * (p.discharge_temperature - 283.0)
+        warmed += p.oil_mass_flow * oil.heat_capacity * (p.oil_discharge_temperature - 293.0)
+        return 1.0 - warmed / p.indicated_power
+
+    assert abs(missing(run(CASES[case]).performance)) < 1e-3
+    of_line = ("effects.suction_line", "effects.shaft_leakage")
+    lost = {path: value for path, value in CASES[case].items() if path not in of_line}
+    assert abs(missing(run(lost).performance)) > 0.01
+
+
+def test_where_nothing_flows_back_the_line_is_the_suction_line():
+    shut = {"oil.transport": "carried", "effects.suction_port": {}, "machine.suction_port.area": "300 cm^2"}
+    one, other = run({**shut, "effects.suction_line": {}}).performance, run(shut).performance
+    assert one.returned_gas_flow < 5e-3 * one.gas_mass_flow
+    for name in ("gas_mass_flow", "shaft_power", "discharge_temperature"):
+        assert one[name] == pytest.approx(other[name], rel=3e-3), name
+    assert one.intake_temperature == pytest.approx(283.0, abs=0.5)
+
+
+def test_gas_that_comes_back_takes_capacity():
+    """With the slide at 0.6 warm gas and oil come back: they warm what is sucked in, and thin it."""
+    lost = {**LINE}
+    del lost["effects.suction_line"]
+    kept, gone = run(LINE).performance, run(lost).performance
+    assert kept.intake_temperature > 285.0
+    assert 0.8 < kept.gas_mass_flow / gone.gas_mass_flow < 0.99
+    assert kept.isentropic_efficiency < gone.isentropic_efficiency
+
+
+def test_oil_that_comes_back_need_not_be_injected():
+    """A pump brings the chamber to a ratio: what the line brings counts, and what is injected leaves by discharge."""
+    p = run(LINE).performance
+    assert p.returned_oil_flow > 0.05 * p.oil_mass_flow
+    assert p.oil_mass_flow == pytest.approx(3.0 * p.gas_mass_flow, rel=0.05)  # of trapped gas, less what leaks later
+
+
+# ---- the mixture ----
+
+
+def problem(changes):
+    return problem_of(make({**LINE, **changes}))
+
+
+def test_gas_and_oil_of_the_line_come_to_the_temperature_of_their_energies():
+    of = problem({})
+    c_p, c_o = of.parts.gas.c_p, of.parts.oil.heat_capacity
+    total = Stream(3.0, c_p * (2.0 * 283.0 + 320.0), 1.5, 1.5 * 310.0)
+    T = (c_p * (2.0 * 283.0 + 320.0) + c_o * 1.5 * 310.0) / (3.0 * c_p + 1.5 * c_o)
+    found = mixed(of, total, c_p * 283.0)
+    assert found.enthalpy == pytest.approx(c_p * T, rel=1e-12)
+    assert (found.oil, found.held) == (pytest.approx(0.5), 0.0)
+
+
+def test_the_mixture_of_a_real_gas_keeps_the_energy():
+    of = problem(REAL)
+    gas, c_o = of.parts.gas, of.parts.oil.heat_capacity
+    h = gas.enthalpy(1.5e5, 290.0)
+    found = mixed(of, Stream(1.0, h, 2.0, 2.0 * 330.0), h)
+    T = gas.temperature(1.5e5, found.enthalpy)
+    assert found.enthalpy - h == pytest.approx(2.0 * c_o * (330.0 - T), rel=1e-9)
+    assert 320.0 < T < 330.0
+
+
+def test_oil_of_the_line_holds_what_is_in_equilibrium_with_the_gas():
+    """Oil that held 0.1 at discharge gives most of it off at 1.5 bar; mass and energy stay, and μ/T of both is one."""
+    of = problem({**SOLUBLE_RATE, **REAL})
+    solution, gas, c_o = of.parts.oil_content, of.parts.gas, of.parts.oil.heat_capacity
+    assert isinstance(solution, OilSolution)
+    h = gas.enthalpy(1.5e5, 290.0)
+    total = Stream(1.0, h, 0.5, 0.5 * 335.0, 0.05)
+    found = mixed(of, total, h)
+    mass = total.fluid / (1.0 + found.held)  # gas that is left
+    assert found.oil * mass == pytest.approx(0.5, rel=1e-12)
+    w, T = found.held / found.oil, gas.temperature(1.5e5, found.enthalpy)
+    energy = mass * (found.enthalpy + found.held * solution.enthalpy) + 0.5 * c_o * T
+    assert energy == pytest.approx(h + 0.5 * c_o * 335.0 + 0.05 * solution.enthalpy, rel=1e-9)
+    assert 0.001 < w < 0.09
+    assert w == pytest.approx(held_of(solution, gas.entropy(1.5e5, T) - (found.enthalpy - solution.enthalpy) / T))
+
+
+def test_equilibrium_in_the_line_is_that_of_the_solubility_at_the_temperature_of_the_supply():
+    of = problem({**SOLUBLE_RATE, **REAL})
+    solution, gas = of.parts.oil_content, of.parts.gas
+    assert isinstance(solution, OilSolution)
+    for p in (1.5e5, 4e5, 10e5):
+        entropy = gas.entropy(p, 325.0) - (gas.enthalpy(p, 325.0) - solution.enthalpy) / 325.0
+        assert held_of(solution, entropy) == pytest.approx(content(p, 325.0), rel=2e-4)  # M195; rows of a table between
+
+
+# ---- leaks beside the chambers ----
+
+
+def test_the_shaft_leak_is_that_of_a_choked_nozzle():
+    """From 12 to 1.5 bar it chokes: ṁ = μ S √(k p ρ) (2/(k+1))^((k+1)/(2(k−1))), of the state of the discharge line."""
+    annuli = {"shaft_diameter": "70 mm", "clearance": "45 um", "flow_coefficient": 0.6}
+    changes = {**LINE, "effects.shaft_leakage": annuli}
+    p, gas = run(changes).performance, problem(changes).parts.gas
+    k, rho = gas.c_p / gas.c_v, 12e5 / (gas.R * p.discharge_temperature)
+    area = 0.6 * 2 * math.pi * 70.045e-3 * 45e-6
+    choked = area * math.sqrt(k * 12e5 * rho) * (2.0 / (k + 1.0)) ** ((k + 1.0) / (2.0 * (k - 1.0)))
+    assert p.shaft_leakage_gas_flow == pytest.approx(choked, rel=1e-4)
+    assert p.shaft_leakage_oil_flow > 0.0
+
+
+def test_a_shaft_leak_follows_the_discharge_pressure():
+    """What it takes of the volumetric efficiency is in proportion to p_d, as no leak of a chamber's is."""
+
+    def lost(p_d):
+        at = {"operation.discharge.pressure": f"{p_d} bar", "effects.suction_line": {}, "oil.transport": "carried"}
+        with_it, without = run({**at, **LEAK}).performance, run(at).performance
+        return without.volumetric_efficiency - with_it.volumetric_efficiency
+
+    assert lost(12) / lost(6) == pytest.approx(2.0, rel=0.1)
+    assert lost(6) > 0.01
+
+
+def test_oil_that_leaks_past_the_shaft_is_lifted_again():
+    p = run({**LINE, **LEAK}).performance
+    lift = p.oil_mass_flow * (12e5 - p.injection_pressure) + p.shaft_leakage_oil_flow * (12e5 - 1.5e5)
+    assert p.oil_lift_power == pytest.approx(lift / 1000.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "changes, where",
+    [
+        ({**LINE, "oil.transport": "paper"}, "effects.suction_line"),
+        ({"oil.transport": "carried", **LEAK}, "effects.shaft_leakage"),
+        ({**LINE, "effects.shaft_leakage": {}}, "effects.shaft_leakage.area"),
+        ({**LINE, "effects.shaft_leakage": {"clearance": "50 um"}}, "effects.shaft_leakage.shaft_diameter"),
+        ({**LINE, "effects.shaft_leakage": {"area": "1 mm^2", "clearance": "1 um"}}, "effects.shaft_leakage.clearance"),
+        ({**LINE, **LEAK, "operation.discharge.temperature": "330 K"}, "operation.discharge.temperature"),
+    ],
+)
+def test_what_does_not_go_together_is_refused_at_its_place(changes, where):
+    with pytest.raises(SceneError) as wrong:
+        make(changes)
+    assert where in str(wrong.value)
