@@ -14,11 +14,11 @@ import numpy as np
 
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
+from screwsim.cycle.pitch import POINTS
 from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.effects.base import OilSolution
 from screwsim.effects.gas_torque import raw_torque
 from screwsim.evaluate.evaluation import Evaluation, evaluate, loss_torque
-from screwsim.evaluate.pitch import POINTS
 from screwsim.faults import UsageError
 from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.machine.drive.run_up import Motion, run_up

@@ -15,11 +15,11 @@ from scenes import make, scene_dict
 
 from screwsim import simulate
 from screwsim.build import build_parts
+from screwsim.cycle.powers import power_losses
 from screwsim.effects import catalogue
 from screwsim.effects.base import PowerLoss
 from screwsim.engineering import engineering
 from screwsim.errors import error_scale
-from screwsim.evaluate.performance import power_losses
 from screwsim.explain import explain
 from screwsim.faults import UsageError
 from screwsim.figures import Performance, called_for, declared, known, merged, packed, unpacked

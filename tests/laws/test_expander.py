@@ -8,7 +8,7 @@ import pytest
 from scenes import DROP, make, run
 
 from screwsim.build import build_parts
-from screwsim.evaluate.pitch import _slopes
+from screwsim.cycle.pitch import _slopes
 from screwsim.faults import SceneError
 from screwsim.machine.geometry import Geometry
 from screwsim.outputs import ledger_entries

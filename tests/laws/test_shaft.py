@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scenes import DROP, closed, make, run
 
+from screwsim.cycle.pitch import POINTS, Pitch, _slopes
 from screwsim.effects import gas_torque
 from screwsim.evaluate.evaluation import evaluate
-from screwsim.evaluate.pitch import POINTS, Pitch, _slopes
 from screwsim.faults import SceneError
 from screwsim.machine.geometry import Geometry
 from screwsim.outputs import ledger_entries

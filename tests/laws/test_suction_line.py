@@ -16,6 +16,7 @@ from screwsim.outputs import ledger_entries
 LINE = {"oil.transport": "carried", "effects.suction_line": {}, "effects.slide_valve": {**SLIDE, "position": 0.6}}
 REAL = {"gas.model": "real", "operation.suction.temperature": "290 K", "oil_supply.temperature": "325 K"}
 LEAK = {"effects.shaft_leakage": {"area": "17 mm^2"}}
+MOTOR = {"effects.motor": {"rated_power": "40 kW", "efficiency": 0.9, "cooling": "suction_gas"}}
 INTAKE = {"effects.suction_throttle": {"pressure_ratio": 0.7}, "effects.bypass": {"share": 0.2}}
 BACKWARDS = {"operation.speed": "150 rpm", "effects.tip_leakage.gap": "400 um"}  # more flows back than is sucked
 CASES = {
@@ -30,6 +31,7 @@ CASES = {
     "plenums": {**LINE, **LEAK, "effects.plenums": {"suction_volume": "8 l", "suction_area": "40 cm^2"}},
     "backwards": {**LINE, **BACKWARDS},
     "backwards, shaft leakage": {**LINE, **BACKWARDS, **LEAK, **OIL_VOLUME},
+    "cooled motor": {**LINE, **MOTOR, **LEAK, **REAL},
     "coupled chambers": {**LINE, **LEAK, "numerics": {"closing": "coupled"}},
 }
 FORWARDS = [case for case in CASES if not case.startswith("backwards")]
@@ -181,6 +183,21 @@ def test_oil_that_leaks_past_the_shaft_is_lifted_again():
     assert p.oil_lift_power == pytest.approx(lift / 1000.0, rel=1e-9)
 
 
+def test_the_motor_that_suction_gas_cools_warms_it_by_its_loss():
+    """M275: M148's loss over ṁ c_p; capacity and λ are of the gas before the motor. Without a slide little flows back."""
+    changes = {"oil.transport": "carried", "effects.suction_line": {}, **MOTOR}
+    p, c_p = run(changes).performance, problem(changes).parts.gas.c_p
+    own = run({**changes, "effects.motor.cooling": "ambient"}).performance
+    share = p.shaft_power / 40e3
+    loss = 40e3 * (1.0 / 0.9 - 1.0) * (0.4 + 0.6 * share**2)
+    assert p.motor_loss == pytest.approx(loss, rel=1e-9)
+    rise = p.intake_temperature - own.intake_temperature
+    assert rise == pytest.approx(loss / (p.gas_mass_flow * c_p), rel=0.02)  # what flows back is warmer, too
+    assert p.gas_mass_flow < own.gas_mass_flow
+    entry = ledger_entries(run(changes).ledger)["motor"]
+    assert entry["energy_moved"] == pytest.approx(loss, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     "changes, where",
     [
@@ -189,6 +206,7 @@ def test_oil_that_leaks_past_the_shaft_is_lifted_again():
         ({**LINE, "effects.shaft_leakage": {}}, "effects.shaft_leakage.area"),
         ({**LINE, "effects.shaft_leakage": {"clearance": "50 um"}}, "effects.shaft_leakage.shaft_diameter"),
         ({**LINE, "effects.shaft_leakage": {"area": "1 mm^2", "clearance": "1 um"}}, "effects.shaft_leakage.clearance"),
+        ({"oil.transport": "carried", **MOTOR}, "effects.motor.cooling"),
         ({**LINE, **LEAK, "operation.discharge.temperature": "330 K"}, "operation.discharge.temperature"),
     ],
 )

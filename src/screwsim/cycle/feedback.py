@@ -12,8 +12,10 @@ import numpy as np
 
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_of, walls_of
+from screwsim.cycle.known import known_of
+from screwsim.cycle.powers import shaft_power
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import LineFlow, Made, OilSolution, Turn
+from screwsim.effects.base import LineFlow, Made, OilSolution, SuctionHeat, Turn
 from screwsim.effects.gap import ClearanceParameters
 from screwsim.faults import UsageError, own_number
 from screwsim.model.run import Machinery
@@ -57,10 +59,21 @@ def image(problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None
     """Return what a life of these quadratures makes of the unknowns; `turn`, where it is known already."""
     lines = [_outflow(problem, life.R, q)]
     if problem.parts.suction_line:
-        h_d = float(lines[0][0])
-        lines.append(suction_line.image(problem, life.R, streams_of(problem.composition, q), h_d))
+        streams, h_d = streams_of(problem.composition, q), float(lines[0][0])
+        heat = suction_heat(problem, life, q) / problem.rate
+        lines.append(suction_line.image(problem, life.R, streams, h_d, heat))
     made = list((turn or turn_of(problem, life, q)).made.values()) if problem.parts.made else []
     return np.concatenate([*lines, made])
+
+
+def suction_heat(problem: Problem, life: Trajectory, q: Array) -> float:
+    """Return the heat [W] that the fresh gas takes up on its way to the suction line (M275)."""
+    parts = problem.parts
+    heats = [part.power for _, part in parts.all(SuctionHeat)]
+    if not heats or not np.isfinite(q[0]):
+        return 0.0
+    power = shaft_power(parts, problem.lines, known_of(problem, life, q))
+    return sum(heat(power) for heat in heats)
 
 
 def turn_of(problem: Problem, life: Trajectory, q: Array) -> Turn:

@@ -116,8 +116,10 @@ def fresh(problem: Problem, R: Array, streams: Array) -> float:
     return Stream(*streams[0].tolist()).fluid - back(problem, R, streams).fluid
 
 
-def image(problem: Problem, R: Array, streams: Array, h_d: float) -> Array:
+def image(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> Array:
     """Return the unknowns that a life makes of the line; h_d [J/kg] is the enthalpy of the discharge line.
+
+    `heat` [J] is what the fresh gas takes up before it comes there (M275).
 
     Where more flows back than is sucked the rest leaves by the line, mixed as it came: the mixture is a continuous
     function of the flows (as M27).
@@ -129,7 +131,8 @@ def image(problem: Problem, R: Array, streams: Array, h_d: float) -> Array:
     share = min(1.0, sucked / returned.fluid) if returned.fluid > 0.0 else 1.0
     own = max(0.0, sucked - returned.fluid)
     try:
-        total = Stream(own, own * problem.suction.place(h_d)[ENTHALPY]).plus(returned, share)
+        warmed = own * problem.suction.place(h_d)[ENTHALPY] + (heat if own > 0.0 else 0.0)
+        total = Stream(own, warmed).plus(returned, share)
         found = mixed(problem, total, float(before[0]))
     except UsageError:
         return before

@@ -289,7 +289,7 @@ class Reading:
     """Figures and traces [SI] read from a closed cycle and its powers; they change nothing of it (plain Python).
 
     `read` returns the values of `figures`, all losses known, or a text that says why there is none; `traces` curves
-    over the points of one pitch (`evaluate.pitch.POINTS`), which repeat every pitch. `judge` returns what
+    over the points of one pitch (`cycle.pitch.POINTS`), which repeat every pitch. `judge` returns what
     forbids the point (it is `failed`), or an empty text, and warnings of it.
     """
 
@@ -442,9 +442,20 @@ class LineLeak:
     area: float
 
 
+@dataclass(frozen=True)
+class SuctionHeat:
+    """Heat [W] that the gas takes up on its way to the machine, by the power of the shaft [W] (M275).
+
+    Needs a `SuctionLine`, into which the warmed gas comes.
+    """
+
+    power: Callable[[float], float]
+
+
 Part = (
     FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | Stops | HeatRate | Wall | Made | Scaled | Pulsation
-    | PowerLoss | Reading | Shaft | Intake | SuctionLine | LineLeak
+    | PowerLoss | Reading | Shaft | Intake | SuctionLine
+    | LineLeak | SuctionHeat
 )  # fmt: skip
 
 

@@ -5,11 +5,12 @@ at rated load the share c does not depend on the load, the rest goes with its sq
 follow (M149). Or η over the load x from a table: the loss of the motor is interpolated (M204).
 Source: separation of losses of induction machines (textbook; IEC 60034-2-1); IEC 60034-30-1 states η_r by class and
 size: a four-pole IE3 motor of 75 kW at 50 Hz has 0.950, which is the default.
-Assumptions: the loss does not depend on the speed but through the power; it heats neither gas nor oil. An expander's
+Assumptions: the loss does not depend on the speed but through the power; it heats neither gas nor oil, or with
+`cooling: suction_gas` (semi-hermetic machines) what is sucked in, on its way to the suction line (M275). An expander's
 generator loses the same at the same load. The ledger divides the shaft power: this loss is beyond it. Above OVERLOAD
 times the rated power a warning says so; above BREAKDOWN times no motor turns (IEC 60034-12 asks for 1.6 to 2 times the
 rated torque, catalogues state up to 3.5), and the point has failed.
-Parameters: rated_power, efficiency, constant_share or efficiency_file, drive_efficiency.
+Parameters: rated_power, efficiency, constant_share or efficiency_file, cooling, drive_efficiency.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ from math import inf
 
 import numpy as np
 
-from screwsim.declare import file, number, quantity
-from screwsim.effects.base import Effect, Faults, Given, Reading
+from screwsim.declare import choice, file, number, quantity
+from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
 from screwsim.faults import Fault, UsageError
 from screwsim.outputs import COOLED, Figure, efficiency, names_of, power_figure
 from screwsim.sheets import BadSheet, read_sheet
@@ -44,6 +45,7 @@ FIGURES = (
 )
 NEITHER = "shaft and electrical power are not of one sign: the motor's loss takes more than there is"
 OVERLOAD, BREAKDOWN = 1.25, 3.5  # of the rated power
+SUCTION = "suction_gas"
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop")
 
 
@@ -58,6 +60,11 @@ class Parameters:
     constant_share: float = number("c: share of the rated loss that does not depend on the load", 0.4, ge=0.0, le=1.0)
     efficiency_file: str | None = file(
         "CSV with columns load, efficiency (shaft power over rated power, efficiency of the motor), in place of both"
+    )
+    cooling: str = choice(
+        "ambient: its loss leaves the package; suction_gas: what is sucked in takes it up",
+        ("ambient", "suction_gas"),
+        "ambient",
     )
     drive_efficiency: float = number(
         "eta_d: efficiency of the inverter (1: none)", 1.0, gt=0.0, le=1.0, hardly=(0.5, None)
@@ -115,7 +122,13 @@ def motor_loss(parameters: Parameters, load: float, loss: Loss) -> float:
     return driven - load
 
 
-def build(parameters: Parameters, machine) -> list[Reading]:
+def heat_of(parameters: Parameters, loss: Loss) -> Callable[[float], float]:
+    """Return the heat [W] that suction gas takes up by the shaft power [W] (M275): of the motor, not its inverter."""
+    rated = parameters.rated_power
+    return lambda power: rated * loss(power / rated)
+
+
+def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
     stated = parameters.efficiency_file
     losses = loss_of_shares(parameters) if stated is None else loss_of_table(read_table(stated))
 
@@ -149,7 +162,8 @@ def build(parameters: Parameters, machine) -> list[Reading]:
             found[f"electrical_{name}"] = none if value is None or share is None else value * share
         return found
 
-    return [Reading(names_of(FIGURES), read, judge=judge)]
+    reading = Reading(names_of(FIGURES), read, judge=judge)
+    return [reading, SuctionHeat(heat_of(parameters, losses))] if parameters.cooling == SUCTION else [reading]
 
 
 def check(parameters: Parameters, facts) -> Faults:
@@ -158,12 +172,21 @@ def check(parameters: Parameters, facts) -> Faults:
             read_table(parameters.efficiency_file)
         except UsageError as error:
             yield Fault("effects.motor.efficiency_file", str(error))
+    if parameters.cooling != SUCTION:
+        return
+    path = "effects.motor.cooling"
+    if "suction_line" not in facts.effects:
+        yield Fault(path, "suction_gas needs effects.suction_line, into which the warmed gas comes (add it)")
+    if "drive" in facts.effects:
+        yield Fault(path, "suction_gas cools a motor on the machine's own shaft (remove effects.drive, or cooling)")
+    if facts.machine.mode == "expander":
+        yield Fault(path, "suction_gas belongs to machine.mode: compressor (remove it)")
 
 
 EFFECT = Effect(
     name="motor",
     title="electrical power of motor and inverter",
-    equations=("M148", "M149", "M204"),
+    equations=("M148", "M149", "M204", "M275"),
     source="separation of losses; IEC 60034-30-1",
     parameters=Parameters,
     build=build,

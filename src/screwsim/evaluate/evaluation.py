@@ -7,15 +7,15 @@ from functools import cached_property
 
 from screwsim.cycle.balances import LEAST_WORK, residuals, streams_of
 from screwsim.cycle.feedback import image, turn_of
+from screwsim.cycle.known import CycleFigures, known_of, pitch_at, uncarried_oil_temperature
+from screwsim.cycle.pitch import Pitch
+from screwsim.cycle.powers import shaft_power
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
-from screwsim.evaluate.known import CycleFigures, known_of, uncarried_oil_temperature
-from screwsim.evaluate.performance import oil_lift, power_losses
-from screwsim.evaluate.pitch import Pitch, pitch_of
 from screwsim.figures import Performance
-from screwsim.model.slots import PRESSURE, R_INJECTED, R_SUCTION, R_TRAPPED
+from screwsim.model.slots import R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.outputs import Figures
 
@@ -46,9 +46,7 @@ class Evaluation:
     @cached_property
     def pitch(self) -> Pitch:
         """One pitch of all chambers."""
-        geometry, p_d = self.problem.parts.geometry, self.problem.lines.p_d
-        suction = float(self.life.R[R_SUCTION + PRESSURE])
-        return pitch_of(self.life, geometry, min(suction, p_d), float(self.q[0]) / geometry.pitch, max(suction, p_d))
+        return pitch_at(self.problem, self.life, self.q)
 
     @cached_property
     def known(self) -> CycleFigures:
@@ -100,6 +98,4 @@ def loss_torque(of: Evaluation, omega: float) -> float:
     share = omega / of.problem.parts.omega
     names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow", "leaked_oil_lift")
     known = replace(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
-    parts = of.problem.parts
-    lift = oil_lift(parts, of.problem.lines, known) if parts.oil is not None else 0.0
-    return (sum(power_losses(parts, known).values()) + lift) / omega
+    return (shaft_power(of.problem.parts, of.problem.lines, known) - known.indicated_power) / omega

@@ -8,12 +8,13 @@ from typing import Any
 import numpy as np
 
 from screwsim.build import build_site
-from screwsim.cycle import suction_line
+from screwsim.cycle import powers, suction_line
 from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_of
+from screwsim.cycle.feedback import suction_heat
+from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Drawn, Plenum, Turn
 from screwsim.evaluate import expander, performance
-from screwsim.evaluate.known import CycleFigures
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.settings import TURN
@@ -34,8 +35,8 @@ def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures
     streams = streams_of(problem.composition, q)
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
     flow = delivered * (suction_line.fresh(problem, life.R, streams) * rate) + 0.0  # nothing has no sign
-    losses = performance.power_losses(parts, known)
-    lift = performance.oil_lift(parts, lines, known) if parts.oil is not None else None
+    losses = powers.power_losses(parts, known)
+    lift = powers.oil_lift(parts, lines, known) if parts.oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     drawn = performance.drawn(parts, streams, rate)
     etas, notes = performance.efficiencies(parts.gas, lines, problem.inlet, flow, shaft, drawn)
@@ -81,7 +82,7 @@ def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures
         found["intake_pressure"] = problem.suction.pressure
         found["intake_temperature"] = _intake_temperature(problem, life)
     if parts.suction_line:
-        found |= _of_suction_line(problem, life, streams)
+        found |= _of_suction_line(problem, life, streams, suction_heat(problem, life, q))
     if geometry.expands:
         work, closes = problem.h_isentropic - problem.inlet.enthalpy, geometry.inlet_closes
         filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes
@@ -120,8 +121,11 @@ def _intake_temperature(problem: Problem, life: Trajectory) -> float:
     return suction.temperature(suction.place(float(life.R[R_DISCHARGE + ENTHALPY])), problem.lines.T_s)
 
 
-def _of_suction_line(problem: Problem, life: Trajectory, streams: Array) -> dict[str, float]:
-    """Return what comes back to the suction line, and what leaks past the chambers of it (M270, M274)."""
+def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: float) -> dict[str, float]:
+    """Return what comes back to the suction line, and what leaks past the chambers of it (M270, M274).
+
+    `heat` [W] is what the fresh gas takes up before it comes there.
+    """
     rate, R = problem.rate, life.R
     back, leak = suction_line.back(problem, R, streams), suction_line.leak(problem, R)
     fresh = suction_line.fresh(problem, R, streams)
@@ -129,7 +133,7 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array) -> dict
     return {
         "returned_gas_flow": back.gas * rate,
         "returned_oil_flow": back.oil * rate,
-        "returned_heat": max(fresh, 0.0) * warmed * rate,
+        "returned_heat": fresh * warmed * rate - heat if fresh > 0.0 else 0.0,
         "shaft_leakage_gas_flow": leak.gas * rate,
         "shaft_leakage_oil_flow": leak.oil * rate,
     }

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Inlet
-from screwsim.effects.base import Given, Plenum, PowerLoss, Reading
-from screwsim.evaluate.known import CycleFigures
+from screwsim.effects.base import Given, Plenum, Reading
 from screwsim.faults import own_number
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.reservoir import Reservoir
@@ -72,13 +72,6 @@ def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float |
     return (isothermal, gas.ideal_isothermal_work(state.p, p_d, state.T), isentropic), obstacle
 
 
-def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
-    """Return the power [W] that lifts the oil to discharge (M28); none where ∮ p dV contains it, as oil takes room."""
-    if parts.oil_room:
-        return 0.0
-    return known.oil_volume_flow * (lines.p_d - known.injection_pressure) + known.leaked_oil_lift
-
-
 def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
     """Return the net flow [kg/s] from each own plenum whose gas is a product, and its state."""
     products = {part.name for _, part in parts.all(Plenum) if part.product}
@@ -104,17 +97,6 @@ def refrigeration(
     cop = flow * effect / power if power > 0.0 else None
     figures |= {"cooling_capacity": flow * effect, "cop": cop, "volumetric_cooling_capacity": rho_s * effect}
     return figures, {} if power > 0.0 else {"cop": "the shaft power is not positive"}
-
-
-def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
-    """Return the power losses [W], of one name their sum; raise Impossible where an own effect gives none or a gain."""
-    found = {}
-    for name, part in parts.all(PowerLoss):
-        power = part.power(known)
-        if np.isfinite(known.indicated_power):
-            own_number(name, f"its power {part.figure} [W]", power, 0.0)
-        found[part.figure] = found.get(part.figure, 0.0) + float(power)
-    return found
 
 
 def valued(given: Given, effect: str, why: str = "", finite: bool = True) -> tuple[dict[str, Any], dict[str, str]]:

@@ -6,6 +6,7 @@ from math import log
 
 import numpy as np
 
+from screwsim.cycle.powers import oil_lift
 from screwsim.effects.base import LineLeak, OilGas, OilSolution, PowerLoss
 from screwsim.evaluate.ledger.book import (
     NOT_CONSERVED,
@@ -19,7 +20,6 @@ from screwsim.evaluate.ledger.book import (
 )
 from screwsim.evaluate.ledger.dissolved import Held
 from screwsim.evaluate.ledger.suction import Streams
-from screwsim.evaluate.performance import oil_lift
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import OIL_TEMPERATURE, P_INJECTION, R_DISCHARGE, R_INJECTED, R_OIL_BEFORE, R_RATIO
 from screwsim.model.trajectory import Array

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from screwsim.cycle import suction_line
 from screwsim.cycle.suction_line import Stream
-from screwsim.effects.base import LineLeak
+from screwsim.effects.base import LineLeak, SuctionHeat
 from screwsim.evaluate.ledger.book import SUCTION_LINE, Book, Cycle, Rows, State
 from screwsim.model import ledger as kernels
 from screwsim.model.slots import ENTHALPY, OIL_TEMPERATURE, R_DISCHARGE, R_SUCTION
@@ -75,11 +75,25 @@ def enter_line(
     h_d = float(cycle.R[R_DISCHARGE + ENTHALPY])
     p = cycle.suction.pressure
     fresh, leaked = cycle.at(p, cycle.suction.place(h_d)[ENTHALPY]), cycle.at(p, h_d)
+    warmed = _warmed(book, cycle, met, fresh)
     of_fresh = met.fresh * (exergy(fresh) - exergy(before))
     of_leak = met.leak.gas * (exergy(leaked) - exergy(before))
     throttled = met.leak.gas * (exergy(discharge) - exergy(leaked))
-    mixed = of_fresh + of_leak + met.back.gas * (exergy(back) - exergy(sucked))
-    book.add(SUCTION_LINE, gas=met.back.gas + met.leak.gas, energy=met.fresh * (before.h - fresh.h), exergy=mixed)
+    mixed = met.fresh * (exergy(warmed) - exergy(before)) + of_leak + met.back.gas * (exergy(back) - exergy(sucked))
+    book.add(SUCTION_LINE, gas=met.back.gas + met.leak.gas, energy=met.fresh * (before.h - warmed.h), exergy=mixed)
     for name, _ in cycle.parts.all(LineLeak):
         book.add(name, gas=met.leak.gas, energy=met.leak.gas * (h_d - fresh.h), exergy=throttled)
     return of_gas - of_fresh - of_leak - throttled
+
+
+def _warmed(book: Book, cycle: Cycle, met: Streams, fresh: State) -> State:
+    """Return the fresh gas with the heat that it takes up on its way; enter what that brings, which no shaft gives."""
+    found = fresh
+    for name, part in cycle.parts.all(SuctionHeat):
+        if met.fresh > 0.0:
+            heat = part.power(cycle.shaft_power)
+            after = cycle.at(cycle.suction.pressure, found.h + heat / met.fresh)
+            rise = after.h - found.h - cycle.T_0 * (after.s - found.s)
+            book.add(name, energy=heat, exergy=-met.fresh * rise)
+            found = after
+    return found

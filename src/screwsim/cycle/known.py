@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import discharge_enthalpy, streams_of
+from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Turn
-from screwsim.evaluate.pitch import Pitch
 from screwsim.model.places import SOME_OIL
-from screwsim.model.slots import PORT_OIL, R_INJECTED, R_PRESSURE
+from screwsim.model.slots import PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
 
 
@@ -42,8 +42,15 @@ class CycleFigures:
     leaked_oil_lift: float = 0.0  # [W] of oil that leaks from the discharge line to suction beside the chambers
 
 
+def pitch_at(problem: Problem, life: Trajectory, q: Array) -> Pitch:
+    """Return one pitch of all chambers of a life."""
+    geometry, p_d = problem.parts.geometry, problem.lines.p_d
+    suction = float(life.R[R_SUCTION + PRESSURE])
+    return pitch_of(life, geometry, min(suction, p_d), float(q[0]) / geometry.pitch, max(suction, p_d))
+
+
 def known_of(
-    problem: Problem, life: Trajectory, q: Array, pitch: Callable[[], Pitch], turn: Turn | None
+    problem: Problem, life: Trajectory, q: Array, pitch: Callable[[], Pitch] | None = None, turn: Turn | None = None
 ) -> CycleFigures:
     """Return what is known of a life of these quadratures; `turn` is None where nobody asks for it."""
     parts, oil = problem.parts, problem.scene.oil
@@ -68,7 +75,7 @@ def known_of(
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
         oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
         oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
-        pitch=pitch,
+        pitch=pitch or (lambda: pitch_at(problem, life, q)),
         set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
         turn=turn,
         leaked_oil_lift=_leaked_oil_lift(problem, life),

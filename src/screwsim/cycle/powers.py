@@ -1,0 +1,35 @@
+"""Powers of a cycle beside the gas work: losses, the oil's lift, what the shaft takes (docs/model.md M28–M33)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from screwsim.cycle.known import CycleFigures
+from screwsim.effects.base import PowerLoss
+from screwsim.faults import own_number
+from screwsim.model.parts import Parts
+from screwsim.scene.lines import Lines
+
+
+def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
+    """Return the power [W] that lifts the oil to discharge (M28); none where ∮ p dV contains it, as oil takes room."""
+    if parts.oil_room:
+        return 0.0
+    return known.oil_volume_flow * (lines.p_d - known.injection_pressure) + known.leaked_oil_lift
+
+
+def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
+    """Return the power losses [W], of one name their sum; raise Impossible where an own effect gives none or a gain."""
+    found = {}
+    for name, part in parts.all(PowerLoss):
+        power = part.power(known)
+        if np.isfinite(known.indicated_power):
+            own_number(name, f"its power {part.figure} [W]", power, 0.0)
+        found[part.figure] = found.get(part.figure, 0.0) + float(power)
+    return found
+
+
+def shaft_power(parts: Parts, lines: Lines, known: CycleFigures) -> float:
+    """Return the power that the shaft takes [W] (M29)."""
+    lift = oil_lift(parts, lines, known) if parts.oil is not None else 0.0
+    return known.indicated_power + lift + sum(power_losses(parts, known).values())
