@@ -1,6 +1,7 @@
 """Areas of all flow paths: never negative, continuous, zero outside their windows, kinked at their breakpoints only."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ from scenes import make
 from screwsim.build import build_parts
 from screwsim.effects import catalogue, find_effect, gap, tip_leakage
 from screwsim.effects.base import Effect, FlowPath
+from screwsim.machine.profile_law import lay
 from screwsim.model.numbers import symbols_of
 from screwsim.numerics.spline import pack_curve
+from screwsim.scene import load
 
 PARTS = build_parts(make())
 PITCH, LIFE, DEG = PARTS.geometry.pitch, PARTS.geometry.life, math.pi / 180
@@ -65,7 +68,7 @@ def test_areas_are_kinked_at_their_breakpoints_only(name):
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("tip_leakage neighbour 1", [360]),
+        ("tip_leakage neighbour 1", [315, 675]),
         ("interlobe_leakage neighbour 4", [60, 230, 360]),
         ("blow_hole neighbour 1", []),  # C1 ramps
         ("end_face_leakage neighbour 1", []),
@@ -82,7 +85,7 @@ def test_kinks_are_where_the_formulas_have_them(name, expected):
     [
         ("suction_port suction 0", 0.0, 360.0),
         ("discharge_port discharge 0", 600.0, 720.0),
-        ("tip_leakage neighbour 1", 0.0, 720.0),
+        ("tip_leakage neighbour 1", 0.0, 720.0 - 45.0),  # of the middle of both chambers, half a pitch of 90° ahead
         ("interlobe_leakage neighbour 4", 0.0, 360.0),  # of the filling chamber, a turn behind the compressing one
         ("blow_hole neighbour 1", 373.0 - 90.0, 693.0 - 90.0),  # of the trailing chamber, a pitch of 90° behind
         ("end_face_leakage neighbour 1", 360.0 - 90.0, 720.0 - 90.0),
@@ -98,17 +101,46 @@ def test_every_path_of_the_scene_has_a_window_above():
     assert len(PATHS) == 7
 
 
+EVERY_INTERFACE = build_parts(make({"effects.tip_leakage": {"gap": "50 um", "reading": "interface"}}))
+
+
+def every_interface(angles):
+    """Return the tip areas [m²] where (19) is read as that of every interface."""
+    return areas(EVERY_INTERFACE.effects["tip_leakage"][0], angles)
+
+
 def test_tip_area_is_the_papers_at_360_degrees():
-    path = PATHS["tip_leakage neighbour 1"]
-    assert areas(path, [2 * math.pi])[0] == pytest.approx(9.83 * 50e-6 * 0.16, rel=1e-12)  # (19)
+    assert every_interface([2 * math.pi])[0] == pytest.approx(9.83 * 50e-6 * 0.16, rel=1e-12)  # (19)
 
 
 @pytest.mark.parametrize(("phi", "share"), [(90.0, 0.25), (180.0, 0.5), (540.0, 0.5), (720.0, 0.0)])
 def test_tip_area_is_linear_up_and_down(phi, share):
     full = tip_leakage.TIP_LENGTH * 50e-6 * 0.16
-    assert areas(PATHS["tip_leakage neighbour 1"], [phi * DEG])[0] == pytest.approx(
-        share * full, abs=1e-15 * full + 1e-20
-    )
+    assert every_interface([phi * DEG])[0] == pytest.approx(share * full, abs=1e-15 * full + 1e-20)
+
+
+def test_both_interfaces_of_a_chamber_together_are_the_papers_tips():
+    """But within half a pitch of its top and its ends, and while the chamber behind is born."""
+    path = PATHS["tip_leakage neighbour 1"]
+    phi = np.radians([120.0, 200.0, 300.0, 315.0, 405.0, 500.0, 600.0, 675.0])
+    assert areas(path, phi) + areas(path, phi - PITCH) == pytest.approx(every_interface(phi), rel=1e-12)
+    top = areas(path, [2 * math.pi]) + areas(path, [2 * math.pi - PITCH])
+    assert top == pytest.approx(0.875 * every_interface([2 * math.pi]), rel=1e-12)  # 1 − 90°/720°
+
+
+@pytest.mark.parametrize(("name", "off"), [("a", 0.52), ("b", 0.50), ("c", 0.40)])
+def test_tip_area_is_that_of_rotors_with_a_profile(name, off):
+    """Lengths over D around the largest volume of the trailing chamber; (19) at every interface is twice as much."""
+    machine = load(Path(__file__).parents[2] / "configs" / "rotors" / f"{name}.yaml").machine
+    laid, diameter, pitch = lay(machine), machine.rotor_diameter, 2 * math.pi / machine.male_lobes
+    around = np.radians(np.arange(-180.0, 181.0))
+    tips = laid.interfaces["tip_leakage"][0].table
+    rotors = np.interp(laid.injection + around, tips.angle, tips.value) / diameter
+    law = np.array([tip_leakage.area(2 * math.pi + x, 1.0, 1.0, pitch) for x in around])
+    twice = np.array([tip_leakage.all_tips(2 * math.pi + x, 1.0, 1.0) for x in around])
+    assert np.max(np.abs(law - rotors)) < off
+    assert 1.01 < law.mean() / rotors.mean() < 1.04
+    assert twice.mean() / rotors.mean() > 1.9
 
 
 def test_both_end_face_paths_together_are_the_whole_length():
