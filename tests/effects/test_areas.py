@@ -8,8 +8,9 @@ import pytest
 from scenes import make
 
 from screwsim.build import build_parts
-from screwsim.effects import catalogue, find_effect, gap, tip_leakage
+from screwsim.effects import blow_hole, catalogue, find_effect, gap, interlobe_leakage, tip_leakage
 from screwsim.effects.base import Effect, FlowPath
+from screwsim.faults import SceneError
 from screwsim.machine.profile_law import lay
 from screwsim.model.numbers import symbols_of
 from screwsim.numerics.spline import pack_curve
@@ -128,10 +129,17 @@ def test_both_interfaces_of_a_chamber_together_are_the_papers_tips():
     assert top == pytest.approx(0.875 * every_interface([2 * math.pi]), rel=1e-12)  # 1 − 90°/720°
 
 
+# ---- beside the rotors of configs/rotors ----
+
+ROTORS = {
+    name: load(Path(__file__).parents[2] / "configs" / "rotors" / f"{name}.yaml").machine for name in ("a", "b", "c")
+}
+
+
 @pytest.mark.parametrize(("name", "off"), [("a", 0.52), ("b", 0.50), ("c", 0.40)])
 def test_tip_area_is_that_of_rotors_with_a_profile(name, off):
     """Lengths over D around the largest volume of the trailing chamber; (19) at every interface is twice as much."""
-    machine = load(Path(__file__).parents[2] / "configs" / "rotors" / f"{name}.yaml").machine
+    machine = ROTORS[name]
     laid, diameter, pitch = lay(machine), machine.rotor_diameter, 2 * math.pi / machine.male_lobes
     around = np.radians(np.arange(-180.0, 181.0))
     tips = laid.interfaces["tip_leakage"][0].table
@@ -141,6 +149,101 @@ def test_tip_area_is_that_of_rotors_with_a_profile(name, off):
     assert np.max(np.abs(law - rotors)) < off
     assert 1.01 < law.mean() / rotors.mean() < 1.04
     assert twice.mean() / rotors.mean() > 1.9
+
+
+def curve_of(name, path, after):
+    """Return a path of rotors over its largest value, by the leading chamber's angle after its largest volume [rad]."""
+    curves = lay(ROTORS[name]).curves
+    curve = next(each.curve for each in curves.paths if each.name == path)
+    return np.interp(after + curves.suction_closes, curve.angle, curve.value) / curve.value.max()
+
+
+def late(name):
+    """Return by how much longer rotors close than law (16) [rad]."""
+    curves = lay(ROTORS[name]).curves
+    return curves.life - curves.suction_closes - 2 * math.pi
+
+
+@pytest.mark.parametrize(("name", "off"), [("a", 0.15), ("b", 0.14), ("c", 0.16)])
+def test_contact_line_on_the_flanks_is_that_of_rotors(name, off):
+    """From 20° on: before that, the chamber behind is born. Both end together."""
+    phi = np.radians(np.arange(20.0, 360.0))
+    law = np.array([interlobe_leakage.flank_area(x, 1.0, 1.0) for x in phi])
+    rotors = curve_of(name, "sealing_line", phi + late(name))
+    assert np.max(np.abs(law - rotors)) < off
+    assert law.mean() == pytest.approx(rotors.mean(), abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["b", "c"])
+def test_contact_line_over_the_tip_is_that_of_rotors(name):
+    pitch = 2 * math.pi / ROTORS[name].male_lobes
+    phi = np.arange(20.0 * DEG, 2 * math.pi - pitch, DEG)
+    law = np.array([interlobe_leakage.tip_area(x, 1.0, 1.0, pitch) for x in phi])
+    rotors = curve_of(name, "sealing_line_over_tip", phi + pitch + late(name))
+    assert np.max(np.abs(law - rotors)) < 0.14
+    assert law.mean() == pytest.approx(rotors.mean(), abs=0.01)
+
+
+@pytest.mark.parametrize(("name", "closes"), [("a", 420.0), ("b", 420.0), ("c", 411.0)])
+def test_blow_hole_at_the_suction_cusp_is_that_of_rotors(name, closes):
+    pitch = 2 * math.pi / ROTORS[name].male_lobes
+    leading = np.radians(np.arange(360.0, 720.0))
+    law = np.array([blow_hole.suction_side(x - pitch, 1.0, pitch, closes * DEG) for x in leading])
+    rotors = curve_of(name, "suction_blow_hole", leading - 2 * math.pi)
+    assert np.max(np.abs(law - rotors)) < 0.19
+    assert law.mean() == pytest.approx(rotors.mean(), abs=0.005)
+
+
+LINED = build_parts(
+    make(
+        {
+            "effects.interlobe_leakage": {"gap": "50 um", "length": "184 mm", "tip_length": "48 mm"},
+            "effects.blow_hole": {"area": "12 mm^2", "suction_area": "129 mm^2"},
+        }
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("effect", "number", "offset", "opens", "closes", "largest"),
+    [
+        ("interlobe_leakage", 0, 4, 0.0, 360.0, 50e-6 * 0.136),
+        ("interlobe_leakage", 1, 5, 0.0, 360.0 - 90.0, 50e-6 * 0.048),
+        ("blow_hole", 0, 1, 373.0 - 90.0, 693.0 - 90.0, 12e-6),
+        ("blow_hole", 1, 1, 340.0 - 90.0, 420.0 - 90.0, 129e-6),
+    ],
+)
+def test_parts_of_the_line_and_both_blow_holes_are_paths_of_their_own(effect, number, offset, opens, closes, largest):
+    path = LINED.effects[effect][number]
+    found = areas(path, FINE)
+    assert (path.to, path.offset, len(LINED.effects[effect])) == ("neighbour", offset, 2)
+    assert (degrees(found).min(), degrees(found).max()) == pytest.approx((opens, closes), abs=0.06)
+    assert found.max() == pytest.approx(largest, rel=1e-12)
+    assert found.min() >= 0.0
+    known = np.degrees([*path.breakpoints, 0.0, LIFE])
+    assert all(np.min(np.abs(known - kink)) < 0.1 for kink in kinks(path))
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"effects.interlobe_leakage": {"gap": "50 um", "length": "4 cm", "tip_length": "5 cm"}}, "longer than length"),
+        ({"effects.blow_hole": {"area": "12 mm^2", "suction_area": "0 mm^2"}}, "greater than 0"),
+        (
+            {"effects.blow_hole": {"area": "6 mm^2", "suction_area": "5 mm^2", "suction_closes": "390 deg"}},
+            "at least 400",
+        ),
+    ],
+)
+def test_parts_that_cannot_be_are_refused(changes, what):
+    with pytest.raises(SceneError, match=what):
+        make(changes)
+
+
+@pytest.mark.parametrize("name", ["blow_hole.suction_area=5 mm^2", "interlobe_leakage.tip_length=5 mm"])
+def test_a_profile_finds_these_parts_itself(name):
+    with pytest.raises(SceneError, match=rf"{name.partition('=')[0]}: is given beside"):
+        load(Path(__file__).parents[2] / "configs" / "rotors" / "b.yaml", (f"effects.{name}",))
 
 
 def test_both_end_face_paths_together_are_the_whole_length():

@@ -18,14 +18,13 @@ from math import pi
 
 from screwsim.declare import choice
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
+from screwsim.effects.gap import BIRTH, ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.effects.gap_flow import numbers
 from screwsim.machine.protocol import TIP_GAP
 from screwsim.numerics.kernel import kernel
 
 TIP_LENGTH = 9.83  # tip length over rotor diameter, eq. (19)
 TURN = 2.0 * pi
-BIRTH = 20.0 * pi / 180.0  # over which the tips behind a chamber that is born come onto the bore
 
 
 @dataclass(frozen=True)
