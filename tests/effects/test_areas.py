@@ -1,16 +1,20 @@
 """Areas of all flow paths: never negative, continuous, zero outside their windows, kinked at their breakpoints only."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scenes import make
 
 from screwsim.build import build_parts
-from screwsim.effects import catalogue, find_effect, gap, tip_leakage
+from screwsim.effects import blow_hole, catalogue, find_effect, gap, interlobe_leakage, tip_leakage
 from screwsim.effects.base import Effect, FlowPath
+from screwsim.faults import SceneError
+from screwsim.machine.profile_law import lay
 from screwsim.model.numbers import symbols_of
 from screwsim.numerics.spline import pack_curve
+from screwsim.scene import load
 
 PARTS = build_parts(make())
 PITCH, LIFE, DEG = PARTS.geometry.pitch, PARTS.geometry.life, math.pi / 180
@@ -65,7 +69,7 @@ def test_areas_are_kinked_at_their_breakpoints_only(name):
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("tip_leakage neighbour 1", [360]),
+        ("tip_leakage neighbour 1", [315, 675]),
         ("interlobe_leakage neighbour 4", [60, 230, 360]),
         ("blow_hole neighbour 1", []),  # C1 ramps
         ("end_face_leakage neighbour 1", []),
@@ -82,7 +86,7 @@ def test_kinks_are_where_the_formulas_have_them(name, expected):
     [
         ("suction_port suction 0", 0.0, 360.0),
         ("discharge_port discharge 0", 600.0, 720.0),
-        ("tip_leakage neighbour 1", 0.0, 720.0),
+        ("tip_leakage neighbour 1", 0.0, 720.0 - 45.0),  # of the middle of both chambers, half a pitch of 90° ahead
         ("interlobe_leakage neighbour 4", 0.0, 360.0),  # of the filling chamber, a turn behind the compressing one
         ("blow_hole neighbour 1", 373.0 - 90.0, 693.0 - 90.0),  # of the trailing chamber, a pitch of 90° behind
         ("end_face_leakage neighbour 1", 360.0 - 90.0, 720.0 - 90.0),
@@ -98,17 +102,148 @@ def test_every_path_of_the_scene_has_a_window_above():
     assert len(PATHS) == 7
 
 
+EVERY_INTERFACE = build_parts(make({"effects.tip_leakage": {"gap": "50 um", "reading": "interface"}}))
+
+
+def every_interface(angles):
+    """Return the tip areas [m²] where (19) is read as that of every interface."""
+    return areas(EVERY_INTERFACE.effects["tip_leakage"][0], angles)
+
+
 def test_tip_area_is_the_papers_at_360_degrees():
-    path = PATHS["tip_leakage neighbour 1"]
-    assert areas(path, [2 * math.pi])[0] == pytest.approx(9.83 * 50e-6 * 0.16, rel=1e-12)  # (19)
+    assert every_interface([2 * math.pi])[0] == pytest.approx(9.83 * 50e-6 * 0.16, rel=1e-12)  # (19)
 
 
 @pytest.mark.parametrize(("phi", "share"), [(90.0, 0.25), (180.0, 0.5), (540.0, 0.5), (720.0, 0.0)])
 def test_tip_area_is_linear_up_and_down(phi, share):
     full = tip_leakage.TIP_LENGTH * 50e-6 * 0.16
-    assert areas(PATHS["tip_leakage neighbour 1"], [phi * DEG])[0] == pytest.approx(
-        share * full, abs=1e-15 * full + 1e-20
+    assert every_interface([phi * DEG])[0] == pytest.approx(share * full, abs=1e-15 * full + 1e-20)
+
+
+def test_both_interfaces_of_a_chamber_together_are_the_papers_tips():
+    """But within half a pitch of its top and its ends, and while the chamber behind is born."""
+    path = PATHS["tip_leakage neighbour 1"]
+    phi = np.radians([120.0, 200.0, 300.0, 315.0, 405.0, 500.0, 600.0, 675.0])
+    assert areas(path, phi) + areas(path, phi - PITCH) == pytest.approx(every_interface(phi), rel=1e-12)
+    top = areas(path, [2 * math.pi]) + areas(path, [2 * math.pi - PITCH])
+    assert top == pytest.approx(0.875 * every_interface([2 * math.pi]), rel=1e-12)  # 1 − 90°/720°
+
+
+# ---- beside the rotors of configs/rotors ----
+
+ROTORS = {
+    name: load(Path(__file__).parents[2] / "configs" / "rotors" / f"{name}.yaml").machine for name in ("a", "b", "c")
+}
+
+
+@pytest.mark.parametrize(("name", "off"), [("a", 0.52), ("b", 0.50), ("c", 0.40)])
+def test_tip_area_is_that_of_rotors_with_a_profile(name, off):
+    """Lengths over D around the largest volume of the trailing chamber; (19) at every interface is twice as much."""
+    machine = ROTORS[name]
+    laid, diameter, pitch = lay(machine), machine.rotor_diameter, 2 * math.pi / machine.male_lobes
+    around = np.radians(np.arange(-180.0, 181.0))
+    tips = laid.interfaces["tip_leakage"][0].table
+    rotors = np.interp(laid.injection + around, tips.angle, tips.value) / diameter
+    law = np.array([tip_leakage.area(2 * math.pi + x, 1.0, 1.0, pitch) for x in around])
+    twice = np.array([tip_leakage.all_tips(2 * math.pi + x, 1.0, 1.0) for x in around])
+    assert np.max(np.abs(law - rotors)) < off
+    assert 1.01 < law.mean() / rotors.mean() < 1.04
+    assert twice.mean() / rotors.mean() > 1.9
+
+
+def curve_of(name, path, after):
+    """Return a path of rotors over its largest value, by the leading chamber's angle after its largest volume [rad]."""
+    curves = lay(ROTORS[name]).curves
+    curve = next(each.curve for each in curves.paths if each.name == path)
+    return np.interp(after + curves.suction_closes, curve.angle, curve.value) / curve.value.max()
+
+
+def late(name):
+    """Return by how much longer rotors close than law (16) [rad]."""
+    curves = lay(ROTORS[name]).curves
+    return curves.life - curves.suction_closes - 2 * math.pi
+
+
+@pytest.mark.parametrize(("name", "off"), [("a", 0.15), ("b", 0.14), ("c", 0.16)])
+def test_contact_line_on_the_flanks_is_that_of_rotors(name, off):
+    """From 20° on: before that, the chamber behind is born. Both end together."""
+    phi = np.radians(np.arange(20.0, 360.0))
+    law = np.array([interlobe_leakage.flank_area(x, 1.0, 1.0) for x in phi])
+    rotors = curve_of(name, "sealing_line", phi + late(name))
+    assert np.max(np.abs(law - rotors)) < off
+    assert law.mean() == pytest.approx(rotors.mean(), abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["b", "c"])
+def test_contact_line_over_the_tip_is_that_of_rotors(name):
+    pitch = 2 * math.pi / ROTORS[name].male_lobes
+    phi = np.arange(20.0 * DEG, 2 * math.pi - pitch, DEG)
+    law = np.array([interlobe_leakage.tip_area(x, 1.0, 1.0, pitch) for x in phi])
+    rotors = curve_of(name, "sealing_line_over_tip", phi + pitch + late(name))
+    assert np.max(np.abs(law - rotors)) < 0.14
+    assert law.mean() == pytest.approx(rotors.mean(), abs=0.01)
+
+
+@pytest.mark.parametrize(("name", "closes"), [("a", 420.0), ("b", 420.0), ("c", 411.0)])
+def test_blow_hole_at_the_suction_cusp_is_that_of_rotors(name, closes):
+    pitch = 2 * math.pi / ROTORS[name].male_lobes
+    leading = np.radians(np.arange(360.0, 720.0))
+    law = np.array([blow_hole.suction_side(x - pitch, 1.0, pitch, closes * DEG) for x in leading])
+    rotors = curve_of(name, "suction_blow_hole", leading - 2 * math.pi)
+    assert np.max(np.abs(law - rotors)) < 0.19
+    assert law.mean() == pytest.approx(rotors.mean(), abs=0.005)
+
+
+LINED = build_parts(
+    make(
+        {
+            "effects.interlobe_leakage": {"gap": "50 um", "length": "184 mm", "tip_length": "48 mm"},
+            "effects.blow_hole": {"area": "12 mm^2", "suction_area": "129 mm^2"},
+        }
     )
+)
+
+
+@pytest.mark.parametrize(
+    ("effect", "number", "offset", "opens", "closes", "largest"),
+    [
+        ("interlobe_leakage", 0, 4, 0.0, 360.0, 50e-6 * 0.136),
+        ("interlobe_leakage", 1, 5, 0.0, 360.0 - 90.0, 50e-6 * 0.048),
+        ("blow_hole", 0, 1, 373.0 - 90.0, 693.0 - 90.0, 12e-6),
+        ("blow_hole", 1, 1, 340.0 - 90.0, 420.0 - 90.0, 129e-6),
+    ],
+)
+def test_parts_of_the_line_and_both_blow_holes_are_paths_of_their_own(effect, number, offset, opens, closes, largest):
+    path = LINED.effects[effect][number]
+    found = areas(path, FINE)
+    assert (path.to, path.offset, len(LINED.effects[effect])) == ("neighbour", offset, 2)
+    assert (degrees(found).min(), degrees(found).max()) == pytest.approx((opens, closes), abs=0.06)
+    assert found.max() == pytest.approx(largest, rel=1e-12)
+    assert found.min() >= 0.0
+    known = np.degrees([*path.breakpoints, 0.0, LIFE])
+    assert all(np.min(np.abs(known - kink)) < 0.1 for kink in kinks(path))
+
+
+@pytest.mark.parametrize(
+    ("changes", "what"),
+    [
+        ({"effects.interlobe_leakage": {"gap": "50 um", "length": "4 cm", "tip_length": "5 cm"}}, "longer than length"),
+        ({"effects.blow_hole": {"area": "12 mm^2", "suction_area": "0 mm^2"}}, "greater than 0"),
+        (
+            {"effects.blow_hole": {"area": "6 mm^2", "suction_area": "5 mm^2", "suction_closes": "390 deg"}},
+            "at least 400",
+        ),
+    ],
+)
+def test_parts_that_cannot_be_are_refused(changes, what):
+    with pytest.raises(SceneError, match=what):
+        make(changes)
+
+
+@pytest.mark.parametrize("name", ["blow_hole.suction_area=5 mm^2", "interlobe_leakage.tip_length=5 mm"])
+def test_a_profile_finds_these_parts_itself(name):
+    with pytest.raises(SceneError, match=rf"{name.partition('=')[0]}: is given beside"):
+        load(Path(__file__).parents[2] / "configs" / "rotors" / "b.yaml", (f"effects.{name}",))
 
 
 def test_both_end_face_paths_together_are_the_whole_length():

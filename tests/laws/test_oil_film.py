@@ -72,8 +72,8 @@ def followed(cycle):
     pressure = np.interp(phi, cycle["angle"], cycle["pressure"]) - np.interp(
         phi - 90.0, cycle["angle"], cycle["pressure"]
     )
-    behind = phi - 90.0
-    share = np.where(behind <= 360.0, behind / 360.0, 2.0 - behind / 360.0)  # M19
+    middle = phi - 45.0
+    share = 0.5 * np.where(middle <= 360.0, middle / 360.0, 2.0 - middle / 360.0)  # M19, M260
     return phi, pressure, 0.7 * GAP * LENGTH * share
 
 

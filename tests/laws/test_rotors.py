@@ -3,6 +3,7 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from screwsim.faults import UsageError
@@ -81,6 +82,52 @@ def test_an_idle_chamber_keeps_its_charge(cycle):
 def test_a_finer_accuracy_changes_figures_by_less_than_the_coarse_one(cycle):
     fine = simulate(ideal("numerics.accuracy=1e-5"))
     assert difference(cycle, fine) < ideal().numerics.accuracy
+
+
+@pytest.mark.slow
+def test_formulas_of_the_gaps_leak_as_rotors_do_where_volume_and_ports_are_the_rotors(tmp_path):
+    """Volume and ports of (b) around the largest volume on an axis of 720°, all gaps by the formulas M22, M260–M263."""
+    rotors = simulate(load(CONFIGS / "b.yaml", ("gas.model=ideal",)))
+    scene = load(CONFIGS / "b.yaml")
+    curves, closes = lay(scene.machine).curves, lay(scene.machine).curves.suction_closes
+    angle = np.arange(0.0, 721.0)
+    around = np.radians(angle - 360.0) + closes
+
+    def table(name, column, *parts):
+        values = sum(np.interp(around, part.angle, part.value) for part in parts)
+        if column == "volume_m3":  # what is cut off, 0.2 % of the largest, on either side
+            lost = np.where(angle < 360.0, values[0], values[-1])
+            values = (values - lost) * values.max() / (values.max() - lost)
+        rows = "".join(f"{x},{max(value, 0.0):.8e}\n" for x, value in zip(angle, values, strict=True))
+        (tmp_path / name).write_text(f"angle_deg,{column}\n{rows}", encoding="utf-8")
+        return f"law: table, file: {tmp_path / name}"
+
+    swept = 1e6 * float(curves.volume.value.max())
+    laws = (
+        f"machine.volume={{{table('v.csv', 'volume_m3', curves.volume)}, max: {swept:.6f} cm^3}}",
+        f"machine.suction_port={{{table('s.csv', 'area_m2', *curves.suction.values())}}}",
+        f"machine.discharge_port={{{table('d.csv', 'area_m2', *curves.discharge.values())}}}",
+        "machine.profile=null",
+        "machine.built_in_volume_ratio=null",
+    )
+    whole = {
+        "interlobe_leakage": "{gap: 40 um, length: 183.5 mm, tip_length: 48.4 mm}",
+        "blow_hole": "{area: 7.36 mm^2, suction_area: 128.6 mm^2}",
+        "end_face_leakage": "{gap: 40 um, length: 64 mm}",
+    }
+    without = {**whole, "interlobe_leakage": "{gap: 40 um, length: 183.5 mm}", "blow_hole": "{area: 7.36 mm^2}"}
+
+    def by_formulas(sizes):
+        gaps = (f"effects.{name}={values}" for name, values in sizes.items())
+        found = simulate(load(CONFIGS / "b.yaml", ("gas.model=ideal", *laws, *gaps)))
+        assert found.status == "ok"
+        return found.performance
+
+    found, lacking = by_formulas(whole), by_formulas(without)
+    filling = rotors.performance["volumetric_efficiency"]
+    assert abs(found["volumetric_efficiency"] - filling) < 0.005
+    assert abs(found["isentropic_efficiency"] - rotors.performance["isentropic_efficiency"]) < 0.005
+    assert lacking["volumetric_efficiency"] - filling > 0.015
 
 
 @pytest.mark.parametrize(

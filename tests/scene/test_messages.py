@@ -130,7 +130,8 @@ def test_a_typical_mistake_gives_its_one_line(example, old, new, line):
 
 
 LINE = "(write NAME: value, a blank behind the colon, and as far in as its neighbours; look one line up, too)"
-UNDER = "under it: flow_coefficient, area_file, area, opens, closes; or blow_hole: off to leave it out)"
+BLOW_HOLE = "flow_coefficient, area_file, area, opens, closes, suction_area, suction_closes"
+UNDER = f"under it: {BLOW_HOLE}; or blow_hole: off to leave it out)"
 NEWCOMERS = [
     # ---- YAML ----
     (
@@ -306,8 +307,7 @@ NEWCOMERS = [
     (
         "{area: 6 mm^2}",
         "{gap: 6 um, area: 6 mm^2}",
-        "x.yaml:35:15: effects.blow_hole.gap: is not known; known here: "
-        "flow_coefficient, area_file, area, opens, closes",
+        f"x.yaml:35:15: effects.blow_hole.gap: is not known; known here: {BLOW_HOLE}",
     ),
     # ---- sweeps ----
     (
@@ -469,7 +469,7 @@ def test_an_unknown_name_far_from_all_lists_the_known_ones(example):
     lines = faults_of(example.replace("{gap: 50 um}", "{gap: 50 um, xyz: 1}"))
     assert lines == [
         "x.yaml:33:29: effects.tip_leakage.xyz: is not known; known here: flow_coefficient, area_file, gap, "
-        "model, passage, friction_fit, mixture_viscosity, filled_from, gas_viscosity"
+        "model, passage, friction_fit, mixture_viscosity, filled_from, gas_viscosity, reading"
     ]
 
 

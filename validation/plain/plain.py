@@ -122,8 +122,10 @@ def discharge_area(a: Machine, phi: float) -> float:
 
 
 def tip_area(a: Machine, phi: float) -> float:
-    """Return S [m²] of the leading tip, (19)."""
-    return 9.83 * a.h_tip * a.D * (phi / 360.0 if phi <= 360.0 else 2.0 - phi / 360.0)
+    """Return S [m²] to the chamber a pitch ahead: half of (19) in the middle of both, M260."""
+    middle, born = (phi + 0.5 * a.pitch) / 360.0, min(1.0, phi / 20.0)
+    half = 0.5 * 9.83 * a.h_tip * a.D * max(0.0, min(middle, 2.0 - middle))
+    return half * born * born * (3.0 - 2.0 * born)
 
 
 def interlobe_area(a: Machine, phi: float) -> float:

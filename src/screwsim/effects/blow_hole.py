@@ -3,11 +3,13 @@
 What: nozzle flow through a constant area while the separating lobe crosses the cusp, M21.
 Source: ours. By geometry (4/6 asymmetric profile, 300° wrap) the lobe behind a chamber crosses the cusp from about
 383° to 683° of that chamber's angle; the area is constant between, with cubic ramps of 20° at both ends.
-With machine.volume.law: profile the area by angle is the profile's; a given `area` scales its largest value to that.
-There the blow-hole at the suction cusp counts, too: it is still open when suction closes (docs/reference/rotors.md).
-Assumptions: quasi-steady nozzle; without a profile the compression-side blow-hole only.
-Parameters: area (one blow-hole), opens, closes (angles of the leading chamber, not with a profile), flow_coefficient;
-area_file.
+`suction_area` adds the blow-hole at the suction cusp, which is still open when suction closes: the chamber that begins
+to compress leaks through it to the one behind, which fills (M263).
+With machine.volume.law: profile the area by angle is the profile's, on both sides (docs/reference/rotors.md); a given
+`area` scales the largest value at the high-pressure cusp to that.
+Assumptions: quasi-steady nozzle; without a profile and without suction_area the compression-side blow-hole only.
+Parameters: area (one blow-hole), opens, closes, suction_area, suction_closes (angles of the leading chamber; the last
+four not with a profile), flow_coefficient; area_file (of the high-pressure cusp's, or of a profile's both).
 """
 
 from __future__ import annotations
@@ -17,13 +19,15 @@ from math import pi
 
 from screwsim.declare import quantity
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.gap import GapParameters, check_gap, gap_path, profile_paths, ramp
+from screwsim.effects.gap import GapParameters, check_formula, check_gap, gap_path, profile_paths, ramp
 from screwsim.faults import Fault
 from screwsim.machine.protocol import BLOW_HOLE
 from screwsim.numerics.kernel import kernel
 
 DEGREE = pi / 180.0
+TURN = 2.0 * pi
 RAMP = 20.0 * DEGREE
+SHUTTING = 40.0 * DEGREE  # over which the lobe shuts the blow-hole at the suction cusp
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,16 @@ class Parameters(GapParameters):
     area: float | None = quantity("area", "area of one blow-hole (default with a profile: the profile's)", None, gt=0.0)
     opens: float = quantity("angle", "angle of the leading chamber at which it begins", 373.0 * DEGREE, ge=0.0)
     closes: float = quantity("angle", "angle of the leading chamber at which it ends", 693.0 * DEGREE, le=4 * pi)
+    suction_area: float | None = quantity(
+        "area", "area of the blow-hole at the suction cusp (M263; default: none) (no profile)", None, gt=0.0
+    )
+    suction_closes: float = quantity(
+        "angle",
+        "angle of the leading chamber at which that is shut (no profile)",
+        420.0 * DEGREE,
+        ge=TURN + SHUTTING,
+        le=2.0 * TURN,
+    )
 
 
 @kernel
@@ -40,6 +54,12 @@ def area(phi, size, pitch, opens, closes):
     """Return the blow-hole area [m²] between chambers at phi and phi + pitch [rad] (M21)."""
     leading = phi + pitch
     return size * ramp(leading, opens, opens + RAMP, closes - RAMP, closes)
+
+
+@kernel
+def suction_side(phi, size, pitch, closes):
+    """Return the area [m²] of the suction cusp's blow-hole between chambers at phi and phi + pitch [rad] (M263)."""
+    return size * ramp(phi + pitch, TURN - RAMP, TURN, closes - SHUTTING, closes)
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
@@ -51,11 +71,17 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
         return [*profile_paths(parameters, compressing, factor=factor), *profile_paths(parameters, filling)]
     opens, closes = parameters.opens, parameters.closes
     values = {"size": parameters.area or 0.0, "opens": opens, "closes": closes}
-    return [gap_path(parameters, area, values, breakpoints=(), offset=1)]  # smooth enough without breakpoints
+    paths = [gap_path(parameters, area, values, breakpoints=(), offset=1)]  # smooth enough without breakpoints
+    if interfaces is None and parameters.suction_area is not None:
+        values = {"size": parameters.suction_area, "closes": parameters.suction_closes}
+        paths.append(gap_path(parameters, suction_side, values, breakpoints=(), offset=1, use_table=False))
+    return paths
 
 
 def check(parameters: Parameters, facts) -> Faults:
     yield from check_gap("blow_hole", parameters, facts, "area", "6 mm^2", "area of one blow-hole")
+    if parameters.suction_area is not None:
+        yield from check_formula("effects.blow_hole.suction_area", facts)
     if parameters.closes - parameters.opens < 2.0 * RAMP:
         yield Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")
 
@@ -63,7 +89,7 @@ def check(parameters: Parameters, facts) -> Faults:
 EFFECT = Effect(
     name="blow_hole",
     title="opening at the housing cusp, to the chamber behind",
-    equations=("M12", "M13", "M21"),
+    equations=("M12", "M13", "M21", "M263"),
     source="ours, window from the geometry of a 4/6 profile",
     parameters=Parameters,
     build=build,

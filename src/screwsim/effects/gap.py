@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import pi
 from typing import Any
 
 from screwsim.declare import choice, file, number, quantity
@@ -18,6 +19,8 @@ from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import features, read_curve, table_value
 
 GAP_FLOW_COEFFICIENT = 0.7  # model.md, contract: default of gaps
+BIRTH = 20.0 * pi / 180.0  # over which a gap opens that would be open when its trailing chamber is born
+COUNTS_720 = "has a formula that counts a life of 720 deg, which the volume's table has not"
 
 
 def flow_coefficient(of: str, default: float) -> Any:
@@ -130,14 +133,21 @@ def check_gap(
     profiled, given = machine.finds_gaps, getattr(parameters, size) if size else None
     built_in = parameters.area_file is None or not tabled
     if built_in and not profiled and machine.counts_otherwise:
-        what = "has a formula that counts a life of 720 deg, which the volume's table has not"
-        yield Fault(path, f"{what} ({'give area_file' if tabled else 'remove the effect'})")
+        yield Fault(path, f"{COUNTS_720} ({'give area_file' if tabled else 'remove the effect'})")
     elif size and given is None and built_in and not profiled:
         yield Fault(f"{path}.{size}", f"is missing (write e.g. {size}: {example}; {what})")
     elif size == "length" and given is not None and profiled:
         yield Fault(f"{path}.length", f"is given beside {profiled}, which finds it by angle (remove it)")
     if isinstance(parameters, ClearanceParameters):
         yield from gap_flow.faults(name, parameters, facts)
+
+
+def check_formula(path: str, facts) -> Iterator[Fault]:
+    """Yield why a size that only a formula uses is given in vain: beside a profile, or a table of another life."""
+    if facts.machine.finds_gaps:
+        yield Fault(path, f"is given beside {facts.machine.finds_gaps}, which finds it by angle (remove it)")
+    elif facts.machine.counts_otherwise:
+        yield Fault(path, f"{COUNTS_720} (remove it)")
 
 
 def port_path(parameters, law, to) -> FlowPath:

@@ -1,20 +1,24 @@
 """Tip leakage: gaps between the lobe tips and the housing, to the chambers ahead and behind.
 
-What: nozzle flow through S_tip(φ) = 9.83 h D (φ/360° up to 360°, then 2 − φ/360°), M19. One area an interface: that
-of the trailing chamber's angle is its leading tip; its trailing tip is the next interface.
-Source: Chernov et al. 2015, eq. (19). The length 9.83 D is the paper's, empirical: the tip helices of both rotors
-together are 11.8 D at L/D = 1.1 by geometry. With machine.volume.law: profile the length is that of the male and the
-female tip that seal on the bores at an angle (docs/reference/rotors.md).
+What: nozzle flow through S_tip(φ) = 9.83 h D (φ/360° up to 360°, then 2 − φ/360°), M19, read as all tips of one
+chamber: an interface of two chambers has half of it, at the middle of their angles (M260). `reading: interface` takes
+M19 for the area of every interface, of its trailing chamber's angle; a chamber's tips then count twice.
+Source: Chernov et al. 2015, eq. (19); M260: ours. An interface of the rotors of configs/rotors (L/D 1.1) is within
+0.51 D of M260 over the 360° around its trailing chamber's largest volume, and 1 to 3 % shorter in the mean. With
+machine.volume.law: profile the length is that of the male and the female tip that seal on the bores at an angle
+(docs/reference/rotors.md).
 Assumptions: quasi-steady nozzle with a flow coefficient; no oil film in the gap.
-Parameters: gap, flow_coefficient; area_file.
+Parameters: gap, reading (not with a profile), flow_coefficient; area_file.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi
 
+from screwsim.declare import choice
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.gap import ClearanceParameters, check_gap, gap_path, profile_paths
+from screwsim.effects.gap import BIRTH, ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.effects.gap_flow import numbers
 from screwsim.machine.protocol import TIP_GAP
 from screwsim.numerics.kernel import kernel
@@ -23,30 +27,49 @@ TIP_LENGTH = 9.83  # tip length over rotor diameter, eq. (19)
 TURN = 2.0 * pi
 
 
+@dataclass(frozen=True)
+class Parameters(ClearanceParameters):
+    """Clearance, and whose area eq. (19) is."""
+
+    reading: str = choice(
+        "whose area eq. (19) is: all tips of a chamber (M260), or those of every interface (M19) (no profile)",
+        ("chamber", "interface"),
+        "chamber",
+    )
+
+
 @kernel
-def area(phi, gap, rotor_diameter):
-    """Return the tip area [m²] of the interface ahead of a chamber at phi [rad] (M19)."""
+def all_tips(phi, gap, rotor_diameter):
+    """Return the area [m²] of eq. (19) at phi [rad] (M19)."""
     x = phi / TURN
     return TIP_LENGTH * gap * rotor_diameter * max(0.0, x if x <= 1.0 else 2.0 - x)
 
 
-def build(parameters: ClearanceParameters, machine) -> list[FlowPath]:
+@kernel
+def area(phi, gap, rotor_diameter, pitch):
+    """Return the tip area [m²] of the interface between chambers at phi and phi + pitch [rad] (M260)."""
+    born = min(1.0, max(0.0, phi / BIRTH))
+    return 0.5 * all_tips(phi + 0.5 * pitch, gap, rotor_diameter) * born * born * (3.0 - 2.0 * born)
+
+
+def build(parameters: Parameters, machine) -> list[FlowPath]:
     interfaces = machine.interfaces("tip_leakage")
     if interfaces is not None and parameters.area_file is None:
         return profile_paths(parameters, interfaces, parameters.gap)
-    return [gap_path(parameters, area, {"gap": parameters.gap}, breakpoints=(TURN,), offset=1)]
+    law, widest = (all_tips, TURN) if parameters.reading == "interface" else (area, TURN - 0.5 * machine.pitch)
+    return [gap_path(parameters, law, {"gap": parameters.gap}, breakpoints=(widest, widest + TURN), offset=1)]
 
 
-def check(parameters: ClearanceParameters, facts) -> Faults:
+def check(parameters: Parameters, facts) -> Faults:
     return check_gap("tip_leakage", parameters, facts)
 
 
 EFFECT = Effect(
     name="tip_leakage",
     title="gaps between lobe tips and housing, to both neighbours",
-    equations=("M12", "M13", "M19"),
+    equations=("M12", "M13", "M19", "M260"),
     source="Chernov et al. 2015, eq. (19)",
-    parameters=ClearanceParameters,
+    parameters=Parameters,
     build=build,
     check=check,
     numbers=numbers,

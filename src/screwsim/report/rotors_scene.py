@@ -54,6 +54,8 @@ def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
         meaning = f"mean thickness of a {rotor} lobe on the end face: `passage` of that leak"
         own[f"{rotor}_lobe_thickness"] = (width, "m", meaning)
     own["sealing_line_length"] = (_longest_line(laid), "m", "longest contact line of a chamber, over the tip included")
+    over = longest["sealing_line_over_tip"]
+    own["sealing_line_over_tip"] = (over, "m", "of it over the male tip: `tip_length` of interlobe_leakage")
     for wanted in dict.fromkeys((ratio, *RATIOS)):
         try:
             angle = rotors.discharge_angle(wanted) - rotors.start
