@@ -24,8 +24,22 @@ def power(effect, parameters, **changes):
     return loss.power(SimpleNamespace(**{**vars(FIGURES), **changes}))
 
 
-def test_acceleration_takes_the_kinetic_energy_of_the_tip():
-    assert power(hydromechanical, hydromechanical.Parameters()) == pytest.approx(0.5 * 2.0 * 24.0**2)
+def dragged_up(u, force):
+    """Return the work [J] of a wall of speed u that drags a resting kilogram to its own speed with a force [N]."""
+    slipping = u / force  # [s]
+    return force * u * slipping
+
+
+@pytest.mark.parametrize("force", [0.1, 10.0])
+def test_acceleration_takes_what_a_moving_wall_gives_to_oil_that_it_drags_along(force):
+    """Twice the kinetic energy, however long the oil slips."""
+    taken = power(hydromechanical, hydromechanical.Parameters())
+    assert taken == pytest.approx(2.0 * dragged_up(24.0, force), rel=1e-12)
+
+
+def test_half_the_factor_is_the_kinetic_energy_of_the_tip():
+    parameters = hydromechanical.Parameters(acceleration_factor=0.5)
+    assert power(hydromechanical, parameters) == pytest.approx(0.5 * 2.0 * 24.0**2)
 
 
 def test_giuffridas_viscous_term_is_the_one_he_gives():
