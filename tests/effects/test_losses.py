@@ -15,6 +15,7 @@ FIGURES = SimpleNamespace(
     oil_volume_flow=2e-3,
     oil_viscosity=0.02,
     injection_pressure=2e5,
+    delivery_pressure=12e5,
     oil_source_pressure=12e5,
 )
 
@@ -55,7 +56,8 @@ def test_a_pump_from_the_separator_pays_only_its_lines():
 
 def test_a_pump_from_a_sump_pays_the_rise_too():
     parameters = oil_pump.Parameters(efficiency=0.5, pressure_loss=1e5)
-    assert power(oil_pump, parameters, oil_source_pressure=1.5e5) == pytest.approx(2e-3 * 1.5e5 / 0.5)
+    found = power(oil_pump, parameters, oil_source_pressure=1.5e5, delivery_pressure=2e5)
+    assert found == pytest.approx(2e-3 * 1.5e5 / 0.5)
 
 
 def test_a_pump_without_losses_from_the_separator_is_free():

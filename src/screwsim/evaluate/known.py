@@ -25,6 +25,7 @@ class CycleFigures:
     oil_volume_flow: float
     oil_viscosity: float | None
     injection_pressure: float
+    delivery_pressure: float  # mean to which a pump brings the oil, without the loss of its line (M31, M255)
     oil_source_pressure: float
     oil_temperature: float | None
     oil_discharge_temperature: float | None
@@ -47,10 +48,13 @@ def known_of(
     parts, oil = problem.parts, problem.scene.oil
     T_oil = parts.oil.temperature if parts.oil is not None else None
     injected, p_injection = float(life.R[R_INJECTED]), float(life.R[R_PRESSURE])
+    p_source = parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d
+    p_delivery = max(p_injection, p_source)
     if problem.composition.ported:
         injected = float(streams_of(problem.composition, q)[PORT_OIL, 2])
-        mass, pressure = life.port_oil()
-        p_injection = pressure / mass if mass > 0.0 else p_injection
+        mass, pressure, lift = life.port_oil()
+        if mass > 0.0:
+            p_injection, p_delivery = pressure / mass, p_source + lift / mass
     rate = problem.rate
     oil_flow = injected * rate if parts.oil is not None else 0.0
     return CycleFigures(
@@ -61,7 +65,8 @@ def known_of(
         oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
         oil_viscosity=oil.at(T_oil).viscosity if oil is not None and T_oil is not None else None,
         injection_pressure=p_injection,
-        oil_source_pressure=parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d,
+        delivery_pressure=p_delivery,
+        oil_source_pressure=p_source,
         oil_temperature=T_oil,
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
         oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,

@@ -89,11 +89,9 @@ def _throttled(cycle: Cycle) -> float:
     known, port = cycle.known, cycle.parts.oil_port
     if not cycle.parts.oil_room:
         return known.oil_source_pressure - known.injection_pressure
-    return (
-        port.loss(known.oil_source_pressure)
-        if port is not None
-        else min(0.0, known.oil_source_pressure - known.injection_pressure)
-    )
+    if port is None or cycle.parts.pumped:
+        return known.oil_source_pressure - known.delivery_pressure
+    return port.loss(known.oil_source_pressure)
 
 
 def _thermal(cycle: Cycle, mass: float, mass_T: float, mass_log: float) -> float:
