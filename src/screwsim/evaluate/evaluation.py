@@ -101,5 +101,5 @@ def loss_torque(of: Evaluation, omega: float) -> float:
     names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow")
     known = replace(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
     parts = of.problem.parts
-    lift = oil_lift(parts, of.problem.lines, known) if parts.oil is not None else 0.0
+    lift = oil_lift(parts, known) if parts.oil is not None else 0.0
     return (sum(power_losses(parts, known).values()) + lift) / omega

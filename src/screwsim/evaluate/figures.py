@@ -34,7 +34,7 @@ def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
     flow = delivered * (float(streams[0, 0] + streams[1, 0]) * rate) + 0.0  # nothing has no sign
     losses = performance.power_losses(parts, known)
-    lift = performance.oil_lift(parts, lines, known) if parts.oil is not None else None
+    lift = performance.oil_lift(parts, known) if parts.oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     drawn = performance.drawn(parts, streams, rate)
     etas, notes = performance.efficiencies(parts.gas, lines, problem.inlet, flow, shaft, drawn)

@@ -27,6 +27,7 @@ class CycleFigures:
     injection_pressure: float
     delivery_pressure: float  # mean to which a pump brings the oil, without the loss of its line (M31, M255)
     oil_source_pressure: float
+    plenum_pressure: float  # mean behind the discharge port: of its plenum, or of the line
     oil_temperature: float | None
     oil_discharge_temperature: float | None
     oil_viscosity_at: Callable[[float], float | None]
@@ -67,6 +68,7 @@ def known_of(
         injection_pressure=p_injection,
         delivery_pressure=p_delivery,
         oil_source_pressure=p_source,
+        plenum_pressure=_plenum_pressure(problem, life),
         oil_temperature=T_oil,
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
         oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
@@ -75,6 +77,15 @@ def known_of(
         set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
         turn=turn,
     )
+
+
+def _plenum_pressure(problem: Problem, life: Trajectory) -> float:
+    """Return the mean pressure [Pa] that the chambers discharge to: the line's, or that of a plenum (M184)."""
+    p, parts, c = problem.lines.p_d, problem.parts, problem.composition
+    for part in parts.pulsations:
+        if part.to == "discharge":
+            p *= 1.0 + float(life.composition.P[c.made[list(parts.made).index(part.offset)]])
+    return p
 
 
 def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> float | None:

@@ -72,9 +72,9 @@ def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float |
     return (isothermal, gas.ideal_isothermal_work(state.p, p_d, state.T), isentropic), obstacle
 
 
-def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
+def oil_lift(parts: Parts, known: CycleFigures) -> float:
     """Return the power [W] that lifts the oil to discharge (M28); none where ∮ p dV contains it, as oil takes room."""
-    return 0.0 if parts.oil_room else known.oil_volume_flow * (lines.p_d - known.injection_pressure)
+    return 0.0 if parts.oil_room else known.oil_volume_flow * (known.plenum_pressure - known.injection_pressure)
 
 
 def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:

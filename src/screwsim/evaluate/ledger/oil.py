@@ -6,7 +6,7 @@ from math import log
 
 import numpy as np
 
-from screwsim.effects.base import OilGas, OilSolution, PowerLoss
+from screwsim.effects.base import OilGas, OilSolution, PowerLoss, Pulsation
 from screwsim.evaluate.ledger.book import (
     NOT_CONSERVED,
     OIL_INJECTION,
@@ -37,8 +37,11 @@ def oil_rise(book: Book, cycle: Cycle, suction: State, paths: Rows, heats: Array
     c, known = cycle.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
         book.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
-    lift = oil_lift(cycle.parts, cycle.lines, known)
+    lift = oil_lift(cycle.parts, known)
     book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
+    for name, part in cycle.parts.all(Pulsation):
+        if part.to == "discharge" and not cycle.parts.oil_room:  # what the oil loses on its way to the line (M187)
+            book.add(name, exergy=known.oil_volume_flow * (known.plenum_pressure - cycle.lines.p_d))
     if c.ported:
         book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
     dissolved = _flash(book, cycle, suction, paths, sums)
