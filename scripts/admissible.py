@@ -60,7 +60,7 @@ OPEN = (
     Open("oil_temperature_K", 278, 300, False, "cooled oil, not below suction by much"),
     Open("suction_bar", 1.0, 1.8, True, "evaporation of R134a at -26 to -13 C"),
     Open("discharge_bar", 10, 14, False, "condensation of R134a at 39 to 52 C"),
-    Open("acceleration_factor", 0.3, 4.0, True, "around 1, the kinetic energy at tip speed"),
+    Open("acceleration_factor", 0.15, 2.0, True, "0.5 is the kinetic energy at tip speed, 1 all that it takes"),
     Open("mechanical_fraction", 0.0, 0.06, False, "rolling bearings and a shaft seal"),
     Open("line_loss_bar", 0.3, 2.0, False, "oil filter, cooler and nozzles"),
     Open("suction_K", 278, 290, False, "superheated vapour"),

@@ -22,7 +22,7 @@ SCENE, POINTS = ROOT / "configs" / "paper" / "point.yaml", ROOT / "configs" / "c
 RPM = 2.0 * np.pi / 60.0
 TRUTH = {
     "effects.tip_leakage.gap": 19e-6,
-    "effects.hydromechanical.acceleration_factor": 0.8,
+    "effects.hydromechanical.acceleration_factor": 0.4,
     "effects.mechanical.fraction": 0.06,
 }
 SPEEDS, PRESSURES = (1000.0, 2000.0, 4000.0), (8e5, 11.5e5)  # [rpm], [Pa]

@@ -15,6 +15,7 @@ FIGURES = SimpleNamespace(
     oil_volume_flow=2e-3,
     oil_viscosity=0.02,
     injection_pressure=2e5,
+    delivery_pressure=12e5,
     oil_source_pressure=12e5,
 )
 
@@ -24,8 +25,22 @@ def power(effect, parameters, **changes):
     return loss.power(SimpleNamespace(**{**vars(FIGURES), **changes}))
 
 
-def test_acceleration_takes_the_kinetic_energy_of_the_tip():
-    assert power(hydromechanical, hydromechanical.Parameters()) == pytest.approx(0.5 * 2.0 * 24.0**2)
+def dragged_up(u, force):
+    """Return the work [J] of a wall of speed u that drags a resting kilogram to its own speed with a force [N]."""
+    slipping = u / force  # [s]
+    return force * u * slipping
+
+
+@pytest.mark.parametrize("force", [0.1, 10.0])
+def test_acceleration_takes_what_a_moving_wall_gives_to_oil_that_it_drags_along(force):
+    """Twice the kinetic energy, however long the oil slips."""
+    taken = power(hydromechanical, hydromechanical.Parameters())
+    assert taken == pytest.approx(2.0 * dragged_up(24.0, force), rel=1e-12)
+
+
+def test_half_the_factor_is_the_kinetic_energy_of_the_tip():
+    parameters = hydromechanical.Parameters(acceleration_factor=0.5)
+    assert power(hydromechanical, parameters) == pytest.approx(0.5 * 2.0 * 24.0**2)
 
 
 def test_giuffridas_viscous_term_is_the_one_he_gives():
@@ -41,7 +56,8 @@ def test_a_pump_from_the_separator_pays_only_its_lines():
 
 def test_a_pump_from_a_sump_pays_the_rise_too():
     parameters = oil_pump.Parameters(efficiency=0.5, pressure_loss=1e5)
-    assert power(oil_pump, parameters, oil_source_pressure=1.5e5) == pytest.approx(2e-3 * 1.5e5 / 0.5)
+    found = power(oil_pump, parameters, oil_source_pressure=1.5e5, delivery_pressure=2e5)
+    assert found == pytest.approx(2e-3 * 1.5e5 / 0.5)
 
 
 def test_a_pump_without_losses_from_the_separator_is_free():

@@ -124,7 +124,9 @@ def test_lift_power_is_the_oils_way_up():
     assert p.oil_lift_power == pytest.approx(p.oil_mass_flow / 1000.0 * (12e5 - p.injection_pressure), rel=1e-12)
 
 
-def test_acceleration_power_is_kinetic_energy_at_tip_speed():
+def test_acceleration_takes_the_torque_that_gives_oil_its_angular_momentum():
+    """Euler: ṁ u r times ω."""
     p = run().performance
-    tip = 0.08 * 3000 * 2 * pi / 60
-    assert p.hydromechanical_power == pytest.approx(0.5 * p.oil_mass_flow * tip**2, rel=1e-12)
+    radius, omega = 0.08, 3000 * 2 * pi / 60
+    torque = p.oil_mass_flow * (omega * radius) * radius
+    assert p.hydromechanical_power == pytest.approx(torque * omega, rel=1e-12)

@@ -131,12 +131,28 @@ def test_the_trace_has_the_figures():
     assert pressure.mean() == pytest.approx(p.discharge_plenum_pressure, rel=1e-4)
 
 
+@pytest.mark.parametrize("transport", ["carried", "paper"])
+def test_the_oil_is_lifted_to_the_plenum_and_loses_the_rest_to_the_line(transport):
+    """M28, M187: of 3 kg oil per kg gas, from the pressure at 360° to the plenum's mean; the ledger has the way on."""
+    scene = {**plenums(discharge_loss=20), "oil.transport": transport}
+    result, lossless = run(scene), run({**PLENUMS, "oil.transport": transport})
+    p = result.performance
+    oil = p.oil_mass_flow / 1000.0
+    lost = oil * (p.discharge_plenum_pressure - 12e5)
+    assert p.oil_lift_power == pytest.approx(oil * (p.discharge_plenum_pressure - p.injection_pressure), rel=1e-5)
+    assert lost > 0.001 * p.shaft_power  # three times the accuracy
+    assert abs(result.ledger.residue) < 0.1 * lost
+    both = (each.ledger.exergy_destroyed_plenums for each in (result, lossless))
+    assert next(both) - next(both) > lost
+
+
 def test_a_valve_that_takes_pressure_costs_power():
     """The machine that delivers to a line of that pressure."""
     steady = {"discharge_area": None, "suction_area": None, "discharge_volume": "1e4 m^3", "suction_volume": "1e4 m^3"}
     valve = run(plenums(**steady, discharge_valve={"pressure": "1 bar"}))
     line = run({**CARRIED, "operation.discharge.pressure": "13 bar"})
-    assert change(valve, line, ("gas_mass_flow", "indicated_power", "trapped_mass")) < 2 * ACCURACY
+    seen = ("gas_mass_flow", "indicated_power", "trapped_mass", "oil_lift_power")
+    assert change(valve, line, seen) < 2 * ACCURACY
     assert valve.performance.discharge_plenum_pressure == pytest.approx(13e5)
     assert valve.ledger.exergy_destroyed_plenums > 0.0
 

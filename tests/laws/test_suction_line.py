@@ -184,7 +184,7 @@ def test_oil_that_leaks_past_the_shaft_is_lifted_again():
 
 
 def test_the_motor_that_suction_gas_cools_warms_it_by_its_loss():
-    """M275: M148's loss over ṁ c_p; capacity and λ are of the gas before the motor. Without a slide little flows back."""
+    """M275: M148's loss over ṁ c_p; capacity and λ are of the gas before the motor. Without a slide little comes back."""
     changes = {"oil.transport": "carried", "effects.suction_line": {}, **MOTOR}
     p, c_p = run(changes).performance, problem(changes).parts.gas.c_p
     own = run({**changes, "effects.motor.cooling": "ambient"}).performance

@@ -1,7 +1,7 @@
 """Walls that exchange heat with the gas: balances, temperatures, the limit, the sign; gaps of warm parts."""
 
 import pytest
-from scenes import make, run
+from scenes import FILMS, HELD_GAPS, make, run
 
 from screwsim.effects.wall_heat import coefficient
 from screwsim.explain import explain
@@ -144,6 +144,25 @@ def test_a_warm_gap_is_a_narrower_gap():
     stated = {"effects.tip_leakage.gap": f"{p.tip_gap} m", "effects.interlobe_leakage.gap": f"{p.interlobe_gap} m"}
     assert change(run(GAPS), run({**CARRIED, **stated})) < ACCURACY
     assert p.volumetric_efficiency > run(CARRIED).performance.volumetric_efficiency
+
+
+@pytest.mark.parametrize("models", [HELD_GAPS, FILMS], ids=["friction and seal", "films"])
+def test_what_holds_back_in_a_warm_gap_is_that_of_the_narrower_gap(models):
+    """Where the share hangs on the clearance: the machine whose gaps are stated as narrow as the warm ones."""
+    warm = run({**models, "effects.thermal_clearances": WARM})
+    p = warm.performance
+    stated = {"effects.tip_leakage.gap": f"{p.tip_gap} m", "effects.interlobe_leakage.gap": f"{p.interlobe_gap} m"}
+    assert change(warm, run({**models, **stated})) < ACCURACY
+    assert max(warm.balance[name] for name in BALANCES) <= ACCURACY
+
+
+def test_the_oil_in_a_warm_gap_is_dragged_as_in_the_narrower_gap():
+    """M141, M142 at one film temperature: of the tips 1/h, of the end faces, which keep their gap, the same."""
+    tips = {"tip_gap": "50 um", "tip_land": "3 mm", "film_temperature": "320 K"}
+    drag = {**tips, "end_gap": "50 um", "end_solidity": 0.6}
+    cold, both = (run({**CARRIED, "effects.oil_drag": one}).performance.oil_drag_power for one in (tips, drag))
+    warm = run({**GAPS, "effects.oil_drag": drag}).performance
+    assert warm.oil_drag_power == pytest.approx(cold * 50e-6 / warm.tip_gap + both - cold, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -169,7 +169,7 @@ def given_rows(file: Path, scene: Scene, base: Figures) -> list[Row]:
             base,
             power,
             "isentropic_efficiency",
-            "acceleration_factor 1 instead of 0.5: a fitted factor",
+            "acceleration_factor 1 (Euler) instead of 0.25: a fitted factor",
         ),
     ]
 

@@ -395,7 +395,7 @@ def figures(a: Machine, cycle: Cycle) -> dict[str, float]:
     lift = oil / a.rho_oil * (a.p_d - cycle.p_360)
     delivered = max(cycle.p_360, a.p_d) + a.pump_loss  # the pump draws from the separator, at p_d
     pump = oil / a.rho_oil / a.pump_efficiency * max(0.0, delivered - a.p_d)
-    hydromechanical = a.acceleration_factor * oil * (a.omega * a.D / 2.0) ** 2 / 2.0
+    hydromechanical = a.acceleration_factor * oil * (a.omega * a.D / 2.0) ** 2
     mechanical = a.mechanical_fraction * abs(indicated)
     shaft = indicated + lift + pump + hydromechanical + mechanical
     c_p, ratio = a.R * a.k / (a.k - 1.0), a.p_d / a.p_s

@@ -26,7 +26,9 @@ class CycleFigures:
     oil_volume_flow: float
     oil_viscosity: float | None
     injection_pressure: float
+    delivery_pressure: float  # mean to which a pump brings the oil, without the loss of its line (M31, M255)
     oil_source_pressure: float
+    plenum_pressure: float  # mean behind the discharge port: of its plenum, or of the line
     oil_temperature: float | None
     oil_discharge_temperature: float | None
     oil_viscosity_at: Callable[[float], float | None]
@@ -39,7 +41,8 @@ class CycleFigures:
     cop: float | None = None
     motor_power: float | None = None  # where a drive lies between motor and shaft
     turn: Turn | None = None
-    leaked_oil_lift: float = 0.0  # [W] of oil that leaks from the discharge line to suction beside the chambers
+    leaked_oil_flow: float = 0.0  # [m³/s] from the discharge line to suction, beside the chambers
+    intake_pressure: float = 0.0  # before the suction port
 
 
 def pitch_at(problem: Problem, life: Trajectory, q: Array) -> Pitch:
@@ -56,10 +59,13 @@ def known_of(
     parts, oil = problem.parts, problem.scene.oil
     T_oil = parts.oil.temperature if parts.oil is not None else None
     injected, p_injection = float(life.R[R_INJECTED]), float(life.R[R_PRESSURE])
+    p_source = parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d
+    p_delivery = max(p_injection, p_source)
     if problem.composition.ported:
         injected = float(streams_of(problem.composition, q)[PORT_OIL, 2])
-        mass, pressure = life.port_oil()
-        p_injection = pressure / mass if mass > 0.0 else p_injection
+        mass, pressure, lift = life.port_oil()
+        if mass > 0.0:
+            p_injection, p_delivery = pressure / mass, p_source + lift / mass
     rate = problem.rate
     oil_flow = injected * rate if parts.oil is not None else 0.0
     return CycleFigures(
@@ -70,7 +76,9 @@ def known_of(
         oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
         oil_viscosity=oil.at(T_oil).viscosity if oil is not None and T_oil is not None else None,
         injection_pressure=p_injection,
-        oil_source_pressure=parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d,
+        delivery_pressure=p_delivery,
+        oil_source_pressure=p_source,
+        plenum_pressure=_plenum_pressure(problem, life),
         oil_temperature=T_oil,
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
         oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
@@ -78,17 +86,24 @@ def known_of(
         pitch=pitch or (lambda: pitch_at(problem, life, q)),
         set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
         turn=turn,
-        leaked_oil_lift=_leaked_oil_lift(problem, life),
+        leaked_oil_flow=_leaked_oil(problem, life),
+        intake_pressure=problem.suction.pressure,
     )
 
 
-def _leaked_oil_lift(problem: Problem, life: Trajectory) -> float:
-    """Return the power [W] that lifts the oil again which leaks to suction beside the chambers (M28)."""
+def _leaked_oil(problem: Problem, life: Trajectory) -> float:
+    """Return the oil [m³/s] that leaks from the discharge line to suction beside the chambers (M274)."""
     oil = problem.parts.oil
-    if oil is None:
-        return 0.0
-    volume = suction_line.leak(problem, life.R).oil * problem.rate / oil.density
-    return volume * (problem.lines.p_d - problem.suction.pressure)
+    return suction_line.leak(problem, life.R).oil * problem.rate / oil.density if oil is not None else 0.0
+
+
+def _plenum_pressure(problem: Problem, life: Trajectory) -> float:
+    """Return the mean pressure [Pa] that the chambers discharge to: the line's, or that of a plenum (M184)."""
+    p, parts, c = problem.lines.p_d, problem.parts, problem.composition
+    for part in parts.pulsations:
+        if part.to == "discharge":
+            p *= 1.0 + float(life.composition.P[c.made[list(parts.made).index(part.offset)]])
+    return p
 
 
 def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> float | None:

@@ -8,14 +8,14 @@ from screwsim.cycle.known import CycleFigures
 from screwsim.effects.base import PowerLoss
 from screwsim.faults import own_number
 from screwsim.model.parts import Parts
-from screwsim.scene.lines import Lines
 
 
-def oil_lift(parts: Parts, lines: Lines, known: CycleFigures) -> float:
+def oil_lift(parts: Parts, known: CycleFigures) -> float:
     """Return the power [W] that lifts the oil to discharge (M28); none where ∮ p dV contains it, as oil takes room."""
     if parts.oil_room:
         return 0.0
-    return known.oil_volume_flow * (lines.p_d - known.injection_pressure) + known.leaked_oil_lift
+    lifted = known.oil_volume_flow * (known.plenum_pressure - known.injection_pressure)
+    return lifted + known.leaked_oil_flow * (known.plenum_pressure - known.intake_pressure)
 
 
 def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
@@ -29,7 +29,7 @@ def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
     return found
 
 
-def shaft_power(parts: Parts, lines: Lines, known: CycleFigures) -> float:
+def shaft_power(parts: Parts, known: CycleFigures) -> float:
     """Return the power that the shaft takes [W] (M29)."""
-    lift = oil_lift(parts, lines, known) if parts.oil is not None else 0.0
+    lift = oil_lift(parts, known) if parts.oil is not None else 0.0
     return known.indicated_power + lift + sum(power_losses(parts, known).values())

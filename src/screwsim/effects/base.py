@@ -395,10 +395,14 @@ class Pulsation:
 
 @dataclass(frozen=True)
 class Scaled:
-    """The areas of the flow paths of another effect are multiplied by the number of a `Made` (M180)."""
+    """The areas of the flow paths of another effect are multiplied by the number of a `Made` (M180).
+
+    Of a `clearance` so is the `gap` that the flow model of the path asks for (M190).
+    """
 
     effect: str
     by: str
+    clearance: bool = False
 
 
 @dataclass(frozen=True)

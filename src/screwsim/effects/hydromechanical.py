@@ -1,10 +1,11 @@
 """Hydromechanical loss: oil is accelerated to the rotor's tip speed and sheared in the gaps.
 
-What: P = ½ f ṁ_oil u_tip² + C V_sw ω² μ (M32): the kinetic energy given to the injected oil times a factor, and the
-viscous term of Giuffrida with V_sw = z1 V_max.
-Source: acceleration: kinetic energy, the factor f is fitted; viscous: Giuffrida, Appl. Therm. Eng. 93 (2016) 813,
-C = 134.5. Chernov et al. 2015 name the loss without a formula.
-Assumptions: all oil reaches the male tip speed; the loss heats nothing that the chamber model sees.
+What: P = f ṁ_oil u_tip² + C V_sw ω² μ (M32): what the rotor gives to oil that it brings to its tip's speed, times a
+factor, and the viscous term of Giuffrida with V_sw = z1 V_max.
+Source: acceleration: Euler's turbine equation, the factor f is fitted; viscous: Giuffrida, Appl. Therm. Eng. 93 (2016)
+813, C = 134.5. Chernov et al. 2015 name the loss without a formula.
+Assumptions: all oil comes without swirl and reaches the male tip speed, once; the loss heats nothing that the chamber
+model sees, neither its half that is dissipated on the way to that speed nor the kinetic energy, lost behind the port.
 Parameters: acceleration_factor, viscous_coefficient.
 """
 
@@ -26,7 +27,11 @@ class Parameters:
     """Factors of the two terms."""
 
     acceleration_factor: float = number(
-        "f: 1 is the kinetic energy at tip speed", 1.0, ge=0.0, le=1e4, hardly=(None, 10.0)
+        "f: 1 is all that oil at rest takes to tip speed, ṁ u²; 0.5 its kinetic energy there",
+        1.0,
+        ge=0.0,
+        le=1e4,
+        hardly=(None, 10.0),
     )
     viscous_coefficient: float = number(
         "C of the viscous term (Giuffrida: 134.5; 0: none)", 0.0, ge=0.0, le=1e8, hardly=(None, 1e4)
@@ -36,7 +41,7 @@ class Parameters:
 def build(parameters: Parameters, machine) -> list[PowerLoss]:
     def power(figures) -> float:
         """Return the hydromechanical loss [W] (M32)."""
-        acceleration = 0.5 * parameters.acceleration_factor * figures.oil_mass_flow * figures.tip_speed**2
+        acceleration = parameters.acceleration_factor * figures.oil_mass_flow * figures.tip_speed**2
         swept = machine.lobes * machine.swept_volume
         shear = parameters.viscous_coefficient * swept * figures.omega**2 * (figures.oil_viscosity or 0.0)
         return acceleration + shear
@@ -53,7 +58,7 @@ EFFECT = Effect(
     name="hydromechanical",
     title="oil accelerated to tip speed and sheared in gaps",
     equations=("M32",),
-    source="kinetic energy; Giuffrida 2016",
+    source="Euler's turbine equation; Giuffrida 2016",
     parameters=Parameters,
     build=build,
     needs_oil=True,

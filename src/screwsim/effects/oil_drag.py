@@ -1,7 +1,8 @@
 """Oil drag: the films of oil in the tip and end gaps are sheared by the rotors.
 
 What: Couette flow, P = μ(T_f) φ_o [Σ u² w z L/h + Σ ω² J/h_e], over the tip lands of both rotors (M141) and over their
-discharge end faces (M142). T_f: stated, or the mean of injected and discharged oil.
+discharge end faces (M142). T_f: stated, or the mean of injected and discharged oil. Where a leak through the same gap
+has a warm clearance (M180), h is as much wider or narrower.
 Source: Newton's law of viscosity between parallel walls (textbook); widths and solidity are the rotors', stated.
 Assumptions: laminar, films without pressure gradient, one temperature; the suction end face runs with so wide a gap
 that its share is left out. The loss heats nothing that the chamber model sees: it is dissipated at ambient temperature.
@@ -64,6 +65,12 @@ def film_temperature(stated: float | None, figures) -> float:
     return figures.oil_temperature if out is None else 0.5 * (figures.oil_temperature + out)
 
 
+def warm(gap: float, leak: str, figures) -> float:
+    """Return a stated clearance [m] as warm as that of the leak through it is found; as stated where it is not."""
+    made = figures.turn.made if figures.turn is not None else {}
+    return gap * made.get(f"{leak}_widening", 1.0)
+
+
 def build(parameters: Parameters, machine) -> list[PowerLoss]:
     size = machine.settings
     own = size.profile.female_diameter if size.profile is not None else size.rotor_diameter
@@ -75,12 +82,14 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
     def power(figures) -> float:
         """Return the drag [W] (M141, M142)."""
         T = film_temperature(parameters.film_temperature, figures)
-        total = 0.0
+        tip, end, total = warm(parameters.tip_gap, "tip_leakage", figures), parameters.end_gap, 0.0
+        if end is not None:
+            end = warm(end, "end_face_leakage", figures)
         for ratio, diameter, lobes in rotors:
             speed = ratio * figures.omega
-            total += tip_drag(speed, diameter, lobes, size.rotor_length, parameters.tip_land, parameters.tip_gap)
-            if parameters.end_gap is not None:
-                total += end_drag(speed, diameter, parameters.end_solidity or 0.0, parameters.end_gap)
+            total += tip_drag(speed, diameter, lobes, size.rotor_length, parameters.tip_land, tip)
+            if end is not None:
+                total += end_drag(speed, diameter, parameters.end_solidity or 0.0, end)
         return parameters.film_share * figures.oil_viscosity_at(T) * total
 
     return [PowerLoss("oil_drag_power", power)]

@@ -2,7 +2,8 @@
 
 What: of displaced oil, orifice flow (M30) of the oil supply's bore under the pressure difference between the separator,
 less the loss of the line, or a stated pressure before the bore, and the chamber at that angle (M104); of pumped oil,
-what the pump displaces, whatever the chamber's pressure (M194). The oil mixes into the chamber continuously (M105).
+what the pump displaces, whatever the chamber's pressure (M194), which it meets (M255). The oil mixes into the chamber
+continuously (M105).
 Source: orifice: Lichtarowicz et al. 1965; the window and its ramps are ours.
 Assumptions: quasi-steady; a check valve keeps gas out of the oil line, so nothing flows back; one bore sees one chamber
 while it passes, so a window is as long as a lobe pitch of the rotor on whose side the bore lies.
@@ -126,7 +127,7 @@ def discharge_pressure(facts) -> float | None:
 EFFECT = Effect(
     name=NAME,
     title="oil enters through a bore while the chamber faces it",
-    equations=("M30", "M104", "M105", "M194"),
+    equations=("M30", "M104", "M105", "M194", "M255"),
     source="Lichtarowicz et al. 1965; window: ours",
     parameters=Parameters,
     build=build,

@@ -3,7 +3,7 @@
 What: P = V̇_oil max(0, p_delivery − p_source)/η, with p_delivery = max(p_injection, p_source) + Δp (M31): from the
 separator the pump pays only the line and nozzle loss Δp, from a sump at suction pressure also the rise to the chamber.
 Source: Chernov et al. 2015 name the pump's power without a formula; this form is ours.
-Assumptions: incompressible oil; injection pressure is the chamber's at 360°.
+Assumptions: incompressible oil; injection pressure is the chamber's at 360°, or while it faces a port (M255).
 Parameters: efficiency, pressure_loss.
 """
 
@@ -31,12 +31,12 @@ class Parameters:
 def build(parameters: Parameters, machine) -> list[PowerLoss]:
     def power(figures) -> float:
         """Return the pump's power [W] (M31)."""
-        delivery = max(figures.injection_pressure, figures.oil_source_pressure) + parameters.pressure_loss
+        delivery = figures.delivery_pressure + parameters.pressure_loss
         return figures.oil_volume_flow * max(0.0, delivery - figures.oil_source_pressure) / parameters.efficiency
 
     def kept(figures) -> float:
         """Return the power [W] that lifts the oil from its source to the chamber (M58)."""
-        return figures.oil_volume_flow * max(0.0, figures.injection_pressure - figures.oil_source_pressure)
+        return figures.oil_volume_flow * max(0.0, figures.delivery_pressure - figures.oil_source_pressure)
 
     return [PowerLoss("oil_pump_power", power, kept)]
 

@@ -2,7 +2,8 @@
 
 What: a clearance is stated cold, at the temperature of the drawing; rotors and housing expand linearly with their own
 temperatures (M180), across the radius for the tips (M181), the axes' distance for the interlobe gap (M182) and the
-length between thrust bearing and end face for the end gap (M183). All areas of a gap are multiplied by warm over cold.
+length between thrust bearing and end face for the end gap (M183). All areas of a gap are multiplied by warm over cold,
+and so is the clearance in what holds its flow back (M190 to M193, M251) and in the drag of its oil (M141, M142).
 Source: linear expansion (textbook); that clearances of screw compressors follow the temperatures of rotors and casing:
 D. Buckney, Clearance management in twin screw compressors, thesis, City, University of London 2017.
 Assumptions: one temperature of the rotors and one of the housing, those of effects.wall_heat or stated ones; no
@@ -94,7 +95,7 @@ def build(parameters: Parameters, machine) -> list[Made | Scaled | Reading]:
     for effect, length in lengths(parameters, machine).items():
         name = f"{effect}_widening"
         beyond = f"warm rotors touch: {GAPS[effect].replace('_', ' ')} closes (a wider effects.{effect}.gap, or cooler)"
-        parts += [Made(Entry(name), none, widening(effect, length), CLOSED, beyond), Scaled(effect, name)]
+        parts += [Made(Entry(name), none, widening(effect, length), CLOSED, beyond), Scaled(effect, name, True)]
 
     def read(figures) -> dict[str, float | None]:
         """Return the warm gaps [m]."""

@@ -96,6 +96,6 @@ def balance(of: Evaluation) -> Figures:
 def loss_torque(of: Evaluation, omega: float) -> float:
     """Return the torque of the losses and of the oil's lift at a mean speed [rad/s], from one pitch's q (M213)."""
     share = omega / of.problem.parts.omega
-    names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow", "leaked_oil_lift")
+    names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow", "leaked_oil_flow")
     known = replace(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
-    return (shaft_power(of.problem.parts, of.problem.lines, known) - known.indicated_power) / omega
+    return (shaft_power(of.problem.parts, known) - known.indicated_power) / omega

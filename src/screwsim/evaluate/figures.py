@@ -36,7 +36,7 @@ def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
     flow = delivered * (suction_line.fresh(problem, life.R, streams) * rate) + 0.0  # nothing has no sign
     losses = powers.power_losses(parts, known)
-    lift = powers.oil_lift(parts, lines, known) if parts.oil is not None else None
+    lift = powers.oil_lift(parts, known) if parts.oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     drawn = performance.drawn(parts, streams, rate)
     etas, notes = performance.efficiencies(parts.gas, lines, problem.inlet, flow, shaft, drawn)

@@ -145,7 +145,7 @@ def _write(writer: Writer, parts: Parts, plenum: Named, gaps: Named) -> None:
         writing_oil.write_flash(writer, parts, oil, parts.oil_gas)
     writing.write_laws(writer, ports, network.ports)
     writing.write_laws(writer, between_chambers, network.gaps)
-    writing.write_resistances(writer, between_chambers)
+    writing.write_resistances(writer, gaps, scales(writer, parts, clearances=True))
     if network.own_states:
         writing.write_own_states(writer, [part for _, part in parts.all(ChamberState)], network.states)
     if any(path.opening is not None for path in ports):

@@ -12,6 +12,7 @@ from screwsim.model.slots import (
     N_PLENUM,
     P_INJECTION,
     P_OMEGA,
+    P_P_SOURCE,
     PLACE,
     PLENUM,
     S_RHO,
@@ -157,9 +158,13 @@ def oil_with_outflow(times, dense, steps, context, n_e):
 
 @kernel
 def port_oil(times, dense, steps, P, TAB):
-    """Return the oil [kg] that comes through ports over a life, and that times the chamber's pressure [kg Pa]."""
+    """Return the oil [kg] that comes through ports over a life, and that times the chamber's pressure [kg Pa].
+
+    And that times what the chamber's pressure has above the source's (M255).
+    """
     mass = 0.0
     pressure = 0.0
+    lift = 0.0
     for i in range(steps):
         h = times[i + 1] - times[i]
         for k in range(POINTS):
@@ -168,4 +173,5 @@ def port_oil(times, dense, steps, P, TAB):
             oil = WEIGHTS[k] * h / P[P_OMEGA] * oil_inflow(times[i] + theta * h, p, P, TAB)
             mass += oil
             pressure += oil * p
-    return mass, pressure
+            lift += oil * max(0.0, p - P[P_P_SOURCE])
+    return mass, pressure, lift

@@ -122,8 +122,8 @@ class Trajectory(NamedTuple):
             self.module.ledger__account(*self.rows, self.context, c.n_E, s_suction, s_discharge, *sums)
         return paths, heats[:warming], oil
 
-    def port_oil(self) -> tuple[float, float]:
-        """Return the oil [kg] that came through ports over the life, and that times the chamber's pressure."""
+    def port_oil(self) -> tuple[float, float, float]:
+        """Return the oil [kg] that came through ports over the life, times the chamber's pressure, times its lift."""
         c = self.composition
         return self.module.trace__port_oil(*self.rows, c.P, c.TAB)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
 
 from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Scaled, Stops, Wall
@@ -26,6 +27,7 @@ OPENING_SYMBOLS = ("drop", "width", "held")
 PUSH_SYMBOLS = ("p", "p_suction", "p_discharge")
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
+NO_FACTORS: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 
 class Writer:
@@ -50,11 +52,12 @@ class Writer:
         tables: Mapping[str, Any],
         free: Sequence[str],
         prefix: str | None = None,
+        factors: Mapping[str, Sequence[str]] = NO_FACTORS,
     ) -> str:
         """Return a call of the kernel.
 
-        Its arguments are free names, numbers of its own (`operating` names them with the prefix, if any), what the
-        cycle makes, or symbols of the scene.
+        Its arguments are free names, numbers of its own (`operating` names them with the prefix, if any) times their
+        factors, what the cycle makes, or symbols of the scene.
         """
         self.kernels.append(kernel)
         self.network.kernels[kernel.flat_name] = kernel
@@ -64,7 +67,8 @@ class Writer:
                 arguments.append(name)
             elif name in values:
                 operating = None if prefix is None else prefix + name
-                arguments.append(self.numbers.add(values[name], f"{whose}_{name}", operating))
+                number = self.numbers.add(values[name], f"{whose}_{name}", operating)
+                arguments.append(" * ".join([number, *factors.get(name, ())]))
             elif name in tables:
                 arguments.append(self.numbers.add_table(tables[name], f"{whose}_{name}"))
             elif name in self.made:
@@ -153,11 +157,12 @@ def made(writer: Writer, name: str) -> str:
     return writer.made[name]
 
 
-def scales(writer: Writer, parts: Parts) -> dict[str, list[str]]:
-    """Return of each effect the factors of its areas that the cycle makes."""
+def scales(writer: Writer, parts: Parts, clearances: bool = False) -> dict[str, list[str]]:
+    """Return of each effect the factors of its areas that the cycle makes, or those of them that are of its gap."""
     found: dict[str, list[str]] = {}
     for _, part in parts.all(Scaled):
-        found.setdefault(part.effect, []).append(made(writer, part.by))
+        if part.clearance or not clearances:
+            found.setdefault(part.effect, []).append(made(writer, part.by))
     return found
 
 
@@ -207,13 +212,16 @@ def write_laws(writer: Writer, paths: Sequence[FlowPath], openings: list[Any]) -
             openings[index] = replace(openings[index], law=Law(call, asks))
 
 
-def write_resistances(writer: Writer, gaps: Sequence[FlowPath]) -> None:
+def write_resistances(
+    writer: Writer, gaps: Sequence[tuple[str, FlowPath]], clearances: Mapping[str, Sequence[str]]
+) -> None:
     """Write what holds flow back in gaps, and the films of oil beside (M190, M252)."""
-    for index, path in enumerate(gaps):
+    for index, (effect, path) in enumerate(gaps):
         if path.resistance is not None:
             held, values = path.resistance, {**path.values, **path.resistance.values}
-            share = writer.call(held.share, values, {}, ("flux", "density", "oil_ratio"))
-            film = writer.call(held.film, values, {}, ("drop", "oil_ratio")) if held.film is not None else ""
+            warm = {"gap": clearances.get(effect, ())}
+            share = writer.call(held.share, values, {}, ("flux", "density", "oil_ratio"), factors=warm)
+            film = "" if held.film is None else writer.call(held.film, values, {}, ("drop", "oil_ratio"), factors=warm)
             writer.network.gaps[index] = replace(writer.network.gaps[index], share=share, film=film)
     if any(gap.share for gap in writer.network.gaps):
         writer.asked("gap_share", ("flux", "density", "oil_ratio"), [gap.share for gap in writer.network.gaps])

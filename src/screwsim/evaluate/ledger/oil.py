@@ -7,7 +7,7 @@ from math import log
 import numpy as np
 
 from screwsim.cycle.powers import oil_lift
-from screwsim.effects.base import LineLeak, OilGas, OilSolution, PowerLoss
+from screwsim.effects.base import LineLeak, OilGas, OilSolution, PowerLoss, Pulsation
 from screwsim.evaluate.ledger.book import (
     NOT_CONSERVED,
     OIL_INJECTION,
@@ -43,8 +43,12 @@ def oil_rise(
     c, known = cycle.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
         book.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
-    lift = oil_lift(cycle.parts, cycle.lines, known)
+    lift = oil_lift(cycle.parts, known)
     book.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + _kept(cycle))
+    for name, part in cycle.parts.all(Pulsation):
+        if part.to == "discharge" and not cycle.parts.oil_room:  # what the oil loses on its way to the line (M187)
+            through = known.oil_volume_flow + known.leaked_oil_flow
+            book.add(name, exergy=through * (known.plenum_pressure - cycle.lines.p_d))
     if c.ported:
         book.add(OIL_INJECTION, entropy=float(sums[kernels.PORT_GENERATED]))
     dissolved = _flash(book, cycle, suction, paths, sums, met)
@@ -105,11 +109,9 @@ def _throttled(cycle: Cycle) -> float:
     known, port = cycle.known, cycle.parts.oil_port
     if not cycle.parts.oil_room:
         return known.oil_source_pressure - known.injection_pressure
-    return (
-        port.loss(known.oil_source_pressure)
-        if port is not None
-        else min(0.0, known.oil_source_pressure - known.injection_pressure)
-    )
+    if port is None or cycle.parts.pumped:
+        return known.oil_source_pressure - known.delivery_pressure
+    return port.loss(known.oil_source_pressure)
 
 
 def _thermal(cycle: Cycle, mass: float, mass_T: float, mass_log: float) -> float:

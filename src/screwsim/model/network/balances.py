@@ -48,11 +48,21 @@ def totals(to: Statements, network: Network, sums: Sequence[str]) -> None:
         to.add(f"{quantity} = {' + '.join(f'{quantity}_{each}' for each in sums)}")
 
 
+def port_oil_enthalpy(network: Network) -> str:
+    """Return the enthalpy over heat capacity [K] of oil that comes through ports into a chamber of pressure p (M108).
+
+    A pump presses it into the chamber, whatever the pressure of its source (M255).
+    """
+    if network.roomed and network.pumped:
+        return "(P[P_H_PORT] + max(0.0, p - P[P_P_SOURCE]) * P[P_ROOM] / P[P_C_OIL])"
+    return "P[P_H_PORT]"
+
+
 def oil_through_ports(to: Statements, network: Network) -> None:
     """Add the oil that comes through ports, and the gas that it gives off (M104, M196, M231)."""
     if network.ported:
         to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {network.inflow}")
-        to.add("oil_port = inflow", "oil_heat_port = inflow * P[P_H_PORT]")
+        to.add("oil_port = inflow", f"oil_heat_port = inflow * {port_oil_enthalpy(network)}")
         if network.dissolves:
             to.add(f"held_port = inflow * {network.supply_holds}")
     gas = f"{network.gas_cell}_in"

@@ -184,7 +184,7 @@ class Moments(Chamber):
         to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {network.inflow}")
         to.add("oil[PORT_MASS] += dt * inflow", "oil[PORT_PRESSURE] += dt * inflow * p")
         with to.within("if T_oil > 0.0"):
-            to.add(f"rise = (P[P_H_PORT] - {T}) / T_oil")
+            to.add(f"rise = ({balances.port_oil_enthalpy(network)} - {T}) / T_oil")
             to.add("oil[PORT_GENERATED] += dt * inflow * c_oil * (rise - math.log(P[P_T_OIL] / T_oil))")
         if network.flash is not None:
             share, enthalpy, heat = network.flash
