@@ -42,7 +42,7 @@ BASE: dict[str, Any] = {
     "effects": {
         "suction_port": {},
         "discharge_port": {},
-        "tip_leakage": {"gap": "50 um"},
+        "tip_leakage": {"gap": "50 um", "reading": "interface"},  # wide: relieves what the law of the port locks in
         "interlobe_leakage": {"gap": "40 um", "length": "150 mm"},
         "blow_hole": {"area": "6 mm^2"},
         "end_face_leakage": {"gap": "50 um", "length": "80 mm"},
