@@ -31,10 +31,10 @@ def area(phi, gap, rotor_diameter):
 
 
 def build(parameters: ClearanceParameters, machine) -> list[FlowPath]:
-    interfaces = machine.interfaces("tip_leakage")
+    interfaces, slides = machine.interfaces("tip_leakage"), machine.wall_speed("tip_leakage")
     if interfaces is not None and parameters.area_file is None:
-        return profile_paths(parameters, interfaces, parameters.gap)
-    return [gap_path(parameters, area, {"gap": parameters.gap}, breakpoints=(TURN,), offset=1)]
+        return profile_paths(parameters, interfaces, parameters.gap, slides=slides)
+    return [gap_path(parameters, area, {"gap": parameters.gap}, breakpoints=(TURN,), offset=1, slides=slides)]
 
 
 def check(parameters: ClearanceParameters, facts) -> Faults:

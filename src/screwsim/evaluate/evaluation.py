@@ -98,7 +98,7 @@ def balance(of: Evaluation) -> Figures:
 def loss_torque(of: Evaluation, omega: float) -> float:
     """Return the torque of the losses and of the oil's lift at a mean speed [rad/s], from one pitch's q (M213)."""
     share = omega / of.problem.parts.omega
-    names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow")
+    names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow", "drag_power")
     known = replace(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
     parts = of.problem.parts
     lift = oil_lift(parts, known) if parts.oil is not None else 0.0

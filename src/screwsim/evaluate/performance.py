@@ -73,8 +73,13 @@ def _plenum_works(gas: Gas, p_d: float, state: Reservoir) -> tuple[tuple[float |
 
 
 def oil_lift(parts: Parts, known: CycleFigures) -> float:
-    """Return the power [W] that lifts the oil to discharge (M28); none where ∮ p dV contains it, as oil takes room."""
-    return 0.0 if parts.oil_room else known.oil_volume_flow * (known.plenum_pressure - known.injection_pressure)
+    """Return the power [W] that lifts the oil to discharge (M28).
+
+    Where oil takes room ∮ p dV contains it, but for what walls do that drag oil through gaps (M257).
+    """
+    if parts.oil_room:
+        return known.drag_power
+    return known.oil_volume_flow * (known.plenum_pressure - known.injection_pressure)
 
 
 def drawn(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:

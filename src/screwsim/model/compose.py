@@ -88,6 +88,7 @@ def compose(parts: Parts) -> Composition:
         signed=tuple(i for i, name in enumerate(network.states) if name in signed),
         starts=tuple(part.start for part in own_states),
         pulsating=network.pulsating,
+        pushes=network.pushes,
         n_work_all=room(network),
     )
 
@@ -189,11 +190,11 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
     """Return what closed cycles are read with, beside what all are."""
     asked = {
         ledger.held_arriving: network.dissolves,
-        ledger.oil_arriving: network.carried and not network.roomed,
+        ledger.oil_arriving: network.carried and (network.pushes or not network.roomed),
         ledger.pressed_oil_arriving: network.roomed,
         trace.oil_with_outflow: network.heated and not network.carried,
         line_flow.into_lines: network.pulsating,
-        trace.oil_films: any(gap.film for gap in network.gaps),
+        trace.oil_films: any(gap.film or gap.drag for gap in network.gaps),
         trace.port_oil: network.ported,
     }
     return tuple(each for each, wanted in asked.items() if wanted)

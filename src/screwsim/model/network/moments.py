@@ -1,7 +1,7 @@
 """What every stream and heat of one chamber moves and generates at a moment, as text: the ledger's terms.
 
-Source: docs/model.md M50–M57, M105, M109, M171, M197, M233, M254. An outflow generates nothing in its donor: streams
-between chambers count where they arrive.
+Source: docs/model.md M50–M57, M105, M109, M171, M197, M233, M254, M258. An outflow generates nothing in its donor:
+streams between chambers count where they arrive.
 """
 
 from __future__ import annotations
@@ -48,8 +48,9 @@ class Moments(Chamber):
         self._heats(to)
         self._oil(to)
         films = []
-        if any(gap.film for gap in network.gaps):
-            films = [f"films = np.empty({len(self.sides)})", "chamber__film_flows(y, E, context, films)"]
+        if any(gap.film or gap.drag for gap in network.gaps):
+            films = [f"{each} = np.empty({len(self.sides)})" for each in ("films", "drags")]
+            films += ["chamber__film_flows(y, E, context, films, drags)"]
         head = "ledger__add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)"
         text = '"""Add a moment of the cycle, which stands for the time dt [s], to the sums of the ledger."""'
         states = [line for line in self.states() if not line.startswith("phi =")]
@@ -87,6 +88,8 @@ class Moments(Chamber):
                     to.add("discharged -= leaving * flow")
             if gap.film:
                 self._film(to, row, beyond, f"E[{place} + PLACE] > 0.0" if way == "ahead" else "")
+            if gap.drag and way == "ahead":
+                self._drag(to, row, beyond, f"drags[{index}]")
 
     def _entropy(self, to: Statements, side: int, way: str) -> None:
         """Set the specific entropy of the neighbours that gas comes from, where `surroundings` found them."""
@@ -155,6 +158,16 @@ class Moments(Chamber):
         if line:
             with to.within(f"elif film < 0.0 and {line} and T_oil > 0.0"):
                 self._oil_out(to, row, "film")
+
+    def _drag(self, to: Statements, row: str, ahead: Place, drag: str) -> None:
+        """Add what oil generates that a wall drags into the chamber: it comes with the chamber's pressure (M258)."""
+        generated, T = row.format("GENERATED"), ahead.T_oil
+        if self.network.roomed:
+            T = f"{T} - {ahead.p} * P[P_ROOM] / c_oil"
+        with to.within(f"if {drag} > 0.0"):
+            to.add(f"{generated} += dt * c_oil * ledger__oil_arriving({drag}, {T}, T_oil)")
+            if self.network.dissolves:
+                to.add(f"{generated} += dt * {self._held_arrival(drag, ahead.held)}")
 
     # ---- heats and oil -----------------------------------------------------------------------------------------
 
