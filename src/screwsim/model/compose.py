@@ -190,7 +190,7 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
     """Return what closed cycles are read with, beside what all are."""
     asked = {
         ledger.held_arriving: network.dissolves,
-        ledger.oil_arriving: network.carried and (network.pushes or not network.roomed),
+        ledger.oil_arriving: network.carried and not network.roomed,
         ledger.pressed_oil_arriving: network.roomed,
         trace.oil_with_outflow: network.heated and not network.carried,
         line_flow.into_lines: network.pulsating,

@@ -64,6 +64,7 @@ class Moments(Chamber):
         to.add(f"flow = flows[{port.index}]  # {port.effect}")
         with to.within("if flow >= 0.0"):
             read_place(to, network, port.cell, *self.line(port.number))
+            self._press(to, beyond, f"R[{port.number} * PLACE + PRESSURE]")
             self._arrival(to, row, beyond, s)
         with to.within("else"):
             with_oil = network.heated and (port.number == 1 or network.carried)
@@ -80,6 +81,8 @@ class Moments(Chamber):
             to.add(f"film = films[{index}]")
         with to.within(f"if E[{area}] > 0.0"):
             read_place(to, network, cell, "E", place)
+            line = f"E[{place} + PLACE] > 0.0"
+            self._press(to, beyond, f"R[PLACE + PRESSURE] if {line} else {beyond.p}" if way == "ahead" else beyond.p)
             with to.within("if flow > 0.0"):
                 self._arrival(to, row, beyond, f"s_{cell}")
             if way == "ahead":
@@ -108,10 +111,18 @@ class Moments(Chamber):
             rho = "rho_there" if network.roomed else f"E[{place} + DENSITY]"
             to.add(f"s_{cell} = gas_entropy(T_there, {rho}, P, TAB)")
 
+    def _press(self, to: Statements, beyond: Place, pulsating: str) -> None:
+        """Set the pressure with which oil that takes room has the enthalpy of the place beyond (M109).
+
+        Of a line that pulsates that is the line's own: its oil is left out of the plenum's compression (M186).
+        """
+        if self.network.roomed:
+            to.add(f"pressed = {pulsating if self.network.pulsating else beyond.p}")
+
     def _oil_arrival(self, stream: str, beyond: Place) -> str:
         """Return a call for what oil generates that mixes with the chamber's (M51, M109)."""
         if self.network.roomed:
-            return f"ledger__pressed_oil_arriving({stream}, {beyond.T_oil}, {beyond.p}, T_felt, p, T_oil)"
+            return f"ledger__pressed_oil_arriving({stream}, {beyond.T_oil}, pressed, T_felt, p, T_oil)"
         return f"ledger__oil_arriving({stream}, {beyond.T_oil}, T_oil)"
 
     def _held_arrival(self, stream: str, held: str) -> str:
@@ -161,11 +172,13 @@ class Moments(Chamber):
 
     def _drag(self, to: Statements, row: str, ahead: Place, drag: str) -> None:
         """Add what oil generates that a wall drags into the chamber: it comes with the chamber's pressure (M258)."""
-        generated, T = row.format("GENERATED"), ahead.T_oil
-        if self.network.roomed:
-            T = f"{T} - {ahead.p} * P[P_ROOM] / c_oil"
+        generated, call = row.format("GENERATED"), self._oil_arrival(drag, ahead)
+        if self.network.roomed:  # without what the wall gets of it
+            felt = f"{ahead.T_oil} - to_wall * P[P_ROOM] / c_oil"
+            call = f"ledger__pressed_oil_arriving({drag}, {felt}, pressed - to_wall, T_felt, p, T_oil)"
         with to.within(f"if {drag} > 0.0"):
-            to.add(f"{generated} += dt * c_oil * ledger__oil_arriving({drag}, {T}, T_oil)")
+            to.add(*([f"to_wall = {ahead.p} - p"] if self.network.roomed else []))
+            to.add(f"{generated} += dt * c_oil * {call}")
             if self.network.dissolves:
                 to.add(f"{generated} += dt * {self._held_arrival(drag, ahead.held)}")
 
