@@ -99,7 +99,7 @@ def test_mass_energy_entropy_and_oil_are_kept(changes):
 
 
 def test_the_entropy_of_oil_that_takes_room_closes_finely():
-    """Behind a loss and with a pulsation, out of which the oil is left (M186): nothing that finer steps do not close."""
+    """Behind a loss and with a pulsation, which leaves the oil out (M186): nothing that finer steps do not close."""
     fine = {"effects.oil_volume": {}, "numerics": {"accuracy": 1e-5}}
     result = run({**plenums(discharge_loss=5), **fine})
     assert result.status == "ok"
