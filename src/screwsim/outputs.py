@@ -123,7 +123,7 @@ _CORE = (
     ),
     _oiled("oil_flow_ratio", "1", "injected oil over net suction gas", Scale(LEAST_OIL, times="filling"), by_flow=True),
     power_figure("indicated_power", "indicated power"),
-    power_figure("oil_lift_power", "power that lifts the oil to discharge pressure", needs=OILED),
+    power_figure("oil_lift_power", "power that lifts the oil to discharge, beside the indicated power", needs=OILED),
     power_figure("shaft_power", "shaft power"),
     Figure("shaft_torque", "N m", "mean torque at the shaft: shaft power over speed", Scale(times="ideal")),
     Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge"),

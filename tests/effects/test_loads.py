@@ -19,6 +19,7 @@ FIGURES = SimpleNamespace(
     oil_discharge_temperature=330.0,
     oil_viscosity_at=lambda T: 0.02,
     oil_density_at=lambda T: 1000.0,
+    turn=None,
 )
 LANDS = {"tip_gap": 1e-4, "tip_land": 3e-3}
 SIMPLE = {"friction_coefficient": 0.0018, "bore": 0.06, "radial_load": 3e3, "axial_load": 4e3}

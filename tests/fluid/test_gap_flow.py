@@ -127,3 +127,11 @@ def test_the_filled_share_is_smooth_where_it_begins_and_ends():
 def test_no_film_without_a_pressure_difference_or_without_oil():
     assert film(0.0) == 0.0
     assert gap_flow.oil_film(1e6, 0.0, GAP, PASSAGE, 0.2, MU_OIL, RHO_OIL) == 0.0
+
+
+def test_a_wall_drags_half_its_speed_along_where_there_is_oil():
+    """Plane Couette flow: ρ u/2, of the share that oil fills; without oil nothing, and smoothly so."""
+    for x, filled in ((0.0, 0.0), (0.1, 0.5), (0.2, 1.0), (3.0, 1.0)):
+        found = gap_flow.dragged_oil(x, 0.2, 0.4, 25.0, RHO_OIL)
+        assert found == pytest.approx(filled * RHO_OIL * 0.4 * 25.0 / 2.0, abs=1e-12)
+    assert gap_flow.dragged_oil(1e-6, 0.2, 0.4, 25.0, RHO_OIL) < 1e-9 * RHO_OIL * 25.0

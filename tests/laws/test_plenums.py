@@ -98,6 +98,14 @@ def test_mass_energy_entropy_and_oil_are_kept(changes):
     assert abs(result.ledger.relative_residue) <= ACCURACY
 
 
+def test_the_entropy_of_oil_that_takes_room_closes_finely():
+    """Behind a loss and with a pulsation, which leaves the oil out (M186): nothing that finer steps do not close."""
+    fine = {"effects.oil_volume": {}, "numerics": {"accuracy": 1e-5}}
+    result = run({**plenums(discharge_loss=5), **fine})
+    assert result.status == "ok"
+    assert result.balance.entropy < 1e-5
+
+
 def test_volumes_without_end_change_nothing():
     wide = run(plenums(suction_volume="1e4 m^3", discharge_volume="1e4 m^3"))
     assert change(wide, run(CARRIED)) < ACCURACY

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from scenes import FILMS, HELD_GAPS, SOLUBLE, SOLUBLE_RATE, closed, make
+from scenes import FILMS, HELD_GAPS, OIL_VOLUME, SOLUBLE, SOLUBLE_RATE, closed, make
 from scenes import TOGETHER as PORTS_AND_ROOM
 
 Array = np.ndarray
@@ -36,6 +36,7 @@ CASES = {
     "ports and room": PORTS_AND_ROOM,
     "gaps held back": HELD_GAPS,
     "oil films": FILMS,
+    "oil films that take room": {**FILMS, **OIL_VOLUME},
     "oil films, lines that pulsate": {**SOLUBLE_RATE, **FILMS, "effects.plenums": PLENUMS},
     "oil that flashes": SOLUBLE,
     "oil that flashes over time": SOLUBLE_RATE,

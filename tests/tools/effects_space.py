@@ -118,7 +118,7 @@ OF_EFFECT: dict[str, Ranges] = {
     "oil_injection": {"opens": Range(340.0, 400.0, DEG, False), "closes": Range(430.0, 560.0, DEG, False)},
     "mechanical": {"fraction": Range(0.0, 0.15, "", False)},
     "oil_pump": {"efficiency": Range(0.3, 0.9, "", False)},
-    "hydromechanical": {"acceleration_factor": Range(0.0, 1.0, "", False)},
+    "hydromechanical": {"acceleration_factor": Range(0.0, 2.0, "", False)},
     "bearings": {"friction_coefficient": Range(5e-4, 5e-3)},
     "oil_drag": {"tip_gap": Range(0.05, 0.3, "mm")},
     "gas_torque": {"male_share": Range(0.5, 1.0, "", False)},

@@ -36,12 +36,17 @@ class Residuals(NamedTuple):
 
 def streams_of(c: Composition, q: Array) -> Array:
     """Return the sums as rows, by the categories of slots: suction in, suction out, discharge in …"""
-    return q[Q_WALLS + 2 * len(c.walls) :].reshape(-1, c.width)
+    return q[c.first_stream :].reshape(-1, c.width)
 
 
 def walls_of(c: Composition, q: Array) -> Array:
     """Return of each wall the heat into the gas [J] and the conductance times time [J/K] over one life (M170)."""
     return q[Q_WALLS : Q_WALLS + 2 * len(c.walls)].reshape(-1, 2)
+
+
+def pushed_of(c: Composition, q: Array) -> float:
+    """Return the work [J] that oil does over one life on walls that drag it along (M257)."""
+    return float(q[c.first_stream - 1]) if c.pushes else 0.0
 
 
 def mass_in(c: Composition, q: Array) -> float:
@@ -61,7 +66,7 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     flows = _outer(c, q)
     mass = flows[:, 0]
     enthalpy = flows[:, 1] - problem.inlet.enthalpy * mass
-    energy = enthalpy.sum() + q[0]
+    energy = enthalpy.sum() + q[0] - pushed_of(c, q)
     scale = np.abs(enthalpy).sum() + abs(q[0])
     oil = oil_share = 0.0
     if c.carried and part is not None:

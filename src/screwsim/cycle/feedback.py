@@ -72,7 +72,7 @@ def suction_heat(problem: Problem, life: Trajectory, q: Array) -> float:
     heats = [part.power for _, part in parts.all(SuctionHeat)]
     if not heats or not np.isfinite(q[0]):
         return 0.0
-    power = shaft_power(parts, known_of(problem, life, q))
+    power = shaft_power(parts, known_of(problem, life, q, turn=turn_of(problem, life, q) if parts.made else None))
     return sum(heat(power) for heat in heats)
 
 

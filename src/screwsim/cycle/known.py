@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import discharge_enthalpy, streams_of
+from screwsim.cycle.balances import discharge_enthalpy, pushed_of, streams_of
 from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Turn
@@ -28,6 +28,7 @@ class CycleFigures:
     injection_pressure: float
     delivery_pressure: float  # mean to which a pump brings the oil, without the loss of its line (M31, M255)
     oil_source_pressure: float
+    drag_power: float  # of walls on oil that takes room, which they drag through gaps: negative where it drives them
     plenum_pressure: float  # mean behind the discharge port: of its plenum, or of the line
     oil_temperature: float | None
     oil_discharge_temperature: float | None
@@ -78,6 +79,7 @@ def known_of(
         injection_pressure=p_injection,
         delivery_pressure=p_delivery,
         oil_source_pressure=p_source,
+        drag_power=0.0 - pushed_of(problem.composition, q) * rate,
         plenum_pressure=_plenum_pressure(problem, life),
         oil_temperature=T_oil,
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,

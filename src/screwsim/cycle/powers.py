@@ -11,9 +11,12 @@ from screwsim.model.parts import Parts
 
 
 def oil_lift(parts: Parts, known: CycleFigures) -> float:
-    """Return the power [W] that lifts the oil to discharge (M28); none where ∮ p dV contains it, as oil takes room."""
+    """Return the power [W] that lifts the oil to discharge (M28).
+
+    Where oil takes room ∮ p dV contains it, but for what walls do that drag oil through gaps (M257).
+    """
     if parts.oil_room:
-        return 0.0
+        return known.drag_power
     lifted = known.oil_volume_flow * (known.plenum_pressure - known.injection_pressure)
     return lifted + known.leaked_oil_flow * (known.plenum_pressure - known.intake_pressure)
 

@@ -34,12 +34,17 @@ class Resistance:
     `film`, where given, returns the mass flux of oil [kg/(m² s)] over the gap's area that flows beside the gas's stream
     and the oil in that (M252), at the pressure difference `drop` ≥ 0 [Pa] from the upstream to the downstream place; it
     may ask for the upstream `oil_ratio` and the like, must be smooth, and nothing at no drop and at no oil.
+
+    `drag`, where given, returns the mass flux of oil [kg/(m² s)] that a moving wall takes along, from the leading place
+    to the trailing chamber whatever their pressures (M256); it may ask for the leading place's `oil_ratio`, and is
+    nothing at no oil. It is that at the mean speed of the rotors, and follows the speed.
     """
 
     share: Kernel
     values: Mapping[str, float]
     title: str
     film: Kernel | None = None
+    drag: Kernel | None = None
 
 
 @dataclass(frozen=True)

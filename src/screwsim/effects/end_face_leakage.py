@@ -44,14 +44,18 @@ def area(phi, gap, width, shift):
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
-    interfaces = machine.interfaces("end_face_leakage")
+    interfaces, slides = machine.interfaces("end_face_leakage"), machine.wall_speed("end_face_leakage")
     if interfaces is not None and parameters.area_file is None:
-        return profile_paths(parameters, interfaces, parameters.gap)
+        return profile_paths(parameters, interfaces, parameters.gap, slides=slides)
     paths, length = [], parameters.length or 0.0
     for share, offset in ((1.0 - parameters.suction_share, 1), (parameters.suction_share, machine.lobes)):
         shift = offset * machine.pitch
         values = {"gap": parameters.gap, "width": share * length, "shift": shift}
-        paths.append(gap_path(parameters, area, values, breakpoints=(), offset=offset, use_table=offset == 1))
+        next_one = offset == 1
+        over = slides if next_one else None
+        paths.append(
+            gap_path(parameters, area, values, breakpoints=(), offset=offset, use_table=next_one, slides=over)
+        )
     return paths
 
 

@@ -56,6 +56,14 @@ class ClearanceParameters(GapParameters):
     filled_from: float | None = number(
         "model: oil_film: oil per gas of the upstream chamber from which oil fills the gap", None, gt=0.0
     )
+    wall_speed: float | None = number(
+        "model: oil_film: speed at which the housing slides over the gap and drags oil along, over that of the male "
+        "rotor's tips; 0: drags none (default: the rotors')",
+        None,
+        ge=0.0,
+        le=10.0,
+        hardly=(None, 1.0),
+    )
     gas_viscosity: float | None = quantity(
         "viscosity", "mu of the gas (default: CoolProp's)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
     )
@@ -94,31 +102,37 @@ def ramp(phi, start, full, fall, end):
     return x * x * (3.0 - 2.0 * x)
 
 
-def gap_path(parameters, area, values, *, breakpoints, offset, use_table=True) -> FlowPath:
-    """Return the flow path of a gap between chambers `offset` pitches apart, from its kernel or from its table."""
+def gap_path(parameters, area, values, *, breakpoints, offset, use_table=True, slides=None) -> FlowPath:
+    """Return the flow path of a gap between chambers `offset` pitches apart, from its kernel or from its table.
+
+    `slides` is the speed of the housing over it, over that of the tips; None where none slides (M256).
+    """
     tables = {}
     if use_table and parameters.area_file is not None:
         angles, areas = read_curve(parameters.area_file, "area_m2")
         area, values, breakpoints = table_area, {}, (angles[0], *features(angles, areas), angles[-1])
         tables = {"curve": (angles, areas)}
-    return _between(parameters, area, values, breakpoints=breakpoints, offset=offset, tables=tables)
+    return _between(parameters, area, values, slides, breakpoints=breakpoints, offset=offset, tables=tables)
 
 
-def _between(parameters, area, values, **others) -> FlowPath:
+def _between(parameters, area, values, slides, **others) -> FlowPath:
     """Return a path between chambers with the gap's flow coefficient and flow model."""
-    held = gap_flow.resistance(parameters) if isinstance(parameters, ClearanceParameters) else None
+    held = gap_flow.resistance(parameters, slides) if isinstance(parameters, ClearanceParameters) else None
     coefficient = parameters.flow_coefficient
     return FlowPath("neighbour", area, values, flow_coefficient=coefficient, resistance=held, **others)
 
 
-def profile_paths(parameters, interfaces, gap=None, factor=1.0) -> list[FlowPath]:
-    """Return a gap's flow paths from the rotor profile: clearance [m] times length, or area (gap None) times factor."""
+def profile_paths(parameters, interfaces, gap=None, factor=1.0, slides=None) -> list[FlowPath]:
+    """Return a gap's flow paths from the rotor profile: clearance [m] times length, or area (gap None) times factor.
+
+    `slides` as of `gap_path`, across a lobe.
+    """
     area, values = (table_area, {}) if gap is None else (length_area, {"gap": gap})
     found = []
     for each in interfaces:
         tables = {"curve": each.table.times(factor).curve}
-        own = each.table.breakpoints
-        found.append(_between(parameters, area, values, own_breakpoints=own, offset=each.offset, tables=tables))
+        own, over = {"own_breakpoints": each.table.breakpoints}, slides if each.offset == 1 else None
+        found.append(_between(parameters, area, values, over, offset=each.offset, tables=tables, **own))
     return found
 
 

@@ -3,14 +3,15 @@
 What: `nozzle` is M12, M13. The other models let a share of that flow pass: `nozzle_friction` that of Bell et al.
 (M190, M191), `oil_sealed` that of a homogeneous mixture of gas and oil, in the ratio of the upstream chamber, with
 inertia and laminar friction (M190, M192, M193). With `oil_film` oil fills a share of the gap's length and leaks there
-as a viscous film, without gas; through the rest gas flows as through a nozzle (M250–M252).
+as a viscous film, without gas; through the rest gas flows as through a nozzle (M250–M252). Where the housing slides
+over the gap it drags oil along, from the chamber ahead to that behind (M256–M258).
 Source: Bell et al. 2013, fitted to gaps of dry scroll machines; McAdams et al. 1942, Cicchitti et al. 1960 for the
-viscosity of a mixture, which differ a hundredfold; of the film, textbook (plane Poiseuille flow).
-Assumptions: walls at rest; constant viscosities, the gas's at suction pressure and the warmer of suction gas and
-injected oil where it is not stated, the oil's that of its supply; no heat passes from oil to gas inside the gap. Of
-`oil_film`: the share that is full follows the oil per gas of the upstream chamber, all of it from the stated
-`filled_from` on, for which there is no measurement; no moving wall drags oil along (no Couette flow).
-Parameters: model, passage, friction_fit, mixture_viscosity, gas_viscosity, filled_from.
+viscosity of a mixture, which differ a hundredfold; of the film, textbook (plane Poiseuille and Couette flow).
+Assumptions: of all models but `oil_film` walls at rest; constant viscosities, the gas's at suction pressure and the
+warmer of suction gas and injected oil where it is not stated, the oil's that of its supply; no heat passes from oil to
+gas inside the gap. Of `oil_film`: the share that is full follows the oil per gas of the upstream chamber, of what is
+dragged that of the chamber ahead, all of it from the stated `filled_from` on, for which there is no measurement.
+Parameters: model, passage, friction_fit, mixture_viscosity, gas_viscosity, filled_from, wall_speed.
 """
 
 from __future__ import annotations
@@ -30,8 +31,12 @@ _CHOICE = {"nozzle_friction": "friction_fit", "oil_sealed": "mixture_viscosity",
 _EXAMPLES = {"friction_fit": "radial", "mixture_viscosity": "cicchitti", "filled_from": "0.2"}
 
 
-def resistance(parameters: Any) -> Resistance | None:
-    """Return what holds back a nozzle's flow in a gap; None with the plain nozzle."""
+def resistance(parameters: Any, slides: float | None = None) -> Resistance | None:
+    """Return what holds back a nozzle's flow in a gap; None with the plain nozzle.
+
+    `slides` is the speed of the wall that drags oil through it, over that of the tips, where none is stated; None where
+    no wall does.
+    """
     values = {"gap": parameters.gap, "passage": parameters.passage or 0.0}
     if parameters.model == "nozzle_friction":
         fit = parameters.friction_fit
@@ -42,7 +47,12 @@ def resistance(parameters: Any) -> Resistance | None:
     if parameters.model == "oil_film":
         title = f"full of oil from {parameters.filled_from:g} kg per kg of gas on: viscous film (M250-M252)"
         values["filled_from"] = parameters.filled_from
-        return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film)
+        stated = parameters.wall_speed
+        values["wall_speed"] = 0.0 if slides is None else slides if stated is None else stated
+        if values["wall_speed"] == 0.0:
+            return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film)
+        title += f", dragged at {values['wall_speed']:.3g} of the tip speed (M256)"
+        return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film, gap_flow.dragged_oil)
     return None
 
 
@@ -64,7 +74,7 @@ def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
     """Yield what a gap's flow model lacks, or is given without a meaning."""
     path, model = f"effects.{name}", parameters.model
     if model == "nozzle":
-        for extra in ("passage", "friction_fit", "mixture_viscosity", "gas_viscosity", "filled_from"):
+        for extra in ("passage", "friction_fit", "mixture_viscosity", "gas_viscosity", "filled_from", "wall_speed"):
             if getattr(parameters, extra) is not None:
                 yield Fault(f"{path}.{extra}", "has no meaning with model: nozzle (remove it)")
         return
@@ -76,6 +86,11 @@ def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
             yield Fault(f"{path}.{choice}", f"is missing (model: {model} needs it, e.g. {choice}: {_EXAMPLES[choice]})")
         elif other != model and given:
             yield Fault(f"{path}.{choice}", f"has no meaning with model: {model} (remove it)")
+    if parameters.wall_speed is not None:
+        if name == "interlobe_leakage":
+            yield Fault(f"{path}.wall_speed", "has no meaning here: no wall of the housing bounds that gap (remove it)")
+        elif model != "oil_film":
+            yield Fault(f"{path}.wall_speed", f"has no meaning with model: {model} (remove it)")
     if model == "oil_film":
         if parameters.gas_viscosity is not None:
             yield Fault(f"{path}.gas_viscosity", "has no meaning with model: oil_film (remove it)")

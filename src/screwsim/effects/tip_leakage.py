@@ -53,11 +53,12 @@ def area(phi, gap, rotor_diameter, pitch):
 
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
-    interfaces = machine.interfaces("tip_leakage")
+    interfaces, slides = machine.interfaces("tip_leakage"), machine.wall_speed("tip_leakage")
     if interfaces is not None and parameters.area_file is None:
-        return profile_paths(parameters, interfaces, parameters.gap)
+        return profile_paths(parameters, interfaces, parameters.gap, slides=slides)
     law, widest = (all_tips, TURN) if parameters.reading == "interface" else (area, TURN - 0.5 * machine.pitch)
-    return [gap_path(parameters, law, {"gap": parameters.gap}, breakpoints=(widest, widest + TURN), offset=1)]
+    breakpoints = (widest, widest + TURN)
+    return [gap_path(parameters, law, {"gap": parameters.gap}, breakpoints=breakpoints, offset=1, slides=slides)]
 
 
 def check(parameters: Parameters, facts) -> Faults:

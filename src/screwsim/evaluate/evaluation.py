@@ -51,7 +51,8 @@ class Evaluation:
     @cached_property
     def known(self) -> CycleFigures:
         """What a power loss or a reading can ask."""
-        turn = self.turn if self.problem.parts.all(Reading) else None
+        parts = self.problem.parts
+        turn = self.turn if parts.made or parts.all(Reading) else None
         return known_of(self.problem, self.life, self.q, lambda: self.pitch, turn)
 
     @cached_property
@@ -96,6 +97,6 @@ def balance(of: Evaluation) -> Figures:
 def loss_torque(of: Evaluation, omega: float) -> float:
     """Return the torque of the losses and of the oil's lift at a mean speed [rad/s], from one pitch's q (M213)."""
     share = omega / of.problem.parts.omega
-    names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow", "leaked_oil_flow")
+    names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow", "leaked_oil_flow", "drag_power")
     known = replace(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
     return (shaft_power(of.problem.parts, known) - known.indicated_power) / omega

@@ -242,3 +242,9 @@ def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[Point], float]) ->
                 return float(module.gap_film(i, point.p, oil_of(point), P))
 
             yield Asked(name, "film of oil", "kg/(m^2 s)", film, 0.0)
+        if path.resistance.drag is not None:
+
+            def drag(point: Point, i=i) -> float:
+                return float(module.gap_drag(i, oil_of(point), P))
+
+            yield Asked(name, "dragged oil", "kg/(m^2 s)", drag, 0.0)

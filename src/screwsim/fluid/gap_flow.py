@@ -1,6 +1,6 @@
 """What a narrow gap lets pass: of an isentropic nozzle's flow, with friction or oil in it, or of oil that fills it.
 
-Source: docs/model.md M190–M193, M250–M252. Friction: I. H. Bell, E. A. Groll, J. E. Braun, W. T. Horton, Int. J.
+Source: docs/model.md M190–M193, M250–M252, M256. Friction: I. H. Bell, E. A. Groll, J. E. Braun, W. T. Horton, Int. J.
 Refrigeration 36 (2013) 1965. Viscosity of mixtures: W. H. McAdams, W. K. Woods, L. C. Heroman, Trans. ASME 64 (1942)
 193; A. Cicchitti et al., Energia Nucleare 7 (1960) 407.
 """
@@ -115,3 +115,12 @@ def film_flux(drop, gap, passage, oil_viscosity, oil_density):
 def oil_film(drop, oil_ratio, gap, passage, filled_from, oil_viscosity, oil_density):
     """Return the flux [kg/(m² s)] of oil over the gap's whole area: `film_flux` in the share that it fills (M252)."""
     return filled_share(oil_ratio, filled_from) * film_flux(drop, gap, passage, oil_viscosity, oil_density)
+
+
+@kernel
+def dragged_oil(oil_ratio, filled_from, wall_speed, tip_speed, oil_density):
+    """Return the flux [kg/(m² s)] of oil over the gap's area that a moving wall drags along (M256).
+
+    `wall_speed` is the wall's speed across the gap over that of the tips; the oil's ratio is that of the place ahead.
+    """
+    return 0.5 * filled_share(oil_ratio, filled_from) * oil_density * wall_speed * tip_speed

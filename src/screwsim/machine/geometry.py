@@ -12,6 +12,7 @@ from screwsim.machine.profile_law import Interface, Laid, lay
 from screwsim.machine.profile_tables import Table
 from screwsim.machine.protocol import AreaLaw, MachineGeometry, VolumeKernels
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
+from screwsim.machine.sliding import wall_speeds
 from screwsim.numerics.spline import features, read_curve
 
 KNOTTED_SPACING = np.radians(10.0)  # tables at least this coarse have a breakpoint at every row; finer ones are smooth
@@ -54,6 +55,10 @@ class Geometry(MachineGeometry):
     def pitch(self) -> float:
         """Angle between neighbouring chambers [rad]."""
         return self.settings.pitch
+
+    def wall_speed(self, effect: str) -> float:
+        """Return the mean speed at which the housing slides over tips or end faces, over the male tips' (M256)."""
+        return wall_speeds(self.settings).get(effect, 0.0)
 
     @property
     def profile(self) -> Laid | None:

@@ -173,6 +173,13 @@ class MachineGeometry(Protocol):
         """Return the gaps (`profile_law.Interface`) that an effect of gaps has here; None: formulas of the effects."""
         return None
 
+    def wall_speed(self, effect: str) -> float:
+        """Return the mean speed at which a wall slides over the gaps of an effect towards the chamber behind (M256).
+
+        Over `surface_speed`, perpendicular to the gap's line; 0 where none does, or where it is not known.
+        """
+        return 0.0
+
     @property
     def profile(self) -> Any:
         """What a profile of screw rotors gives by angle; None where there is none."""

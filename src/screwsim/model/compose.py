@@ -88,6 +88,7 @@ def compose(parts: Parts) -> Composition:
         signed=tuple(i for i, name in enumerate(network.states) if name in signed),
         starts=tuple(part.start for part in own_states),
         pulsating=network.pulsating,
+        pushes=network.pushes,
         n_work_all=room(network),
     )
 
@@ -193,7 +194,7 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
         ledger.pressed_oil_arriving: network.roomed,
         trace.oil_with_outflow: network.heated and not network.carried,
         line_flow.into_lines: network.pulsating,
-        trace.oil_films: any(gap.film for gap in network.gaps),
+        trace.oil_films: any(gap.film or gap.drag for gap in network.gaps),
         trace.port_oil: network.ported,
     }
     return tuple(each for each, wanted in asked.items() if wanted)

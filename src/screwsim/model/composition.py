@@ -53,6 +53,7 @@ class Composition:
     signed: tuple[int, ...] = ()  # columns of the states that may be zero or negative
     starts: tuple[float, ...] = ()  # of the own states
     pulsating: bool = False
+    pushes: bool = False  # do walls that drag oil along do work on it?
     n_work_all: int = 0  # numbers that the functions of all chambers write aside
 
     @property
@@ -68,9 +69,9 @@ class Composition:
     @property
     def first_stream(self) -> int:
         """Index of the first of the streams' sums among the quadratures."""
-        return Q_WALLS + 2 * len(self.walls)
+        return Q_WALLS + 2 * len(self.walls) + self.pushes
 
     @property
     def n_quadratures(self) -> int:
-        """Work, heat, those of the walls, and the streams' sums."""
+        """Work, heat, those of the walls, what dragged oil gives them, and the streams' sums."""
         return self.first_stream + self.n_sums

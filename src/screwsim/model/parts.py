@@ -138,7 +138,8 @@ class Parts:
     def films(self) -> list[bool]:
         """Of each gap between chambers: does oil leak through it as a film?"""
         gaps = [path for _, path in self.all(FlowPath) if path.to == "neighbour"]
-        return [path.resistance is not None and path.resistance.film is not None for path in gaps]
+        held = [path.resistance for path in gaps]
+        return [each is not None and (each.film or each.drag) is not None for each in held]
 
     @cached_property
     def walls(self) -> list[tuple[str, Wall]]:

@@ -97,7 +97,11 @@ def volumes(angles, P, TAB, out):
 
 @kernel
 def oil_films(angles, times, dense, steps, context, n_e, out):
-    """Fill out[i] with the oil [kg/s] that flows into the chamber as films at the given angles [rad], gap by gap."""
+    """Fill out[i] with the oil [kg/s] that flows into the chamber as films at the given angles [rad], gap by gap.
+
+    What walls drag along is part of it.
+    """
+    drags = np.empty(2 * N_GAPS)
     E = np.empty(n_e)
     y = np.empty(N)
     i = 0
@@ -107,7 +111,9 @@ def oil_films(angles, times, dense, steps, context, n_e, out):
         i = locate(phi, inward, times, steps, i)
         read(phi, times, dense, i, y)
         around_chamber(phi, inward, context, E)
-        film_flows(y, E, context, out[a])
+        film_flows(y, E, context, out[a], drags)
+        for k in range(2 * N_GAPS):
+            out[a, k] += drags[k]
 
 
 @kernel

@@ -215,17 +215,19 @@ def write_laws(writer: Writer, paths: Sequence[FlowPath], openings: list[Any]) -
 def write_resistances(
     writer: Writer, gaps: Sequence[tuple[str, FlowPath]], clearances: Mapping[str, Sequence[str]]
 ) -> None:
-    """Write what holds flow back in gaps, and the films of oil beside (M190, M252)."""
+    """Write what holds flow back in gaps, and the oil that flows beside as a film, or dragged (M190, M252, M256)."""
     for index, (effect, path) in enumerate(gaps):
         if path.resistance is not None:
             held, values = path.resistance, {**path.values, **path.resistance.values}
             warm = {"gap": clearances.get(effect, ())}
             share = writer.call(held.share, values, {}, ("flux", "density", "oil_ratio"), factors=warm)
             film = "" if held.film is None else writer.call(held.film, values, {}, ("drop", "oil_ratio"), factors=warm)
-            writer.network.gaps[index] = replace(writer.network.gaps[index], share=share, film=film)
+            drag = "" if held.drag is None else writer.call(held.drag, values, {}, ("oil_ratio",))
+            writer.network.gaps[index] = replace(writer.network.gaps[index], share=share, film=film, drag=drag)
     if any(gap.share for gap in writer.network.gaps):
         writer.asked("gap_share", ("flux", "density", "oil_ratio"), [gap.share for gap in writer.network.gaps])
         writer.asked("gap_film", ("drop", "oil_ratio"), [gap.film for gap in writer.network.gaps])
+        writer.asked("gap_drag", ("oil_ratio",), [gap.drag for gap in writer.network.gaps])
 
 
 def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:

@@ -1,6 +1,6 @@
 """The balances of one chamber as text: from the sums of its streams to the rates of its states.
 
-Source: docs/model.md M1–M9, M104–M110, M170, M230. `network.chamber` and `network.chambers` write them.
+Source: docs/model.md M1–M9, M104–M110, M170, M230, M257. `network.chamber` and `network.chambers` write them.
 """
 
 from __future__ import annotations
@@ -86,6 +86,8 @@ def rates(to: Statements, network: Network) -> None:
         to.add("lost = 0.0", "d = R[R_RATIO]")
         for each in network.heats:
             to.add(f"heat = {each.call}", "warmth += heat", f"lost += {each.factor}heat")
+        if network.pushes:  # what the oil gives the walls that drag it along (M257)
+            to.add("lost += pushed")
         oil, energy, felt = ("oil", "oil_heat", "T_felt" if network.roomed else "T_oil")
         if not network.carried:
             oil = energy = "0.0"
@@ -110,9 +112,11 @@ def rates(to: Statements, network: Network) -> None:
         to.add("slope = dV", "f_rho = (mass / omega - rho * dV) / V")
     to.add(f"f_T = {temperature_slope.flat_name}(T, m, rho, h, c_v, TpT, mass, energy, warmth, slope, omega)")
     to.add("q_work = -p * dV")
+    if network.pushes:
+        to.add("q_pushed = pushed / omega")
 
 
 def heads(network: Network) -> list[str]:
     """Return the quadratures before those of the streams, in their order (slots.Q_WORK …)."""
     walls = [name for i in range(len(network.walls)) for name in (f"q_wall_{i}", f"q_conductance_{i}")]
-    return ["q_work", "q_heat", *walls]
+    return ["q_work", "q_heat", *walls, *(["q_pushed"] if network.pushes else [])]

@@ -10,6 +10,7 @@ from screwsim.model.network.flows import (
     Place,
     add_film,
     add_stream,
+    drag_flux,
     film_flux,
     gap_flux,
     needed,
@@ -73,8 +74,10 @@ class Cell:
             port_flux(to, port, self.own, beyond)
             self.upwind(to, f"{port.cell}_in", f"{port.cell}_out", beyond)
 
-    def gap(self, to: Statements, gap: Gap, inward: str, outward: str, beyond: Place) -> None:
-        """Add the streams through a gap, of gas and of oil beside it."""
+    def gap(
+        self, to: Statements, gap: Gap, inward: str, outward: str, beyond: Place, way: str = "ahead"
+    ) -> None:
+        """Add the streams through a gap to the place `way` of the chamber, of gas and of oil beside it."""
         gap_flux(to, gap, self.own, beyond)
         self.upwind(to, inward, outward, beyond)
         if gap.film:
@@ -84,6 +87,16 @@ class Cell:
                 add_film(to, self.network, inward, beyond)
             with to.within("else"):
                 add_film(to, self.network, outward, self.own)
+        if gap.drag and way == "ahead":
+            drag_flux(to, self.network, gap, beyond)
+            to.add("film = area * drag")
+            add_film(to, self.network, inward, beyond)
+            if self.network.pushes:
+                to.add(f"pushed += film * ({beyond.p} - p) * P[P_ROOM]")
+        elif gap.drag:
+            drag_flux(to, self.network, gap, self.own)
+            to.add("film = -area * drag")
+            add_film(to, self.network, outward, self.own)
 
     def upwind(self, to: Statements, inward: str, outward: str, beyond: Place) -> None:
         """Add a stream of the state of the place that it comes from."""

@@ -12,7 +12,7 @@ from typing import Any
 from screwsim.model.network import balances
 from screwsim.model.network.between import between_texts
 from screwsim.model.network.cell import BY_ANGLE, CONSTANT, Cell
-from screwsim.model.network.flows import film_flux, gap_flux, needed, place_of, port_flux, read_place
+from screwsim.model.network.flows import drag_flux, film_flux, gap_flux, needed, place_of, port_flux, read_place
 from screwsim.model.network.network import Gap, Network
 from screwsim.model.network.places import place_texts
 from screwsim.model.network.statements import Statements, Tangent, function, slope_name
@@ -40,7 +40,7 @@ class Chamber(Cell):
 
     def written(self) -> list[str]:
         """Return the texts of all functions."""
-        films = [self.film_flows()] if any(gap.film for gap in self.network.gaps) else []
+        films = [self.film_flows()] if any(gap.film or gap.drag for gap in self.network.gaps) else []
         network = self.network
         between = [*place_texts(network), *between_texts(network), *step_texts(network)]
         return [self.rates(), self.jacobian(), self.path_flows(), self.given_off(), *films, *between]
@@ -56,6 +56,7 @@ class Chamber(Cell):
         network, discharge = self.network, self.network.cells[1]
         ahead = [f"ahead_{side}_{way}" for side in range(len(network.offsets)) for way in ("in", "out")]
         self.begin(to, [*self.sums, *ahead])
+        to.add(*(["pushed = 0.0"] if network.pushes else []))
         to.add(*(f"beyond_{side} = 0.0" for side in range(len(network.offsets))))
         for port in network.ports:
             self.port(to, port, slopes)
@@ -84,7 +85,7 @@ class Chamber(Cell):
                     + (f"E_next[{place} + PLACE] if area == 0.0 else {line}" if slopes else line)
                 )
             sums = (f"{cell}_in", f"{cell}_out") if way == "ahead" else ("between", "between")
-            self.gap(to, gap, *sums, place_of(network, cell))
+            self.gap(to, gap, *sums, place_of(network, cell), way)
 
     def _body(self, slopes: bool) -> list[str]:
         """Return the statements from the states to rates and quadratures."""
@@ -173,11 +174,15 @@ class Chamber(Cell):
         )
 
     def film_flows(self) -> str:
-        """Return the text of the oil [kg/s] that flows into the chamber as films: each gap ahead and behind (M252)."""
-        to = Statements()
+        """Return the text of the oil [kg/s] that comes as films, and dragged: gaps ahead and behind (M252, M256)."""
+        network, to = self.network, Statements()
+        if network.slow:
+            to.add(f"slow = {network.slow}")
         for i, (gap, way) in enumerate(self.sides):
             self._read(to, gap, way, f"out[{i}]", "film")
-        return self._reading("film_flows", "oil [kg/s] that comes as films: each gap ahead and behind", to)
+            self._read(to, gap, way, f"drags[{i}]", "drag")
+        what = "oil [kg/s] that comes as films, and `drags` with what walls drag along: each gap ahead and behind"
+        return self._reading("film_flows", what, to, ", drags")
 
     def given_off(self) -> str:
         """Return the text of the gas that comes from oil, and through no path: in the chamber, or as it enters."""
@@ -199,18 +204,23 @@ class Chamber(Cell):
         )
 
     def _read(self, to: Statements, gap: Gap, way: str, out: str, what: str) -> None:
-        """Store the flow through one side of a gap, or its film."""
+        """Store the flow through one side of a gap, its film, or what a wall drags through it."""
         area, place = self._side(gap, way)
         to.add(f"{out} = 0.0", f"area = E[{area}]")
-        if what == "film" and not gap.film:
+        if what != "flux" and not getattr(gap, what):
             return
         cell = f"{way}_{gap.side}"
+        beyond, sign = place_of(self.network, cell), ""
         with to.within("if area > 0.0"):
             read_place(to, self.network, cell, "E", place)
-            (film_flux if what == "film" else gap_flux)(to, gap, self.own, place_of(self.network, cell))
-            to.add(f"{out} = area * {what}")
+            if what == "drag":
+                drag_flux(to, self.network, gap, beyond if way == "ahead" else self.own)
+                sign = "" if way == "ahead" else "-"
+            else:
+                (film_flux if what == "film" else gap_flux)(to, gap, self.own, beyond)
+            to.add(f"{out} = {sign}area * {what}")
 
-    def _reading(self, name: str, what: str, to: Statements) -> str:
+    def _reading(self, name: str, what: str, to: Statements, more: str = "") -> str:
         """Return the text of a function that fills `out` for the state of a stored cycle, and the chamber's place."""
         asked = {"p": "PRESSURE", "exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
         asked |= {"rho_felt": "DENSITY"} if self.network.roomed else {}
@@ -219,7 +229,7 @@ class Chamber(Cell):
             *(f"{each} = own[{at}]" for each, at in asked.items()),
         ]
         return function(
-            f"chamber__{name}(y, E, context, out)",
+            f"chamber__{name}(y, E, context, out{more})",
             [f'"""Fill `out` with the {what}."""', CONTEXT],
             [*self.states(), *place, *to.lines],
         )

@@ -46,7 +46,12 @@ def chambers_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel,
 def room(network: Network) -> int:
     """Return how many numbers the functions of all chambers write into their working array."""
     n = network.chambers
-    return n * (SLOPES + len(network.quantities) * (n * len(network.states) + 2))
+    return n * (SLOPES + len(given(network)) * (n * len(network.states) + 2))
+
+
+def given(network: Network) -> tuple[str, ...]:
+    """Return what a gap gives the chamber behind: of each quantity, taken from the one ahead, and to walls (M257)."""
+    return (*network.quantities, *(("pushed",) if network.pushes else ()))
 
 
 class Chambers(Cell):
@@ -57,7 +62,7 @@ class Chambers(Cell):
 
     def __init__(self, network: Network) -> None:
         super().__init__(network)
-        self.n, self.width = len(network.states), len(network.quantities)
+        self.n, self.width = len(network.states), len(given(network))
         self.size = f"E_AREAS + {len(network.ports) + len(network.gaps)}"
         self.columns = network.chambers * self.n + 1
         self.kept = network.chambers * self.width  # where the slopes of the gas begin
@@ -98,7 +103,11 @@ class Chambers(Cell):
         balances.oil_room(to, self.network)
         balances.oil_room(to, self.network, "_ahead")
         self.begin(to, ["given"])
+        if self.network.pushes:
+            to.add("pushed = 0.0")
         self.gap(to, gap, "given", "given", self._other("_ahead"))
+        if self.network.pushes:
+            to.add("pushed_given = pushed")
         return to.lines
 
     def _between(self, slopes: bool) -> list[str]:
@@ -112,6 +121,8 @@ class Chambers(Cell):
             return to.lines
         with to.within(f"for j in range({network.chambers})"):
             self._read_own(to, slopes)
+            if network.slow and any(gap.drag for gap in network.gaps):
+                to.add(f"slow = {network.slow}")
             for gap in network.gaps:
                 to.add(f"ahead = j + {network.offsets[gap.side]}")
                 with to.within(f"if ahead < {network.chambers}"):
@@ -128,10 +139,12 @@ class Chambers(Cell):
 
     def _gives(self, to: Statements, at: str, text: Callable[[str], str]) -> None:
         """Add something of each quantity to what a chamber is given, and take it from the one ahead."""
-        for k, quantity in enumerate(self.network.quantities):
+        for k, quantity in enumerate(given(self.network)):
             found = text(quantity)
             if found != "0.0":
-                to.add(f"{at.format(row='j', k=k)} += {found}", f"{at.format(row='ahead', k=k)} -= {found}")
+                to.add(f"{at.format(row='j', k=k)} += {found}")
+                if quantity in self.network.quantities:
+                    to.add(f"{at.format(row='ahead', k=k)} -= {found}")
 
     @property
     def _columns_by_seed(self) -> dict[str, str]:
@@ -143,10 +156,12 @@ class Chambers(Cell):
     def _tangent(self, to: Statements, gap: Gap) -> Tangent:
         """Return what a gap gives with its derivatives."""
         pairs = [(name + of, seed + of) for name in GAS for seed in BOTH for of, _ in BOTH_SIDES]
-        given = {pair: slope_name(*pair) for pair in pairs} | {("area", "phi"): "(next_area - area) * per_delta"}
-        to.add(f"{slope_name('area', 'phi')} = {given['area', 'phi']}")
+        slopes = {pair: slope_name(*pair) for pair in pairs} | {("area", "phi"): "(next_area - area) * per_delta"}
+        if self.network.slow and gap.drag:
+            slopes["slow", "phi"] = self.by_angle()["slow", "phi"]
+        to.add(*(f"{slope_name(*pair)} = {slopes[pair]}" for pair in slopes if "phi" in pair))
         held = [f"{name}{of}" for name in CONSTANT for of, _ in BOTH_SIDES]
-        found = Tangent(self._given(gap), tuple(self._columns_by_seed), self.network.kernels, given, held)
+        found = Tangent(self._given(gap), tuple(self._columns_by_seed), self.network.kernels, slopes, held)
         self.tangents += found.kernels
         return found
 
@@ -164,6 +179,7 @@ class Chambers(Cell):
         balances.oil_room(to, network)
         balances.gas_inside(to, network)
         self.begin(to, [each for each in self.sums if each != "between"])
+        to.add(*(["pushed = pushed_between"] if network.pushes else []))
         for port in network.ports:
             self.port(to, port, slopes)
         discharge = network.cells[1]
@@ -195,7 +211,7 @@ class Chambers(Cell):
 
     def _taken(self, to: Statements) -> None:
         """Read what a chamber is given by the others, and on which side of the injection it stands."""
-        for k, quantity in enumerate(self.network.quantities):
+        for k, quantity in enumerate(given(self.network)):
             to.add(f"{quantity}_between = work[j * {self.width} + {k}]")
         to.add(f"side = {SIDE}")
 
@@ -247,7 +263,7 @@ class Chambers(Cell):
     def jacobian(self) -> str:
         """Return the text of the rates of all chambers and their derivatives by the states and by the angle."""
         network, to = self.network, Statements()
-        states, quantities = network.states, network.quantities
+        states, quantities = network.states, given(network)
         to.add("per_delta = 1.0 / delta")
         self._gas(to)
         to.add(*self._between(True))
@@ -258,11 +274,11 @@ class Chambers(Cell):
         with to.within(f"for j in range({network.chambers})"):
             self._read_own(to, True)
             self._taken(to)
-            given = self.by_angle()
-            to.add(*(f"{slope_name(name, 'phi')} = {given[name, 'phi']}" for name in ("V", "dV")))
-            given |= {(name, seed): slope_name(name, seed) for name in GAS for seed in BOTH}
+            slopes = self.by_angle()
+            to.add(*(f"{slope_name(name, 'phi')} = {slopes[name, 'phi']}" for name in ("V", "dV")))
+            slopes |= {(name, seed): slope_name(name, seed) for name in GAS for seed in BOTH}
             seeds = (*states, "phi", *(f"{quantity}_between" for quantity in quantities))
-            tangent = Tangent(self._body(True), seeds, network.kernels, given, CONSTANT)
+            tangent = Tangent(self._body(True), seeds, network.kernels, slopes, CONSTANT)
             self.tangents += tangent.kernels
             to.add(*tangent.lines)
             self._stored(to)
@@ -274,22 +290,22 @@ class Chambers(Cell):
 
     def _columns(self, to: Statements, tangent: Tangent) -> None:
         """Store the derivatives of a chamber's rates, by its own states and by what the others give it."""
-        network, quantities = self.network, self.network.quantities
-        given = f"work[{self.slopes} + (j * {self.width} + {{k}}) * {self.columns} + {{column}}]"
+        network, quantities = self.network, given(self.network)
+        at = f"work[{self.slopes} + (j * {self.width} + {{k}}) * {self.columns} + {{column}}]"
 
         def through(name: str, column: str) -> str:
             """Return what a derivative has through the sums between the chambers."""
             slopes = [tangent.slope(name, f"{quantity}_between") for quantity in quantities]
             terms = [
-                f"{slope} * {given.format(k=k, column=column)}" for k, slope in enumerate(slopes) if slope != "0.0"
+                f"{slope} * {at.format(k=k, column=column)}" for k, slope in enumerate(slopes) if slope != "0.0"
             ]
             return " + ".join(terms) or "0.0"
 
         rows = {f"J[own + {i}, {{}}]": f"f_{name}" for i, name in enumerate(network.states)}
-        last = len(self._all) - 1
+        crossing = [(i, name) for i, name in enumerate(self._all) if name in ("q_pushed", "crossing")]
         with to.within(f"for c in range({self.columns - 1})"):
             to.add(*(f"{row.format('c')} = {through(name, 'c')}" for row, name in rows.items()))
-            to.add(f"Jq[{last}, c] += {through('crossing', 'c')}")
+            to.add(*(f"Jq[{i}, c] += {through(name, 'c')}" for i, name in crossing))
         for k, state in enumerate(network.states):
             to.add(*(f"{row.format(f'own + {k}')} += {tangent.slope(name, state)}" for row, name in rows.items()))
             for i, name in enumerate(self._all):
@@ -302,4 +318,4 @@ class Chambers(Cell):
         for i, name in enumerate(self._all):
             if self._summed(name):
                 to.add(f"g_phi[{i}] += {tangent.slope(name, 'phi')}")
-        to.add(f"g_phi[{last}] += {through('crossing', column)}")
+        to.add(*(f"g_phi[{i}] += {through(name, column)}" for i, name in crossing))

@@ -1,7 +1,7 @@
 """Flows through openings and the streams that they carry, each stated once: what every text takes from here.
 
-Source: docs/model.md M10–M13, M184–M186, M190, M250–M252. A flow [kg/s] is positive into the chamber. Its stream has
-the state of the place that it comes from: mass, enthalpy, oil, oil times temperature, gas that the oil holds.
+Source: docs/model.md M10–M13, M184–M186, M190, M250–M252, M256. A flow [kg/s] is positive into the chamber. Its stream
+has the state of the place that it comes from: mass, enthalpy, oil, oil times temperature, gas that the oil holds.
 """
 
 from __future__ import annotations
@@ -139,3 +139,8 @@ def film_flux(to: Statements, gap: Gap, own: Place, beyond: Place) -> None:
             if sign:
                 to.add("drop = -drop")
             to.add(f"film = {sign}{gap.film}")
+
+
+def drag_flux(to: Statements, network: Network, gap: Gap, ahead: Place) -> None:
+    """Set `drag` [kg/(m² s)] of oil that a wall drags out of the place ahead, whatever the pressures (M256)."""
+    to.add(f"oil_ratio = {ahead.oil_ratio}", f"drag = {gap.drag}{' / slow' if network.slow else ''}")

@@ -1,7 +1,7 @@
 """What every stream and heat of one chamber moves and generates at a moment, as text: the ledger's terms.
 
-Source: docs/model.md M50–M57, M105, M109, M171, M197, M233, M254. An outflow generates nothing in its donor: streams
-between chambers count where they arrive.
+Source: docs/model.md M50–M57, M105, M109, M171, M197, M233, M254, M258. An outflow generates nothing in its donor:
+streams between chambers count where they arrive.
 """
 
 from __future__ import annotations
@@ -48,8 +48,9 @@ class Moments(Chamber):
         self._heats(to)
         self._oil(to)
         films = []
-        if any(gap.film for gap in network.gaps):
-            films = [f"films = np.empty({len(self.sides)})", "chamber__film_flows(y, E, context, films)"]
+        if any(gap.film or gap.drag for gap in network.gaps):
+            films = [f"{each} = np.empty({len(self.sides)})" for each in ("films", "drags")]
+            films += ["chamber__film_flows(y, E, context, films, drags)"]
         head = "ledger__add_moment(phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil)"
         text = '"""Add a moment of the cycle, which stands for the time dt [s], to the sums of the ledger."""'
         states = [line for line in self.states() if not line.startswith("phi =")]
@@ -63,6 +64,7 @@ class Moments(Chamber):
         to.add(f"flow = flows[{port.index}]  # {port.effect}")
         with to.within("if flow >= 0.0"):
             read_place(to, network, port.cell, *self.line(port.number))
+            self._press(to, beyond, f"R[{port.number} * PLACE + PRESSURE]")
             self._arrival(to, row, beyond, s)
         with to.within("else"):
             with_oil = network.heated and (port.number == 1 or network.carried)
@@ -79,6 +81,8 @@ class Moments(Chamber):
             to.add(f"film = films[{index}]")
         with to.within(f"if E[{area}] > 0.0"):
             read_place(to, network, cell, "E", place)
+            line = f"E[{place} + PLACE] > 0.0"
+            self._press(to, beyond, f"R[PLACE + PRESSURE] if {line} else {beyond.p}" if way == "ahead" else beyond.p)
             with to.within("if flow > 0.0"):
                 self._arrival(to, row, beyond, f"s_{cell}")
             if way == "ahead":
@@ -87,6 +91,8 @@ class Moments(Chamber):
                     to.add("discharged -= leaving * flow")
             if gap.film:
                 self._film(to, row, beyond, f"E[{place} + PLACE] > 0.0" if way == "ahead" else "")
+            if gap.drag and way == "ahead":
+                self._drag(to, row, beyond, f"drags[{index}]")
 
     def _entropy(self, to: Statements, side: int, way: str) -> None:
         """Set the specific entropy of the neighbours that gas comes from, where `surroundings` found them."""
@@ -105,10 +111,18 @@ class Moments(Chamber):
             rho = "rho_there" if network.roomed else f"E[{place} + DENSITY]"
             to.add(f"s_{cell} = gas_entropy(T_there, {rho}, P, TAB)")
 
+    def _press(self, to: Statements, beyond: Place, pulsating: str) -> None:
+        """Set the pressure with which oil that takes room has the enthalpy of the place beyond (M109).
+
+        Of a line that pulsates that is the line's own: its oil is left out of the plenum's compression (M186).
+        """
+        if self.network.roomed:
+            to.add(f"pressed = {pulsating if self.network.pulsating else beyond.p}")
+
     def _oil_arrival(self, stream: str, beyond: Place) -> str:
         """Return a call for what oil generates that mixes with the chamber's (M51, M109)."""
         if self.network.roomed:
-            return f"ledger__pressed_oil_arriving({stream}, {beyond.T_oil}, {beyond.p}, T_felt, p, T_oil)"
+            return f"ledger__pressed_oil_arriving({stream}, {beyond.T_oil}, pressed, T_felt, p, T_oil)"
         return f"ledger__oil_arriving({stream}, {beyond.T_oil}, T_oil)"
 
     def _held_arrival(self, stream: str, held: str) -> str:
@@ -155,6 +169,18 @@ class Moments(Chamber):
         if line:
             with to.within(f"elif film < 0.0 and {line} and T_oil > 0.0"):
                 self._oil_out(to, row, "film")
+
+    def _drag(self, to: Statements, row: str, ahead: Place, drag: str) -> None:
+        """Add what oil generates that a wall drags into the chamber: it comes with the chamber's pressure (M258)."""
+        generated, call = row.format("GENERATED"), self._oil_arrival(drag, ahead)
+        if self.network.roomed:  # without what the wall gets of it
+            felt = f"{ahead.T_oil} - to_wall * P[P_ROOM] / c_oil"
+            call = f"ledger__pressed_oil_arriving({drag}, {felt}, pressed - to_wall, T_felt, p, T_oil)"
+        with to.within(f"if {drag} > 0.0"):
+            to.add(*([f"to_wall = {ahead.p} - p"] if self.network.roomed else []))
+            to.add(f"{generated} += dt * c_oil * {call}")
+            if self.network.dissolves:
+                to.add(f"{generated} += dt * {self._held_arrival(drag, ahead.held)}")
 
     # ---- heats and oil -----------------------------------------------------------------------------------------
 

@@ -53,6 +53,7 @@ class Gap:
     side: int  # index of its offset
     share: str = ""  # call for what passes of a nozzle's flux (flux, density, oil_ratio)
     film: str = ""  # call for the flux of oil beside it (drop, oil_ratio)
+    drag: str = ""  # call for the flux of oil that a wall drags to the chamber behind (oil_ratio)
     law: Law | None = None
 
 
@@ -120,6 +121,11 @@ class Network:
     def ported(self) -> bool:
         """Does oil come through ports?"""
         return bool(self.inflow)
+
+    @property
+    def pushes(self) -> bool:
+        """Do walls that drag oil along do work on it (M257)?"""
+        return self.roomed and any(gap.drag for gap in self.gaps)
 
     def key(self) -> tuple[Any, ...]:
         """Return all that the texts depend on; `Network(*key)` is an equal network."""
