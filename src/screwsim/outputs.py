@@ -63,6 +63,7 @@ class Figure:
 
     `needs` are keys of a scene of which one has to be there for the figure to be called for, '.key' of the effect that
     declares it, 'key: word' with that value; several joined by ' and '. `by_flow`: it errs as the net gas flow does.
+    `shown` is the unit in which people write it (`engineering.SCALES`), where that is not the one of its SI unit.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Figure:
     scale: Scale = ITSELF
     needs: tuple[str, ...] = ()
     by_flow: bool = False
+    shown: str = ""
 
 
 STATUSES = ("ok", "not_closed", "failed")  # HDF5 stores the index

@@ -14,6 +14,7 @@ from screwsim.evaluate.figures import Read, figures_of
 from screwsim.evaluate.known import CycleFigures, known_of, uncarried_oil_temperature
 from screwsim.evaluate.performance import oil_lift, power_losses
 from screwsim.evaluate.pitch import Pitch, pitch_of
+from screwsim.evaluate.separator import Circuit, circuit_of
 from screwsim.figures import Performance
 from screwsim.model.slots import PRESSURE, R_INJECTED, R_SUCTION, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
@@ -57,9 +58,21 @@ class Evaluation:
         return known_of(self.problem, self.life, self.q, lambda: self.pitch, turn)
 
     @cached_property
+    def losses(self) -> dict[str, float]:
+        """The power losses [W] beside the gas work."""
+        return power_losses(self.problem.parts, self.known)
+
+    @cached_property
+    def circuit(self) -> Circuit | str | None:
+        """The oil's circuit through separator and cooler; None where nothing asks for it, a text for why not."""
+        parts = self.problem.parts
+        lift = oil_lift(parts, self.problem.lines, self.known) if parts.oil is not None else 0.0
+        return circuit_of(self.problem, self.life, self.q, self.losses, lift)
+
+    @cached_property
     def read(self) -> Read:
         """The performance figures, and why some are None."""
-        return figures_of(self.problem, self.life, self.q, self.known)
+        return figures_of(self.problem, self.life, self.q, self.known, self.losses, self.circuit)
 
     @property
     def figures(self) -> Performance:
