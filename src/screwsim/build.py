@@ -38,7 +38,7 @@ from screwsim.model.parts import Effects, OilPart, Parts
 from screwsim.scene.checks import cross_check, oil_faults
 from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
-from screwsim.scene.types import ActiveEffect, Found, Scene
+from screwsim.scene.types import COLDEST, HOTTEST, ActiveEffect, Found, Scene
 
 
 def blamed(error: BaseException, own: Iterable[str]) -> str | None:
@@ -162,6 +162,10 @@ def _is_open(value: float | None) -> bool:
 def temperature_faults(scene: Scene) -> list[Fault]:
     """Return why effects or the oil cannot be at the temperatures with which a scene was completed."""
     found = [] if scene.oil is None else list(oil_faults(scene))
+    T = None if scene.oil_supply is None else scene.oil_supply.temperature
+    if T is not None and not COLDEST <= T <= HOTTEST:
+        what = f"{T:.6g} K lies outside {COLDEST:g} K to {HOTTEST:g} K, where oil can be"
+        found.append(Fault("oil_supply.temperature", f"{what} (another duty or temperature of the cooler)"))
     for active in _asking(scene).values():
         found += [] if active.effect.check is None else active.effect.check(active.parameters, scene)
     return found

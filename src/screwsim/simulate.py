@@ -207,7 +207,7 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
     cycle, of = accurate.cycle, accurate.evaluation
     status, message = cycle.status, ""
     none, circuit_open = verdict.of_circuit(of)
-    forbidden = forbidden or none
+    forbidden = forbidden or none or why
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
     shown = ", ".join(f"{name} {size:.2g}" for name, size in residuals.items())
     if status == "not_closed" or max(residuals.values()) > balance.bound:
@@ -215,7 +215,7 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
         message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
     elif circuit_open > balance.bound:
         status, left = "not_closed", f"the oil's circuit leaves {circuit_open:.2g} of the shaft power open"
-        message = f"{left}, against the bound {balance.bound:.2g}; {why or 'try a tighter numerics.accuracy'}"
+        message = f"{left}, against the bound {balance.bound:.2g}; try a tighter numerics.accuracy"
     unsettled = f"; {{}} cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
     unknown = verdict.open_question(of, status == "ok")
     if unknown:

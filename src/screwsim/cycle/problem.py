@@ -89,6 +89,7 @@ class Series:
     def __init__(self) -> None:
         self.stock, self.composer, self.course = Stock(), Composer(), Course()
         self.temperatures: Temperatures | None = None  # that effects.separator found last
+        self.per_kelvin: dict[str, float] = {}  # relative change of the figures by these
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:

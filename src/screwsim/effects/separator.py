@@ -1,10 +1,10 @@
 """Separator: gas and oil meet behind the discharge port, part at one temperature, and a cooler sends the oil back.
 
 What: gas, oil and what the oil holds dissolved come from the chambers at temperatures of their own and mix
-adiabatically at discharge pressure (M280, M281); what the losses leave in them heats the mixture (M282). The oil goes back through a
-cooler, by its outlet's temperature, its duty, or a thermostat that keeps the mixture's temperature, or without one
-(M283): so the temperatures of the oil's supply and of the separator follow, and are found together with the cycle
-(M284). Where oil_supply.temperature is stated, or cooler.outlet_temperature in its place, the duty follows.
+adiabatically at discharge pressure (M280, M281); what the losses leave in them heats the mixture (M282). The oil goes
+back through a cooler, by its outlet's temperature, its duty, or a thermostat that keeps the mixture's temperature, or
+without one (M283): so the temperatures of the oil's supply and of the separator follow, and are found together with the
+cycle (M284). Where oil_supply.temperature is stated, or cooler.outlet_temperature in its place, the duty follows.
 Source: ours, from the first law; that hydromechanical losses, drag and the pump heat the oil on which they act is where
 they arise, that bearings give their heat to the oil that lubricates them is the usual layout of flooded screws.
 Assumptions: gas and oil come to equilibrium before they part, dissolved gas too; none of one goes with the other; the
@@ -29,6 +29,8 @@ NAME = "separator"
 SUPPLY = "oil_supply.temperature"
 HEATS = 1e-3  # of the shaft's power: heat below which a cooler counts as one that only cools
 MEASURED, DUTY = "mixture_discharge_temperature", "oil_cooler_duty"
+LEAST = 1e-6  # heat capacity of oil over that of gas, below which it cools nothing
+NO_OIL = "next to no oil flows, and its cooler can keep neither a duty nor a temperature (more oil, or no cooler)"
 FIGURES = (
     Figure(MEASURED, "K", "temperature of gas and oil behind the discharge port, mixed"),
     Figure("separator_temperature", "K", "temperature of gas and oil in the separator"),
@@ -104,15 +106,21 @@ def build(parameters: Parameters, machine) -> list[Separator]:
             return found
         T, C = found.T_separator, outflow.oil_capacity
         rise = outflow.heat_of(T + 1.0) - outflow.heat_of(T)
+        if not C > LEAST * rise:
+            return found._replace(why=found.why or (NO_OIL if cooler.stated else ""))
         share = C / (C + rise)
         open_ = found.duty - (cooler.duty or 0.0)
         uncooled = open_ / rise
         if cooler.discharge_temperature is None:
-            return found._replace(duty=cooler.duty or 0.0, supply=uncooled, open=open_, share=share)
+            gain = 1.0 / (1.0 - share)
+            return found._replace(duty=cooler.duty or 0.0, supply=uncooled, open=open_, share=share, gain=gain)
         off = cooler.discharge_temperature - found.T_mixture
         if uncooled <= off / share:
-            return found._replace(duty=0.0, supply=uncooled, open=open_, share=share, told=_idle(cooler, found))
-        return found._replace(supply=off / share, open=(C + rise) * off, share=share)
+            idle = _idle(cooler, found)
+            return found._replace(
+                duty=0.0, supply=uncooled, open=open_, share=share, gain=1.0 / (1.0 - share), told=idle
+            )
+        return found._replace(supply=off / share, open=(C + rise) * off, share=share, gain=1.0 / share)
 
     return [Separator(balance)]
 

@@ -81,7 +81,8 @@ class Separated(NamedTuple):
 
     `supply` [K] is the change of the oil's supply after which the circuit should close, `open` [W] what it leaves open
     as it is: both nothing where the supply's temperature is stated. `share` is by how much the separator follows the
-    supply. `why` says what forbids the point, `told` what hardly is so.
+    supply, `gain` by how much the supply goes where the separator's temperature is off. `why` says what forbids the
+    point, `told` what hardly is so.
     """
 
     T_mixture: float
@@ -92,6 +93,7 @@ class Separated(NamedTuple):
     supply: float = 0.0
     open: float = 0.0
     share: float = 0.0
+    gain: float = 0.0
     why: str = ""
     told: str = ""
 

@@ -17,6 +17,9 @@ NO_SUPERHEAT = (
 )
 
 
+COLDEST, HOTTEST = 150.0, 700.0  # [K] of injected oil
+
+
 class Found(float):
     """A number that a scene leaves open and that is found together with the cycle: where the search stands."""
 
@@ -109,8 +112,8 @@ class OilSupply:
         "temperature",
         "temperature of the injected oil (absent: effects.separator finds it)",
         None,
-        ge=150.0,
-        le=700.0,
+        ge=COLDEST,
+        le=HOTTEST,
         hardly=(210.0, 450.0),
     )
     source: str = choice(

@@ -18,19 +18,19 @@ from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.effects.base import InSeparator
-from screwsim.errors import relative_errors
+from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.evaluate.separator import Circuit
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
-from screwsim.solve.accurately import Accurate, Watch, note, solve
+from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Watch, note, solve
 from screwsim.solve.drive import at_its_speed, settled
 
 Array = np.ndarray
 MOST = 20  # cycles closed for the temperatures
 AGAIN = 4  # times that the last of them is solved once more
-OPEN = 0.2  # of the wanted accuracy: what the circuit may leave open of the shaft's power
+OPEN = 0.1  # of the wanted accuracy: what the circuit may leave open of the shaft's power
 LARGEST = 40.0  # [K] of a step
 HALVINGS = 6  # of a step to where oil or effects cannot be, or where no cycle closes
 WARMER = (15.0, 30.0, 50.0)  # [K] than the first guess, where no cycle closes with that
@@ -49,8 +49,7 @@ class Search:
     why: str = ""  # it ended at no solution
     jacobian: Array | None = None
     last: tuple[Array, Array] | None = None
-    first: tuple[Array, Figures] | None = None
-    per_kelvin: dict[str, float] = field(default_factory=dict)  # relative change of the figures by the temperatures
+    seen: list[tuple[Array, Figures]] = field(default_factory=list)  # temperatures and figures of the cycles
 
     def step(self, x: Array, circuit: Circuit) -> Array:
         """Return the next change of both temperatures [K] from x, where the cycle says the circuit's."""
@@ -70,13 +69,14 @@ class Search:
         return found * min(1.0, LARGEST / largest) if largest > 0.0 else found
 
     def learn(self, of: Evaluation, x: Array) -> None:
-        """Note by how much the figures change with the temperatures."""
-        if self.first is None:
-            self.first = x, of.figures
-        apart = float(np.max(np.abs(x - self.first[0])))
-        if apart > APART:
-            changes = relative_errors(of.figures, self.first[1], *of.least)
-            self.per_kelvin = {name: size / apart for name, size in changes.items() if size is not None}
+        """Note by how much the figures change with the temperatures: from the last cycle that was not as near."""
+        for other, figures in reversed(self.seen):
+            apart = float(np.max(np.abs(x - other)))
+            if apart > APART:
+                changes = relative_errors(of.figures, figures, *of.least)
+                self.series.per_kelvin = {name: size / apart for name, size in changes.items() if size is not None}
+                break
+        self.seen.append((x, of.figures))
 
     def closed(self, problem: Problem, course: Course) -> Evaluation | None:
         """Return a problem's closed cycle, begun from a course; None where it does not close."""
@@ -163,30 +163,55 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
     """
     if search is None:
         return solve(problem, machinery, course)
-    counts, spent, errors = search.counts, search.time, 0.0
+    counts, spent, estimating = search.counts, search.time, 0.0
     accurate = solve(problem, machinery, search.course)
+    errors = _with_temperatures(accurate, search)
     for _ in range(AGAIN):
-        of = accurate.evaluation
-        circuit = of.circuit
-        closed = not isinstance(circuit, Circuit) or circuit.open <= OPEN * problem.scene.numerics.accuracy
-        if closed or accurate.cycle.status != "ok":
+        circuit = accurate.evaluation.circuit
+        at_rest, size = _left(accurate, circuit, errors)
+        if at_rest or not isinstance(circuit, Circuit):
             break
-        counts, spent = _sum(counts, accurate.counts), spent + accurate.closing_time
-        errors += accurate.estimating_time
-        note(search.course, of, accurate.cycle, accurate.wanted, accurate.tightness)
-        assert isinstance(circuit, Circuit)
-        x = temperatures_of(of.problem)
-        search.learn(of, x)
-        other = search.posed(of.problem, x + search.step(x, circuit))
+        x, tightness = temperatures_of(accurate.evaluation.problem), accurate.tightness * min(1.0, AIM / size)
+        note(search.course, accurate.evaluation, accurate.cycle, accurate.wanted, max(tightness, TIGHTEST))
+        search.learn(accurate.evaluation, x)
+        other = search.posed(accurate.evaluation.problem, x + search.step(x, circuit))
         if other is None:
             break
+        counts, spent = _sum(counts, accurate.counts), spent + accurate.closing_time
+        estimating += accurate.estimating_time
         machinery.begin(other.composition)
         accurate = solve(other, machinery, search.course)
+        errors = _with_temperatures(accurate, search)
     return accurate._replace(
+        errors=errors,
         counts=_sum(counts, accurate.counts),
         closing_time=spent + accurate.closing_time,
-        estimating_time=errors + accurate.estimating_time,
+        estimating_time=estimating + accurate.estimating_time,
     )
+
+
+def _left(accurate: Accurate, circuit: Circuit | str | None, errors: Figures) -> tuple[bool, float]:
+    """Tell whether a cycle needs no other temperatures; return the largest error over the wanted accuracy."""
+    accuracy = accurate.evaluation.problem.scene.numerics.accuracy
+    size = worst(errors)[1] / accuracy
+    if not isinstance(circuit, Circuit) or accurate.cycle.status != "ok":
+        return True, size
+    fixed = accurate.evaluation.problem.scene.numerics.rtol is not None
+    return circuit.open <= OPEN * accuracy and (size <= 1.0 or fixed), max(size, AIM)
+
+
+def _with_temperatures(accurate: Accurate, search: Search) -> Figures:
+    """Return the errors of the figures with those that the temperatures have: of what is open, and of the cycle's."""
+    circuit, errors = accurate.evaluation.circuit, Figures(accurate.errors)
+    of_separator = errors.get("separator_temperature")
+    if not isinstance(circuit, Circuit) or of_separator is None or search.why:
+        return errors
+    off = of_separator * circuit.parted.T_separator
+    off = max(abs(circuit.supply) + circuit.parted.gain * off, abs(circuit.separator) + off)
+    for name, size in errors.items():
+        if size is not None:
+            errors[name] = size + off * search.series.per_kelvin.get(name, 0.0)
+    return errors
 
 
 def _sum(counts: Array | None, more: Array) -> Array:
