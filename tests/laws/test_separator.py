@@ -284,8 +284,9 @@ def test_a_stated_temperature_of_the_separator_that_its_balance_denies_is_told_w
     at = run({**CARRIED, **SOLUBLE, SOLUBILITY: {}}).performance.separator_temperature
     result = run({**SOLUBLE, SOLUBILITY: {"separator_temperature": f"{at - 0.5!r} K"}})
     assert result.warnings == ()
-    told = {change: run({**SOLUBLE, SOLUBILITY: {"separator_temperature": f"{at + change!r} K"}}) for change in (15, -8)}
-    warmer, colder = told[15].warnings, told[-8].warnings
+    warmer, colder = (
+        run({**SOLUBLE, SOLUBILITY: {"separator_temperature": f"{at + off!r} K"}}).warnings for off in (15.0, -8.0)
+    )
     assert " kW of heating (" in warmer[0] and " kW of cooling (" in colder[0]
 
 

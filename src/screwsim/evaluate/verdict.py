@@ -26,6 +26,7 @@ from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.integrators import check_of
 from screwsim.outputs import Figures
 from screwsim.scene.plausible import scene_warnings
+from screwsim.scene.types import Found
 from screwsim.scene.units import ZERO_CELSIUS
 
 ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integration that stops there shows a lock
@@ -200,7 +201,7 @@ def _separated(of: Evaluation) -> Iterator[str]:
     every = (active.parameters for active in of.problem.scene.effects.values())
     stated = next((one.separator_temperature for one in every if isinstance(one, InSeparator)), None)
     found, T = circuit.outflow, circuit.parted.T_separator
-    if of.problem.parts.all(Separator) or stated is None or abs(stated - T) <= CONTRADICTS:
+    if stated is None or isinstance(stated, Found) or abs(stated - T) <= CONTRADICTS:
         return
     try:
         needed = found.heat_of(stated) + found.oil_capacity * (stated - found.T_supply)
