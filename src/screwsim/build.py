@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from traceback import walk_tb
 from typing import Any, NamedTuple
@@ -11,8 +11,10 @@ from typing import Any, NamedTuple
 from screwsim.effects.base import (
     Around,
     ChamberState,
+    CoolsOil,
     FlowPath,
     HeatRate,
+    InSeparator,
     Made,
     OilContent,
     OilGas,
@@ -22,20 +24,21 @@ from screwsim.effects.base import (
     Site,
     Wall,
 )
-from screwsim.faults import UsageError, own_number
+from screwsim.faults import Fault, Unfound, UsageError, own_number
 from screwsim.fluid import constants
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.oils import OILS
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.settings import GasSettings
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects, OilPart, Parts
-from screwsim.scene.checks import cross_check
+from screwsim.scene.checks import cross_check, oil_faults
 from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
-from screwsim.scene.types import ActiveEffect, Scene
+from screwsim.scene.types import COLDEST, HOTTEST, ActiveEffect, Found, Scene
 
 
 def blamed(error: BaseException, own: Iterable[str]) -> str | None:
@@ -65,6 +68,7 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
 
 
 Numbered = FlowPath | HeatRate | Wall | ChamberState
+WARMED, COOLED = 45.0, 12.0  # [K] in first guesses: of gas and oil over suction gas, of oil by its cooler
 WIDTH = 0.5  # of the regularisation over the wanted accuracy
 LEAST = 1e-300  # above nothing
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
@@ -80,10 +84,113 @@ def build_gas(scene: Scene) -> Gas:
     return IdealGas(constants.gas_constant(fluid), k)
 
 
+class Temperatures(NamedTuple):
+    """Temperatures [K] that effects.separator finds: of the oil's supply, and of the separator."""
+
+    supply: float
+    separator: float
+
+
+def completed(scene: Scene, near: Temperatures | None = None) -> Scene:
+    """Return a scene in which temperatures that effects.separator finds have values: `near` ones, or first guesses.
+
+    Raise Unfound where oil or effects cannot be at the first guess either.
+    """
+    if not any(open_temperatures(scene)):
+        return scene if scene.oil_supply is None or scene.oil_supply.temperature is not None else _kept(scene)
+    if near is not None:
+        found = filled(scene, near)
+        if not temperature_faults(found):
+            return found
+    supply, asked = scene.oil_supply, [one.parameters.separator_temperature for one in _asking(scene).values()]
+    if supply is not None and None not in (supply.temperature, *asked):
+        return scene
+    found = filled(scene, _guessed(scene, _cooling(scene)))
+    faults = temperature_faults(found)
+    if faults:
+        raise Unfound(f"the first guess of the oil's temperatures leads to where {faults[0]}")
+    return found
+
+
+def _kept(scene: Scene) -> Scene:
+    """Return a scene whose oil comes with the temperature that a cooler keeps."""
+    supply = scene.oil_supply
+    assert supply is not None
+    return replace(scene, oil_supply=replace(supply, temperature=_cooling(scene).outlet))
+
+
+def filled(scene: Scene, at: Temperatures) -> Scene:
+    """Return a scene with these temperatures in place of those that it leaves open."""
+    supply, effects = scene.oil_supply, scene.effects
+    assert supply is not None
+    if open_temperatures(scene)[0]:
+        scene = replace(scene, oil_supply=replace(supply, temperature=Found(at.supply)))
+    elif supply.temperature is None:
+        scene = _kept(scene)
+    for name, active in _asking(scene).items():
+        parameters = replace(active.parameters, separator_temperature=Found(at.separator))
+        effects = {**effects, name: replace(active, parameters=parameters)}
+    return replace(scene, effects=effects)
+
+
+def _cooling(scene: Scene) -> CoolsOil:
+    """Return what a scene says of its oil's cooler."""
+    every = (active.parameters for active in scene.effects.values())
+    return next((parameters for parameters in every if isinstance(parameters, CoolsOil)), CoolsOil())
+
+
+def open_temperatures(scene: Scene) -> tuple[bool, bool]:
+    """Tell whether the temperatures of the oil's supply and of the separator are found with the cycle."""
+    supply = scene.oil_supply
+    if supply is None:
+        return False, False
+    follows = _is_open(supply.temperature) and _cooling(scene).outlet is None
+    return follows, bool(_asking(scene))
+
+
+def _asking(scene: Scene) -> dict[str, ActiveEffect]:
+    """Return the effects of a scene that ask for the separator's temperature, which the scene does not state."""
+    every = ((name, one) for name, one in scene.effects.items() if isinstance(one.parameters, InSeparator))
+    return {name: one for name, one in every if _is_open(one.parameters.separator_temperature)}
+
+
+def _is_open(value: float | None) -> bool:
+    """Tell whether a temperature is not stated: absent, or where the search for it stands."""
+    return value is None or isinstance(value, Found)
+
+
+def temperature_faults(scene: Scene) -> list[Fault]:
+    """Return why effects or the oil cannot be at the temperatures with which a scene was completed."""
+    found = [] if scene.oil is None else list(oil_faults(scene))
+    T = None if scene.oil_supply is None else scene.oil_supply.temperature
+    if T is not None and not COLDEST <= T <= HOTTEST:
+        what = f"{T:.6g} K lies outside {COLDEST:g} K to {HOTTEST:g} K, where oil can be"
+        found.append(Fault("oil_supply.temperature", f"{what} (another duty or temperature of the cooler)"))
+    for active in _asking(scene).values():
+        found += [] if active.effect.check is None else active.effect.check(active.parameters, scene)
+    return found
+
+
+def _guessed(scene: Scene, kept: CoolsOil) -> Temperatures:
+    """Return first guesses: of a mixture that is warmer than suction gas, and of gas that does not condense."""
+    if kept.discharge is not None:
+        return Temperatures(kept.discharge - COOLED, kept.discharge)
+    at, T_c = lines(scene), scene.operation.condensing_temperature
+    T = at.T_s + WARMED
+    if T_c is None and scene.gas.model == "real":
+        with suppress(UsageError):  # above the critical pressure
+            T_c = constants.saturation_temperature(scene.gas.fluid, at.p_d)
+    mixture = T if T_c is None else max(T, T_c + COOLED)
+    if scene.oil is not None and scene.oil.name is not None:
+        stored = OILS[scene.oil.name]
+        mixture = min(max(mixture, stored.low), stored.high)
+    return Temperatures(mixture, mixture)
+
+
 def build_oil(scene: Scene, at: Lines) -> OilPart | None:
     """Return the oil of a scene with its supply."""
     oil, supply = scene.oil, scene.oil_supply
-    if oil is None or supply is None:
+    if oil is None or supply is None or supply.temperature is None:
         return None
     known = oil.at(supply.temperature)
     if supply.kind == "pump":
@@ -158,6 +265,7 @@ class Stock:
 
 def build_parts(scene: Scene, stock: Stock | None = None, set_speed: float | None = None) -> Parts:
     """Return what the scene names, built for the composer; what it shares with the scene before is in stock."""
+    scene = completed(scene)
     stock, at = stock or Stock(), lines(scene)
     geometry = stock.geometry(scene.machine)
     effects = stock.effects(scene, geometry, at)

@@ -20,6 +20,7 @@ SCALES = {
     "N m": ((0.0, 1.0, "N m"),),
     "m3": ((0.1, 1.0, "m³"), (0.0, 1e6, "cm³")),
     "m3 s-1": ((0.0, 3600.0, "m³/h"),),
+    "L min-1": ((0.0, 60000.0, "L/min"),),  # of m3 s-1, where a figure is shown so
     "rad": ((0.0, 180.0 / math.pi, "°"),),
     "rad s-1": ((0.0, 30.0 / math.pi, "rpm"),),
     "Pa": ((0.0, 1e-5, "bar"),),
@@ -48,7 +49,7 @@ def figure_scales(figure: Figure) -> tuple[tuple[float, float, str], ...]:
     """Return (from this size on, factor, unit) of a performance figure, largest first; K stays K."""
     if figure.units == "1":
         return ((0.0, 100.0, "%"),) if figure.scale == EFFICIENCY else ((0.0, 1.0, ""),)
-    return SCALES.get(figure.units, ((0.0, 1.0, figure.units),))
+    return SCALES.get(figure.shown or figure.units, ((0.0, 1.0, figure.units),))
 
 
 def engineering(figure: Figure | str, value: float) -> tuple[str, str]:

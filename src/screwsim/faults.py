@@ -38,6 +38,13 @@ class Impossible(UsageError):
         super().__init__(f"effects.{effect}: {what}, which cannot be; mend that module")
 
 
+class Unfound(Impossible):
+    """Report, in one line, that something which follows from the cycle cannot be found: the case has failed."""
+
+    def __init__(self, what: str) -> None:
+        UsageError.__init__(self, what)
+
+
 def own_number(effect: str, what: str, value: Any, least: float = -math.inf) -> None:
     """Raise Impossible where an effect of the user's own gives no number, or one below `least`."""
     if "." not in effect:

@@ -63,6 +63,7 @@ class Figure:
 
     `needs` are keys of a scene of which one has to be there for the figure to be called for, '.key' of the effect that
     declares it, 'key: word' with that value; several joined by ' and '. `by_flow`: it errs as the net gas flow does.
+    `shown` is the unit in which people write it (`engineering.SCALES`), where that is not the one of its SI unit.
     """
 
     name: str
@@ -71,6 +72,7 @@ class Figure:
     scale: Scale = ITSELF
     needs: tuple[str, ...] = ()
     by_flow: bool = False
+    shown: str = ""
 
 
 STATUSES = ("ok", "not_closed", "failed")  # HDF5 stores the index
@@ -185,6 +187,10 @@ _STAGES = (  # of two stages in a row
     Figure("first_shaft_power", "W", "shaft power of the first stage"),
     Figure("second_shaft_power", "W", "shaft power of the second stage"),
     Figure("shaft_power", "W", "shaft power of both stages"),
+    Figure("first_separator_temperature", "K", "temperature of gas and oil in the separator of the first stage"),
+    Figure("second_separator_temperature", "K", "temperature of gas and oil in the separator of the second stage"),
+    Figure("first_oil_cooler_duty", "W", "heat that the oil cooler of the first stage takes, its supply as stated"),
+    Figure("second_oil_cooler_duty", "W", "heat that the oil cooler of the second stage takes, its supply as stated"),
     Figure("first_pressure_ratio", "1", "pressure ratio of the first stage"),
     Figure("second_pressure_ratio", "1", "pressure ratio of the second stage"),
     Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge of the second stage"),

@@ -7,8 +7,6 @@ import operator
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-import numpy as np
-
 from screwsim.build import blamed, faults_of_own, prepare
 from screwsim.cycle import feedback
 from screwsim.cycle.continuation import Course
@@ -20,15 +18,16 @@ from screwsim.evaluate.ledger.total import Ledger, ledger
 from screwsim.evaluate.traces import traces
 from screwsim.faults import Impossible, UsageError
 from screwsim.figures import Performance
-from screwsim.model import compiled, leases, speed
+from screwsim.model import compiled, leases
 from screwsim.model.run import Machinery
 from screwsim.numerics import sources
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
-from screwsim.solve import drive, stability
-from screwsim.solve.accurately import TRIES, Accurate, solve, solve_tighter
+from screwsim.solve import circuit, drive, stability
+from screwsim.solve.accurately import TRIES, Accurate, note, solve_tighter
+from screwsim.solve.circuit import Search, solved
 
 
 def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
@@ -122,22 +121,26 @@ def _simulate(scene: Scene, trace: bool, series: Series | None) -> Result:
             with compiled.equation_announced(scene.gas.fluid):
                 problem = problem_of(scene, series)
             machinery = leased(problem)
-        at_speed = drive.at_its_speed(problem, series)
+        at_speed, search = circuit.steady(problem, series)
         if at_speed is not problem:
             leases.give_back(machinery)
             problem, machinery = at_speed, leased(at_speed)
-        result = _solved(problem, machinery, trace, course)
+        result = _solved(problem, machinery, trace, course, search)
         leases.give_back(machinery)
     except Impossible as wrong:
         result = Result("failed", str(wrong), scene_warnings(scene), tuple(scene.effects))
     if course is not None and result.status != "ok":
         course.forget()
+        series.temperatures = None
     return result
 
 
-def _solved(problem: Problem, machinery: Machinery, trace: bool, course: Course | None) -> Result:
+def _solved(
+    problem: Problem, machinery: Machinery, trace: bool, course: Course | None, search: Search | None
+) -> Result:
+    accurate = solved(problem, machinery, course, search)
+    problem = accurate.evaluation.problem
     scene = problem.scene
-    accurate = solve(problem, machinery, course)
     effects, states = tuple(scene.effects), problem.composition.states
     refused = _refused(problem, accurate)
     if refused:
@@ -145,7 +148,7 @@ def _solved(problem: Problem, machinery: Machinery, trace: bool, course: Course 
         return Result("failed", refused, scene_warnings(scene), effects, states, none, numerics=numerics)
     accurate, balance, book = _closed_in_entropy(problem, machinery, accurate, trace)
     if course is not None:
-        _note(course, accurate)
+        note(course, accurate.evaluation, accurate.cycle, accurate.wanted, accurate.tightness)
     cycle, of, errors, numerics = accurate.cycle, accurate.evaluation, accurate.errors, _numerics(machinery, accurate)
     found, notes = of.read
     sound = book is None or book.finite
@@ -158,7 +161,7 @@ def _solved(problem: Problem, machinery: Machinery, trace: bool, course: Course 
         book, balance["entropy"] = None, None
     forbidden, of_drive, balance["drive"] = drive.judged(of)
     overloaded, of_loads = performance.judged(problem.parts, of.known, found)
-    status, message = _judged(accurate, balance, forbidden or overloaded)
+    status, message = _judged(accurate, balance, forbidden or overloaded, "" if search is None else search.why)
     over_angle, kept = traces(of) if trace else {}, book.figures() if trace and book else Figures()
     warnings = (
         *verdict.doubts(problem, found if status == "ok" else Figures(), errors),
@@ -196,15 +199,23 @@ def _closed_in_entropy(
     return accurate, balance, book
 
 
-def _judged(accurate: Accurate, balance: Figures, forbidden: str) -> tuple[str, str]:
-    """Return the status of a cycle that has figures, and its message; `forbidden` is what an effect says of it."""
+def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> tuple[str, str]:
+    """Return the status of a cycle that has figures, and its message; `forbidden` is what an effect says of it.
+
+    `why` says why the oil's temperatures were not found, where they were not.
+    """
     cycle, of = accurate.cycle, accurate.evaluation
     status, message = cycle.status, ""
+    none, circuit_open = verdict.of_circuit(of)
+    forbidden = forbidden or none or why
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
     shown = ", ".join(f"{name} {size:.2g}" for name, size in residuals.items())
     if status == "not_closed" or max(residuals.values()) > balance.bound:
         status, left = "not_closed", f"{shown} against the bound {balance.bound:.2g}"
         message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
+    elif circuit_open > balance.bound:
+        status, left = "not_closed", f"the oil's circuit leaves {circuit_open:.2g} of the shaft power open"
+        message = f"{left}, against the bound {balance.bound:.2g}; try a tighter numerics.accuracy"
     unsettled = f"; {{}} cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
     unknown = verdict.open_question(of, status == "ok")
     if unknown:
@@ -216,18 +227,6 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str) -> tuple[str, 
     if forbidden:
         status, message = "failed", f"{forbidden}; the chambers' figures are those of the closed cycle"
     return status, message
-
-
-def _note(course: Course, accurate: Accurate) -> None:
-    """Leave the closed cycle to the scenes that follow on a course.
-
-    What the cycle makes goes as the last turn made it: one that closes at once would hand on what it was given, and
-    errors of guesses would add up along the course.
-    """
-    of, cycle = accurate.evaluation, accurate.cycle
-    curve = speed.curve_at(of.life.composition) if cycle.speed_curve is None else cycle.speed_curve
-    made = np.concatenate([of.problem.entries.possible(of.image), curve])
-    course.add(cycle, of.problem.parameters, made, accurate.wanted, accurate.tightness)
 
 
 def warm_up(scene: Scene) -> None:

@@ -28,7 +28,7 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import P_OMEGA, R_SUCTION
 from screwsim.outputs import Figures
 from screwsim.scene.types import Scene
-from screwsim.solve import drive
+from screwsim.solve import circuit, drive
 
 Array = np.ndarray
 CREEP = 30.0 * math.pi / 30.0  # rad/s, of the start
@@ -109,7 +109,7 @@ def steadily(scene: Scene, creep: float) -> Problem:
         raise UsageError("a start needs the motor's limit (give effects.drive.motor.torque_limit)")
     if not creep > 0.0:
         raise UsageError("a start begins from a creeping speed above 0 (e.g. 30 rpm)")
-    return drive.at_its_speed(problem, series)
+    return circuit.steady(problem, series)[0]
 
 
 class Run:

@@ -18,7 +18,7 @@ from screwsim.study.stages import is_stages, read_stages, run_stages
 from screwsim.study.stages.solve import ChainResult
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import ECONOMIZER, scene_dict
+from scenes import DROP, ECONOMIZER, SOLUBLE, scene_dict
 
 ACCURACY = 3e-4
 HIGH = {"operation.speed": "1300 rpm"}
@@ -28,7 +28,9 @@ CONDENSED = {"operation": {"speed": "1300 rpm", "evaporating_temperature": "10 d
 
 
 EQUILIBRIUM = {"gas.model": "real", "gas.two_phase": "equilibrium"}
-WET = {**EQUILIBRIUM, "operation.suction": {"pressure": "2 bar"}}
+WET = {**EQUILIBRIUM, "operation.suction": {"pressure": "2 bar"}, "oil_supply.temperature": "330 K"}
+DRY = {f"effects.{name}": DROP for name in ("oil_heat", "oil_pump", "hydromechanical")}
+DRY |= {"oil_supply.temperature": DROP, "oil_supply": DROP, "oil": DROP}
 WET_HIGH = {**EQUILIBRIUM, **HIGH}
 
 
@@ -68,14 +70,50 @@ def test_stages_are_the_scenes_alone_at_that_pressure(chain):
         assert simulate(scene).performance.shaft_power == pytest.approx(result.performance.shaft_power, rel=1e-9)
     low, high = (lines(scene) for scene in found.scenes)
     assert low.p_d == high.p_s == found.performance.intermediate_pressure
-    assert high.T_s == pytest.approx(found.stages[0].performance.discharge_temperature, rel=1e-12)
+    assert high.T_s == pytest.approx(found.stages[0].performance.separator_temperature, rel=1e-12)
     assert found.performance.intercooler_heat == pytest.approx(0.0, abs=1e-6)
+    assert [scene.text.count("  separator:") for scene in found.scenes] == [1, 1]  # so a file of a stage tells it
+
+
+def test_gas_goes_on_as_it_leaves_the_separator_and_each_stage_states_what_its_oil_cooler_takes(chain):
+    """Power is what gas, oil coolers and the cooler between take, but for heat left in suction lines (M54)."""
+    for between in (None, COOLER):
+        found = run_stages(read_stages(chain(between)))
+        p, stages = found.performance, [result.performance for result in found.stages]
+        assert p.first_separator_temperature < stages[0].discharge_temperature
+        for which, stage in zip(("first", "second"), stages, strict=True):
+            assert p[f"{which}_oil_cooler_duty"] == stage.oil_cooler_duty > 0.0
+            assert p[f"{which}_separator_temperature"] == stage.separator_temperature
+        k = constants.isentropic_exponent("R134a", 283.0)
+        c_p = constants.gas_constant("R134a") * k / (k - 1.0)
+        rise = p.gas_mass_flow * c_p * (stages[1].separator_temperature - 283.0)
+        taken = rise + p.first_oil_cooler_duty + p.second_oil_cooler_duty + p.intercooler_heat
+        assert taken == pytest.approx(p.shaft_power, rel=2e-3)
+
+
+def test_stages_without_oil_have_no_oil_cooler_and_pass_on_what_they_discharge(chain):
+    found = run_stages(read_stages(chain(low=DRY, high={**DRY, **HIGH})))
+    assert found.status == "ok"
+    assert not [name for name in found.performance if "oil" in name or "separator" in name]
+    assert found.performance.second_suction_temperature == pytest.approx(
+        found.stages[0].performance.discharge_temperature, rel=1e-9
+    )
+
+
+def test_a_stage_names_its_own_separator_or_states_what_its_balance_denies(chain):
+    own = {"oil.transport": "carried", "effects.separator": {}, "oil_supply.temperature": DROP}
+    found = run_stages(read_stages(chain(low=own)))
+    assert found.performance.first_oil_cooler_duty == 0.0
+    assert found.stages[0].performance.oil_supply_temperature > 293.0
+    stated = {**SOLUBLE, "effects.refrigerant_solubility": {"separator_temperature": "350 K"}}
+    warned = run_stages(read_stages(chain(low=stated))).stages[0]
+    assert [told for told in warned.warnings if "not at the stated 76.9 degC" in told]
 
 
 def test_a_cooler_takes_the_heat_between_its_ends_and_saves_power(chain):
     plain, cooled = (run_stages(read_stages(chain(between))) for between in (None, COOLER))
     p = cooled.performance
-    T_d = cooled.stages[0].performance.discharge_temperature
+    T_d = cooled.stages[0].performance.separator_temperature
     k = constants.isentropic_exponent("R134a", 283.0)
     c_p = constants.gas_constant("R134a") * k / (k - 1.0)
     assert p.second_suction_temperature == 290.0
@@ -116,6 +154,9 @@ def test_wet_suction_of_the_first_stage_stays_wet(chain):
     for quality in (1.0, 0.9):
         found = run_stages(read_stages(chain(low={**WET, "operation.suction.quality": quality}, high=WET_HIGH)))
         assert found.status == "ok"
+        # cold oil of the second stage, as stated, would let gas condense there: its cooler has no duty, and a reason
+        assert found.performance.second_oil_cooler_duty is None
+        assert found.notes["second_oil_cooler_duty"].startswith("gas condenses in the separator")
         alone = simulate(found.scenes[0])
         assert found.scenes[0].operation.suction.quality == quality
         assert found.performance.gas_mass_flow == pytest.approx(alone.performance.gas_mass_flow, rel=1e-6)
@@ -125,11 +166,17 @@ def test_wet_suction_of_the_first_stage_stays_wet(chain):
         assert w == pytest.approx(found.performance.gas_mass_flow * ideal, rel=1e-6)
 
 
-def test_a_first_stage_that_delivers_wet_vapour_is_failed(chain):
-    cold = {**WET, "operation.suction.quality": 0.9, "oil_supply.temperature": "275 K"}
-    found = run_stages(read_stages(chain(low=cold, high=WET_HIGH)))
+@pytest.mark.parametrize(
+    ("low", "words"),
+    [
+        ({"operation.suction.quality": 0.9, "oil_supply.temperature": "275 K"}, "gas condenses in the separator"),
+        ({**DRY, "operation.suction.quality": 0.8}, "the first stage delivers wet vapour"),
+    ],
+)
+def test_a_first_stage_that_delivers_wet_vapour_is_failed(chain, low, words):
+    found = run_stages(read_stages(chain(low={**WET, **low}, high=WET_HIGH)))
     assert found.status == "failed"
-    assert "the first stage delivers wet vapour" in found.message
+    assert words in found.message
 
 
 @pytest.mark.parametrize(

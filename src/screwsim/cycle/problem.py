@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.build import Stock, build_parts
+from screwsim.build import Stock, Temperatures, build_parts, completed
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.suction import SuctionState, suction_of
 from screwsim.cycle.wanted import Wanted, wanted_of
@@ -88,11 +88,14 @@ class Series:
 
     def __init__(self) -> None:
         self.stock, self.composer, self.course = Stock(), Composer(), Course()
+        self.temperatures: Temperatures | None = None  # that effects.separator found last
+        self.per_kelvin: dict[str, float] = {}  # relative change of the figures by these
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:
     """Return what a scene asks; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
     series = series or Series()
+    scene = completed(scene, series.temperatures)
     parts, at = build_parts(scene, series.stock, set_speed), lines(scene)
     composition = _by(scene.numerics.integrator, series.composer.compose(parts))
     composition.P.flags.writeable = False

@@ -14,8 +14,10 @@ from dataclasses import dataclass, field, replace
 from math import inf, sqrt
 from typing import Any, NamedTuple
 
+from screwsim.declare import quantity
 from screwsim.faults import Fault
 from screwsim.fluid.reservoir import Reservoir
+from screwsim.fluid.separator import Outflow, Separated
 from screwsim.fluid.settings import OilProperties
 from screwsim.machine.protocol import MachineKind
 from screwsim.numerics.kernel import Kernel
@@ -281,12 +283,14 @@ class HeatRate:
 class PowerLoss:
     """Power [W] beside the gas work, from figures of the closed cycle (plain Python, once a run).
 
-    `kept` is what of it stays in the oil as pressure; the rest is dissipated at ambient temperature.
+    `kept` is what of it stays in the oil as pressure; the rest is dissipated at ambient temperature. With a separator
+    all of it heats what comes there, but of a loss that is `friction`, of bearings, seals and gears, what that states.
     """
 
     figure: str
     power: Callable[[Any], float]
     kept: Callable[[Any], float] | None = None
+    friction: bool = False
 
 
 @dataclass(frozen=True)
@@ -425,6 +429,17 @@ class Shaft:
 
 
 @dataclass(frozen=True)
+class Separator:
+    """Where gas and oil of the discharge line meet and part, and what cools the oil that goes back (M280–M284).
+
+    `balance` returns the temperatures and the cooler's duty that follow from what a cycle gives the separator, and,
+    asked whether the supply's temperature is open, how far that is from where the circuit closes.
+    """
+
+    balance: Callable[[Outflow, bool], Separated]
+
+
+@dataclass(frozen=True)
 class Intake:
     """What lies between suction line and machine (M160, M161).
 
@@ -461,10 +476,36 @@ class SuctionHeat:
     power: Callable[[float], float]
 
 
+class InSeparator:
+    """Parameters of an effect that asks for the separator's temperature: stated, or found by effects.separator."""
+
+    separator_temperature: float | None = quantity(
+        "temperature",
+        "of oil and gas in the separator (absent: effects.separator finds it)",
+        None,
+        ge=150.0,
+        le=700.0,
+        hardly=(210.0, 450.0),
+    )
+
+
+class CoolsOil:
+    """Parameters of an effect that sends the oil back through a cooler, and may find the temperature of its supply."""
+
+    @property
+    def outlet(self) -> float | None:
+        """Temperature [K] of the oil behind the cooler; None where it is not kept."""
+        return None
+
+    @property
+    def discharge(self) -> float | None:
+        """Temperature [K] of gas and oil at discharge; None where it is not kept."""
+        return None
+
+
 Part = (
     FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | Stops | HeatRate | Wall | Made | Scaled | Pulsation
-    | PowerLoss | Reading | Shaft | Intake | SuctionLine
-    | LineLeak | SuctionHeat
+    | PowerLoss | Reading | Shaft | Separator | Intake | SuctionLine | LineLeak | SuctionHeat
 )  # fmt: skip
 
 

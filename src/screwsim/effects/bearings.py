@@ -99,7 +99,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
         of_male = male * moment(parameters, male, load, figures)
         return of_male + female * moment(parameters, female, parameters.female_load * load, figures)
 
-    return [PowerLoss("bearing_power", power)]
+    return [PowerLoss("bearing_power", power, friction=True)]
 
 
 def check(parameters: Parameters, facts) -> Faults:

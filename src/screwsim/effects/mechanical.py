@@ -30,7 +30,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
         """Return the mechanical loss [W] (M33)."""
         return parameters.fraction * abs(figures.indicated_power)
 
-    return [PowerLoss("mechanical_power", power)]
+    return [PowerLoss("mechanical_power", power, friction=True)]
 
 
 EFFECT = Effect(

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.declare import quantity
-from screwsim.effects.base import Drawn, Effect, OilContent, OilGas, OilSolution, Plenum, Site
+from screwsim.effects.base import Drawn, Effect, InSeparator, OilContent, OilGas, OilSolution, Plenum, Site
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.faults import Fault
 from screwsim.fluid import constants, solubility
@@ -38,7 +38,7 @@ from screwsim.machine.protocol import OIL
 from screwsim.outputs import Figure, Scale
 
 NAME = "refrigerant_solubility"
-PLENUM = "oil_gas"
+PLENUM, SEPARATOR = "oil_gas", "separator"
 BROUGHT = 0.1  # of the gas that the oil brings dissolved: errors of what flashes over time count at least over that
 OVER_TIME = "discharge_dissolved_gas_ratio"  # oil that takes gas up, too, lets what flashes pass through zero
 FIGURES = (
@@ -66,12 +66,9 @@ APART = 5.0  # [K] at the least between the temperatures that tell the heat of s
 
 
 @dataclass(frozen=True)
-class Parameters:
+class Parameters(InSeparator):
     """Where the oil was in equilibrium with gas, and how fast it comes to equilibrium in the chamber."""
 
-    separator_temperature: float = quantity(
-        "temperature", "of oil and gas in the separator", ge=150.0, le=700.0, hardly=(210.0, 450.0)
-    )
     flash_time: float | None = quantity(
         "time", "in which oil in a chamber gives off gas over equilibrium (absent: at once, in the port)", None, gt=0.0
     )
@@ -169,7 +166,8 @@ def solution(gas: Any, T_separator: float, T: float, p_d: float, release: float,
 
 
 def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
-    T_separator, flash_time, absorption_time = vars(parameters).values()
+    T_separator = parameters.separator_temperature or 0.0  # stated, or where the search for it stands
+    flash_time, absorption_time = parameters.flash_time, parameters.absorption_time
 
     def content_of(site: Site) -> OilContent | OilSolution:
         assert site.T_oil is not None and site.oil is not None  # needs_oil
@@ -203,11 +201,16 @@ def check(parameters: Parameters, facts) -> list[Fault]:
         faults.append(Fault(path, "needs effects.oil_injection, at whose port the oil flashes (add it)"))
     stated = {f"{path}.separator_temperature": parameters.separator_temperature}
     stated["oil_supply.temperature"] = facts.oil_supply.temperature
+    if parameters.separator_temperature is None and SEPARATOR not in facts.effects:
+        remedy = f"write e.g. separator_temperature: 60 degC, or name effects.{SEPARATOR}, which finds it"
+        faults.append(Fault(f"{path}.separator_temperature", f"is missing ({remedy})"))
     for where, T in stated.items():
-        if not solubility.LOW <= T <= HIGHEST:
+        if T is not None and not solubility.LOW <= T <= HIGHEST:
             what = f"{T:.6g} K lies outside {solubility.LOW:g} K to {HIGHEST:g} K, where solubility is known"
             faults.append(Fault(where, f"{what} (choose one inside, or remove effects.{NAME})"))
     p_d, T = discharge_pressure(facts), parameters.separator_temperature
+    if T is None:
+        return faults
     if not faults and p_d is not None and p_d >= pair(T).p_sat:
         what = f"at {T:.6g} K the gas condenses in the separator, at {p_d / 1e5:.4g} bar"
         faults.append(Fault(f"{path}.separator_temperature", f"{what} (state a warmer separator)"))

@@ -9,11 +9,12 @@ from screwsim.cycle.balances import LEAST_WORK, residuals, streams_of
 from screwsim.cycle.feedback import image, turn_of
 from screwsim.cycle.known import CycleFigures, known_of, pitch_at, uncarried_oil_temperature
 from screwsim.cycle.pitch import Pitch
-from screwsim.cycle.powers import shaft_power
+from screwsim.cycle.powers import oil_lift, power_losses, shaft_power
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
+from screwsim.evaluate.separator import Circuit, circuit_of
 from screwsim.figures import Performance
 from screwsim.model.slots import R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
@@ -56,9 +57,21 @@ class Evaluation:
         return known_of(self.problem, self.life, self.q, lambda: self.pitch, turn)
 
     @cached_property
+    def losses(self) -> dict[str, float]:
+        """The power losses [W] beside the gas work."""
+        return power_losses(self.problem.parts, self.known)
+
+    @cached_property
+    def circuit(self) -> Circuit | str | None:
+        """The oil's circuit through separator and cooler; None where nothing asks for it, a text for why not."""
+        parts = self.problem.parts
+        lift = oil_lift(parts, self.known) if parts.oil is not None else 0.0
+        return circuit_of(self.problem, self.life, self.q, self.losses, lift)
+
+    @cached_property
     def read(self) -> Read:
         """The performance figures, and why some are None."""
-        return figures_of(self.problem, self.life, self.q, self.known)
+        return figures_of(self.problem, self.life, self.q, self.known, self.losses, self.circuit)
 
     @property
     def figures(self) -> Performance:

@@ -13,8 +13,9 @@ from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_
 from screwsim.cycle.feedback import suction_heat
 from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import Drawn, Plenum, Turn
+from screwsim.effects.base import Drawn, Plenum, Separator, Turn
 from screwsim.evaluate import expander, performance
+from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
 from screwsim.machine.settings import TURN
@@ -25,17 +26,25 @@ from screwsim.scene.lines import refrigerating_effect
 
 Array = np.ndarray
 Read = tuple[Performance, dict[str, str]]  # figures, and why some are None
+PARTED = "mixture_discharge_temperature", "separator_temperature", "oil_cooler_duty"
+PARTED = (*PARTED, "oil_circuit_residual", "oil_flow_volume")
 NO_REASON = "this cycle has none"
 
 
-def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures) -> Read:
+def figures_of(
+    problem: Problem,
+    life: Trajectory,
+    q: Array,
+    known: CycleFigures,
+    losses: dict[str, float],
+    circuit: Circuit | str | None,
+) -> Read:
     """Return the performance figures of a life of these quadratures, and why some are None."""
     about: dict[str, Figure] = dict(problem.called)  # to which go those that effects give by others' names
     parts, lines, geometry, rate = problem.parts, problem.lines, problem.parts.geometry, problem.rate
     streams = streams_of(problem.composition, q)
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
     flow = delivered * (suction_line.fresh(problem, life.R, streams) * rate) + 0.0  # nothing has no sign
-    losses = powers.power_losses(parts, known)
     lift = powers.oil_lift(parts, known) if parts.oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     drawn = performance.drawn(parts, streams, rate)
@@ -67,6 +76,10 @@ def figures_of(problem: Problem, life: Trajectory, q: Array, known: CycleFigures
         found |= _of_oil(problem, life, known, flow) | {"oil_lift_power": lift}
         notes["oil_flow_ratio"] = "no net gas is delivered"
         notes["oil_discharge_temperature"] = "next to no oil flows out to the discharge line"
+    if circuit is not None and parts.all(Separator):
+        own, reasons = _of_circuit(problem, circuit)
+        found |= own
+        notes |= reasons
     if parts.dissolves:
         found["discharge_dissolved_gas_ratio"] = discharge_held(streams)
     own, reasons = _of_plenums(problem, life.R, streams, about)
@@ -137,6 +150,19 @@ def _of_suction_line(problem: Problem, life: Trajectory, streams: Array, heat: f
         "shaft_leakage_gas_flow": leak.gas * rate,
         "shaft_leakage_oil_flow": leak.oil * rate,
     }
+
+
+def _of_circuit(problem: Problem, circuit: Circuit | str) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Return the figures of separator and oil cooler, and why there are none (M280–M285)."""
+    oil = problem.scene.oil
+    assert problem.parts.oil is not None and oil is not None
+    T = problem.parts.oil.temperature
+    found: dict[str, float | None] = {"oil_supply_temperature": float(T)}
+    if isinstance(circuit, str):
+        return found | dict.fromkeys(PARTED), dict.fromkeys(PARTED, circuit)
+    parted, volume = circuit.parted, circuit.outflow.oil_flow / oil.at(T).density
+    values = parted.T_mixture, parted.T_separator, parted.duty, circuit.residual, volume
+    return found | dict(zip(PARTED, values, strict=True)), {}
 
 
 def _shut(problem: Problem, turn: Turn | None) -> bool:

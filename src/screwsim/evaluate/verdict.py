@@ -7,12 +7,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from screwsim.build import open_temperatures
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.cycle.solution import CycleSolution
-from screwsim.effects.base import OilRoom, Stops
+from screwsim.effects.base import InSeparator, OilRoom, Separator, Stops
 from screwsim.errors import worst
 from screwsim.evaluate import plausible
 from screwsim.evaluate.evaluation import Evaluation
+from screwsim.evaluate.separator import Circuit
+from screwsim.faults import UsageError
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.orifice import outside_fit
@@ -23,6 +26,8 @@ from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.integrators import check_of
 from screwsim.outputs import Figures
 from screwsim.scene.plausible import scene_warnings
+from screwsim.scene.types import Found
+from screwsim.scene.units import ZERO_CELSIUS
 
 ALL_BUT_LOCKED = 0.9  # share of the oil in a chamber's volume where an integration that stops there shows a lock
 LESS = "use more or cooler oil, a wider discharge port, a larger machine.volume.min or smaller leaks"
@@ -33,6 +38,7 @@ REMEDIES = {  # of the limits of an equation of state
     Limit.WET: "use warmer oil or gas, or gas.two_phase: equilibrium",
 }
 
+CONTRADICTS = 1.0  # [K] by which a stated temperature of the separator may differ from that of its balance
 HOT = 1000.0  # [K] beyond what a machine stands
 PHASES = 120  # of a pitch at which a plenum's pressure is looked at
 RESTLESS = 500  # impacts of a turn that does not settle, above which the reeds are why
@@ -159,6 +165,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
     yield from _drowned(of)
     yield from _unfitted_bore(of)
     yield from _lost_to_suction(of)
+    yield from _separated(of)
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()
     idle = [part.idle for part in parts.pulsations if part.shut is not None]
@@ -170,6 +177,48 @@ def warnings(of: Evaluation) -> Iterator[str]:
             "no net gas is delivered; what flows in from the discharge line beyond what flowed out has "
             "operation.discharge.temperature, or where that is not given the temperature of isentropic compression"
         )
+
+
+def of_circuit(of: Evaluation) -> tuple[str, float]:
+    """Return what forbids the oil's circuit of a cycle, or an empty text, and what it leaves open of the shaft power.
+
+    Nothing of a scene without effects.separator.
+    """
+    circuit = of.circuit
+    if circuit is None or not of.problem.parts.all(Separator):
+        return "", 0.0
+    if isinstance(circuit, str):
+        found = any(open_temperatures(of.problem.scene))
+        return (f"the oil's temperatures cannot be found: {circuit}" if found else ""), 0.0
+    return circuit.parted.why, circuit.residual
+
+
+def _separated(of: Evaluation) -> Iterator[str]:
+    """Yield what of the separator hardly is so: a thermostat that is idle, a temperature that its balance denies."""
+    circuit = of.circuit
+    if not isinstance(circuit, Circuit):
+        return
+    if circuit.parted.told:
+        yield circuit.parted.told
+    every = (active.parameters for active in of.problem.scene.effects.values())
+    stated = next((one.separator_temperature for one in every if isinstance(one, InSeparator)), None)
+    found, T = circuit.outflow, circuit.parted.T_separator
+    if stated is None or isinstance(stated, Found) or abs(stated - T) <= CONTRADICTS:
+        return
+    try:
+        needed = found.heat_of(stated) + found.oil_capacity * (stated - found.T_supply)
+    except UsageError:  # no gas there
+        return
+    needed -= found.energy + found.heating + found.friction
+    what = f"{1e-3 * abs(needed):.4g} kW of {'heating' if needed > 0.0 else 'cooling'}"
+    yield (
+        f"the separator's balance closes at {_celsius(T)}, not at the stated {_celsius(stated)}: it would need {what} "
+        "(name effects.separator, which finds the temperature)"
+    )
+
+
+def _celsius(T: float) -> str:
+    return f"{T - ZERO_CELSIUS:.1f} degC"
 
 
 def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[str, ...]:

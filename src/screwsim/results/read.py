@@ -142,8 +142,9 @@ class Results:
     def figure(self, name: str) -> Figure:
         """Return what the file says of a performance figure; an older file does not say what its error is over."""
         units, long_name = self.performance.about[name]
-        scale = unpacked(self.error.scales.get(name, "")) or getattr(declaration(name), "scale", ITSELF)
-        return Figure(name, units, long_name, scale)
+        here = declaration(name)
+        scale = unpacked(self.error.scales.get(name, "")) or getattr(here, "scale", ITSELF)
+        return Figure(name, units, long_name, scale, shown=here.shown if here and here.units == units else "")
 
     @cached_property
     def figures(self) -> list[str]:

@@ -15,6 +15,7 @@ from screwsim.scene.operation import check_operation
 from screwsim.scene.sizes import area_fault, size_faults
 from screwsim.scene.types import Scene
 
+SEPARATOR = "separator"  # the effect that finds the oil's temperature
 VOLUME_COLUMN = "volume_m3"
 CURVE_COLUMNS = {"machine.volume.file": VOLUME_COLUMN}  # any other curve is an area
 AREA_COLUMN = "area_m2"
@@ -31,7 +32,7 @@ def cross_check(scene: Scene) -> list[Fault]:
         *operation,
         *([] if operation else _expander(scene)),
         *_dry(scene),
-        *_oil(scene),
+        *oil_faults(scene),
         *_oil_supply(scene),
         *_effects(scene),
     ]
@@ -53,7 +54,7 @@ def _expander(scene: Scene) -> Iterator[Fault]:
         yield Fault("oil_supply", f"needs machine.mode: compressor ({why}; remove it with the effects that need oil)")
 
 
-def _oil(scene: Scene) -> Iterator[Fault]:
+def oil_faults(scene: Scene) -> Iterator[Fault]:
     """Yield what the oil's properties lack, or what is given beside the name of a stored oil."""
     oil, supply = scene.oil, scene.oil_supply
     if oil is None:
@@ -66,7 +67,7 @@ def _oil(scene: Scene) -> Iterator[Fault]:
         elif oil.name is None and value is None and example:
             remedy = f"write e.g. {field}: {example}, or the name of a stored oil: {', '.join(OILS)}"
             yield Fault(path, f"is missing ({remedy})")
-    if oil.name is not None and supply is not None:
+    if oil.name is not None and supply is not None and supply.temperature is not None:
         stored = OILS[oil.name]
         if not stored.low <= supply.temperature <= stored.high:
             what = f"lies outside the range of {oil.name}, {stored.low:g} K to {stored.high:g} K"
@@ -80,6 +81,9 @@ def _oil_supply(scene: Scene) -> Iterator[Fault]:
         return
     if scene.oil is None:
         yield Fault("oil", "is missing (oil_supply needs it: write density and heat_capacity, or remove oil_supply)")
+    if supply.temperature is None and SEPARATOR not in scene.effects:
+        remedy = f"write e.g. temperature: 325 K, or name effects.{SEPARATOR}, which finds it"
+        yield Fault("oil_supply.temperature", f"is missing ({remedy})")
     if supply.kind == "pump":
         yield from _pump(scene)
     if supply.kind == "displacement":

@@ -17,6 +17,13 @@ NO_SUPERHEAT = (
 )
 
 
+COLDEST, HOTTEST = 150.0, 700.0  # [K] of injected oil
+
+
+class Found(float):
+    """A number that a scene leaves open and that is found together with the cycle: where the search stands."""
+
+
 @dataclass(frozen=True)
 class SuctionState:
     """The state of the suction line; the pressure here, or operation.evaporating_temperature."""
@@ -101,8 +108,13 @@ class OilSupply:
         "pump: the ratio is given; displacement: the separator pushes it through an orifice", ("pump", "displacement")
     )
     ratio: float | None = number("d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0))
-    temperature: float = quantity(
-        "temperature", "temperature of the injected oil", ge=150.0, le=700.0, hardly=(210.0, 450.0)
+    temperature: float | None = quantity(
+        "temperature",
+        "temperature of the injected oil (absent: effects.separator finds it)",
+        None,
+        ge=COLDEST,
+        le=HOTTEST,
+        hardly=(210.0, 450.0),
     )
     source: str = choice(
         "where the pump draws from: separator (p_d) or a sump at suction pressure",

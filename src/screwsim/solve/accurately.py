@@ -16,6 +16,7 @@ from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
 from screwsim.errors import worst
 from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.model import speed
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
 from screwsim.solve.drive import settled
@@ -121,6 +122,17 @@ def _outside(problem: Problem, cycle: CycleSolution) -> bool:
     if cycle.status == "failed":
         return gas.why_outside(float(cycle.y[0]), float(cycle.y[1])) is not None
     return gas.first_outside(*cycle.trajectory.ends) is not None
+
+
+def note(course: Course, of: Evaluation, cycle: CycleSolution, wanted: Wanted, tightness: float) -> None:
+    """Leave a closed cycle to the problems that follow on a course.
+
+    What the cycle makes goes as the last turn made it: one that closes at once would hand on what it was given, and
+    errors of guesses would add up along the course.
+    """
+    curve = speed.curve_at(of.life.composition) if cycle.speed_curve is None else cycle.speed_curve
+    made = np.concatenate([of.problem.entries.possible(of.image), curve])
+    course.add(cycle, of.problem.parameters, made, wanted, tightness)
 
 
 class Watch:

@@ -76,7 +76,7 @@ def at_its_speed(problem: Problem, series: Series) -> Problem:
 
     The same one where the speed is held, or where the drive has no steady motion at the speed tried last.
     """
-    stated, part = problem.scene.operation.speed, problem.parts.shaft
+    stated, part = problem.parts.set_speed or problem.scene.operation.speed, problem.parts.shaft
     if part is None or part.train(stated).holds_mean:
         return problem
     problem = problem_of(problem.scene, series, stated)

@@ -2,6 +2,8 @@
 
 Shaft power = exergy rise of the gas + exergy rise of the oil + T_0 Σ entropy generated + residual. Every effect of the
 scene has an entry, and so has what the model itself destroys or gives: the oil's supply, its injection, the lines.
+Its control volume is the machine, from the suction line to gas and oil as they leave the chambers, with the oil's
+supply; with effects.separator it is machine, separator and oil cooler, to the gas that leaves the separator (M286).
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from screwsim.cycle.balances import discharge_enthalpy
 from screwsim.effects.base import PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger.book import Book, Cycle, Entry, State
+from screwsim.evaluate.ledger.circuit import through_circuit
 from screwsim.evaluate.ledger.gas import enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
 from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise
 from screwsim.evaluate.ledger.suction import enter_line, mean_back, streams_of
@@ -104,6 +107,7 @@ def ledger(of: Evaluation) -> Ledger:
     of_oil = None
     if cycle.parts.oil is not None:
         of_oil = oil_rise(book, cycle, suction, paths, heats[:warmed], oil, met)
+        of_gas, of_oil = through_circuit(book, cycle, of, of_gas, of_oil)
     _losses(book, cycle)
     return Ledger(book.entries, book.T_0, cycle.shaft_power, of_gas, of_oil)
 

@@ -30,7 +30,8 @@ from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
 from screwsim.numerics.integrators import DEFAULT, check_of
 from screwsim.scene import Scene
 from screwsim.solve.accurately import Watch
-from screwsim.solve.drive import at_its_speed, settled
+from screwsim.solve.circuit import steady
+from screwsim.solve.drive import settled
 
 START = 1e-2  # accuracy of the cycle from which scipy's integrators start
 NARROWEST = 1e-12  # of a pressure: stands for a regularisation of zero, of which the model would divide 0 by 0
@@ -99,7 +100,7 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery 
     """
     series = Series()
     scene = replace(scene, numerics=replace(scene.numerics, integrator=how.integrator))
-    problem = at_its_speed(problem_of(scene, series), series)
+    problem, _ = steady(problem_of(scene, series), series)
     composition = replace(problem.composition, breakpoints=_breakpoints(problem.composition, how.landing))
     at, check = problem.lines, check_of(how.integrator)
     gaps = max(at.p_s, at.p_d)  # of gaps and of ports to plenums of effects

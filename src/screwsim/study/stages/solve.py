@@ -10,17 +10,22 @@ import numpy as np
 
 from screwsim.build import build_gas
 from screwsim.cycle.problem import Inlet
+from screwsim.effects import catalogue
+from screwsim.effects.base import CoolsOil, InSeparator
 from screwsim.evaluate.performance import efficiencies
 from screwsim.faults import UsageError
 from screwsim.fluid import constants
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthalpy, with_values
+from screwsim.scene.checks import SEPARATOR
+from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
-from screwsim.study.stages.read import Chain, Intercooler
+from screwsim.study.stages.read import NAMES, Chain, Intercooler
 
 GROWTH = 1.25  # factor between the pressures of the search for two that enclose the solution
 EDGE = 1.02  # least pressure ratio of a stage that is tried
 MOST = 40  # pairs of simulations
+PARTED = ("separator_temperature", "oil_cooler_duty")  # of each stage
 SATURATED = 1e-6  # relative distance from the saturation temperature within which vapour counts as wet
 _STATED = ("suction.superheat", "suction.quality", "evaporating_temperature", "condensing_temperature", "superheat")
 _STATED += ("subcooling",)
@@ -64,6 +69,7 @@ class _Pair(NamedTuple):
     results: tuple[Result, Result]
     vapour: float
     T: float
+    unparted: str = ""  # why gas and oil of the second stage do not part in a separator
 
     @property
     def flows(self) -> tuple[float, float]:
@@ -90,6 +96,23 @@ def _set_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) -
     return replace(changed, text=scene_text(changed))
 
 
+def _parted(scene: Scene) -> Scene:
+    """Return a scene whose gas and oil part in a separator: what goes on to the other stage is that gas (M201)."""
+    every = scene.effects.values()
+    if scene.oil_supply is None or any(isinstance(active.parameters, CoolsOil) for active in every):
+        return scene
+    effect = catalogue()[SEPARATOR]
+    parted = replace(scene, effects={**scene.effects, SEPARATOR: ActiveEffect(effect, effect.parameters())})
+    stated = any(isinstance(active.parameters, InSeparator) for active in every)  # beside it, no file could say that
+    return parted if stated else replace(parted, text=scene_text(parted))
+
+
+def _given(result: Result) -> float:
+    """Return the temperature [K] of the gas that a stage gives: behind its separator, where it has oil."""
+    parted = result.performance.get("separator_temperature")
+    return result.performance.discharge_temperature if parted is None else parted
+
+
 class _Chain:
     """A chain being solved."""
 
@@ -104,14 +127,27 @@ class _Chain:
         between = self.chain.intercooler
         quality = self.low.quality
         state = ("temperature", self.low.T_s) if quality is None else ("quality", quality)
-        scene = _set_lines(self.chain.first, self.low.p_s, state, p)
+        scene = _parted(_set_lines(self.chain.first, self.low.p_s, state, p))
         first = self._solved(scene, "first", trace)
-        T_d = first.performance.discharge_temperature
+        T_d = _given(first)
         self._check_dry(p, T_d, first)
         vapour, T = self._between(p, T_d, between)
         other = _set_lines(self.chain.second, p - between.pressure_drop, ("temperature", T), self.high.p_d)
-        second = self._solved(other, "second", trace, (first,))
-        return _Pair(p, (scene, other), (first, second), vapour, T)
+        other, second, unparted = self._second(other, trace, first)
+        return _Pair(p, (scene, other), (first, second), vapour, T, unparted)
+
+    def _second(self, scene: Scene, trace: bool, first: Result) -> tuple[Scene, Result, str]:
+        """Return the second stage; in the end, with a trace, with a separator, or why gas and oil do not part in one.
+
+        Nothing of the chain hangs on what its separator gives.
+        """
+        parted = _parted(scene) if trace else scene
+        if parted is scene:
+            return scene, self._solved(scene, "second", trace, (first,)), ""
+        result = simulate(parted, trace=trace)
+        if result.status == "ok":
+            return parted, result, ""
+        return scene, self._solved(scene, "second", trace, (first,)), result.message
 
     def _solved(self, scene: Scene, name: str, trace: bool, before: tuple[Result, ...] = ()) -> Result:
         result = simulate(scene, trace=trace)
@@ -210,7 +246,7 @@ class _Chain:
         """Return the figures of the whole that the chain calls for (M203), and why some are None."""
         first, second = (result.performance for result in pair.results)
         power, flow, p = first.shaft_power + second.shaft_power, first.gas_mass_flow, pair.p
-        h_d = self.gas.enthalpy(p, first.discharge_temperature)
+        h_d = self.gas.enthalpy(p, _given(pair.results[0]))
         h_2 = self.gas.enthalpy(p - self.chain.intercooler.pressure_drop, pair.T)
         T_e = None if pair.vapour == 0.0 else constants.saturation_temperature(self.chain.first.gas.fluid, p)
         drawn = [] if T_e is None else [(pair.vapour * flow, self.gas.vapour(p, T_e))]
@@ -233,6 +269,7 @@ class _Chain:
             first_shaft_power=first.shaft_power,
             second_shaft_power=second.shaft_power,
             shaft_power=power,
+            **_of_coolers(pair),
             first_pressure_ratio=p / self.low.p_s,
             second_pressure_ratio=self.high.p_d / (p - self.chain.intercooler.pressure_drop),
             discharge_temperature=second.discharge_temperature,
@@ -240,6 +277,7 @@ class _Chain:
             **cooled,
             flow_mismatch=abs(comes - taken) / max(comes, taken),
         )
+        notes |= {f"{NAMES[1]}_{name}": pair.unparted for name in PARTED if pair.unparted}
         return found, {name: notes.get(name, "this gas has none") for name, value in found.items() if value is None}
 
     def _cooling(self, pair: _Pair, flow: float) -> float | None:
@@ -249,6 +287,13 @@ class _Chain:
         if pair.vapour > 0.0:
             liquid = constants.wet_enthalpy(self.chain.first.gas.fluid, pair.p, 0.0)
         return flow * (suction_enthalpy(self.chain.first) - liquid)
+
+
+def _of_coolers(pair: _Pair) -> dict[str, float | None]:
+    """Return what separator and oil cooler of each stage with oil do (M287); None where its gas and oil do not part."""
+    stages = zip(NAMES, pair.scenes, (result.performance for result in pair.results), strict=True)
+    oiled = [(which, p) for which, scene, p in stages if scene.oil_supply is not None]
+    return {f"{which}_{name}": p.get(name) for name in PARTED for which, p in oiled}
 
 
 def run_stages(chain: Chain) -> ChainResult:

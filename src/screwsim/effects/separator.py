@@ -1,0 +1,174 @@
+"""Separator: gas and oil meet behind the discharge port, part at one temperature, and a cooler sends the oil back.
+
+What: gas, oil and what the oil holds dissolved come from the chambers at temperatures of their own and mix
+adiabatically at discharge pressure (M280, M281); what the losses leave in them heats the mixture (M282). The oil goes
+back through a cooler, by its outlet's temperature, its duty, or a thermostat that keeps the mixture's temperature, or
+without one (M283): so the temperatures of the oil's supply and of the separator follow, and are found together with the
+cycle (M284). Where oil_supply.temperature is stated, or cooler.outlet_temperature in its place, the duty follows.
+Source: ours, from the first law; that hydromechanical losses, drag and the pump heat the oil on which they act is where
+they arise, that bearings give their heat to the oil that lubricates them is the usual layout of flooded screws.
+Assumptions: gas and oil come to equilibrium before they part, dissolved gas too; none of one goes with the other; the
+cooler takes heat from the oil alone; nothing is lost to the surroundings but `ambient_loss`, between discharge flange
+and cooler. What flows back into the chambers is not mixed yet (M27), nor is what a bypass returns.
+Parameters: cooler (outlet_temperature, duty, discharge_temperature), friction_share, ambient_loss.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+
+from screwsim.declare import number, quantity
+from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, Separator
+from screwsim.faults import Fault
+from screwsim.fluid.separator import Outflow, Separated, separated
+from screwsim.machine.protocol import OIL
+from screwsim.outputs import Figure, Scale, power_figure
+
+NAME = "separator"
+SUPPLY = "oil_supply.temperature"
+HEATS = 1e-3  # of the shaft's power: heat below which a cooler counts as one that only cools
+MEASURED, DUTY = "mixture_discharge_temperature", "oil_cooler_duty"
+LEAST = 1e-6  # heat capacity of oil over that of gas, below which it cools nothing
+NO_OIL = "next to no oil flows, and its cooler can keep neither a duty nor a temperature (more oil, or no cooler)"
+FIGURES = (
+    Figure(MEASURED, "K", "temperature of gas and oil behind the discharge port, mixed"),
+    Figure("separator_temperature", "K", "temperature of gas and oil in the separator"),
+    Figure("oil_supply_temperature", "K", "temperature of the injected oil"),
+    power_figure(DUTY, "heat that the oil cooler takes"),
+    Figure("oil_flow_volume", "m3 s-1", "injected oil by volume", Scale(1e-7, ("gas_mass_flow",)), shown="L min-1"),
+    Figure(
+        "oil_circuit_residual",
+        "1",
+        "what machine, separator and oil cooler leave open of the shaft power",
+        Scale(1.0, alone=True),
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Cooler:
+    """What the oil cooler keeps: one of its outlet's temperature, its duty, or the temperature at discharge."""
+
+    outlet_temperature: float | None = quantity(
+        "temperature",
+        "of the oil behind the cooler, in place of oil_supply.temperature",
+        None,
+        ge=150.0,
+        le=700.0,
+        hardly=(210.0, 450.0),
+    )
+    duty: float | None = quantity("power", "heat that the cooler takes from the oil", None, ge=0.0)
+    discharge_temperature: float | None = quantity(
+        "temperature",
+        "of the mixture at discharge, which a thermostat keeps by cooling the oil",
+        None,
+        ge=150.0,
+        le=700.0,
+        hardly=(210.0, 450.0),
+    )
+
+    @property
+    def stated(self) -> list[str]:
+        """The names of what is stated."""
+        return [each.name for each in fields(self) if getattr(self, each.name) is not None]
+
+
+@dataclass(frozen=True)
+class Parameters(CoolsOil):
+    """The cooler (absent: oil_supply.temperature states its outlet, or there is none), and what becomes of losses."""
+
+    cooler: Cooler | None = None
+    friction_share: float = number(
+        "share of the friction of bearings, seals and gears that heats the oil", 1.0, ge=0.0, le=1.0
+    )
+    ambient_loss: float = quantity("power", "heat lost to the surroundings before the cooler", 0.0, ge=0.0)
+
+    @property
+    def outlet(self) -> float | None:
+        """Temperature [K] of the oil behind the cooler; None where it is not kept."""
+        return None if self.cooler is None else self.cooler.outlet_temperature
+
+    @property
+    def discharge(self) -> float | None:
+        """Temperature [K] of gas and oil at discharge; None where it is not kept."""
+        return None if self.cooler is None else self.cooler.discharge_temperature
+
+
+def build(parameters: Parameters, machine) -> list[Separator]:
+    cooler = parameters.cooler or Cooler()
+    losses = parameters.friction_share, parameters.ambient_loss
+
+    def balance(outflow: Outflow, supply_open: bool) -> Separated:
+        """Return where gas and oil part; where the supply is open, how it has to change (M283, M284)."""
+        found = separated(outflow, *losses)
+        if not supply_open:
+            return found
+        T, C = found.T_separator, outflow.oil_capacity
+        rise = outflow.heat_of(T + 1.0) - outflow.heat_of(T)
+        if not C > LEAST * rise:
+            return found._replace(why=found.why or (NO_OIL if cooler.stated else ""))
+        share = C / (C + rise)
+        open_ = found.duty - (cooler.duty or 0.0)
+        uncooled = open_ / rise
+        if cooler.discharge_temperature is None:
+            gain = 1.0 / (1.0 - share)
+            return found._replace(duty=cooler.duty or 0.0, supply=uncooled, open=open_, share=share, gain=gain)
+        off = cooler.discharge_temperature - found.T_mixture
+        if uncooled <= off / share:
+            idle = _idle(cooler, found)
+            return found._replace(
+                duty=0.0, supply=uncooled, open=open_, share=share, gain=1.0 / (1.0 - share), told=idle
+            )
+        return found._replace(supply=off / share, open=(C + rise) * off, share=share, gain=1.0 / share)
+
+    return [Separator(balance)]
+
+
+def _idle(cooler: Cooler, found: Separated) -> str:
+    T, kept = found.T_mixture, cooler.discharge_temperature
+    return (
+        f"the oil cooler's thermostat keeps {kept:.5g} K at discharge, and the mixture comes to {T:.5g} K without any "
+        "cooling; it would have to heat, and its duty is none (a lower effects.separator.cooler.discharge_temperature)"
+    )
+
+
+def check(parameters: Parameters, facts) -> Faults:
+    path, stated = f"effects.{NAME}", [] if parameters.cooler is None else parameters.cooler.stated
+    for name in stated[1:]:
+        yield Fault(f"{path}.cooler.{name}", f"is given beside {stated[0]} (state one of them)")
+    if stated and facts.oil_supply.temperature is not None:
+        finds = "states it, too" if stated[0] == "outlet_temperature" else "lets it follow"
+        remedy = f"remove one of the two, null in place of a base's {SUPPLY}"
+        yield Fault(f"{path}.cooler.{stated[0]}", f"is given beside {SUPPLY}, and {finds} ({remedy})")
+    for name, active in facts.effects.items():
+        asks = active.parameters
+        if isinstance(asks, InSeparator) and asks.separator_temperature is not None:
+            what = f"is given beside effects.{NAME}, which finds it (remove it, null in place of a base's)"
+            yield Fault(f"effects.{name}.separator_temperature", what)
+
+
+def warnings(found) -> Iterator[str]:
+    """Yield that a stated temperature of the supply asks the cooler to heat."""
+    duty, power = found.get(DUTY), found.get("shaft_power")
+    if duty is not None and duty < -HEATS * abs(power or 0.0):
+        T, supply = found["separator_temperature"], found["oil_supply_temperature"]
+        yield (
+            f"the oil comes back at {supply:.5g} K, warmer than the {T:.5g} K of the separator: its cooler would have "
+            f"to heat it with {-1e-3 * duty:.4g} kW (a lower {SUPPLY})"
+        )
+
+
+EFFECT = Effect(
+    name=NAME,
+    title="gas and oil part at one temperature, and a cooler sends the oil back",
+    equations=("M280", "M281", "M282", "M283", "M284"),
+    source="energy balance; ours",
+    parameters=Parameters,
+    build=build,
+    needs_oil=True,
+    check=check,
+    needs=frozenset({OIL}),
+    figures=FIGURES,
+    warnings=warnings,
+)

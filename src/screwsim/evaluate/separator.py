@@ -1,0 +1,129 @@
+"""What a cycle gives the separator, where gas and oil part there, and what of the whole circuit is left open.
+
+Source: docs/model.md M280–M285.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from screwsim.build import open_temperatures
+from screwsim.cycle.balances import streams_of, walls_of
+from screwsim.cycle.problem import Problem
+from screwsim.effects.base import InSeparator, PowerLoss
+from screwsim.effects.base import Separator as SeparatorPart
+from screwsim.faults import UsageError
+from screwsim.fluid.separator import Outflow, Separated, separated
+from screwsim.model.numbers import oil_places
+from screwsim.model.slots import (
+    BETWEEN,
+    DISCHARGE_IN,
+    DISCHARGE_OUT,
+    ENTHALPY,
+    FIRST_OWN,
+    PORT_OIL,
+    Q_HEAT,
+    R_DISCHARGE,
+    R_INJECTED,
+    R_PRESSURE,
+    SUCTION_IN,
+    SUCTION_OUT,
+)
+from screwsim.model.trajectory import Array, Trajectory
+
+NONE_LEFT = "no net gas is delivered that could leave the separator"
+
+
+class Circuit(NamedTuple):
+    """Where gas and oil of a cycle part, and how far the temperatures that it was integrated with are from that.
+
+    `supply` and `separator` [K] are by how much both should change, nothing where they are stated, or not asked for;
+    `open` is what they leave open, `residual` the same of the whole circuit, both over the shaft's power.
+    """
+
+    outflow: Outflow
+    parted: Separated
+    supply: float
+    separator: float
+    open: float
+    residual: float
+
+
+def circuit_of(
+    problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float
+) -> Circuit | str | None:
+    """Return the oil's circuit of a life of these quadratures; None where no scene asks for it, a text for why not.
+
+    A scene that states the separator's temperature without effects.separator is asked what its balance says of it.
+    """
+    parts, scene = problem.parts, problem.scene
+    part = next((part for _, part in parts.all(SeparatorPart)), None)
+    asking = [one.parameters for one in scene.effects.values() if isinstance(one.parameters, InSeparator)]
+    if parts.oil is None or not (part or asking):
+        return None
+    outflow = _outflow(problem, life, q, losses, lift)
+    if not outflow.gas_flow > 0.0:
+        return NONE_LEFT
+    supply_open, separator_open = open_temperatures(scene)
+    try:
+        parted = part.balance(outflow, supply_open) if part is not None else separated(outflow)
+    except UsageError as error:
+        return f"gas and oil do not part in the separator: {error}"
+    used = asking[0].separator_temperature if asking and separator_open else None
+    change = 0.0 if used is None else parted.T_separator - used
+    power = abs(problem.rate * float(q[0]) + lift + sum(losses.values()))
+    left = parted.open, outflow.oil_capacity * change, _unexplained(outflow, parted)
+    shares = [abs(each) / max(power, 1e-300) for each in left]
+    return Circuit(outflow, parted, parted.supply, change, max(shares[:2]), max(shares))
+
+
+def _unexplained(outflow: Outflow, parted: Separated) -> float:
+    """Return what comes in [W] beyond what gas, cooler and surroundings take (M285)."""
+    comes = outflow.supplied + outflow.heating + outflow.friction
+    goes = outflow.heat_of(parted.T_separator) + parted.duty + parted.ambient_loss + parted.lost_friction
+    return comes - goes
+
+
+def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float) -> Outflow:
+    """Return what a life of these quadratures gives the separator (M280, M282)."""
+    parts, c, rate, h_ref = problem.parts, problem.composition, problem.rate, problem.inlet.enthalpy
+    oil = parts.oil
+    assert oil is not None
+    streams = rate * streams_of(c, q)
+    beyond = (streams[:, 1] - h_ref * streams[:, 0]).tolist()  # [W] of every stream, over gas of the suction line
+    out = -float(streams[DISCHARGE_IN, 0] + streams[DISCHARGE_OUT, 0])
+    energy = -(beyond[DISCHARGE_IN] + beyond[DISCHARGE_OUT])
+    returned = problem.suction.returned * float(streams[SUCTION_IN, 0] + streams[SUCTION_OUT, 0])
+    sent_back = returned * (float(life.R[R_DISCHARGE + ENTHALPY]) - h_ref)
+    flashing = {parts.number(parts.oil_gas.plenum)} if parts.oil_gas is not None else set()
+    own = range(FIRST_OWN, FIRST_OWN + len(parts.plenums))
+    supplied = beyond[SUCTION_IN] + beyond[SUCTION_OUT] - sent_back + rate * float(q[0])
+    supplied += sum(beyond[2 * i] + beyond[2 * i + 1] for i in own if i not in flashing)
+    supplied += rate * float(walls_of(c, q)[:, 0].sum())
+    absorbed = sum(float(streams[2 * i, 0] + streams[2 * i + 1, 0]) for i in flashing)
+    taken_up = sum(beyond[2 * i] + beyond[2 * i + 1] for i in flashing)
+    injected = rate * float(streams_of(c, q)[PORT_OIL, 2] if c.ported else life.R[R_INJECTED])
+    if c.carried:
+        T_in = oil.temperature + problem.pressed(max(oil.source_pressure, float(life.R[R_PRESSURE])))
+        if c.ported:
+            T_in = float(c.P[oil_places(parts)["P_H_PORT"]])
+            taken_up += oil.heat_capacity * float(streams[PORT_OIL, 3] - T_in * streams[PORT_OIL, 2])
+        lines = [row for row in range(len(streams)) if row not in (BETWEEN, PORT_OIL)]
+        energy -= oil.heat_capacity * float((streams[lines, 3] - T_in * streams[lines, 2]).sum())
+    else:
+        energy -= rate * float(q[Q_HEAT])
+    friction = sum(losses[name] for name in {part.figure for _, part in parts.all(PowerLoss) if part.friction})
+    return Outflow(
+        parts.gas,
+        problem.lines.p_d,
+        out - returned - absorbed,
+        h_ref,
+        injected,
+        oil.heat_capacity,
+        oil.temperature,
+        energy - sent_back - taken_up,
+        lift + sum(losses.values()) - friction,
+        friction,
+        supplied,
+    )

@@ -1,0 +1,108 @@
+"""Gas and oil that meet in the separator: one temperature at discharge pressure, from their energies (M280, M281).
+
+Source: docs/model.md M280–M281, the first law. Plain Python, asked once a cycle.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+NEAR = 1e-12  # of the enthalpy, with which the mixture's is found
+MOST = 60  # tries for it
+WET = 1e-6  # relative distance from saturation within which a mixture's gas counts as condensing
+CONDENSES = (
+    "gas condenses in the separator: gas and oil mix to {T:.5g} K, which is saturation at discharge pressure "
+    "(warmer oil, less of it, or a smaller duty of the cooler)"
+)
+
+
+class Outflow(NamedTuple):
+    """What a cycle gives the separator, per second (SI units).
+
+    `gas_flow` is what leaves as gas once the oil has taken up what it had given off; `energy` [W] is what all of it
+    brings beyond gas of enthalpy `h_ref` [J/kg] and oil at `T_supply`, that of the oil's supply. `heating` [W] are the
+    losses that heat gas and oil on their way, `friction` [W] those of bearings, seals and gears. `supplied` [W] is what
+    comes into the chambers beyond `h_ref`: work, gas from other places, heat of walls.
+    """
+
+    gas: Any
+    p: float
+    gas_flow: float
+    h_ref: float
+    oil_flow: float
+    oil_heat_capacity: float
+    T_supply: float
+    energy: float
+    heating: float
+    friction: float
+    supplied: float
+
+    @property
+    def oil_capacity(self) -> float:
+        """Heat capacity of the oil's flow [W/K]."""
+        return self.oil_flow * self.oil_heat_capacity
+
+    def heat_of(self, T: float) -> float:
+        """Return what the gas takes along at a temperature [K], beyond `h_ref` [W]."""
+        return self.gas_flow * (self.gas.enthalpy(self.p, T) - self.h_ref)
+
+    def temperature(self, heat: float) -> tuple[float, bool]:
+        """Return the mixture's temperature [K] with so much heat [W] beyond what is brought; does its gas condense?
+
+        The gas's enthalpy is found: the balance grows with it without a bend, but where the gas begins to condense.
+        """
+        total, C = self.energy + heat, self.oil_capacity
+        T = self.gas.temperature(self.p, self._enthalpy(total, C))
+        return T, self.gas.nearest_vapour(self.p, T * (1.0 - WET)) != T * (1.0 - WET)
+
+    def _enthalpy(self, total: float, C: float) -> float:
+        """Return the enthalpy [J/kg] of the gas with which gas and oil have a total [W]."""
+
+        def lacks(h: float) -> float:
+            return self.gas_flow * (h - self.h_ref) + C * (self.gas.temperature(self.p, h) - self.T_supply) - total
+
+        slope = self.gas_flow + C / self.gas.c_p
+        h = self.gas.enthalpy(self.p, self.gas.nearest_vapour(self.p, self.T_supply))
+        open_ = lacks(h)
+        for _ in range(MOST):
+            if open_ == 0.0:
+                break
+            step = -open_ / slope
+            after = lacks(h + step)
+            slope = (after - open_) / step if after != open_ else slope
+            h, open_ = h + step, after
+            if abs(step) <= NEAR * abs(h):
+                break
+        return h
+
+
+class Separated(NamedTuple):
+    """Where a cycle's gas and oil part, and what the cooler does (SI units); see `effects.separator`.
+
+    `supply` [K] is the change of the oil's supply after which the circuit should close, `open` [W] what it leaves open
+    as it is: both nothing where the supply's temperature is stated. `share` is by how much the separator follows the
+    supply, `gain` by how much the supply goes where the separator's temperature is off. `why` says what forbids the
+    point, `told` what hardly is so.
+    """
+
+    T_mixture: float
+    T_separator: float
+    duty: float
+    ambient_loss: float
+    lost_friction: float
+    supply: float = 0.0
+    open: float = 0.0
+    share: float = 0.0
+    gain: float = 0.0
+    why: str = ""
+    told: str = ""
+
+
+def separated(outflow: Outflow, friction_share: float = 1.0, ambient_loss: float = 0.0) -> Separated:
+    """Return the mixture's and the separator's temperature, and the duty with the supply as it is (M280–M283)."""
+    heating = outflow.heating + friction_share * outflow.friction
+    T_mixture, wet = outflow.temperature(heating)
+    T, wet_there = (T_mixture, wet) if ambient_loss == 0.0 else outflow.temperature(heating - ambient_loss)
+    why = CONDENSES.format(T=T) if wet or wet_there else ""
+    lost = (1.0 - friction_share) * outflow.friction
+    return Separated(T_mixture, T, outflow.oil_capacity * (T - outflow.T_supply), ambient_loss, lost, why=why)

@@ -1,0 +1,310 @@
+"""Separator and oil cooler: the circuit closes, its temperatures are those of its balance, contradictions are told."""
+
+from concurrent.futures import ThreadPoolExecutor
+from math import log
+
+import pytest
+from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, SOLUBLE_RATE, make, run
+
+from screwsim.build import build_gas
+from screwsim.engineering import engineering
+from screwsim.errors import relative_errors
+from screwsim.faults import SceneError
+from screwsim.scene.lines import lines
+from screwsim.simulate import simulate, simulate_many
+
+SOLUBILITY = "effects.refrigerant_solubility"
+CARRIED = {"oil.transport": "carried", "effects.separator": {}}
+REAL = {"gas.model": "real", "operation.suction.temperature": "290 K", "oil_supply.temperature": "325 K"}
+OVER_TIME = {SOLUBILITY: {"flash_time": "5 ms", "absorption_time": "50 ms"}}
+CASES = {
+    "paper": {"effects.separator": {}},
+    "carried": CARRIED,
+    "real": {**CARRIED, **REAL},
+    "displaced": {**CARRIED, **OIL_PORT},
+    "oil takes room": {**CARRIED, **OIL_VOLUME},
+    "a loss": {**CARRIED, **OIL_PORT, **OIL_VOLUME, "effects.oil_injection.pressure_loss": "1 bar"},
+    "sump": {**CARRIED, "oil_supply.source": "suction"},
+    "sump, oil takes room": {**CARRIED, **OIL_VOLUME, "oil_supply.source": "suction"},
+    "flash": {**CARRIED, **SOLUBLE, SOLUBILITY: {}},
+    "flash over time": {**CARRIED, **SOLUBLE_RATE, **OVER_TIME},
+    "flash over time, oil takes room": {**CARRIED, **SOLUBLE_RATE, **OIL_VOLUME, **OVER_TIME},
+    "economizer": {**CARRIED, **ECONOMIZER},
+    "bypass": {**CARRIED, "effects.bypass": {"share": 0.3}},
+    "discharge given": {**CARRIED, "operation.discharge.temperature": "340 K"},
+    "walls": {
+        **CARRIED,
+        "effects.wall_heat": {"rotor_area": "400 cm^2", "housing_area": "150 cm^2", "characteristic_length": "58 mm"},
+    },
+    "lost heat": {**CARRIED, "effects.separator": {"ambient_loss": "2 kW", "friction_share": 0.5}},
+}
+TWO_LINES = ["paper", "carried", "real", "displaced", "oil takes room", "flash", "flash over time"]
+
+
+def cooled(cooler, changes=None):
+    """Return changes that let the oil's supply follow from a cooler, None: there is none."""
+    found = {"effects.separator": {} if cooler is None else {"cooler": cooler}, "oil_supply.temperature": DROP}
+    return {"oil.transport": "carried", **(changes or {}), **found}
+
+
+COOLED = {
+    "duty": cooled({"duty": "40 kW"}),
+    "none": cooled(None),
+    "thermostat": cooled({"discharge_temperature": "330 K"}),
+    "outlet": cooled({"outlet_temperature": "300 K"}),
+    "paper, duty": cooled({"duty": "40 kW"}, {"oil.transport": "paper"}),
+    "displaced, duty": cooled({"duty": "30 kW"}, OIL_PORT),
+    "real, thermostat": cooled({"discharge_temperature": "345 K"}, REAL),
+    "flash, duty": cooled({"duty": "30 kW"}, {**SOLUBLE, SOLUBILITY: {}}),
+    "flash over time, thermostat": cooled({"discharge_temperature": "340 K"}, {**SOLUBLE_RATE, **OVER_TIME}),
+}
+
+
+def taken(scene, p, share=1.0, lost=0.0):
+    """Return what gas, cooler and surroundings take [W], from the figures alone: of a machine of two lines."""
+    gas, at = build_gas(scene), lines(scene)
+    rise = gas.enthalpy(at.p_d, p.separator_temperature) - gas.enthalpy(at.p_s, at.T_s)
+    friction = (1.0 - share) * p.mechanical_power
+    return p.gas_mass_flow * rise + p.oil_cooler_duty + friction + lost
+
+
+@pytest.mark.parametrize("case", [*CASES, *COOLED])
+def test_the_balance_around_machine_separator_and_cooler_closes_to_the_wanted_accuracy(case):
+    scene = {**CASES, **COOLED}[case]
+    for accuracy in (3e-4, 1e-5):
+        result = run({**scene, "numerics": {"accuracy": accuracy}})
+        assert result.status == "ok" and not result.warnings
+        assert result.performance.oil_circuit_residual <= accuracy
+        assert result.balance.entropy <= accuracy
+
+
+@pytest.mark.parametrize("case", TWO_LINES)
+def test_shaft_power_is_what_gas_and_cooler_take(case):
+    """But for the heat that gas takes back into the suction line, a ten-thousandth here (M54)."""
+    changes = {**CASES[case], "numerics": {"accuracy": 1e-5}}
+    p = run(changes).performance
+    assert taken(make(changes), p) == pytest.approx(p.shaft_power, rel=2e-4)
+
+
+def test_lost_heat_and_friction_are_no_part_of_what_gas_and_cooler_take():
+    scene, p, kept = make(CASES["lost heat"]), run(CASES["lost heat"]).performance, run(CARRIED).performance
+    assert taken(scene, p, 0.5, 2000.0) == pytest.approx(p.shaft_power, rel=3e-4)
+    assert p.shaft_power == kept.shaft_power and p.gas_mass_flow == kept.gas_mass_flow
+    m, C = p.gas_mass_flow * build_gas(scene).c_p, p.oil_mass_flow * 2000.0
+    of_oil = (2000.0 + 0.5 * p.mechanical_power) * C / (C + m)  # the gas takes the rest
+    assert kept.oil_cooler_duty - p.oil_cooler_duty == pytest.approx(of_oil, rel=1e-4)
+    assert p.mixture_discharge_temperature > p.separator_temperature
+    assert kept.mixture_discharge_temperature == kept.separator_temperature
+
+
+def test_gas_and_oil_without_losses_mix_to_the_mean_of_their_heat_capacities():
+    """Of an ideal gas; the lift is the one loss that is always there."""
+    none = {"effects.oil_pump": DROP, "effects.hydromechanical": DROP, "effects.mechanical": DROP}
+    scene = {**CARRIED, **none, "numerics": {"accuracy": 1e-5}}
+    p, gas = run(scene).performance, build_gas(make(scene))
+    m, C = p.gas_mass_flow * gas.c_p, p.oil_mass_flow * 2000.0
+    mean = (m * p.discharge_temperature + C * p.oil_discharge_temperature + p.oil_lift_power) / (m + C)
+    assert p.mixture_discharge_temperature == pytest.approx(mean, abs=0.01)
+    assert p.oil_discharge_temperature < mean < p.discharge_temperature
+
+
+@pytest.mark.parametrize("case", [name for name in COOLED if "flash" not in name])
+def test_the_cycle_is_that_of_the_supply_temperature_that_was_found(case):
+    """What is found, stated: the same figures within the wanted accuracy."""
+    found = run(COOLED[case]).performance
+    stated = {**COOLED[case], "effects.separator": {}, "oil_supply.temperature": f"{found.oil_supply_temperature!r} K"}
+    same = run(stated).performance
+    for name in ("shaft_power", "gas_mass_flow", "discharge_temperature", "oil_mass_flow", "separator_temperature"):
+        assert same[name] == pytest.approx(found[name], rel=3e-4), name
+    assert same.oil_cooler_duty == pytest.approx(found.oil_cooler_duty, abs=3e-4 * found.shaft_power)
+
+
+@pytest.mark.parametrize("case", ["flash, duty", "flash over time, thermostat"])
+def test_what_oil_brings_dissolved_is_that_of_both_temperatures_that_were_found(case):
+    """Stated without the effect, both give the same figures and no warning; a separator 3 K warmer is told of."""
+    found = run(COOLED[case]).performance
+    T, supply = found.separator_temperature, found.oil_supply_temperature
+    stated = {**COOLED[case], "effects.separator": DROP, "oil_supply.temperature": f"{supply!r} K"}
+    same = run({**stated, f"{SOLUBILITY}.separator_temperature": f"{T!r} K"})
+    for name in ("shaft_power", "gas_mass_flow", "dissolved_gas_ratio", "discharge_temperature"):
+        assert same.performance[name] == pytest.approx(found[name], rel=3e-4), name
+    assert same.warnings == ()
+    (told,) = run({**stated, f"{SOLUBILITY}.separator_temperature": f"{T + 3.0!r} K"}).warnings
+    assert "the separator's balance closes at " in told and f"not at the stated {T + 3.0 - 273.15:.1f} degC" in told
+
+
+def test_each_cooler_keeps_what_it_states():
+    assert run(COOLED["duty"]).performance.oil_cooler_duty == 40e3
+    assert run(COOLED["outlet"]).performance.oil_supply_temperature == 300.0
+    p = run(COOLED["thermostat"]).performance
+    assert p.mixture_discharge_temperature == pytest.approx(330.0, abs=0.01)
+    p = run(COOLED["none"]).performance
+    assert p.oil_cooler_duty == 0.0
+    assert p.oil_supply_temperature == pytest.approx(p.separator_temperature, abs=0.01)
+
+
+def test_an_outlet_temperature_is_a_stated_supply():
+    stated = {**COOLED["outlet"], "effects.separator": {}, "oil_supply.temperature": "300 K"}
+    assert run(COOLED["outlet"]).performance == run(stated).performance
+
+
+def test_the_effect_changes_nothing_of_a_cycle_whose_supply_is_stated():
+    alone = run({**CARRIED, "effects.separator": DROP}).performance
+    assert {name: value for name, value in run(CARRIED).performance.items() if name in alone} == dict(alone)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", [name for name in COOLED if name != "outlet"])
+def test_figures_are_within_their_estimated_errors(case):
+    """Twice that, as the estimate allows itself; what is off by less than a tenth of the accuracy is not looked at."""
+    exact = run({**COOLED[case], "numerics": {"accuracy": 1e-6}}).performance
+    for accuracy in (1e-3, 3e-4, 1e-4):
+        result = run({**COOLED[case], "numerics": {"accuracy": accuracy}})
+        off = relative_errors(result.performance, exact)
+        assert max(size for size in off.values() if size is not None) <= accuracy
+        for name, size in off.items():
+            if size is not None and size > 0.1 * accuracy and name != "oil_circuit_residual":
+                assert size <= 2.0 * result.error[name] or size <= 0.25 * accuracy, name
+        assert result.error.oil_supply_temperature > 0.0
+
+
+def test_what_the_search_takes_is_counted():
+    found, stated = run(COOLED["duty"]), run(CARRIED)
+    assert found.numerics.rhs_evaluations > 1.5 * stated.numerics.rhs_evaluations
+    assert found.numerics.rhs_evaluations < 6.0 * stated.numerics.rhs_evaluations
+
+
+def test_neighbours_of_a_sweep_find_what_each_finds_alone():
+    scenes = [make({**COOLED["flash, duty"], "operation.speed": f"{speed} rpm"}) for speed in (3000, 2900, 2800, 2700)]
+    together, alone = list(simulate_many(scenes)), [simulate(scene) for scene in scenes]
+    for one, other in zip(together, alone, strict=True):
+        assert one.status == other.status == "ok"
+        for name in ("shaft_power", "gas_mass_flow", "dissolved_gas_ratio", "oil_supply_temperature"):
+            assert one.performance[name] == pytest.approx(other.performance[name], rel=3e-4), name
+    assert together[2].numerics.rhs_evaluations < alone[2].numerics.rhs_evaluations
+
+
+def test_searches_side_by_side_do_not_meet():
+    scenes = [make(COOLED[name]) for name in ("duty", "thermostat", "none")]
+    one_by_one = [simulate(scene).performance for scene in scenes]
+    with ThreadPoolExecutor(3) as pool:
+        together = [result.performance for result in pool.map(simulate, scenes)]
+    assert together == one_by_one
+
+
+# ---- the ledger ------------------------------------------------------------------------------------------------------
+
+
+def test_mixing_generates_the_entropy_of_gas_and_oil_that_come_to_one_temperature():
+    """Of an ideal gas; the losses' heat enters at T_0 in their own entries."""
+    scene = {**CARRIED, "numerics": {"accuracy": 1e-5}}
+    result, gas = run(scene), build_gas(make(scene))
+    p, book, T_0 = result.performance, result.ledger, 298.15
+    T, C = p.separator_temperature, p.oil_mass_flow * 2000.0
+    mixed = p.gas_mass_flow * gas.c_p * log(T / p.discharge_temperature) + C * log(T / p.oil_discharge_temperature)
+    heat = p.mechanical_power + p.hydromechanical_power + p.oil_pump_power + p.oil_lift_power
+    assert book.energy_moved_separator == pytest.approx(heat, rel=1e-9)
+    assert book.entropy_generated_separator == pytest.approx(mixed - heat / T_0, rel=1e-3)
+    assert mixed > 0.0
+    cooled_exergy = C * (T - 293.0 - T_0 * log(T / 293.0))
+    assert book.exergy_destroyed_oil_cooler == pytest.approx(cooled_exergy, rel=1e-6)
+    assert book.oil_exergy_rise == 0.0
+
+
+# ---- what contradicts itself -----------------------------------------------------------------------------------------
+
+FAULTS = {
+    "both": (
+        {**CARRIED, "effects.separator": {"cooler": {"outlet_temperature": "300 K"}}},
+        r"effects\.separator\.cooler\.outlet_temperature: is given beside oil_supply\.temperature, and states it, too",
+    ),
+    "duty beside a temperature": (
+        {**CARRIED, "effects.separator": {"cooler": {"duty": "30 kW"}}},
+        r"effects\.separator\.cooler\.duty: is given beside oil_supply\.temperature, and lets it follow",
+    ),
+    "two ways": (
+        cooled({"duty": "30 kW", "outlet_temperature": "300 K"}),
+        r"effects\.separator\.cooler\.duty: is given beside outlet_temperature \(state one",
+    ),
+    "no temperature": (
+        {"oil_supply.temperature": DROP},
+        r"oil_supply\.temperature: is missing \(write e\.g\. temperature: 325 K, or name effects\.separator",
+    ),
+    "no temperature of the separator": (
+        {**SOLUBLE, SOLUBILITY: {}},
+        r"separator_temperature: is missing \(write e\.g\. separator_temperature: 60 degC, or name effects\.separator",
+    ),
+    "two temperatures of the separator": (
+        {**CARRIED, **SOLUBLE},
+        r"separator_temperature: is given beside effects\.separator, which finds it",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", FAULTS)
+def test_what_contradicts_itself_is_one_fault_at_the_front(case):
+    changes, words = FAULTS[case]
+    with pytest.raises(SceneError, match=words) as told:
+        make(changes)
+    assert len(told.value.lines) == 1
+
+
+def test_oil_that_comes_back_warmer_than_the_separator_asks_for_heating():
+    result = run({**CARRIED, "oil_supply.temperature": "420 K"})
+    assert result.status == "ok" and result.performance.oil_cooler_duty < 0.0
+    assert [told for told in result.warnings if "its cooler would have to heat it with " in told]
+
+
+def test_a_thermostat_that_would_have_to_heat_is_idle():
+    result = run(cooled({"discharge_temperature": "420 K"}))
+    assert result.status == "ok" and result.performance.oil_cooler_duty == 0.0
+    assert result.performance.mixture_discharge_temperature < 420.0
+    none = run(COOLED["none"]).performance
+    assert result.performance.separator_temperature == pytest.approx(none.separator_temperature, abs=0.02)
+    (told,) = result.warnings
+    assert told.startswith("the oil cooler's thermostat keeps 420 K at discharge") and "it would have to heat" in told
+
+
+FAILS = {
+    "gas condenses": ({**CARRIED, "gas.model": "real", "oil_supply.temperature": "290 K"}, "gas condenses in the sep"),
+    "colder than oil": (cooled({"duty": "2 MW"}), "the oil's circuit leads to where oil_supply.temperature: "),
+    "no oil": (cooled({"duty": "10 kW"}, {"oil_supply.ratio": 0}), "next to no oil flows"),
+    "solubility unknown": (cooled(None, {**SOLUBLE, SOLUBILITY: {}}), "the oil's circuit leads to where effects.refr"),
+}
+
+
+@pytest.mark.parametrize("case", FAILS)
+def test_a_circuit_that_cannot_be_has_failed_with_its_reason(case):
+    changes, words = FAILS[case]
+    result = run(changes)
+    assert result.status == "failed" and result.message.startswith(words)
+
+
+def test_a_stated_temperature_of_the_separator_that_its_balance_denies_is_told_with_the_power_that_it_takes():
+    at = run({**CARRIED, **SOLUBLE, SOLUBILITY: {}}).performance.separator_temperature
+    result = run({**SOLUBLE, SOLUBILITY: {"separator_temperature": f"{at - 0.5!r} K"}})
+    assert result.warnings == ()
+    warmer, colder = (
+        run({**SOLUBLE, SOLUBILITY: {"separator_temperature": f"{at + off!r} K"}}).warnings for off in (15.0, -8.0)
+    )
+    assert " kW of heating (" in warmer[0] and " kW of cooling (" in colder[0]
+
+
+def test_a_machine_that_delivers_nothing_has_no_separator():
+    result = run({**CARRIED, "operation.speed": "60 rpm"})
+    assert result.performance.gas_mass_flow < 0.0
+    assert result.performance.separator_temperature is None
+    assert "no net gas is delivered" in result.notes["separator_temperature"]
+    assert run({**COOLED["duty"], "operation.speed": "60 rpm"}).status == "failed"
+
+
+def test_the_volume_of_the_oil_is_shown_in_litres_a_minute():
+    p = run(CARRIED).performance
+    assert p.oil_flow_volume == pytest.approx(p.oil_mass_flow / 1000.0)
+    assert engineering("oil_flow_volume", 0.001) == ("60", "L/min")
+    assert engineering("displacement_flow", 0.001) == ("3.6", "m³/h")
+
+
+def test_pumped_ports_close_too():
+    result = run({**CARRIED, **PUMPED_PORT, **OIL_VOLUME})
+    assert result.status == "ok" and result.performance.oil_circuit_residual <= 3e-4
