@@ -47,6 +47,10 @@ class Stream(NamedTuple):
         """Gas and what the oil holds of it [kg]."""
         return self.gas + self.held
 
+    def times(self, rate: float) -> Stream:
+        """Return the stream with all sums multiplied."""
+        return Stream(*(rate * each for each in self))
+
     def plus(self, other: Stream, share: float = 1.0) -> Stream:
         """Return the sum of this stream and a share of another one."""
         return Stream(*(one + share * more for one, more in zip(self, other, strict=True)))

@@ -476,6 +476,7 @@ class SuctionHeat:
     power: Callable[[float], float]
 
 
+@dataclass(frozen=True)
 class InSeparator:
     """Parameters of an effect that asks for the separator's temperature: stated, or found by effects.separator."""
 

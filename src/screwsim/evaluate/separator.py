@@ -9,9 +9,10 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from screwsim.build import open_temperatures
+from screwsim.cycle import suction_line
 from screwsim.cycle.balances import streams_of, walls_of
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import InSeparator, PowerLoss
+from screwsim.effects.base import InSeparator, OilSolution, PowerLoss
 from screwsim.effects.base import Separator as SeparatorPart
 from screwsim.faults import UsageError
 from screwsim.fluid.separator import Outflow, Separated, separated
@@ -92,9 +93,10 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     assert oil is not None
     streams = rate * streams_of(c, q)
     beyond = (streams[:, 1] - h_ref * streams[:, 0]).tolist()  # [W] of every stream, over gas of the suction line
-    out = -float(streams[DISCHARGE_IN, 0] + streams[DISCHARGE_OUT, 0])
-    energy = -(beyond[DISCHARGE_IN] + beyond[DISCHARGE_OUT])
-    returned = problem.suction.returned * float(streams[SUCTION_IN, 0] + streams[SUCTION_OUT, 0])
+    leak = suction_line.leak(problem, life.R).times(rate)
+    out = -float(streams[DISCHARGE_IN, 0] + streams[DISCHARGE_OUT, 0]) - leak.gas
+    energy = -(beyond[DISCHARGE_IN] + beyond[DISCHARGE_OUT]) - (leak.enthalpy - h_ref * leak.gas)
+    returned = problem.suction.returned * suction_line.fresh(problem, life.R, streams / rate) * rate
     sent_back = returned * (float(life.R[R_DISCHARGE + ENTHALPY]) - h_ref)
     flashing = {parts.number(parts.oil_gas.plenum)} if parts.oil_gas is not None else set()
     own = range(FIRST_OWN, FIRST_OWN + len(parts.plenums))
@@ -109,8 +111,21 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
         if c.ported:
             T_in = float(c.P[oil_places(parts)["P_H_PORT"]])
             taken_up += oil.heat_capacity * float(streams[PORT_OIL, 3] - T_in * streams[PORT_OIL, 2])
-        lines = [row for row in range(len(streams)) if row not in (BETWEEN, PORT_OIL)]
+        of_line = (SUCTION_IN, SUCTION_OUT) if parts.suction_line else ()
+        lines = [row for row in range(len(streams)) if row not in (BETWEEN, PORT_OIL, *of_line)]
         energy -= oil.heat_capacity * float((streams[lines, 3] - T_in * streams[lines, 2]).sum())
+        if parts.suction_line:
+            # what comes to the line and is sucked again, and the leak to it, which leaves before the separator
+            back = streams[SUCTION_IN] + streams[SUCTION_OUT]
+            kept = oil.heat_capacity * float(back[3] - T_in * back[2])
+            leaked = oil.heat_capacity * (leak.oil_heat - T_in * leak.oil)
+            energy -= leaked
+            supplied += kept - leaked - (leak.enthalpy - h_ref * leak.gas)
+        if isinstance(parts.oil_content, OilSolution) and parts.suction_line:
+            flashed = leak.held - float(streams[SUCTION_IN, 4] + streams[SUCTION_OUT, 4])  # in the line (M272)
+            absorbed += flashed
+            taken_up += flashed * (parts.oil_content.enthalpy - h_ref)
+            supplied -= flashed * (parts.oil_content.enthalpy - h_ref)
     else:
         energy -= rate * float(q[Q_HEAT])
     friction = sum(losses[name] for name in {part.figure for _, part in parts.all(PowerLoss) if part.friction})
@@ -123,7 +138,7 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
         oil.heat_capacity,
         oil.temperature,
         energy - sent_back - taken_up,
-        lift + sum(losses.values()) - friction,
+        (0.0 if parts.oil_room else lift) + sum(losses.values()) - friction,
         friction,
-        supplied,
+        supplied + (lift if parts.oil_room else 0.0),
     )

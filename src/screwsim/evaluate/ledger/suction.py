@@ -43,8 +43,8 @@ def streams_of(cycle: Cycle, paths: Rows) -> Streams:
     rows = [row for row, end in zip(paths, cycle.composition.ends, strict=True) if end == "suction"]
     columns = (kernels.OUT_MASS, kernels.OUT_ENTHALPY, kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_HELD)
     back = Stream(*(sum(row[column] for row in rows) for column in columns))
-    leak = Stream(*(rate * each for each in suction_line.leak(problem, R)))
-    sucked = Stream(*(rate * each for each in cycle.streams[0].tolist()))
+    leak = suction_line.leak(problem, R).times(rate)
+    sucked = Stream(*cycle.streams[0].tolist()).times(rate)
     pressed = problem.pressed(problem.suction.pressure)
     T_back = back.oil_heat / back.oil if back.oil > 0.0 else 0.0
     T_leak = float(R[R_DISCHARGE + OIL_TEMPERATURE]) - pressed
