@@ -19,11 +19,21 @@ GAP, PASSAGE, LENGTH = 50e-6, 2e-3, 9.83 * 0.16
 DENSITY, HEAT, TIP_SPEED = 1000.0, 2000.0, 0.08 * 100.0 * math.pi
 PITCH, LIFE = 0.5 * math.pi, 4.0 * math.pi
 ROOM = {**FILMS, **OIL_VOLUME}
+SWINGING = {
+    "operation.speed": "700 rpm",
+    "effects.drive": {
+        "motor_inertia": "0.8 kg m^2",
+        "rotor_inertia": "0.12 kg m^2",
+        "coupling": {"linear": {"spring": "5000 N m/rad"}, "damping": "6 N m s/rad"},
+        "motor": {"law": "line", "slope": "30 N m s/rad", "torque_limit": "800 N m"},
+    },
+}
 CASES = {
     "films": FILMS,
     "room": ROOM,
     "pumped, room": {**PUMPED_PORT, **ROOM},
     "flash over time, room": {**SOLUBLE_RATE, **ROOM},
+    "swinging, room": {**ROOM, **SWINGING},
 }
 # one full gap whose oil hardly creeps: what passes is dragged; a dead volume that keeps its oil to the end
 THICK = {
@@ -85,6 +95,17 @@ def test_the_oil_that_is_dragged_is_that_of_a_sliding_wall(speed):
     wall = 0.4 * TIP_SPEED * float(speed.removesuffix(" rpm")) / 3000.0
     found = -np.interp(phi, cycle["angle"], cycle["oil_flow_tip_leakage_trailing"])
     assert found == pytest.approx(0.5 * DENSITY * wall * area, rel=1e-3)
+
+
+def test_the_drag_follows_a_speed_that_swings():
+    """Behind a soft drive: the speed of each angle, which swings by some per cent, in place of the mean."""
+    cycle = run({**THICK, **SWINGING}).cycle
+    phi = np.arange(400.0, 590.0)
+    behind, speed = phi - 90.0, np.interp(phi, cycle["angle"], cycle["speed"])
+    area = 0.7 * GAP * LENGTH * np.where(behind <= 360.0, behind / 360.0, 2.0 - behind / 360.0)
+    found = -np.interp(phi, cycle["angle"], cycle["oil_flow_tip_leakage_trailing"])
+    assert speed.max() > 1.03 * speed.min()
+    assert found == pytest.approx(0.5 * DENSITY * 0.4 * 0.08 * speed * area, rel=2e-3)
 
 
 @pytest.mark.parametrize("case", CASES)
