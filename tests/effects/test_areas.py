@@ -16,7 +16,7 @@ from screwsim.model.numbers import symbols_of
 from screwsim.numerics.spline import pack_curve
 from screwsim.scene import load
 
-PARTS = build_parts(make())
+PARTS = build_parts(make({"effects.tip_leakage": {"gap": "50 um"}}))
 PITCH, LIFE, DEG = PARTS.geometry.pitch, PARTS.geometry.life, math.pi / 180
 FINE = np.radians(np.arange(-10.0, 730.0, 0.05)) + 1e-9
 PATHS = {

@@ -53,7 +53,7 @@ def test_without_oil_and_depth_every_model_is_the_nozzle():
         {
             **CARRIED,
             "oil_supply.ratio": 0,
-            "effects.tip_leakage": {"gap": "50 um"},
+            "effects.tip_leakage": {"gap": "50 um", "reading": "interface"},
             "effects.end_face_leakage": {"gap": "1 mm", "length": "4 mm"},
             "effects.interlobe_leakage": {"gap": "10 mm", "length": "0.6 mm", "flow_coefficient": 0.7 * share},
         }

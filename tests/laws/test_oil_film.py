@@ -42,7 +42,7 @@ def change(one, other):
 def tip(base=FILMS, **changes):
     """Return the scene with a tip that is full of oil everywhere, with changes of its parameters; others nozzles."""
     plain = {name: value for name, value in base.items() if "_leakage" not in name}
-    return {**plain, "effects.tip_leakage": {"gap": "50 um", **SEALED, **changes}}
+    return {**plain, "effects.tip_leakage": {"gap": "50 um", "reading": "interface", **SEALED, **changes}}
 
 
 @pytest.mark.slow
@@ -74,8 +74,8 @@ def followed(cycle):
     pressure = np.interp(phi, cycle["angle"], cycle["pressure"]) - np.interp(
         phi - 90.0, cycle["angle"], cycle["pressure"]
     )
-    middle = phi - 45.0
-    share = 0.5 * np.where(middle <= 360.0, middle / 360.0, 2.0 - middle / 360.0)  # M19, M260
+    behind = phi - 90.0
+    share = np.where(behind <= 360.0, behind / 360.0, 2.0 - behind / 360.0)  # M19
     return phi, pressure, 0.7 * GAP * LENGTH * share
 
 
