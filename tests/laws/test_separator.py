@@ -51,6 +51,7 @@ COOLED = {
     "duty": cooled({"duty": "40 kW"}),
     "none": cooled(None),
     "thermostat": cooled({"discharge_temperature": "330 K"}),
+    "little oil": cooled(None, {"oil_supply.ratio": 0.01}),
     "outlet": cooled({"outlet_temperature": "300 K"}),
     "paper, duty": cooled({"duty": "40 kW"}, {"oil.transport": "paper"}),
     "displaced, duty": cooled({"duty": "30 kW"}, OIL_PORT),
@@ -172,6 +173,16 @@ def test_what_the_search_takes_is_counted():
     found, stated = run(COOLED["duty"]), run(CARRIED)
     assert found.numerics.rhs_evaluations > 1.5 * stated.numerics.rhs_evaluations
     assert found.numerics.rhs_evaluations < 6.0 * stated.numerics.rhs_evaluations
+
+
+def test_a_cycle_whose_power_hangs_little_on_the_oil_is_met_at_once():
+    """Of a hundredth of oil, forty kelvin from the first guess, where a circuit follows its oil by a twentieth."""
+    found = run(COOLED["little oil"])
+    p = found.performance
+    assert p.oil_supply_temperature - (283.0 + 45.0) > 40.0
+    stated = {"effects.separator": DROP, "oil_supply.temperature": f"{p.oil_supply_temperature!r} K"}
+    stated = {**COOLED["little oil"], **stated}
+    assert found.numerics.rhs_evaluations < 4.0 * run(stated).numerics.rhs_evaluations
 
 
 def test_neighbours_of_a_sweep_find_what_each_finds_alone():
