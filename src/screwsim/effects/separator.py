@@ -162,7 +162,7 @@ def warnings(found) -> Iterator[str]:
 EFFECT = Effect(
     name=NAME,
     title="gas and oil part at one temperature, and a cooler sends the oil back",
-    equations=("M280", "M281", "M282", "M283", "M284"),
+    equations=("M280", "M281", "M282", "M283", "M284", "M285", "M286"),
     source="energy balance; ours",
     parameters=Parameters,
     build=build,
