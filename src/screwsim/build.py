@@ -173,18 +173,16 @@ def temperature_faults(scene: Scene) -> list[Fault]:
 
 def _guessed(scene: Scene, kept: CoolsOil) -> Temperatures:
     """Return first guesses: of a mixture that is warmer than suction gas, and of gas that does not condense."""
-    if kept.discharge is not None:
-        return Temperatures(kept.discharge - COOLED, kept.discharge)
     at, T_c = lines(scene), scene.operation.condensing_temperature
-    T = at.T_s + WARMED
-    if T_c is None and scene.gas.model == "real":
+    T = at.T_s + WARMED if kept.discharge is None else kept.discharge
+    if T_c is None and (scene.gas.model == "real" or _asking(scene)):
         with suppress(UsageError):  # above the critical pressure
             T_c = constants.saturation_temperature(scene.gas.fluid, at.p_d)
     mixture = T if T_c is None else max(T, T_c + COOLED)
     if scene.oil is not None and scene.oil.name is not None:
         stored = OILS[scene.oil.name]
         mixture = min(max(mixture, stored.low), stored.high)
-    return Temperatures(mixture, mixture)
+    return Temperatures(mixture if kept.discharge is None else mixture - COOLED, mixture)
 
 
 def build_oil(scene: Scene, at: Lines) -> OilPart | None:

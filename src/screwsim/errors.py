@@ -13,7 +13,7 @@ LEAST_FILLING = 0.1  # volumetric efficiency below which the net gas flow counts
 
 
 def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, least_work: float = 0.0) -> Figures:
-    """Return |found − better| of every figure over its `error_scale`; None where either is None.
+    """Return |found − better| of every figure over its `error_scale`; None where either is, or none is asked for.
 
     Powers [W] and work [J] below the least ones are rounding.
     """
@@ -24,6 +24,8 @@ def relative_errors(found: Figures, better: Figures, least_power: float = 0.0, l
         if value is None or (reference := better.get(name)) is None:
             continue
         scale = declared(name, found).scale
+        if scale.unasked:
+            continue
         if scale.alone and scale.times:  # a power
             if of_powers is None:
                 of_powers = max(error_scale(name, scale, known), 1e-300, least_power)

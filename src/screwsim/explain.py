@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.build import build_parts, faults_of_own, regularisation
+from screwsim.build import build_parts, faults_of_own, open_temperatures, regularisation
 from screwsim.cycle.wanted import wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
@@ -341,6 +341,10 @@ def _oil(scene: Scene, parts: Parts) -> Iterator[str]:
     equation = f"its ratio d at {at} is given" if supply.kind == "pump" else "the orifice decides (M30)"
     foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
     yield _row("supply", f"{supply.kind}: {equation}; {_parameters(supply, skip=foreign)}")
+    if supply.temperature is None:
+        outlet = "is that of the cooler's outlet (M283)"
+        found = "is found with the cycle (M284)" if open_temperatures(scene)[0] else outlet
+        yield _row("temperature", found)
     if parts.oil_room:
         yield _row("room", "the oil takes room in the chambers (M106); the indicated work lifts it to discharge")
     heated = any("T_oil" in active.effect.states for active in scene.effects.values())

@@ -31,7 +31,7 @@ class Scale:
 
     `alone`: that, whatever its size. It counts only where the figure `where` is there. `times` is a factor: 'ideal' the
     larger of 1 and the ideal isothermal efficiency; 'filling', of what passes through zero with the net gas flow,
-    that by which the volumetric efficiency falls short of 0.1.
+    that by which the volumetric efficiency falls short of 0.1. `unasked`: it has none, as a residual.
     """
 
     least: float = 0.0
@@ -39,6 +39,7 @@ class Scale:
     alone: bool = False
     where: str = ""
     times: str = ""
+    unasked: bool = False
 
 
 ITSELF = Scale()

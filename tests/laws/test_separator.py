@@ -1,7 +1,7 @@
 """Separator and oil cooler: the circuit closes, its temperatures are those of its balance, contradictions are told."""
 
 from concurrent.futures import ThreadPoolExecutor
-from math import log
+from math import log, pi
 
 import pytest
 from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, SOLUBLE_RATE, make, run
@@ -9,9 +9,11 @@ from scenes import DROP, ECONOMIZER, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE,
 from screwsim.build import build_gas
 from screwsim.engineering import engineering
 from screwsim.errors import relative_errors
+from screwsim.explain import explain
 from screwsim.faults import SceneError
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate, simulate_many
+from screwsim.start_up import steadily
 
 SOLUBILITY = "effects.refrigerant_solubility"
 CARRIED = {"oil.transport": "carried", "effects.separator": {}}
@@ -51,6 +53,8 @@ COOLED = {
     "duty": cooled({"duty": "40 kW"}),
     "none": cooled(None),
     "thermostat": cooled({"discharge_temperature": "330 K"}),
+    "stored oil, displaced": cooled({"duty": "20 kW"}, {**OIL_PORT, "oil": {"name": "POE_ACD100FY"}}),
+    "little oil": cooled(None, {"oil_supply.ratio": 0.01}),
     "outlet": cooled({"outlet_temperature": "300 K"}),
     "paper, duty": cooled({"duty": "40 kW"}, {"oil.transport": "paper"}),
     "displaced, duty": cooled({"duty": "30 kW"}, OIL_PORT),
@@ -133,6 +137,17 @@ def test_what_oil_brings_dissolved_is_that_of_both_temperatures_that_were_found(
     assert "the separator's balance closes at " in told and f"not at the stated {T + 3.0 - 273.15:.1f} degC" in told
 
 
+def test_a_stored_oil_has_the_properties_of_the_temperature_that_was_found():
+    """Displaced by as much as its viscosity there lets through."""
+    changes = COOLED["stored oil, displaced"]
+    p, oil = run(changes).performance, make(changes).oil
+    assert p.oil_flow_volume == pytest.approx(p.oil_mass_flow / oil.at(p.oil_supply_temperature).density, rel=1e-12)
+    stated = {**changes, "effects.separator": DROP, "oil_supply.temperature": f"{p.oil_supply_temperature!r} K"}
+    colder = {**stated, "oil_supply.temperature": f"{p.oil_supply_temperature - 20.0!r} K"}
+    assert run(stated).performance.oil_mass_flow == pytest.approx(p.oil_mass_flow, rel=3e-4)
+    assert run(colder).performance.oil_mass_flow < 0.997 * p.oil_mass_flow
+
+
 def test_each_cooler_keeps_what_it_states():
     assert run(COOLED["duty"]).performance.oil_cooler_duty == 40e3
     assert run(COOLED["outlet"]).performance.oil_supply_temperature == 300.0
@@ -172,6 +187,16 @@ def test_what_the_search_takes_is_counted():
     found, stated = run(COOLED["duty"]), run(CARRIED)
     assert found.numerics.rhs_evaluations > 1.5 * stated.numerics.rhs_evaluations
     assert found.numerics.rhs_evaluations < 6.0 * stated.numerics.rhs_evaluations
+
+
+def test_a_cycle_whose_power_hangs_little_on_the_oil_is_met_at_once():
+    """Of a hundredth of oil, forty kelvin from the first guess, where a circuit follows its oil by a twentieth."""
+    found = run(COOLED["little oil"])
+    p = found.performance
+    assert p.oil_supply_temperature - (283.0 + 45.0) > 40.0
+    stated = {"effects.separator": DROP, "oil_supply.temperature": f"{p.oil_supply_temperature!r} K"}
+    stated = {**COOLED["little oil"], **stated}
+    assert found.numerics.rhs_evaluations < 4.0 * run(stated).numerics.rhs_evaluations
 
 
 def test_neighbours_of_a_sweep_find_what_each_finds_alone():
@@ -303,6 +328,34 @@ def test_the_volume_of_the_oil_is_shown_in_litres_a_minute():
     assert p.oil_flow_volume == pytest.approx(p.oil_mass_flow / 1000.0)
     assert engineering("oil_flow_volume", 0.001) == ("60", "L/min")
     assert engineering("displacement_flow", 0.001) == ("3.6", "m³/h")
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [("duty", "is found with the cycle (M284)"), ("outlet", "is that of the cooler's outlet (M283)"), (None, "")],
+)
+def test_explain_says_where_the_temperature_of_the_oil_comes_from(case, words):
+    text = " ".join(str(explain(make(CARRIED if case is None else COOLED[case]))).split())
+    assert (f"temperature {words}" in text) if words else "(M284)" not in text
+
+
+def test_a_shaft_whose_speed_follows_from_its_motor_is_found_together_with_the_oil():
+    """A line of the motor: the mean speed, stated as such, gives the same."""
+    drive = {
+        "motor_inertia": "0.8 kg m^2",
+        "rotor_inertia": "0.12 kg m^2",
+        "coupling": {"linear": {"spring": "20000 N m/rad", "largest_twist": "12 deg"}, "damping": "6 N m s/rad"},
+        "motor": {"law": "line", "slope": "30 N m s/rad", "torque_limit": "2000 N m"},
+    }
+    scene = {**COOLED["duty"], "effects.drive": {**drive, "speed": "no_load"}}
+    p = run(scene).performance
+    assert p.mean_speed < 0.99 * p.no_load_speed
+    assert p.oil_circuit_residual <= 3e-4
+    assert steadily(make(scene), 3.0).parts.oil.temperature == p.oil_supply_temperature  # a start begins from it
+    held = {**COOLED["duty"], "effects.drive": drive, "operation.speed": f"{p.mean_speed * 30.0 / pi!r} rpm"}
+    same = run(held).performance
+    for name in ("shaft_power", "oil_supply_temperature", "gas_mass_flow"):
+        assert same[name] == pytest.approx(p[name], rel=3e-4), name
 
 
 def test_pumped_ports_close_too():

@@ -122,6 +122,7 @@ OF_EFFECT: dict[str, Ranges] = {
     "bearings": {"friction_coefficient": Range(5e-4, 5e-3)},
     "oil_drag": {"tip_gap": Range(0.05, 0.3, "mm")},
     "gas_torque": {"male_share": Range(0.5, 1.0, "", False)},
+    "separator": {"friction_share": Range(0.0, 1.0, "", False)},
     "motor": {"rated_power": Range(5.0, 200.0, "kW"), "constant_share": Range(0.0, 1.0, "", False)},
     "drive": {"rotor_inertia": Range(0.05, 2.0, "kg m^2"), "motor_inertia": Range(0.1, 5.0, "kg m^2")},
     "plenums": {
@@ -170,6 +171,7 @@ SOLVING = (
     DEAD,
     {"oil_supply.ratio": Range(0.1, 3.0), "operation.suction.pressure": Range(1.0, 2.0, "bar")},
 )
+KEPT = "effects.separator.cooler.discharge_temperature"
 STRUCTURES: dict[str, Structure] = {
     "plenums": Structure(PAPER, (PLENUMS, *READINGS), (*OILED, {"effects.plenums.discharge_loss": Range(0.1, 10.0)})),
     "plenums, valves": Structure(
@@ -307,6 +309,23 @@ STRUCTURES: dict[str, Structure] = {
     ),
     "own effect, carried": Structure(
         PAPER, (CARRIED, "effects={own_effects.spike: {area: 30 mm^2, at: 500 deg, width: 5 deg}}"), OILED
+    ),
+    "oil circuit": Structure(
+        PAPER,
+        (CARRIED, "oil_supply.temperature=null", "effects.separator={cooler: {discharge_temperature: 340 K}}"),
+        (*SCREW, {"oil_supply.ratio": Range(0.5, 15.0)}, {KEPT: Range(320.0, 400.0, K, False)}),
+    ),
+    "oil circuit, solubility": Structure(
+        PAPER,
+        (
+            CARRIED,
+            WINDOW,
+            "oil_supply.temperature=null",
+            "effects.refrigerant_solubility={}",
+            "effects.separator={cooler: {discharge_temperature: 345 K}}",
+        ),
+        (*SOLVING, {KEPT: Range(335.0, 365.0, K, False)}),
+        ("separator_temperature",),
     ),
 }
 

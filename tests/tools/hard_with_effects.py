@@ -119,6 +119,8 @@ EFFECTS: dict[str, dict[str, Any]] = {
             "bore": "60 mm",
         }
     },
+    "separator": {"effects.separator": {}},
+    "separator, no cooler": {"effects.separator": {}, "oil_supply.temperature": DROP},
     "motor": {"effects.motor": {"rated_power": "15 kW", "efficiency": 0.921}},
     "gas_torque": {"effects.gas_torque": {"male_share": 0.9}},
     "drive": {
@@ -144,6 +146,8 @@ LIMITS = (  # what the message of a run says that ends at a limit of the machine
     "condenses",
     "both check valves of effects.plenums stay shut",
     "would swing beyond its mean",
+    "no net gas is delivered that could leave the separator",
+    "the oil's circuit leads to where",
 )
 KEEP = ("gas.", "numerics.closing", "machine.volume.law", "machine.male_lobes")
 SECTIONS = {"effects", "oil", "gas", "machine.volume", "machine.suction_port", "machine.discharge_port"}

@@ -41,7 +41,7 @@ FIGURES = (
         "oil_circuit_residual",
         "1",
         "what machine, separator and oil cooler leave open of the shaft power",
-        Scale(1.0, alone=True),
+        Scale(1.0, alone=True, unasked=True),
     ),
 )
 
@@ -105,12 +105,12 @@ def build(parameters: Parameters, machine) -> list[Separator]:
         if not supply_open:
             return found
         T, C = found.T_separator, outflow.oil_capacity
-        rise = outflow.heat_of(T + 1.0) - outflow.heat_of(T)
+        rise = outflow.heat_of(T + 2.0) - outflow.heat_of(T + 1.0)  # beside T, which may be saturation
         if not C > LEAST * rise:
             return found._replace(why=found.why or (NO_OIL if cooler.stated else ""))
         share = C / (C + rise)
         open_ = found.duty - (cooler.duty or 0.0)
-        uncooled = open_ / rise
+        uncooled = open_ / (C * (1.0 - share))
         if cooler.discharge_temperature is None:
             gain = 1.0 / (1.0 - share)
             return found._replace(duty=cooler.duty or 0.0, supply=uncooled, open=open_, share=share, gain=gain)
@@ -162,7 +162,7 @@ def warnings(found) -> Iterator[str]:
 EFFECT = Effect(
     name=NAME,
     title="gas and oil part at one temperature, and a cooler sends the oil back",
-    equations=("M280", "M281", "M282", "M283", "M284"),
+    equations=("M280", "M281", "M282", "M283", "M284", "M285", "M286"),
     source="energy balance; ours",
     parameters=Parameters,
     build=build,

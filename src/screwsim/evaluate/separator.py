@@ -80,7 +80,9 @@ def circuit_of(
 
 
 def _unexplained(outflow: Outflow, parted: Separated) -> float:
-    """Return what comes in [W] beyond what gas, cooler and surroundings take (M285)."""
+    """Return what comes in [W] beyond what gas, cooler and surroundings take (M285); nothing where gas condenses."""
+    if parted.why:
+        return 0.0
     comes = outflow.supplied + outflow.heating + outflow.friction
     goes = outflow.heat_of(parted.T_separator) + parted.duty + parted.ambient_loss + parted.lost_friction
     return comes - goes

@@ -190,7 +190,7 @@ def of_circuit(of: Evaluation) -> tuple[str, float]:
     if isinstance(circuit, str):
         found = any(open_temperatures(of.problem.scene))
         return (f"the oil's temperatures cannot be found: {circuit}" if found else ""), 0.0
-    return circuit.parted.why, circuit.residual
+    return circuit.parted.why, circuit.open
 
 
 def _separated(of: Evaluation) -> Iterator[str]:

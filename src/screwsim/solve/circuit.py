@@ -31,6 +31,7 @@ Array = np.ndarray
 MOST = 20  # cycles closed for the temperatures
 AGAIN = 4  # times that the last of them is solved once more
 OPEN = 0.1  # of the wanted accuracy: what the circuit may leave open of the shaft's power
+LEAST = 0.05  # of what a temperature is expected to give back, for what is learnt of it to be believed
 LARGEST = 40.0  # [K] of a step
 HALVINGS = 6  # of a step to where oil or effects cannot be, or where no cycle closes
 WARMER = (15.0, 30.0, 50.0)  # [K] than the first guess, where no cycle closes with that
@@ -51,20 +52,22 @@ class Search:
     last: tuple[Array, Array] | None = None
     seen: list[tuple[Array, Figures]] = field(default_factory=list)  # temperatures and figures of the cycles
 
-    def step(self, x: Array, circuit: Circuit) -> Array:
-        """Return the next change of both temperatures [K] from x, where the cycle says the circuit's."""
+    def step(self, x: Array, circuit: Circuit, both: bool) -> Array:
+        """Return the next change of the temperatures [K] from x, where the cycle says the circuit's.
+
+        `both` are found, or one of them. What would turn the search away from where its circuit leads is not learnt.
+        """
         off = np.array([circuit.supply, circuit.separator])
         if self.jacobian is None:
-            self.jacobian = np.array([[-1.0, 0.0], [circuit.parted.share, -1.0]])
+            self.jacobian = np.array([[-1.0, 0.0], [circuit.parted.share if both else 0.0, -1.0]])
         elif self.last is not None:
             dx = x - self.last[0]
             if dx @ dx > 0.0:
-                self.jacobian = self.jacobian + np.outer(off - self.last[1] - self.jacobian @ dx, dx) / (dx @ dx)
+                learnt = self.jacobian + np.outer(off - self.last[1] - self.jacobian @ dx, dx) / (dx @ dx)
+                if np.all(np.linalg.eigvals(learnt).real < -LEAST):
+                    self.jacobian = learnt
         self.last = x, off
-        try:
-            found = -np.linalg.solve(self.jacobian, off)
-        except np.linalg.LinAlgError:
-            found = off
+        found = -np.linalg.solve(self.jacobian, off)
         largest = float(np.max(np.abs(found)))
         return found * min(1.0, LARGEST / largest) if largest > 0.0 else found
 
@@ -110,7 +113,7 @@ class Search:
         """Return the cycle at the next temperatures; None, with the reason noted, where none is found."""
         x = temperatures_of(of.problem)
         self.learn(of, x)
-        step = self.step(x, circuit)
+        step = self.step(x, circuit, all(open_temperatures(of.problem.scene)))
         for _ in range(HALVINGS):
             problem = self.posed(of.problem, x + step)
             found = None if problem is None else self.closed(problem, self.course)
@@ -174,7 +177,8 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
         x, tightness = temperatures_of(accurate.evaluation.problem), accurate.tightness * min(1.0, AIM / size)
         note(search.course, accurate.evaluation, accurate.cycle, accurate.wanted, max(tightness, TIGHTEST))
         search.learn(accurate.evaluation, x)
-        other = search.posed(accurate.evaluation.problem, x + search.step(x, circuit))
+        both = all(open_temperatures(problem.scene))
+        other = search.posed(accurate.evaluation.problem, x + search.step(x, circuit, both))
         if other is None:
             break
         counts, spent = _sum(counts, accurate.counts), spent + accurate.closing_time

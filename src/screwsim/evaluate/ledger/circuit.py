@@ -22,7 +22,7 @@ def through_circuit(book: Book, cycle: Cycle, of: Evaluation, of_gas: float, of_
     As they stand, `of_gas` and `of_oil`, where a scene has no separator.
     """
     circuit, names = of.circuit, [name for name, _ in cycle.parts.all(Separator)]
-    if not (isinstance(circuit, Circuit) and names):
+    if not (isinstance(circuit, Circuit) and names) or circuit.parted.why:
         return of_gas, of_oil
     outflow, parted, T_0 = circuit.outflow, circuit.parted, cycle.T_0
     line, T = cycle.suction.line, parted.T_separator
