@@ -207,7 +207,7 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
     cycle, of = accurate.cycle, accurate.evaluation
     status, message = cycle.status, ""
     none, circuit_open = verdict.of_circuit(of)
-    forbidden = forbidden or none or why
+    forbidden = forbidden or none or (why if circuit_open > balance.bound else "")
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
     shown = ", ".join(f"{name} {size:.2g}" for name, size in residuals.items())
     if status == "not_closed" or max(residuals.values()) > balance.bound:

@@ -209,6 +209,14 @@ def test_neighbours_of_a_sweep_find_what_each_finds_alone():
     assert together[2].numerics.rhs_evaluations < alone[2].numerics.rhs_evaluations
 
 
+def test_a_sweep_goes_on_after_a_duty_that_cannot_be():
+    """What follows it begins afresh, as alone."""
+    scenes = [make({**COOLED["flash, duty"], "effects.separator": {"cooler": {"duty": f"{q} kW"}}}) for q in (90, 30)]
+    failed, after = simulate_many(scenes)
+    assert failed.status == "failed" and after.status == "ok"
+    assert after.performance == simulate(scenes[1]).performance
+
+
 def test_searches_side_by_side_do_not_meet():
     scenes = [make(COOLED[name]) for name in ("duty", "thermostat", "none")]
     one_by_one = [simulate(scene).performance for scene in scenes]

@@ -29,7 +29,7 @@ from screwsim.solve.drive import at_its_speed, settled
 
 Array = np.ndarray
 MOST = 20  # cycles closed for the temperatures
-AGAIN = 4  # times that the last of them is solved once more
+AGAIN = 8  # times that the last of them is solved once more
 OPEN = 0.1  # of the wanted accuracy: what the circuit may leave open of the shaft's power
 LEAST = 0.05  # of what a temperature is expected to give back, for what is learnt of it to be believed
 LARGEST = 40.0  # [K] of a step
