@@ -6,6 +6,7 @@ import pytest
 from scenes import DROP, make, run
 
 from screwsim.scene import load
+from screwsim.scene.plausible import scene_warnings
 from screwsim.simulate import simulate
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -92,3 +93,12 @@ def test_a_motor_that_is_too_small_is_told_or_does_not_turn(rated, status, words
     assert words in result.message if status == "failed" else bool(told(result, "the motor's load")) == bool(words)
     if status == "failed":
         assert result.performance.shaft_power > 3.5 * 2650.0
+
+
+def test_oil_on_which_a_real_gas_condenses_is_told_at_the_front():
+    scene = load(CONFIGS / "r134a" / "point.yaml", overrides=("oil_supply.temperature=300 K",))
+    words = "R134a condenses on it at the discharge pressure, 11.6 bar, below 318.15 K (45.00 degC) (warmer oil)"
+    assert any(words in each and each.startswith("oil_supply.temperature: ") for each in scene_warnings(scene))
+    assert not scene_warnings(load(CONFIGS / "r134a" / "point.yaml"))
+    dry = load(CONFIGS / "r134a" / "point.yaml", ("oil_supply.temperature=300 K",), without=("oil_heat",))
+    assert not scene_warnings(dry)  # they exchange no heat

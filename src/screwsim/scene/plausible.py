@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import cache
 from typing import Any
 
 from screwsim.declare import ANY, KINDS
+from screwsim.faults import UsageError
 from screwsim.fluid import constants
 from screwsim.scene.fields import Leaf, Section, section_of
 from screwsim.scene.lines import lines
@@ -27,7 +29,7 @@ PLAIN = ("gas", "oil", "operation", "oil_supply", "machine")
 
 def scene_warnings(scene: Scene) -> tuple[str, ...]:
     """Return what of a scene that `cross_check` finds in order hardly is so, each in one line led by its path."""
-    found = [*_fields(scene), *size_warnings(scene), *_lines(scene)]
+    found = [*_fields(scene), *size_warnings(scene), *_lines(scene), *_oil(scene)]
     return tuple(f"{path}: {what}; {MEANT}" for path, what in found)
 
 
@@ -84,3 +86,22 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
             here, until = (f"{T:.5g} K ({T - ZERO_CELSIUS:.2f} degC)" for T in (at.T_s, boiling))
             what = f"{scene.gas.fluid} of {p} is a liquid at {here}, and a gas from {until} on"
             yield T_S, f"{what}; gas.model: ideal takes it as a gas (warmer gas, or gas.model: real, which refuses it)"
+
+
+def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield that the oil is so cold that a real gas condenses on it at the discharge pressure."""
+    supply = scene.oil_supply
+    if supply is None or supply.temperature is None or scene.gas.model != "real" or not _exchanges(scene):
+        return
+    p_d = lines(scene).p_d
+    with suppress(UsageError):  # above the critical pressure
+        T = constants.saturation_temperature(scene.gas.fluid, p_d)
+        if supply.temperature < T:
+            cold, warm = (f"{each:.5g} K ({each - ZERO_CELSIUS:.2f} degC)" for each in (supply.temperature, T))
+            what = f"{scene.gas.fluid} condenses on it at the discharge pressure, {1e-5 * p_d:.4g} bar, below {warm}"
+            yield "oil_supply.temperature", f"the oil comes with {cold}; {what} (warmer oil)"
+
+
+def _exchanges(scene: Scene) -> bool:
+    """Tell whether oil and gas exchange heat."""
+    return any("T_oil" in active.effect.states for active in scene.effects.values())
