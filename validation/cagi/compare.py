@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from screwsim.scene import load, with_values
+from screwsim.outputs import Figures
+from screwsim.scene import Scene, load, with_values
+from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many
 from screwsim.study.validation import Comparison, NotRun, Panel, Row, Series, equal, read_table
 
@@ -71,22 +73,28 @@ def swept(scene_file: Path, full: float, loss: float = LOSS, values: dict[str, f
     The loss follows the flow, which is found first at the pressure of the scene and then with the loss that this has.
     """
     scene = with_values(load(scene_file, ["numerics.error=none"]), values or {})
-    line = scene.operation.discharge.pressure
-    losses = np.zeros(len(SPEEDS))
-    for _ in range(2):
-        points = [
-            with_values(scene, {"operation.speed": n * RPM, "operation.discharge.pressure": line + float(lost)})
-            for n, lost in zip(SPEEDS, losses, strict=True)
-        ]
-        found = list(simulate_many(points, trace=False))
-        for result in found:
-            if result.status != "ok":
-                raise NotRun(f"{scene_file.name}: {result.told}")
-        figures = [result.performance for result in found]
-        flow = np.array([each.volumetric_efficiency * each.displacement_flow for each in figures])
-        losses = loss * (flow / full) ** 2
-    power, filled = ([each[name] for each in figures] for name in ("electrical_power", "volumetric_efficiency"))
-    return Curve(flow.tolist(), power, filled)
+    without = _figures(scene, np.zeros(len(SPEEDS)))
+    found = _figures(scene, loss * (_flow(without) / full) ** 2)
+    power, filled = ([each[name] for each in found] for name in ("electrical_power", "volumetric_efficiency"))
+    return Curve(_flow(found).tolist(), power, filled)
+
+
+def _figures(scene: Scene, losses: np.ndarray) -> list[Figures]:
+    """Return the figures at all speeds, the discharge pressure higher by `losses` [Pa]."""
+    line, points = lines(scene).p_d, []
+    for n, lost in zip(SPEEDS, losses, strict=True):
+        values = {"operation.speed": n * RPM, "operation.discharge.pressure": line + float(lost)}
+        points.append(with_values(scene, values))
+    found = list(simulate_many(points, trace=False))
+    for result in found:
+        if result.status != "ok":
+            raise NotRun(f"{scene.title}: {result.told}")
+    return [result.performance for result in found]
+
+
+def _flow(figures: Sequence[Figures]) -> np.ndarray:
+    """Return the flows at suction [m³/s]."""
+    return np.array([each.volumetric_efficiency * each.displacement_flow for each in figures])
 
 
 def isentropic_power(flow: float, suction: float, discharge: float) -> float:
@@ -196,8 +204,8 @@ def compare(here: Path) -> Comparison:
         name: swept(here / file, full)
         for name, file in (("predicted", "machine.yaml"), ("close", "close.yaml"), ("dry", "dry.yaml"))
     }
-    operation = load(here / "machine.yaml").operation
-    pressures = operation.suction.pressure, operation.discharge.pressure
+    between = lines(load(here / "machine.yaml"))
+    pressures = between.p_s, between.p_d
     least = least_efficiency(full, read_table(here / "regulation.csv")[0])
     rows: list[Row] = []
     for name, key, kind in ((NAMES[0], "predicted", "published"), (NAMES[1], "close", "calibrated")):
