@@ -90,10 +90,13 @@ def _fed_back(of: Evaluation) -> bool:
     """Tell whether one finer life is not enough for an estimate: errors come back through what it still meets.
 
     That is the coarser life of its neighbours; what the cycle makes beside the discharge line; the state at its own
-    beginning, where much of it is kept: of one chamber alone, of reeds, of oil whose amount nothing but the flows tell.
+    beginning, where much of it is kept: of one chamber alone, of reeds, of oil whose amount nothing but the flows tell,
+    or that goes from chamber to chamber as films.
     """
     parts, c = of.problem.parts, of.problem.composition
     if of.problem.scene.numerics.accuracy <= MUCH or _filling(of.figures) < TIGHT or parts.made:
+        return True
+    if parts.suction_line or any(parts.films):
         return True
     displaced = c.carried and parts.oil is not None and "ratio" not in parts.oil.supply
     kept = c.chambers == 1 or bool(c.own_states)
