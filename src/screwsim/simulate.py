@@ -182,6 +182,8 @@ def _refused(problem: Problem, accurate: Accurate) -> str:
     if not found and cycle.status == "failed":
         found = verdict.failure(problem, cycle)
     found = found or verdict.refused(problem.parts.gas, life) or feedback.at_its_end(problem, life)
+    if not found and cycle.status == "ok":
+        found = feedback.line_left_open(problem, life, cycle.q)
     return found + "".join(f"; {words}" for words in plausible.shut_ways(problem.scene, problem.parts)) if found else ""
 
 

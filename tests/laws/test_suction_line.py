@@ -3,14 +3,17 @@
 import math
 
 import pytest
-from scenes import OIL_VOLUME, SOLUBLE_RATE, make, run
+from scenes import OIL_VOLUME, SOLUBLE_RATE, closed, make, run
 from test_capacity_control import SLIDE
 
+from screwsim.cycle.balances import streams_of
+from screwsim.cycle.feedback import line_left_open
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.suction_line import Stream, held_of, mixed
 from screwsim.effects.base import OilSolution
 from screwsim.effects.refrigerant_solubility import content
 from screwsim.faults import SceneError
+from screwsim.model.slots import ENTHALPY, R_SUCTION
 from screwsim.outputs import ledger_entries
 
 LINE = {"oil.transport": "carried", "effects.suction_line": {}, "effects.slide_valve": {**SLIDE, "position": 0.6}}
@@ -147,6 +150,21 @@ def test_equilibrium_in_the_line_is_that_of_the_solubility_at_the_temperature_of
     for p in (1.5e5, 4e5, 10e5):
         entropy = gas.entropy(p, 325.0) - (gas.enthalpy(p, 325.0) - solution.enthalpy) / 325.0
         assert held_of(solution, entropy) == pytest.approx(content(p, 325.0), rel=2e-4)  # M195; rows of a table between
+
+
+def test_a_line_that_does_not_have_what_comes_to_it_is_never_ok():
+    """A mixture that is no state of the gas leaves the line as it is on the way: what closes so is told, not given."""
+    of, _, cycle = closed(make({**LINE, **REAL}))
+    life, q = cycle.trajectory, cycle.q
+    assert line_left_open(of, life, q) == ""
+    R = life.R.copy()
+    R[R_SUCTION + ENTHALPY] *= 1.05
+    assert "does not settle: its gas is" in line_left_open(of, life._replace(R=R), q)
+    streams = streams_of(of.composition, q).copy()
+    streams[1, 1] += 1e6 * streams[0, 0]  # [J] that no vapour can lack
+    q = q.copy()
+    q[-streams.size :] = streams.ravel()
+    assert "a mixture in the suction line that cannot be" in line_left_open(of, life, q)
 
 
 # ---- leaks beside the chambers ----

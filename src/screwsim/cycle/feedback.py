@@ -59,11 +59,15 @@ def image(problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None
     """Return what a life of these quadratures makes of the unknowns; `turn`, where it is known already."""
     lines = [_outflow(problem, life.R, q)]
     if problem.parts.suction_line:
-        streams, h_d = streams_of(problem.composition, q), float(lines[0][0])
-        heat = suction_heat(problem, life, q) / problem.rate
-        lines.append(suction_line.image(problem, life.R, streams, h_d, heat))
+        lines.append(suction_line.image(*_of_suction_line(problem, life, q)))
     made = list((turn or turn_of(problem, life, q)).made.values()) if problem.parts.made else []
     return np.concatenate([*lines, made])
+
+
+def _of_suction_line(problem: Problem, life: Trajectory, q: Array) -> tuple[Problem, Array, Array, float, float]:
+    """Return what the suction line asks of a life: its numbers, streams, enthalpy of the discharge line, heat [J]."""
+    heat = suction_heat(problem, life, q) / problem.rate
+    return problem, life.R, streams_of(problem.composition, q), float(_outflow(problem, life.R, q)[0]), heat
 
 
 def suction_heat(problem: Problem, life: Trajectory, q: Array) -> float:
@@ -120,6 +124,11 @@ def _line_flows(problem: Problem, life: Trajectory, q: Array) -> Callable[[str],
         return LineFlow(flow + (mean - flow.mean()), float(volume), p, rho, 1.0 / exponent)
 
     return flow_to
+
+
+def line_left_open(problem: Problem, life: Trajectory, q: Array) -> str:
+    """Return why a closed cycle does not suck what comes to its suction line; empty where it does."""
+    return suction_line.left_open(*_of_suction_line(problem, life, q)) if problem.parts.suction_line else ""
 
 
 def at_its_end(problem: Problem, life: Trajectory) -> str:

@@ -30,6 +30,7 @@ from screwsim.model.slots import (
 
 Array = np.ndarray
 CLOSE = 1e-13  # relative width of the interval in which the mixture's enthalpy is found
+LEFT_OPEN = 0.01  # relative difference of its enthalpy from that of what comes, above which the line is not closed
 REACH = 0.02  # relative distance from the first guess of that enthalpy in which it is looked for first
 
 
@@ -128,19 +129,39 @@ def image(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -
     Where more flows back than is sucked the rest leaves by the line, mixed as it came: the mixture is a continuous
     function of the flows (as M27).
     """
-    sucked, returned = Stream(*streams[0].tolist()).fluid, back(problem, R, streams)
     before = values(problem, R)
-    if not sucked > 0.0:
-        return before
-    share = min(1.0, sucked / returned.fluid) if returned.fluid > 0.0 else 1.0
-    own = max(0.0, sucked - returned.fluid)
     try:
-        warmed = own * problem.suction.place(h_d)[ENTHALPY] + (heat if own > 0.0 else 0.0)
-        total = Stream(own, warmed).plus(returned, share)
-        found = mixed(problem, total, float(before[0]))
+        found = _mixture(problem, R, streams, h_d, heat)
     except UsageError:
         return before
-    return np.array(found[: len(before)])
+    return before if found is None else np.array(found[: len(before)])
+
+
+def _mixture(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> Mixture | None:
+    """Return what a life makes of the line; None where nothing is sucked. Raise UsageError where gas has no state."""
+    sucked, returned = Stream(*streams[0].tolist()).fluid, back(problem, R, streams)
+    if not sucked > 0.0:
+        return None
+    share = min(1.0, sucked / returned.fluid) if returned.fluid > 0.0 else 1.0
+    own = max(0.0, sucked - returned.fluid)
+    warmed = own * problem.suction.place(h_d)[ENTHALPY] + (heat if own > 0.0 else 0.0)
+    return mixed(problem, Stream(own, warmed).plus(returned, share), float(R[R_SUCTION + ENTHALPY]))
+
+
+def left_open(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> str:
+    """Return why a closed cycle does not suck what comes to the line: a mixture that is no state of the gas; else ''.
+
+    On the way to a cycle such a mixture leaves the line as it is; one that stays so is none that the line has.
+    """
+    try:
+        found = _mixture(problem, R, streams, h_d, heat)
+        if found is None:
+            return ""
+        problem.parts.gas.place_of_enthalpy(problem.suction.pressure, found.enthalpy)
+    except UsageError as wrong:
+        return f"gas and oil that flow back make a mixture in the suction line that cannot be: {wrong}"
+    off = abs(found.enthalpy / float(R[R_SUCTION + ENTHALPY]) - 1.0)
+    return "" if off <= LEFT_OPEN else f"the suction line does not settle: its gas is {off:.1%} off what comes to it"
 
 
 def mixed(problem: Problem, total: Stream, guess: float) -> Mixture:
