@@ -40,7 +40,7 @@ THICK = {
     "oil.transport": "carried",
     "oil.viscosity": "20e9 mPa s",
     "machine.volume.min": "20 cm^3",
-    "effects.tip_leakage": {"gap": "50 um", **FILM, "filled_from": 1e-5, "wall_speed": 0.4},
+    "effects.tip_leakage": {"gap": "50 um", "reading": "interface", **FILM, "filled_from": 1e-5, "wall_speed": 0.4},
 }
 
 

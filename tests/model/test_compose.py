@@ -63,7 +63,7 @@ def test_losses_alone_leave_the_text_as_it_is():
     [
         {"operation__speed": "1234 rpm"},
         {"machine__volume": {"law": "paper", "max": "500 cm^3", "phi_A": "70 deg"}},
-        {"effects__tip_leakage": {"gap": "10 um"}},
+        {"effects__tip_leakage": {"gap": "10 um", "reading": "interface"}},
         {"oil_supply__ratio": 5},
         {"gas__isentropic_exponent": 1.3},
         {"numerics": {"accuracy": 1e-5}},
@@ -82,7 +82,7 @@ def test_both_forms_of_equation_12_have_their_own_text():
     assert composition(effects__oil_heat=heat).text != composition().text
 
 
-@pytest.mark.parametrize("edited", [nozzle.flow, tip_leakage.area, rodas.attempt], ids=lambda item: item.flat_name)
+@pytest.mark.parametrize("edited", [nozzle.flow, tip_leakage.all_tips, rodas.attempt], ids=lambda item: item.flat_name)
 def test_an_edit_in_any_file_makes_another_module(edited, monkeypatch):
     """No stale compiled code: the module's name is the hash of all text, other files' included."""
     composing.module_text.cache_clear()

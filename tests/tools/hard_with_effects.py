@@ -106,6 +106,7 @@ EFFECTS: dict[str, dict[str, Any]] = {
     "bypass, chamber": {
         "effects.bypass": {"source": "chamber", "area": "5 cm^2", "opens": "400 deg", "passage": "90 deg"}
     },
+    "suction_line, shaft_leakage": {"effects.suction_line": {}, "effects.shaft_leakage": {"area": "3 mm^2"}},
     "suction_throttle": {"effects.suction_throttle": {"pressure_ratio": 0.7}},
     "oil_drag": {
         "effects.oil_drag": {"tip_gap": "0.1 mm", "tip_land": "3 mm", "end_gap": "0.1 mm", "end_solidity": 0.6}
