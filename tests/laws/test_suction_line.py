@@ -1,6 +1,7 @@
 """What flows back into the suction line stays in it (M270–M274): conservation, limits, mixing, leaks to it."""
 
 import math
+from pathlib import Path
 
 import pytest
 from scenes import OIL_VOLUME, SOLUBLE_RATE, closed, make, run
@@ -15,6 +16,8 @@ from screwsim.effects.refrigerant_solubility import content
 from screwsim.faults import SceneError
 from screwsim.model.slots import ENTHALPY, R_SUCTION
 from screwsim.outputs import ledger_entries
+from screwsim.scene import load
+from screwsim.simulate import simulate
 
 LINE = {"oil.transport": "carried", "effects.suction_line": {}, "effects.slide_valve": {**SLIDE, "position": 0.6}}
 REAL = {"gas.model": "real", "operation.suction.temperature": "290 K", "oil_supply.temperature": "325 K"}
@@ -72,6 +75,37 @@ def test_all_that_the_rotors_give_the_fluids_arrives_at_discharge(case):
     of_line = ("effects.suction_line", "effects.shaft_leakage")
     lost = {path: value for path, value in CASES[case].items() if path not in of_line}
     assert abs(missing(run(lost).performance)) > 0.01
+
+
+PACKAGES = [case for case in FORWARDS if case != "coupled chambers"]
+COMPACT = Path(__file__).parents[2] / "configs" / "r134a" / "compact.yaml"
+AROUND = {  # the shipped machine, whose oil comes back uncooled, with what goes round in it
+    "as it is": (),
+    "bypass, throttle": ("effects.bypass={share: 0.1}", "effects.suction_throttle={pressure_ratio: 0.9}"),
+    "oil takes room": ("effects.oil_volume={}",),
+}
+
+
+@pytest.mark.parametrize("case", PACKAGES)
+def test_machine_suction_line_separator_and_cooler_close_as_one(case):
+    """M285: what the shaft and the motor give leaves with gas and cooler, whatever goes round in between."""
+    found = {"effects.separator": {}}
+    if "effects.refrigerant_solubility" in CASES[case]:
+        found |= {"effects.refrigerant_solubility": {"flash_time": "5 ms", "absorption_time": "50 ms"}}
+    result = run({**CASES[case], **found})
+    assert result.status == "ok", result.message
+    assert result.performance.oil_circuit_residual <= result.balance.bound
+    assert result.balance.entropy <= result.balance.bound
+
+
+@pytest.mark.parametrize("case", AROUND)
+def test_a_package_without_a_cooler_closes_at_one_temperature_of_gas_and_oil(case):
+    result = simulate(load(COMPACT, AROUND[case]))
+    assert result.status == "ok", result.message
+    p = result.performance
+    assert p.oil_circuit_residual <= result.balance.bound
+    assert p.mixture_discharge_temperature == pytest.approx(p.oil_supply_temperature, abs=0.01)
+    assert 0.0 == p.oil_cooler_duty
 
 
 def test_where_nothing_flows_back_the_line_is_the_suction_line():
