@@ -13,7 +13,8 @@ TITLE = "Giuffrida 2016: leak share and viscous loss"
 CITATION = "A. Giuffrida, Appl. Therm. Eng. 93 (2016) 813; shares computed from its leak area"
 ABOUT = (
     "Its one leak was fitted to a machine on another gas; the shares are orders of size. Ours are the volumetric loss "
-    "1 − λ of shop clearances, none of them fitted."
+    "1 − λ with the gaps of the machine fitted to Bitzer's curves, scaled with the diameter and sealed by the same "
+    "rule; nothing is fitted to this source. Dry gaps of 40 µm at 160 mm lose 2.3 to 2.7 times as much as it says."
 )
 RPM, FACTOR = 2.0 * pi / 60.0, 2.0
 VISCOUS = 168.0  # W at 2900 rpm and 20 mPa s, of about 14.5 kW
