@@ -58,26 +58,20 @@ def set_unknowns(problem: Problem, machinery: Machinery, values: Array) -> None:
 def image(problem: Problem, life: Trajectory, q: Array, turn: Turn | None = None) -> Array:
     """Return what a life of these quadratures makes of the unknowns; `turn`, where it is known already."""
     lines = [_outflow(problem, life.R, q)]
+    turn = turn or turn_of(problem, life, q) if problem.parts.made else None
     if problem.parts.suction_line:
-        lines.append(suction_line.image(*_of_suction_line(problem, life, q)))
-    made = list((turn or turn_of(problem, life, q)).made.values()) if problem.parts.made else []
-    return np.concatenate([*lines, made])
+        heat = _suction_heat(problem, life, q, turn) / problem.rate
+        streams = streams_of(problem.composition, q)
+        lines.append(suction_line.image(problem, life.R, streams, float(lines[0][0]), heat))
+    return np.concatenate([*lines, [] if turn is None else list(turn.made.values())])
 
 
-def _of_suction_line(problem: Problem, life: Trajectory, q: Array) -> tuple[Problem, Array, Array, float, float]:
-    """Return what the suction line asks of a life: its numbers, streams, enthalpy of the discharge line, heat [J]."""
-    heat = suction_heat(problem, life, q) / problem.rate
-    return problem, life.R, streams_of(problem.composition, q), float(_outflow(problem, life.R, q)[0]), heat
-
-
-def suction_heat(problem: Problem, life: Trajectory, q: Array) -> float:
+def _suction_heat(problem: Problem, life: Trajectory, q: Array, turn: Turn | None) -> float:
     """Return the heat [W] that the fresh gas takes up on its way to the suction line (M275)."""
     parts = problem.parts
-    heats = [part.power for _, part in parts.all(SuctionHeat)]
-    if not heats or not np.isfinite(q[0]):
+    if not parts.all(SuctionHeat) or not np.isfinite(q[0]):
         return 0.0
-    power = shaft_power(parts, known_of(problem, life, q, turn=turn_of(problem, life, q) if parts.made else None))
-    return sum(heat(power) for heat in heats)
+    return suction_line.heat(problem, shaft_power(parts, known_of(problem, life, q, turn=turn)))
 
 
 def turn_of(problem: Problem, life: Trajectory, q: Array) -> Turn:
@@ -128,7 +122,12 @@ def _line_flows(problem: Problem, life: Trajectory, q: Array) -> Callable[[str],
 
 def line_left_open(problem: Problem, life: Trajectory, q: Array) -> str:
     """Return why a closed cycle does not suck what comes to its suction line; empty where it does."""
-    return suction_line.left_open(*_of_suction_line(problem, life, q)) if problem.parts.suction_line else ""
+    if not problem.parts.suction_line:
+        return ""
+    turn = turn_of(problem, life, q) if problem.parts.made else None
+    streams, h_d = streams_of(problem.composition, q), float(_outflow(problem, life.R, q)[0])
+    heat = _suction_heat(problem, life, q, turn) / problem.rate
+    return suction_line.left_open(problem, life.R, streams, h_d, heat)
 
 
 def at_its_end(problem: Problem, life: Trajectory) -> str:

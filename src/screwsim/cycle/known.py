@@ -11,7 +11,7 @@ from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Turn
 from screwsim.model.places import SOME_OIL
-from screwsim.model.slots import PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
+from screwsim.model.slots import PLACE, PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
 
 
@@ -80,7 +80,7 @@ def known_of(
         delivery_pressure=p_delivery,
         oil_source_pressure=p_source,
         drag_power=0.0 - pushed_of(problem.composition, q) * rate,
-        plenum_pressure=_plenum_pressure(problem, life),
+        plenum_pressure=pressure_behind(problem, life, "discharge") or problem.lines.p_d,
         oil_temperature=T_oil,
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
         oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
@@ -99,13 +99,14 @@ def _leaked_oil(problem: Problem, life: Trajectory) -> float:
     return suction_line.leak(problem, life.R).oil * problem.rate / oil.density if oil is not None else 0.0
 
 
-def _plenum_pressure(problem: Problem, life: Trajectory) -> float:
-    """Return the mean pressure [Pa] that the chambers discharge to: the line's, or that of a plenum (M184)."""
-    p, parts, c = problem.lines.p_d, problem.parts, problem.composition
+def pressure_behind(problem: Problem, life: Trajectory, to: str) -> float | None:
+    """Return the mean pressure [Pa] that the chambers meet in a line that pulsates (M184); None in one that not."""
+    parts, c = problem.parts, life.composition
     for part in parts.pulsations:
-        if part.to == "discharge":
-            p *= 1.0 + float(life.composition.P[c.made[list(parts.made).index(part.offset)]])
-    return p
+        if part.to == to:
+            offset = float(c.P[c.made[list(parts.made).index(part.offset)]])
+            return float(life.R[parts.number(to) * PLACE + PRESSURE]) * (1.0 + offset)
+    return None
 
 
 def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> float | None:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL, Problem
-from screwsim.effects.base import LineLeak, OilSolution
+from screwsim.effects.base import LineLeak, OilSolution, SuctionHeat
 from screwsim.faults import UsageError
 from screwsim.fluid.nozzle import flow
 from screwsim.model.slots import (
@@ -119,6 +119,11 @@ def fresh(problem: Problem, R: Array, streams: Array) -> float:
     if not problem.parts.suction_line:
         return float(streams[0, 0] + streams[1, 0])
     return Stream(*streams[0].tolist()).fluid - back(problem, R, streams).fluid
+
+
+def heat(problem: Problem, power: float) -> float:
+    """Return the heat [W] that the fresh gas takes up on its way, by the power of the shaft [W] (M275)."""
+    return sum(part.power(power) for _, part in problem.parts.all(SuctionHeat))
 
 
 def image(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> Array:

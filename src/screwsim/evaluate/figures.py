@@ -10,7 +10,6 @@ import numpy as np
 from screwsim.build import build_site
 from screwsim.cycle import powers, suction_line
 from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_of
-from screwsim.cycle.feedback import suction_heat
 from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Drawn, Plenum, Separator, Turn
@@ -95,7 +94,7 @@ def figures_of(
         found["intake_pressure"] = problem.suction.pressure
         found["intake_temperature"] = _intake_temperature(problem, life)
     if parts.suction_line:
-        found |= _of_suction_line(problem, life, streams, suction_heat(problem, life, q))
+        found |= _of_suction_line(problem, life, streams, suction_line.heat(problem, shaft))
     if geometry.expands:
         work, closes = problem.h_isentropic - problem.inlet.enthalpy, geometry.inlet_closes
         filled = None if closes is None else problem.inlet.density * life.volume(closes)  # where the inlet closes

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from screwsim.cycle.known import pressure_behind
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.parts import OilPart
-from screwsim.model.slots import FIRST_OWN, PLACE, PRESSURE
+from screwsim.model.slots import FIRST_OWN
 
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
 SUCTION_LINE, DISCHARGE_LINE, NOT_CONSERVED = "suction_line", "discharge_line", "oil_not_conserved"
@@ -92,11 +93,7 @@ class Cycle:
 
     def pressure_behind(self, to: str) -> float | None:
         """Return the mean pressure [Pa] that the chambers meet in a line that pulsates (M184); None in one that not."""
-        for part in self.parts.pulsations:
-            if part.to == to:
-                offset = float(self.composition.P[self.composition.made[list(self.parts.made).index(part.offset)]])
-                return float(self.R[self.parts.number(to) * PLACE + PRESSURE]) * (1.0 + offset)
-        return None
+        return pressure_behind(self.problem, self.life, to)
 
     def behind(self, to: str, line: State) -> State:
         """Return the mean state that the chambers meet in a line: throttled where its pressure has an offset (M184)."""
