@@ -69,7 +69,7 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
 
 Numbered = FlowPath | HeatRate | Wall | ChamberState
 WARMED, COOLED = 45.0, 12.0  # [K] in first guesses: of gas and oil over suction gas, of oil by its cooler
-WIDTH = 0.5  # of the regularisation over the wanted accuracy
+WIDTH = 0.25  # of the regularisation over the wanted accuracy
 LEAST = 1e-300  # above nothing
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 

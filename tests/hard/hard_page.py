@@ -28,9 +28,10 @@ of each kind of failure.
 
 Where the first try does not close a cycle (`numerics.closing` other than `histories`), a tighter tolerance of the
 steps, damped closing, closing without acceleration and a continuation from four times the speed are tried, and a
-warning of the result says which one it took; each has a case below (*closes only …*). The error of such a cycle is
-estimated by closing it again, finer: one life more shows too little of it. Where no try closes, the message says how
-much the states still change and how hot the gas gets
+warning of the result says which one it took; those that Newton's correction does not spare have a case below (*closes
+only …*), the last one none any more (*closes by Newton, wet*). The error of such a cycle is estimated by closing it
+again, finer: one life more shows too little of it. Where no try closes, the message says how much the states still
+change and how hot the gas gets
 ([numerics.md](numerics.md): cycles that are not there to be found).
 
 Floors: `tests/hard/test_floors.py` states what each one changes. Oil below 1e-4 of the gas is not waited for and counts
@@ -62,7 +63,7 @@ cycle or to leave it for its own. That proves the cycle to be one of the equatio
 REASONS = {
     "a chamber that never opens": "any charge is a cycle of it, so closing has nothing to find. Radau follows all "
     "chambers for one life; they come back as they were. Work, which is none, is over m p/ρ.",
-    "found: closes only from an easier scene": "next to the critical point, in the last degree, the exponent of the "
+    "found: closes by Newton, wet": "next to the critical point, in the last degree, the exponent of the "
     "nozzle flow jumps at the border of the phases (M47, M48; k from 0.24 to 0.98, the choked flow by 1.8), and the "
     "slopes on both sides lead to it: the state slides along the border, where the equations have no solution in the "
     "classical sense. The steps of Radau and BDF vanish; ours hold the phase and cross, LSODA's coarser ones do, too.",

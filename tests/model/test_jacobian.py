@@ -45,7 +45,8 @@ CASES = {
 
 @pytest.fixture(scope="module", params=CASES)
 def machinery(request):
-    scene = make({"operation.speed": "1000 rpm", "numerics": {"closing": "coupled"}, **CASES[request.param]})
+    numerics = {"closing": "coupled", "accuracy": 6e-4}  # so wide that differences of 1e-6 resolve the roots
+    scene = make({"operation.speed": "1000 rpm", "numerics": numerics, **CASES[request.param]})
     _, machinery, cycle = closed(scene)
     assert cycle.status == "ok"
     machinery.kept[0] = 0  # both sides are read from the last turn

@@ -15,6 +15,7 @@ from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.mixing import finer
+from screwsim.cycle.newton import Corrections
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import NO_HOPE, CycleSolution, Hope
 from screwsim.cycle.wanted import ENOUGH, Wanted
@@ -23,13 +24,17 @@ from screwsim.model.slots import P_LIFE, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
 
 Array = np.ndarray
-DEAR = 120_000  # evaluations that simultaneous closing takes in the median, with steps of
+DEAR = 80_000  # evaluations that simultaneous closing takes in the median, with steps of
 DEAR_RTOL = 1e-4  # this tolerance; waveforms may take as many
 FIRST_RTOL = 1e-3  # of the first turn; later ones follow the gap
 AHEAD = 0.05  # tolerance of a turn over the gap of the one before: what it is hoped to contract by
 GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 DEPTH = 5  # of Anderson's method
 MAX_TURNS = 40
+SLOW = 0.3  # change of a turn over that of the one before, above which Newton corrects it ...
+FAR = 0.05  # ... or of the second turn, whose first has no like
+FARTHEST = 0.03  # change of the states (times `NEAR`) above which a linear correction tells nothing
+WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves
 
 
 def dear(rtol: float) -> float:
@@ -51,6 +56,7 @@ def relax(
     c.P[c.widths] = wanted.widths
     angles = _angles(float(c.P[P_LIFE]), c.chambers)
     accelerate, images = Anderson(DEPTH), []
+    corrections = Corrections(problem, machinery)
     met = unknowns(problem, machinery)
     before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
     finest = rtol = hope.share * wanted.of_histories * wanted.rtol
@@ -71,6 +77,7 @@ def relax(
 
     for turn in range(1, MAX_TURNS + 1):
         point = vector(met)
+        steps_before = int(machinery.kept[1])
         rtol = max(finest, first_rtol if turn == 1 else min(0.5 * rtol, AHEAD * gap))
         status, angle, _, q = machinery.turn(y, rtol, 1e-3)
         if status != 0:
@@ -80,6 +87,7 @@ def relax(
         image = vector(made)
         now = (float(machinery.R[R_TRAPPED]), float(q[0]))
         least = LEAST_WORK * now[0] * problem.pv
+        gap_before = gap
         gap, before = max(change(now, before, least), entries.change(made, met)), now
         moved = NEAR * float(np.max(np.abs(image - point)))
         if turn == 1:  # what was expected of mass and work may agree by chance: the states must, too
@@ -92,6 +100,16 @@ def relax(
                 finest = finer(finest, residual / wanted.bound)
         if not last and machinery.evaluations_of(machinery.counts) > most:
             return None
+        slow = turn > 1 and moved < FARTHEST and gap > max(SLOW * gap_before, WORTH * wanted.tolerance)
+        if corrections.due(slow and (turn > 2 or gap > FAR), moved):
+            begun = corrections.begun
+            found = corrections.of_turn(steps_before, image[: machinery.n] - point[: machinery.n], q, met, made)
+            if found is not None:
+                if not begun:
+                    accelerate.restart()
+                y[:] = states_of(image[: machinery.n] + found.along[-1, -machinery.n :], y, c)
+                made = entries.values(entries.coordinates(made) + found.unknowns, made)
+                image = vector(made)
         images = [*images, machinery.image()][-DEPTH - 1 :]
         weights, mixed = accelerate.mix(point, image)
         if len(weights) > 1 and np.max(np.abs(mixed - image)) < 0.3:

@@ -13,6 +13,7 @@ from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.mixing import FULL, Mixing, Pace, Refining
+from screwsim.cycle.newton import Corrections
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import ENOUGH, Wanted
@@ -22,8 +23,9 @@ from screwsim.numerics.rodas import dense_value
 
 Array = np.ndarray
 STALL = 3  # pitches without progress of the states
-MAX_PITCHES = 400
-MAX_EVALUATIONS = 10_000_000  # of one chamber's rates, after which a cycle that does not close is given up
+MAX_PITCHES = 160
+FARTHEST = 0.3  # change of a pitch above which a linear correction tells nothing
+MAX_EVALUATIONS = 2_000_000  # of one chamber's rates, after which a cycle that does not close is given up
 
 
 def close_together(
@@ -38,8 +40,10 @@ def close_together(
     """Close all chambers from their states y; the fixed point in logarithms of the states, accelerated."""
     c, entries = machinery.composition, problem.entries
     c.P[c.widths] = wanted.widths
+    corrections = Corrections(problem, machinery)
     mixing, refining = Mixing(pace), Refining(wanted.rtol, wanted.tolerance, wanted.bound)
     met = unknowns(problem, machinery)
+    astray: tuple[Array, Array] | None = None  # states and unknowns before the first correction
     seen: list[tuple[float, float]] = []
     gaps: list[float] = []
     n, gap, pitch, q = len(y), 1.0, 0, np.zeros(machinery.nq)
@@ -72,6 +76,21 @@ def close_together(
             if residual <= ENOUGH * wanted.bound:
                 return ended("ok", y, pitch)
             refining.consider(gap, residual)
+        if corrections.due(pace is FULL and pitch > 1 and wanted.tolerance < gap < FARTHEST, gap):
+            begun = corrections.begun
+            if not begun:
+                machinery.install_coupled()
+                astray = astray or (y.copy(), met)
+            found = corrections.of_pitch(image[:n] - point[:n], q, met, made)
+            if found is not None:
+                if not begun:
+                    mixing.restart()
+                image = np.concatenate([point[:n] + found.start, entries.coordinates(made) + found.unknowns])
+        if astray is not None and not corrections.able:  # on without them, from where they began
+            (y, met), astray = astray, None
+            set_unknowns(problem, machinery, met)
+            mixing.restart()
+            continue
         mixed = mixing.next(point, image, gap)
         if refining.rtol < rtol:
             mixing.restart()

@@ -13,6 +13,7 @@ from screwsim.numerics import compiling
 COMPILED = {  # what each driver is, and about how long its compilation takes
     "one": ("this combination of effects", "a second or two"),
     "all": ("coupled chambers of this combination", "a second or two"),
+    "tangents": ("derivatives of coupled chambers of this combination", "a second"),
     "ledger": ("the ledger of this combination", "a second"),
 }
 

@@ -13,7 +13,12 @@ from screwsim.model.slots import (
     E_SLOPE,
     E_VOLUME,
     N_PLENUM,
+    P_DISCHARGE_WIDTH,
     P_INJECTION,
+    P_PORT_WIDTH,
+    PRESSURE,
+    R_DISCHARGE,
+    R_SUCTION,
     STORED,
     N,
     neighbour,
@@ -29,6 +34,7 @@ from screwsim.numerics.rodas import dense_value
 SHARP = 0.01  # of its scale: an effect's own state below it errs as if it were that large; valves amplify errors
 SOME_GAS = 1e-3  # gas per oil below which its error counts as that of so much
 SOME_OIL = 1e-6  # oil per gas below which its error counts as that of so much: dry gas that meets oil takes it at once
+HELD = 3.0  # widths of the regularisation from a line: between ends so near it a pressure does not overshoot them
 IMPOSSIBLE = 1e30  # error of a step to a state that cannot be
 NO_OIL = 1e-13  # oil per gas, of either sign, that is rounding; `balance.oil_temperature_slope` has a floor above it
 
@@ -54,7 +60,17 @@ def read_neighbour(phi, middle, times, dense, steps, hints, side, P, R, columns,
 
 
 @kernel
-def places_of_step(step, dense, P, TAB, own):
+def held_to_a_line(before, after, P, R):
+    """Tell whether a wide port holds the pressure at both ends of a step to its line, within `HELD` widths."""
+    low = R[R_SUCTION + PRESSURE]
+    high = R[R_DISCHARGE + PRESSURE]
+    from_low = max(abs(before - low), abs(after - low))
+    from_high = max(abs(before - high), abs(after - high))
+    return from_low < HELD * P[P_PORT_WIDTH] or from_high < HELD * P[P_DISCHARGE_WIDTH]
+
+
+@kernel
+def places_of_step(step, dense, P, TAB, R, own):
     """Do it for one step; unless the gas jumps between steps, the first value is the last of the step before."""
     jumps = step == 0 or dense[step, 0, 0] != dense[step - 1, 1, 0] or dense[step, 0, 1] != dense[step - 1, 1, 1]
     for k in range(0 if jumps else 1, 4):
@@ -71,6 +87,9 @@ def places_of_step(step, dense, P, TAB, own):
         v3 = dense[step, 1, N + i]
         v1 = dense[step, 2, N + i]
         v2 = dense[step, 3, N + i]
+        if i == PRESSURE and held_to_a_line(v0, v3, P, R):
+            v1 = min(max(v1, min(v0, v3)), max(v0, v3))
+            v2 = min(max(v2, min(v0, v3)), max(v0, v3))
         dense[step, 2, N + i], dense[step, 3, N + i] = cubic(v0, v1, v2, v3)
 
 
@@ -81,8 +100,8 @@ def keep_places(step, dense, context):
     Cubics through the values at 0, 1/3, 2/3 and 1 of the step: neighbours read them instead of asking the equation of
     state again and again.
     """
-    P, TAB, own = context.P, context.TAB, context.own
-    places_of_step(step, dense, P, TAB, own)
+    P, TAB, R, own = context.P, context.TAB, context.R, context.own
+    places_of_step(step, dense, P, TAB, R, own)
 
 
 @kernel

@@ -94,7 +94,7 @@ class Machinery:
     def warm_up(self, start: Callable[[], Array]) -> None:
         """Compile (or load) the driver of one chamber, announced when it takes long; not counted as solution time."""
         if "one" not in compiled.warm(self.module):
-            with self._compiling("one"):
+            with self.compiling("one"):
                 self.turn(start(), 1e-2, 1e-3)
                 self.swap()
                 self.states_at(np.array([0.1]))
@@ -103,9 +103,10 @@ class Machinery:
                     self.trajectory.into_lines(1)
 
     @contextmanager
-    def _compiling(self, driver: str) -> Iterator[None]:
+    def compiling(self, driver: str) -> Iterator[None]:
+        """Announce what is compiled within, unless it is there; none of it counts as solution time or evaluations."""
         started, counts, R = time.perf_counter(), self.counts.copy(), self.R.copy()
-        with compiled.first(self.together if driver == "all" else self.module, driver):
+        with compiled.first(self.module if driver == "one" else self.together, driver):
             yield
         self.counts[:], self.R[:] = counts, R
         self.compile_time += time.perf_counter() - started
@@ -230,7 +231,7 @@ class Machinery:
         if self.alone:
             return self.turn(y, rtol, h) if check is None else under_scipy.life(self, check, y, rtol, h)
         if "all" not in compiled.warm(self.together):
-            with self._compiling("all"):
+            with self.compiling("all"):
                 self.own_pitch(y.copy(), 1e-2, h)
         self.watch()
         if check is not None:

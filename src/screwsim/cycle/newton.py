@@ -1,0 +1,206 @@
+"""Newton's correction of a turn or a pitch: what its change makes of itself, through all chambers and the unknowns.
+
+A turn leaves a residual: what it changed in the history that the chambers ahead were read from, in the state that a
+life begins with, in the feedback unknowns. The linearised pitch (`tangents`) tells what these changes make of the next
+turns, all at once; what is left of them after the correction is what slices and the equations' curvature leave.
+
+Source: docs/explanation/numerics.md, Newton's correction.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.coordinates import logarithms
+from screwsim.cycle.feedback import image as image_of
+from screwsim.cycle.feedback import set_unknowns
+from screwsim.cycle.problem import Problem
+from screwsim.cycle.tangents import Tangents, angles_of, linearised, shifted
+from screwsim.model.run import Machinery
+
+Array = np.ndarray
+STALE = 0.3  # change of a corrected turn over that of the one before, above which it is linearised anew ...
+OF_NO_USE = 0.9  # ... and above which, if it just was, corrections are given up
+LARGEST = 0.5  # of a correction, in coordinates: of a larger one that share is made
+SINGULAR = 300.0  # a correction over the change that it is made of, above which any state is about as good as another
+TOO_OFTEN = 3  # corrections that were too large, after which there are no more
+STEP = 1e-4  # of a change of the quadratures, for differences of what they make of the unknowns
+
+
+class Correction(NamedTuple):
+    """Changes of coordinates: of states at the start of a pitch (N,), `along` the edges of its slices, of unknowns."""
+
+    edges: Array
+    start: Array
+    along: Array
+    unknowns: Array
+    share: float  # of the linear one: less than 1 where that were too large
+
+
+class Residual(NamedTuple):
+    """What a turn or a pitch changed, in coordinates.
+
+    `ahead` (slices, N): where chambers read the history before of those ahead of them; `start` (N,): the states at the
+    start of a pitch. The quadratures q of the life, which met the unknowns `met` and makes `made` of them.
+    """
+
+    ahead: Array
+    start: Array
+    q: Array
+    met: Array
+    made: Array
+
+
+def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residual: Residual) -> Correction | None:
+    """Return Newton's correction after the last life; None where a linear one tells nothing."""
+    c, entries = machinery.composition, problem.entries
+    by_residual = tangents.ahead @ residual.ahead[:, :, None]
+    sources = np.concatenate([by_residual, tangents.by_unknowns], axis=2)  # a column each, of its own change
+    start = np.zeros((len(residual.start), sources.shape[2]))
+    ends = tangents.along(start, sources)[-1]
+    start[:, 0] = residual.start
+    start = tangents.around @ (shifted(ends, c.chambers) + start)
+    along = tangents.along(start, sources)
+    sums = tangents.summed(along, sources)
+    sums[:, 1:] += tangents.sums_by_unknowns.sum(axis=0)
+    met, made = entries.coordinates(residual.met), entries.coordinates(residual.made)
+    back = _made_of(problem, machinery, residual, sums)
+    if not np.isfinite(back).all():
+        return None
+    unknowns = np.linalg.lstsq(np.eye(len(met)) - back[:, 1:], made + back[:, 0] - met)[0]
+    weights = np.append(1.0, unknowns)
+    found = start @ weights, along @ weights, met + unknowns - made
+    largest, changed = _largest(found), _largest((residual.ahead, residual.start, made - met))
+    if not largest <= SINGULAR * changed:  # not finite, too
+        return None
+    share = min(1.0, LARGEST / max(largest, LARGEST))
+    of_states, along, of_unknowns = (share * each for each in found)
+    return Correction(tangents.edges, of_states, along, of_unknowns, share)
+
+
+def _made_of(problem: Problem, machinery: Machinery, residual: Residual, sums: Array) -> Array:
+    """Return what changes of the quadratures make of the unknowns, those of the second column on with one unknown each.
+
+    They are differences of the image itself, whatever it is made of.
+    """
+    entries = problem.entries
+    met, made = entries.coordinates(residual.met), entries.coordinates(residual.made)
+    back = np.empty((len(met), sums.shape[1]))
+    for j, change in enumerate(sums.T):
+        there = met.copy()
+        if j:
+            there[j - 1] += STEP
+        set_unknowns(problem, machinery, entries.values(there, residual.met))
+        image = image_of(problem, machinery.trajectory, residual.q + STEP * change)
+        back[:, j] = (entries.coordinates(image) - made) / STEP
+    set_unknowns(problem, machinery, residual.met)
+    return back
+
+
+def _largest(changes: Sequence[Array]) -> float:
+    return max(float(np.abs(each).max(initial=0.0)) for each in changes)
+
+
+class Corrections:
+    """Corrections of turns or pitches: with tangents as long as they serve, given up where new ones are of no use."""
+
+    def __init__(self, problem: Problem, machinery: Machinery) -> None:
+        self.problem, self.machinery = problem, machinery
+        self.able = machinery.composition.chambers > 1
+        self.tangents: Tangents | None = None
+        self._fresh, self._moved, self._too_large = False, np.inf, 0
+
+    @property
+    def begun(self) -> bool:
+        """Were the last ones corrected?"""
+        return self.tangents is not None
+
+    def due(self, slow: bool, moved: float) -> bool:
+        """Tell whether what was just integrated, and moved the coordinates by `moved`, is to be corrected.
+
+        It is where it contracts slowly, and once it was before.
+        """
+        stale = self.begun and moved > STALE * self._moved
+        if stale and self._fresh and moved > OF_NO_USE * self._moved:
+            self.able = False
+        due = self.able and (slow or self.begun)
+        if stale:
+            self.tangents = None
+        self._moved = moved
+        return due
+
+    def of_turn(self, before: int, start: Array, q: Array, met: Array, made: Array) -> Correction | None:
+        """Move the last history by the correction of a turn, and return it.
+
+        `before` are the steps of the history before, `start` (n,) the change of the state that a life begins with.
+        """
+        machinery, c = self.machinery, self.machinery.composition
+
+        def residual(tangents: Tangents) -> Residual:
+            angles, N = angles_of(tangents.middles, c), c.chambers * machinery.n
+            moved = _coordinates(machinery.states_at(angles), machinery) - _before(machinery, before, angles)
+            ahead = moved.reshape(c.chambers, -1, machinery.n).transpose(1, 0, 2).reshape(-1, N)
+            return Residual(ahead, np.concatenate([start, np.zeros(N - len(start))]), q, met, made)
+
+        found = self._found(residual, met)
+        if found is not None:
+            _move(machinery, found)
+        return found
+
+    def of_pitch(self, start: Array, q: Array, met: Array, made: Array) -> Correction | None:
+        """Return the correction of a pitch of all chambers, which is installed as the last history.
+
+        `start` (N,) is the change of the states at its start.
+        """
+        return self._found(lambda t: Residual(np.zeros((len(t.step), len(start))), start, q, met, made), met)
+
+    def _found(self, residual: Callable[[Tangents], Residual], met: Array) -> Correction | None:
+        """Return the correction of a residual; those that are too large again and again lead away, and are the last."""
+        self._fresh = self.tangents is None
+        try:
+            tangents = self.tangents or linearised(self.problem, self.machinery, met)
+            found = corrected(self.problem, self.machinery, tangents, residual(tangents))
+        except np.linalg.LinAlgError:
+            tangents = found = None
+        self.tangents = tangents
+        if found is None or found.share < 1.0:
+            self.tangents, self._too_large = None, self._too_large + 1
+            self.able = self.able and self._too_large < TOO_OFTEN
+        return found
+
+
+def _coordinates(states: Array, machinery: Machinery) -> Array:
+    return logarithms(states, machinery.composition).reshape(len(states), -1)
+
+
+def _before(machinery: Machinery, steps: int, angles: Array) -> Array:
+    """Return the coordinates of the history before the last, of so many steps."""
+    times, dense, _ = machinery.histories[1]
+    out = np.empty((len(angles), machinery.n))
+    machinery.module.history__states_at(angles, times, dense, steps, out)
+    return _coordinates(out, machinery)
+
+
+def _move(machinery: Machinery, by: Correction) -> None:
+    """Move the last history by a correction, linear between the ends of the slices."""
+    c, n = machinery.composition, machinery.n
+    times, dense, quads, steps = machinery.last()
+    t, states = times[: steps + 1].copy(), dense[:steps, :, :n].copy()
+    changes = by.along.reshape(-1, c.chambers, n).transpose(1, 0, 2).reshape(-1, n)
+    inside = by.edges.copy()
+    inside[-1] *= 1.0 - 1e-9  # the next chamber's place begins there
+    angles = angles_of(inside, c)
+    moved = np.column_stack([np.interp(t, angles, change) for change in changes.T])
+    signed = list(c.signed)
+    factors = np.exp(moved)
+    factors[:, signed] = 1.0
+    states[:, 0] *= factors[:-1]
+    states[:, 1] *= factors[1:]
+    states[:, 2:] *= (0.5 * (factors[:-1] + factors[1:]))[:, None]
+    if signed:
+        states[:, 0, signed] += moved[:-1, signed]
+        states[:, 1, signed] += moved[1:, signed]
+    machinery.install(t, states, quads[:steps].copy())

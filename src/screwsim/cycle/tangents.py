@@ -1,0 +1,225 @@
+"""All chambers over one pitch, linearised along a history: what small changes make of themselves.
+
+A change δ of the states' coordinates, of all chambers alive (chamber by chamber), follows δ' = A δ + B r + F u: A are
+the derivatives of the rates by the states, B its part by the chambers ahead, r a change of these alone, u a change of
+the feedback unknowns. A, B, F are taken in the middles of a few slices and held there; over a slice z = h A goes by
+(1 − z + z²/2)⁻¹, of order 2 and damped where stiff, with the sums that belong to it. That is nearly right, as Newton's
+matrix has to be; the equations themselves stay those of the integrator. Derivatives by the states are those that it
+steps with, those by the unknowns differences of the rates.
+
+Source: docs/explanation/numerics.md, Newton's correction.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.coordinates import logarithms
+from screwsim.cycle.feedback import set_unknowns
+from screwsim.cycle.problem import LEAST_OIL, Problem
+from screwsim.model.composition import Composition
+from screwsim.model.run import Machinery
+from screwsim.model.slots import P_INJECTION, P_PITCH
+
+Array = np.ndarray
+SLICES = 24  # of a pitch
+EVEN = 0.2  # share of an even division in theirs; the rest is as dense as the integrator's steps
+LEAST = 1e-6  # of a pitch: steps that end so near to its ends are not counted
+INSIDE = 1e-6  # rad within the segment of the laws that an angle belongs to, as the middle of its segment
+SHIFT = 1e-5  # of a coordinate, for differences
+ANGLE_STEP = 1e-7  # rad, for derivatives by the angle, which nothing here uses
+
+
+class Tangents(NamedTuple):
+    """One pitch of N coordinates, linearised in the middles of its slices between `edges` [rad].
+
+    `enter` (N, N) is the injection of oil at its start. Over a slice, (slices, N, …): `step` takes a change to its end,
+    `gain` a source there; sources are `ahead`, what the chambers ahead changed, and `by_unknowns` (…, u). Of the
+    quadratures, (slices, q, …): `sums` what a change at a slice's start adds, `sums_gain` a source, `sums_by_unknowns`
+    the unknowns at unchanged states. `around` (N, N) is the inverse of 1 − the map of a pitch.
+    """
+
+    edges: Array
+    enter: Array
+    step: Array
+    gain: Array
+    ahead: Array
+    by_unknowns: Array
+    sums: Array
+    sums_gain: Array
+    sums_by_unknowns: Array
+    around: Array
+
+    @property
+    def middles(self) -> Array:
+        """The middles of the slices [rad]."""
+        return 0.5 * (self.edges[:-1] + self.edges[1:])
+
+    def along(self, start: Array, sources: Array) -> Array:
+        """Return what changes (N, k) at the start and sources (slices, N, k) make of themselves, at all edges."""
+        made = np.empty((len(sources) + 1, *start.shape))
+        made[0] = self.enter @ start
+        for k, gained in enumerate(self.gain @ sources):
+            made[k + 1] = self.step[k] @ made[k] + gained
+        return made
+
+    def summed(self, along: Array, sources: Array) -> Array:
+        """Return what changes `along` a pitch, and the sources that made them, add to the quadratures (q, k)."""
+        return np.einsum("kij,kjl->il", self.sums, along[:-1]) + np.einsum("kij,kjl->il", self.sums_gain, sources)
+
+
+def shifted(changes: Array, chambers: int) -> Array:
+    """Return rows of all chambers a pitch on: each takes the next place."""
+    return np.roll(changes, len(changes) // chambers, axis=0)
+
+
+def edges_of(machinery: Machinery) -> Array:
+    """Return the edges [rad] of the slices of a pitch: as dense as the steps of the last history, of all chambers."""
+    c, (times, _, _, steps) = machinery.composition, machinery.last()
+    pitch = float(c.P[P_PITCH])
+    ends = np.sort(np.mod(times[1:steps], pitch))
+    ends = np.concatenate([[0.0], ends[(ends > LEAST * pitch) & (ends < (1.0 - LEAST) * pitch)], [pitch]])
+    places = np.linspace(0.0, len(ends) - 1.0, SLICES + 1)
+    even = np.linspace(0.0, pitch, SLICES + 1)
+    return (1.0 - EVEN) * np.interp(places, np.arange(len(ends)), ends) + EVEN * even
+
+
+def angles_of(angles: Array, c: Composition) -> Array:
+    """Return angles of a pitch [rad] in all chambers' lives, chamber by chamber."""
+    return (float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None] + angles).ravel()
+
+
+def linearised(problem: Problem, machinery: Machinery, met: Array) -> Tangents:
+    """Return the pitch linearised along the last history, with unknowns as they are met."""
+    c, n = machinery.composition, machinery.n
+    edges = edges_of(machinery)
+    middles, h = 0.5 * (edges[:-1] + edges[1:]), np.diff(edges)[:, None, None]
+    N = n * c.chambers
+    y = machinery.states_at(angles_of(middles, c)).reshape(c.chambers, SLICES, n).transpose(1, 0, 2)
+    A, F, sums, sums_by_unknowns = _slopes(problem, machinery, met, middles, y.reshape(SLICES, N))
+    z, one = h * A, np.eye(N)
+    step = np.linalg.inv(one - z + 0.5 * z @ z)
+    gain, twice = (one - 0.5 * z) @ step, 0.5 * (one - z) @ step
+    chamber = np.arange(N) // n
+    ahead = np.where(chamber > chamber[:, None], z, 0.0)
+    through = enter = _injected(machinery)
+    for each in step:
+        through = each @ through
+    around = np.linalg.inv(one - shifted(through, c.chambers))
+    of_sums = h * sums @ gain, h * sums @ twice, h * sums_by_unknowns
+    return Tangents(edges, enter, step, gain, ahead, h * F, *of_sums, around)
+
+
+def _slopes(
+    problem: Problem, machinery: Machinery, met: Array, angles: Array, states: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Return derivatives of the coordinates' rates by them and by the unknowns, then those of the quadratures' rates.
+
+    One entry a slice each, at the first chamber's `angles` [rad] with states (slices, N).
+    """
+    c, n, nq, N = machinery.composition, machinery.n, machinery.nq, states.shape[1]
+    scales = _scales(states.reshape(SLICES, -1, n), c).reshape(SLICES, N)
+    in_logarithms = np.tile(~np.isin(np.arange(n), c.signed), c.chambers)
+    A, F = np.empty((SLICES, N, N)), np.empty((SLICES, N, len(met)))
+    sums, sums_by_unknowns = np.empty((SLICES, nq, N)), np.empty((SLICES, nq, len(met)))
+    moved, R, P = _moved(problem, machinery, met), machinery.R, c.P
+    R_met, P_met = R.copy(), P.copy()
+    rates = _Rates(machinery, float(angles[0]), states[0])
+    for k, (phi, y, scale) in enumerate(zip(angles.tolist(), states, scales, strict=True)):
+        f, J, Jq = rates.with_derivatives(phi, y)
+        A[k] = J * (scale / scale[:, None])
+        A[k].flat[:: N + 1] -= np.where(in_logarithms, f[:N] / scale, 0.0)
+        sums[k] = Jq[:nq] * scale
+        for j, (R_moved, P_moved) in enumerate(moved):
+            R[:], P[:] = R_moved, P_moved
+            change = (rates.rates(phi, y) - f) / SHIFT
+            F[k, :, j], sums_by_unknowns[k, :, j] = change[:N] / scale, change[N : N + nq]
+        R[:], P[:] = R_met, P_met
+    machinery.counts[2:] += c.chambers * SLICES * len(met), c.chambers * SLICES
+    if c.carried:  # oil of no account does not change
+        little = np.zeros((SLICES, c.chambers, n), bool)
+        little[:, :, 2:4] = states.reshape(SLICES, -1, n)[:, :, 3:4] <= LEAST_OIL
+        A[little.reshape(SLICES, N)] = 0.0
+    return A, F, sums, sums_by_unknowns
+
+
+def _scales(y: Array, c: Composition) -> Array:
+    """Return dy over the change of its coordinate."""
+    scales = np.maximum(np.abs(y), 1e-300)
+    scales[:, :, list(c.signed)] = 1.0
+    return scales
+
+
+def _moved(problem: Problem, machinery: Machinery, met: Array) -> list[tuple[Array, Array]]:
+    """Return (R, P) with each unknown shifted; the machinery is left with them as they are met."""
+    entries, found = problem.entries, []
+    here = entries.coordinates(met)
+    for j in range(len(met)):
+        there = here.copy()
+        there[j] += SHIFT
+        set_unknowns(problem, machinery, entries.values(there, met))
+        found.append((machinery.R.copy(), machinery.composition.P.copy()))
+    set_unknowns(problem, machinery, met)
+    return found
+
+
+class _Rates:
+    """Rates of states and quadratures of all chambers, and their derivatives, at one angle after the other."""
+
+    def __init__(self, machinery: Machinery, phi: float, y: Array) -> None:
+        c = machinery.composition
+        N, nq = c.chambers * machinery.n, machinery.nq + 1
+        self.machinery, self.module, self.context = machinery, machinery.together, machinery.coupled_context
+        self.E, self.E_next = np.zeros(c.n_E_all), np.zeros(c.n_E_all)
+        self.f, self.g, self.J, self.Jq = np.empty(N), np.empty(nq), np.empty((N, N)), np.empty((nq, N))
+        self.f_phi, self.g_phi = np.empty(N), np.empty(nq)
+        with machinery.compiling("tangents"):
+            self.with_derivatives(phi, y)
+            self.rates(phi, y)
+
+    def with_derivatives(self, phi: float, y: Array) -> tuple[Array, Array, Array]:
+        """Return rates (states, then quadratures) and the derivatives of both by the states; the last are not kept."""
+        around = self.module.surroundings__around_chambers
+        around(phi, phi - INSIDE, self.context, self.E)
+        around(phi + ANGLE_STEP, phi - INSIDE, self.context, self.E_next)
+        self.module.chambers__jacobian(
+            *(y, self.E, self.E_next, ANGLE_STEP, self.context),
+            *(self.f, self.g, self.J, self.Jq, self.f_phi, self.g_phi),
+        )
+        return np.concatenate([self.f, self.g]), self.J, self.Jq
+
+    def rates(self, phi: float, y: Array) -> Array:
+        """Return rates of states, then quadratures."""
+        self.module.surroundings__around_chambers(phi, phi - INSIDE, self.context, self.E)
+        self.module.chambers__rates(y, self.E, self.context, self.f, self.g)
+        return np.concatenate([self.f, self.g])
+
+
+def _injected(machinery: Machinery) -> Array:
+    """Return the derivatives of the coordinates after the injection of oil by those before it, of all chambers."""
+    c, n = machinery.composition, machinery.n
+    found = np.eye(c.chambers * n)
+    index = round(c.P[P_INJECTION] / c.P[P_PITCH])
+    if not 0 < index < c.chambers:
+        return found
+    at, R = slice(index * n, index * n + n), machinery.R.copy()
+    before = machinery.states_at(np.array([index * float(c.P[P_PITCH]) - INSIDE]))[0]
+    y, signed = np.ones(c.chambers * n), list(c.signed)
+
+    def after(coordinates: Array) -> Array:
+        y[at] = np.exp(coordinates)
+        y[at][signed] = coordinates[signed]
+        machinery.inject(y)
+        machinery.R[:] = R
+        return logarithms(y[at].copy(), c)
+
+    here = np.log(np.maximum(before, LEAST_OIL * LEAST_OIL))
+    here[signed] = before[signed]
+    base = after(here)
+    for i in range(n):
+        there = here.copy()
+        there[i] += SHIFT
+        found[at, index * n + i] = (after(there) - base) / SHIFT
+    return found
