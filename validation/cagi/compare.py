@@ -165,13 +165,25 @@ def regulation_row(name: str, curve: Curve, sheet: Curve, pressures: tuple[float
     )
 
 
+def differences(curve: Curve, sheet: Curve) -> list[float]:
+    """Return by how much the shape of a curve is off at each lower flow of the sheet [%], from the lowest on."""
+    full = sheet.flow[-1]
+    return [100.0 * (curve.relative(flow, full) / sheet.relative(flow, full) - 1.0) for flow in sheet.flow[:-1]]
+
+
 def tried_row(name: str, curve: Curve, sheet: Curve, note: str = "") -> Row:
     """Return what a piece of physics makes of the curve: differences from the sheet, specific power at full flow."""
-    full = sheet.flow[-1]
-    off = [100.0 * (curve.relative(flow, full) / sheet.relative(flow, full) - 1.0) for flow in sheet.flow[:-1]]
+    full, off = sheet.flow[-1], differences(curve, sheet)
     ours = f"{', '.join(f'{each:+.1f}' for each in off)} %; {curve.specific(full, FAN) / UNIT:.1f} kW/100 cfm"
     theirs = f"0 %; {sheet.specific(full) / UNIT:.1f} kW/100 cfm"
     return Row(f"tried: {name}", ours, theirs, "estimate", "no verdict", note=note)
+
+
+def within_row(curves: Sequence[Curve], sheet: Curve) -> Row:
+    """Return how many of the changes leave all points of the shape within its tolerance."""
+    held = sum(max(map(abs, differences(curve, sheet))) <= 100.0 * SHAPE for curve in curves)
+    quantity = "tried: changes of one piece that leave all four points within 2 %"
+    return Row(quantity, f"{held} of {len(curves)}", None, "estimate", "no verdict", note="how sharp the agreement is")
 
 
 def friction_row(here: Path) -> Row:
@@ -225,7 +237,8 @@ def compare(here: Path) -> Comparison:
     for each in physics.variants(here, LOSS):
         curves[each.name] = swept(file, full, each.lost or (LOSS, 0.0), each.changes)
         rows.append(tried_row(each.name, curves[each.name], sheet, each.note))
-    rows += [friction_row(here), *other_rows(predicted, sheet)]
+    alone = [curve for name, curve in curves.items() if name not in (NAME, physics.AT_FIRST)]
+    rows += [within_row(alone, sheet), friction_row(here), *other_rows(predicted, sheet)]
     grid = np.linspace(sheet.flow[0], full, 41)
     share = (grid / full).tolist()
     drawn = [

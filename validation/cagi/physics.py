@@ -52,6 +52,7 @@ DRY = [f"effects.{each}={{model: nozzle, mixture_viscosity: null, passage: null}
 PUMP = "oil_supply={kind: pump, ratio: 4, orifice_diameter: null}"
 COARSE = "effects.oil_heat={droplet_radius: 50 um, heat_transfer_coefficient: 540 W/(m^2 K)}"
 BY_LOAD = "effects.motor={efficiency_file: null, efficiency: 0.96}"
+AT_FIRST = "all as first taken"
 NO_PORT = "effects.oil_injection=off"
 
 
@@ -76,4 +77,4 @@ def variants(here: Path, behind: float) -> Iterator[Variant]:
     intake = ["effects.suction_throttle={pressure_ratio: 1}"]
     yield Variant("intake filter and valve lose 20 mbar, too", intake, (behind, 0.02 * BAR))
     first = [*shafts, PUMP, NO_PORT, COARSE, BY_LOAD, *friction(0.13)]
-    yield Variant("all as first taken", first, (0.5 * BAR, 0.0), "nozzle, pump, 13 %, coarse, M148, 0.5 bar")
+    yield Variant(AT_FIRST, first, (0.5 * BAR, 0.0), "nozzle, pump, 13 %, coarse, M148, 0.5 bar")

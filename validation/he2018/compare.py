@@ -26,8 +26,8 @@ ABOUT = (
     "the gaps between chambers alone, whatever the mixture's viscosity, enough with a leak past the shafts, which "
     "sees the discharge pressure all the time. Where the oil comes in moves two points and no sign. Friction is as it "
     "stood, 5 % and Giuffrida's viscous term: with films and bearings by the laws and clearances of validation/cagi, "
-    "at the stated 30 mPa s, the adiabatic efficiency has its best below 3000 rpm: films full of oil as thick as that "
-    "are too much here."
+    "at the stated 30 mPa s, the adiabatic efficiency has its best at 1500 rpm and does not rise to 3000: films full "
+    "of oil as thick as that are too much here."
 )
 RPM, LITRES = 2.0 * pi / 60.0, 1e-3 / 60.0
 SPEEDS, FLOWS = (1000.0, 1500.0, 2000.0, 2500.0, 3000.0), (27.0, 35.0, 42.0, 50.0, 62.0, 75.0)
