@@ -59,7 +59,7 @@ NO_PORT = "effects.oil_injection=off"
 def variants(here: Path, behind: float) -> Iterator[Variant]:
     """Yield what was tried; `behind` [Pa] is what the predicted package loses."""
     shafts = [nozzle(LARGER**2 * AREA)]
-    inverter = f"effects.motor={{efficiency_file: {here / 'inverter.csv'}, drive_efficiency: 1}}"
+    inverter = [f"effects.motor.efficiency_file={here / 'inverter.csv'}", "effects.motor.drive_efficiency=1"]
     yield Variant("shafts leak as a nozzle (M274)", shafts, note="22.5 mm²: 10 mm² of the fit times 1.5²")
     yield Variant("the same, not made larger", [nozzle(AREA)], note="10 mm²")
     yield Variant("gaps dry", DRY, note="nozzles without oil (M12); shafts stay sealed")
@@ -71,7 +71,7 @@ def variants(here: Path, behind: float) -> Iterator[Variant]:
     yield Variant("films in half of the gaps", ["effects.oil_drag.film_share=0.5"])
     yield Variant("coarse droplets", [COARSE], note="50 µm, as configs/r134a: gas leaves at 170 °C")
     yield Variant("motor by its load alone (M148)", [BY_LOAD], note="copper loss falls with the load squared")
-    yield Variant("inverter's loss by its current", [inverter], note="seven tenths of it at every speed; estimated")
+    yield Variant("inverter's loss by its current", inverter, note="seven tenths of it at every speed; estimated")
     yield Variant("a package that loses nothing", lost=(0.0, 0.0))
     yield Variant("a package that loses 0.5 bar", lost=(0.5 * BAR, 0.0))
     intake = ["effects.suction_throttle={pressure_ratio: 1}"]
