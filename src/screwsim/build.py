@@ -15,6 +15,7 @@ from screwsim.effects.base import (
     FlowPath,
     HeatRate,
     InSeparator,
+    LineLeak,
     Made,
     OilContent,
     OilGas,
@@ -67,7 +68,7 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
         raise UsageError(f"{', '.join(own)}: {what}") from error
 
 
-Numbered = FlowPath | HeatRate | Wall | ChamberState
+Numbered = FlowPath | HeatRate | Wall | ChamberState | LineLeak
 WARMED, COOLED = 45.0, 12.0  # [K] in first guesses: of gas and oil over suction gas, of oil by its cooler
 WIDTH = 0.25  # of the regularisation over the wanted accuracy
 LEAST = 1e-300  # above nothing

@@ -22,6 +22,9 @@ from screwsim.simulate import simulate
 LINE = {"oil.transport": "carried", "effects.suction_line": {}, "effects.slide_valve": {**SLIDE, "position": 0.6}}
 REAL = {"gas.model": "real", "operation.suction.temperature": "290 K", "oil_supply.temperature": "325 K"}
 LEAK = {"effects.shaft_leakage": {"area": "17 mm^2"}}
+ANNULI = {"shaft_diameter": "70 mm", "clearance": "45 um"}
+RULE = {"model": "oil_sealed", "mixture_viscosity": "mcadams", "passage": "10 mm"}
+SEALED = {"effects.shaft_leakage": {**ANNULI, **RULE}}
 MOTOR = {"effects.motor": {"rated_power": "40 kW", "efficiency": 0.9, "cooling": "suction_gas"}}
 INTAKE = {"effects.suction_throttle": {"pressure_ratio": 0.7}, "effects.bypass": {"share": 0.2}}
 BACKWARDS = {"operation.speed": "150 rpm", "effects.tip_leakage.gap": "400 um"}  # more flows back than is sucked
@@ -34,6 +37,9 @@ CASES = {
     "shaft leakage": {**LINE, **LEAK},
     "shaft leakage, oil takes room": {**LINE, **LEAK, **OIL_VOLUME, **INTAKE},
     "shaft leakage, gas dissolved": {**SOLUBLE_RATE, **LINE, **LEAK, **REAL},
+    "shaft leakage, sealed": {**LINE, **SEALED},
+    "shaft leakage, sealed, oil takes room": {**LINE, **SEALED, **OIL_VOLUME},
+    "shaft leakage, sealed, gas dissolved": {**SOLUBLE_RATE, **LINE, **SEALED, **REAL},
     "plenums": {**LINE, **LEAK, "effects.plenums": {"suction_volume": "8 l", "suction_area": "40 cm^2"}},
     "backwards": {**LINE, **BACKWARDS},
     "backwards, shaft leakage": {**LINE, **BACKWARDS, **LEAK, **OIL_VOLUME},
@@ -216,6 +222,34 @@ def test_the_shaft_leak_is_that_of_a_choked_nozzle():
     assert p.shaft_leakage_oil_flow > 0.0
 
 
+@pytest.mark.parametrize("passage", [1e-6, 2.5e-3, 10e-3])
+def test_a_shaft_leak_that_oil_seals_carries_it_and_rubs_at_the_walls(passage):
+    """M300: σ of M192 by the line's oil per gas; (G_m/G_h)² + G_m/G_l = 1 for the mixture's flux G_m."""
+    stated = {**ANNULI, **RULE, "passage": f"{passage} m", "flow_coefficient": 1.0, "gas_viscosity": "20e-6 Pa s"}
+    changes = {**LINE, "oil.viscosity": "15 mPa s", "effects.shaft_leakage": stated}
+    p, gas = run(changes).performance, problem(changes).parts.gas
+    k, rho = gas.c_p / gas.c_v, 12e5 / (gas.R * p.discharge_temperature)
+    nozzle = math.sqrt(k * 12e5 * rho) * (2.0 / (k + 1.0)) ** ((k + 1.0) / (2.0 * (k - 1.0)))  # 12 to 1.5 bar: choked
+    x = p.shaft_leakage_oil_flow / p.shaft_leakage_gas_flow
+    G_m = (1.0 + x) * p.shaft_leakage_gas_flow / (2 * math.pi * 70.045e-3 * 45e-6)
+    G_h = nozzle * math.sqrt(1.0 + x)
+    mu = (1.0 + x) / (1.0 / 20e-6 + x / 15e-3)
+    drop = G_h**2 / (2.0 * rho * (1.0 + x))
+    G_l = rho * (1.0 + x) * drop * 45e-6**2 / (12.0 * mu * passage)
+    assert (G_m / G_h) ** 2 + G_m / G_l == pytest.approx(1.0, rel=1e-3)
+    assert x > 0.5
+    assert G_m / G_h == pytest.approx(1.0, rel=1e-3) or passage > 1e-4
+
+
+def test_more_oil_in_the_line_seals_the_shafts_more():
+    def leaked(ratio, changes):
+        return run({**LINE, **changes, "oil_supply.ratio": ratio}).performance.shaft_leakage_gas_flow
+
+    assert leaked(4.0, SEALED) < 0.8 * leaked(1.0, SEALED)
+    plain = {"effects.shaft_leakage": ANNULI}
+    assert leaked(4.0, plain) == pytest.approx(leaked(1.0, plain), rel=0.1)
+
+
 def test_a_shaft_leak_follows_the_discharge_pressure():
     """What it takes of the volumetric efficiency is in proportion to p_d, as no leak of a chamber's is."""
 
@@ -257,6 +291,14 @@ def test_the_motor_that_suction_gas_cools_warms_it_by_its_loss():
         ({**LINE, "effects.shaft_leakage": {}}, "effects.shaft_leakage.area"),
         ({**LINE, "effects.shaft_leakage": {"clearance": "50 um"}}, "effects.shaft_leakage.shaft_diameter"),
         ({**LINE, "effects.shaft_leakage": {"area": "1 mm^2", "clearance": "1 um"}}, "effects.shaft_leakage.clearance"),
+        (
+            {**LINE, "effects.shaft_leakage": {"area": "9 mm^2", **RULE}},
+            "effects.shaft_leakage.area",
+        ),
+        ({**LINE, "effects.shaft_leakage": {**ANNULI, "model": "oil_sealed"}}, "effects.shaft_leakage.passage"),
+        ({**LINE, "effects.shaft_leakage": {**ANNULI, "passage": "9 mm"}}, "effects.shaft_leakage.passage"),
+        ({**LINE, "effects.shaft_leakage": {**ANNULI, **RULE, "clearance": "0 um"}}, "effects.shaft_leakage.clearance"),
+        ({**LINE, **SEALED, "oil.viscosity": None}, "oil.viscosity"),
         ({"oil.transport": "carried", **MOTOR}, "effects.motor.cooling"),
         ({**LINE, **LEAK, "operation.discharge.temperature": "330 K"}, "operation.discharge.temperature"),
     ],

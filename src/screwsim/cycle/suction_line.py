@@ -16,6 +16,7 @@ from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects.base import LineLeak, OilSolution, SuctionHeat
 from screwsim.faults import UsageError
 from screwsim.fluid.nozzle import flow
+from screwsim.model.numbers import symbols_of
 from screwsim.model.slots import (
     CHOKED,
     DENSITY,
@@ -97,10 +98,22 @@ def leak(problem: Problem, R: Array) -> Stream:
     suction, discharge = (R[at : at + CHOKED + 1].tolist() for at in (R_SUCTION, R_DISCHARGE))
     place = R[R_DISCHARGE : R_DISCHARGE + PLACE].tolist()
     flux = float(flow(1.0, *_nozzle(suction), *_nozzle(discharge), 0.0))
-    gas = max(0.0, flux) * sum(part.area for part in leaks) / problem.rate
+    flux = max(0.0, flux)
+    gas = flux * sum(part.area * _passing(problem, part, place, flux) for part in leaks) / problem.rate
     oil = gas * place[OIL_RATIO] if problem.composition.carried else 0.0
     held = oil * place[DISSOLVED] if problem.parts.dissolves else 0.0
     return Stream(gas, gas * place[ENTHALPY], oil, oil * place[OIL_TEMPERATURE], held)
+
+
+def _passing(problem: Problem, part: LineLeak, place: list[float], flux: float) -> float:
+    """Return the share of the nozzle's flux [kg/(m² s)] that passes with the oil of a place (M300)."""
+    if part.resistance is None or flux == 0.0:
+        return 1.0
+    ratio = max(place[OIL_RATIO], 0.0) if problem.composition.carried else 0.0
+    known = {**symbols_of(problem.parts), **part.values, **part.resistance.values}
+    known |= {"flux": flux, "oil_ratio": ratio, "density": place[DENSITY]}
+    share = part.resistance.share
+    return float(share(*(known[name] for name in share.arguments)))
 
 
 def _nozzle(place: list[float]) -> tuple[float, ...]:

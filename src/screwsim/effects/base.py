@@ -460,10 +460,13 @@ class SuctionLine:
 class LineLeak:
     """A leak from the discharge line to the suction line beside the chambers, of an effective area [m²] (M274).
 
-    Needs a `SuctionLine`, to which its gas and oil come.
+    Needs a `SuctionLine`, to which its gas and oil come. With a `resistance` the share of the nozzle's flow passes that
+    this lets (M300); its share alone counts, `values` are further numbers that it asks for.
     """
 
     area: float
+    resistance: Resistance | None = None
+    values: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

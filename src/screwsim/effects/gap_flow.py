@@ -37,13 +37,12 @@ def resistance(parameters: Any, slides: float | None = None) -> Resistance | Non
     `slides` is the speed of the wall that drags oil through it, over that of the tips, where none is stated; None where
     no wall does.
     """
+    if parameters.model == "oil_sealed":
+        return sealed(parameters.mixture_viscosity, parameters.gap, parameters.passage or 0.0)
     values = {"gap": parameters.gap, "passage": parameters.passage or 0.0}
     if parameters.model == "nozzle_friction":
         fit = parameters.friction_fit
         return Resistance(FITS[fit], values, f"friction by Bell et al., {fit} fit (M191)")
-    if parameters.model == "oil_sealed":
-        rule = parameters.mixture_viscosity
-        return Resistance(MIXTURES[rule], values, f"mixture of gas and oil, viscosity by {rule} (M192, M193)")
     if parameters.model == "oil_film":
         title = f"full of oil from {parameters.filled_from:g} kg per kg of gas on: viscous film (M250-M252)"
         values["filled_from"] = parameters.filled_from
@@ -54,6 +53,12 @@ def resistance(parameters: Any, slides: float | None = None) -> Resistance | Non
         title += f", dragged at {values['wall_speed']:.3g} of the tip speed (M256)"
         return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film, gap_flow.dragged_oil)
     return None
+
+
+def sealed(rule: str, gap: float, passage: float) -> Resistance:
+    """Return what holds back a mixture of gas and oil in a clearance [m] that is `passage` [m] deep (M192, M193)."""
+    title = f"mixture of gas and oil, viscosity by {rule} (M192, M193)"
+    return Resistance(MIXTURES[rule], {"gap": gap, "passage": passage}, title)
 
 
 def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
@@ -94,18 +99,24 @@ def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
     if model == "oil_film":
         if parameters.gas_viscosity is not None:
             yield Fault(f"{path}.gas_viscosity", "has no meaning with model: oil_film (remove it)")
-        yield from _oil_faults(path, model, facts)
+        yield from oil_faults(path, model, facts)
         return
+    yield from viscosity_faults(path, parameters, facts)
+    if model == "oil_sealed":
+        yield from oil_faults(path, model, facts)
+
+
+def viscosity_faults(path: str, parameters: Any, facts: Any) -> Iterator[Fault]:
+    """Yield that the gas's viscosity is neither stated nor known."""
     if parameters.gas_viscosity is None:
         try:
             transport(facts.gas.fluid, 1e4, 400.0)
         except UsageError as error:
             yield Fault(f"{path}.gas_viscosity", f"is missing: {error}")
-    if model == "oil_sealed":
-        yield from _oil_faults(path, model, facts)
 
 
-def _oil_faults(path: str, model: str, facts: Any) -> Iterator[Fault]:
+def oil_faults(path: str, model: str, facts: Any) -> Iterator[Fault]:
+    """Yield what a flow model that asks for oil lacks."""
     if facts.oil is None:
         yield Fault(f"{path}.model", f"{model} needs oil (write an oil section, or choose nozzle_friction)")
         return

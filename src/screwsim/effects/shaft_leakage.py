@@ -1,14 +1,15 @@
 """Shaft leakage: gas and oil from the discharge end to suction, around the shafts and through drains and pistons.
 
-What: nozzle flow (M12, M13) from the discharge line to the suction line beside the chambers, with the line's oil ratio
-and what the oil holds dissolved (M274). It follows the discharge pressure all the time, where the leaks of chambers
-follow the course of theirs: what a volumetric efficiency that falls in proportion to the pressure ratio asks for. The
-area is stated, or an annulus around each shaft.
+What: nozzle flow (M12, M13), or the share of it that passes with the oil in the way (M192, M300), from the discharge
+line to the suction line beside the chambers, with the line's oil ratio and what the oil holds dissolved (M274). It
+follows the discharge pressure all the time, where the leaks of chambers follow the course of theirs: what a volumetric
+efficiency that falls in proportion to the pressure ratio asks for. The area is stated, or an annulus around each shaft.
 Source: annular clearances (textbook); M12.
 Assumptions: fed from the mean state of the discharge line; oil in the ratio there, at the gas's speed. The power of
 pumping the leaked oil up again counts (M28). Labyrinths, bushings and bearings hold more back than a nozzle does: take
-a smaller flow coefficient.
-Parameters: area, or shaft_diameter, clearance and shafts; flow_coefficient.
+a smaller flow coefficient, or `model: oil_sealed`, the rule of gaps in flooded machines (M192); no wall moves in it.
+Parameters: area, or shaft_diameter, clearance and shafts; flow_coefficient; model, mixture_viscosity, passage and
+gas_viscosity.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.declare import number, quantity
+from screwsim.declare import choice, number, quantity
+from screwsim.effects import gap_flow
 from screwsim.effects.base import Effect, Faults, LineLeak
 from screwsim.effects.gap import flow_coefficient
 from screwsim.faults import Fault
@@ -24,6 +26,7 @@ from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import HEATED, Figure, over
 
 _ANNULUS = ("shaft_diameter", "clearance")
+_SEALED = {"mixture_viscosity": "mcadams", "passage": "10 mm"}
 FIGURES = (
     Figure("shaft_leakage_gas_flow", "kg s-1", "gas that leaks from discharge to suction beside the chambers"),
     Figure(
@@ -45,6 +48,14 @@ class Parameters:
     clearance: float | None = quantity("length", "radial, between shaft and bore", None, ge=0.0)
     shafts: int = number("shafts of that diameter and clearance", 2, ge=1, le=4)
     flow_coefficient: float = flow_coefficient("the leak", 0.7)
+    model: str = choice("flow model (M190)", ("nozzle", "oil_sealed"), "nozzle")
+    mixture_viscosity: str | None = choice("rule of model: oil_sealed", tuple(gap_flow.MIXTURES), None)
+    passage: float | None = quantity(
+        "length", "of the annulus along the shaft (model: oil_sealed)", None, gt=0.0, hardly=(1e-5, 0.5)
+    )
+    gas_viscosity: float | None = quantity(
+        "viscosity", "mu of the gas (default: CoolProp's)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
+    )
 
 
 def area_of(parameters: Parameters) -> float:
@@ -56,7 +67,12 @@ def area_of(parameters: Parameters) -> float:
 
 
 def build(parameters: Parameters, machine) -> list[LineLeak]:
-    return [LineLeak(parameters.flow_coefficient * area_of(parameters))]
+    area = parameters.flow_coefficient * area_of(parameters)
+    if parameters.model == "nozzle":
+        return [LineLeak(area)]
+    rule, clearance, passage = parameters.mixture_viscosity, parameters.clearance, parameters.passage
+    assert rule is not None and clearance is not None and passage is not None  # of `check`
+    return [LineLeak(area, gap_flow.sealed(rule, clearance, passage))]
 
 
 def check(parameters: Parameters, facts) -> Faults:
@@ -70,6 +86,7 @@ def check(parameters: Parameters, facts) -> Faults:
             yield Fault(f"{path}.area", "is missing (state it, or shaft_diameter and clearance)")
     elif parameters.area is not None and given:
         yield Fault(f"{path}.{given[0]}", "is stated beside area (remove one of both)")
+    yield from _model_faults(path, parameters, facts)
     if "suction_line" not in facts.effects:
         what = "needs effects.suction_line, to which its gas and oil come (add it)"
         yield Fault(path, what)
@@ -80,14 +97,34 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
 
 
+def _model_faults(path: str, parameters: Parameters, facts) -> Faults:
+    """Yield what the flow model lacks, or is given without a meaning."""
+    if parameters.model == "nozzle":
+        for extra in (*_SEALED, "gas_viscosity"):
+            if getattr(parameters, extra) is not None:
+                yield Fault(f"{path}.{extra}", "has no meaning with model: nozzle (remove it)")
+        return
+    if parameters.area is not None:
+        yield Fault(f"{path}.area", "has no clearance to seal (give shaft_diameter and clearance, or model: nozzle)")
+    elif parameters.clearance == 0.0:
+        yield Fault(f"{path}.clearance", "is nothing, and nothing is to be sealed (remove effects.shaft_leakage)")
+    for name, example in _SEALED.items():
+        if getattr(parameters, name) is None:
+            what = f"is missing (model: oil_sealed needs it, e.g. {name}: {example})"
+            yield Fault(f"{path}.{name}", what)
+    yield from gap_flow.viscosity_faults(path, parameters, facts)
+    yield from gap_flow.oil_faults(path, "oil_sealed", facts)
+
+
 EFFECT = Effect(
     name="shaft_leakage",
     title="leak from the discharge end to suction around the shafts",
-    equations=("M12", "M13", "M274"),
+    equations=("M12", "M13", "M274", "M300"),
     source="annular clearances",
     parameters=Parameters,
     build=build,
     check=check,
+    numbers=gap_flow.numbers,
     needs=frozenset({ROTORS}),
     figures=FIGURES,
 )
