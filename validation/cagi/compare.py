@@ -162,12 +162,12 @@ def estimate_rows(here: Path, curves: dict[str, Curve], sheet: Curve) -> list[Ro
         (
             "predicted, shaft leak of the smaller machine",
             shafts.relative(low, full),
-            f"10 mm², not 22.5 mm²: {grown} {shafts.specific(full, FAN) / UNIT:.1f} kW/100 cfm",
+            f"9 mm², not 20.25 mm²: {grown} {shafts.specific(full, FAN) / UNIT:.1f} kW/100 cfm",
         ),
         (
             "predicted, shaft leak and gaps of the smaller machine",
             all_leaks.relative(low, full),
-            f"31 µm as well, not 46.5 µm: {grown} {all_leaks.specific(full, FAN) / UNIT:.1f} kW/100 cfm",
+            f"25 µm as well, not 37.5 µm: {grown} {all_leaks.specific(full, FAN) / UNIT:.1f} kW/100 cfm",
         ),
         (f"{NAMES[1]}, gaps dry", curves["dry"].relative(low, full), "gaps as nozzles without oil (M12)"),
     )

@@ -162,7 +162,7 @@ def given_rows(file: Path, base: Figures) -> list[Row]:
             base,
             sealed,
             "volumetric_efficiency",
-            "gaps pass gas as if dry: the most that oil in them could gain",
+            "gaps pass gas that their oil slows (M192): the most that oil could gain",
         ),
         change_row(
             "isentropic efficiency, a mechanical loss of 5 %",
