@@ -55,3 +55,14 @@ def test_gas_and_oil_leave_an_uncooled_machine_close_together(found, name):
 def test_droplets_are_those_of_a_jet_by_its_source(path):
     droplets = load(path).effects["droplets"].parameters
     assert (droplets.size, droplets.slip) == ("varde", 0.1)
+
+
+def test_oil_takes_most_of_the_heat_where_it_is_cooled_and_plenty():
+    """Ammonia with five kilograms of oil a kilogram of gas: half the shaft power, more with friction."""
+    changes = ("gas.fluid=Ammonia", "gas.two_phase=equilibrium", "oil_supply.ratio=5", "oil_supply.temperature=60 degC")
+    scene = load(CONFIGS / "r134a" / "point.yaml", [*changes, "effects.motor.rated_power=110 kW"])
+    p = simulate(scene, trace=False).performance
+    warmed = p.oil_mass_flow * scene.oil.heat_capacity * (p.oil_discharge_temperature - p.oil_supply_temperature)
+    assert warmed > 0.4 * p.shaft_power
+    assert 0.6 * p.shaft_power < p.oil_cooler_duty < p.shaft_power
+    assert p.discharge_temperature - p.oil_discharge_temperature < 15.0
