@@ -62,6 +62,7 @@ def test_oil_takes_most_of_the_heat_where_it_is_cooled_and_plenty():
     changes = ("gas.fluid=Ammonia", "gas.two_phase=equilibrium", "oil_supply.ratio=5", "oil_supply.temperature=60 degC")
     scene = load(CONFIGS / "r134a" / "point.yaml", [*changes, "effects.motor.rated_power=110 kW"])
     p = simulate(scene, trace=False).performance
+    assert scene.oil is not None
     warmed = p.oil_mass_flow * scene.oil.heat_capacity * (p.oil_discharge_temperature - p.oil_supply_temperature)
     assert warmed > 0.4 * p.shaft_power
     assert 0.6 * p.shaft_power < p.oil_cooler_duty < p.shaft_power
