@@ -1,4 +1,4 @@
-"""Print what effects change on a shipped machine, beside what their sources say (docs/reference/effects.md).
+"""Print what effects change on a plain machine, beside what their sources say (docs/reference/effects.md).
 
 Run: .venv/bin/python scripts/effects.py [NAME]… Each entry is a scene with the effect and the same without it.
 """
@@ -18,7 +18,7 @@ from screwsim.scene.lines import lines
 from screwsim.simulate import simulate
 
 ROOT = Path(__file__).resolve().parent.parent
-PAPER, REAL = ROOT / "configs" / "paper" / "point.yaml", ROOT / "configs" / "r134a" / "point.yaml"
+PAPER, REAL = ROOT / "configs" / "paper" / "point.yaml", ROOT / "tests" / "scenes" / "r134a.yaml"
 
 
 class Entry(NamedTuple):
@@ -43,7 +43,7 @@ def percents(one: Result, other: Result, *names: str) -> str:
     return ", ".join(f"{name.replace('_', ' ')} {percent(one, other, name)}" for name in names)
 
 
-OIL_DENSITY = 960.0  # of configs/r134a [kg/m³]
+OIL_DENSITY = 960.0  # of tests/scenes/r134a.yaml [kg/m³]
 
 # ---- ports ---------------------------------------------------------------------------------------------------------
 
@@ -60,12 +60,14 @@ def economizer_change(one: Result, other: Result) -> str:
     )
 
 
-def economizer(condition: str, temperature: float, opens: int, source: str, says: str) -> Entry:
+COLDER = ("operation.evaporating_temperature=-10 degC", "operation.condensing_temperature=40 degC")
+
+
+def economizer(condition: tuple[str, ...], temperature: float, opens: int, source: str, says: str) -> Entry:
     """Return the entry of an economizer at a condition, whose port is open over 100° [degC, °]."""
     port = f"opens: {opens} deg, closes: {opens + 100} deg, area: 1 cm^2"
-    sets = (f"effects.economizer={{temperature: {temperature} degC, {port}}}",)
-    scene = ROOT / "configs" / "r134a" / f"{condition}.yaml"
-    return Entry(scene, sets, ("economizer",), source, says, economizer_change)
+    sets = (*condition, f"effects.economizer={{temperature: {temperature} degC, {port}}}")
+    return Entry(REAL, sets, ("economizer",), source, says, economizer_change)
 
 
 def oil_change(one: Result, other: Result) -> str:
@@ -123,11 +125,11 @@ def oil_volume(d: float) -> Entry:
 
 
 effects_ports = {
-    "economizer": economizer("point", 20.0, 385, "textbook", "capacity and COP rise"),
-    "economizer, colder": economizer("te-10_tc40", 12.0, 385, YANG, "gains more at lower evaporation"),
-    "economizer, later port": economizer("point", 20.0, 425, YANG, BEST),
-    "economizer, early port": economizer("point", 20.0, 330, YANG, BEST),
-    "economizer, last port": economizer("point", 20.0, 465, YANG, BEST),
+    "economizer": economizer((), 20.0, 385, "textbook", "capacity and COP rise"),
+    "economizer, colder": economizer(COLDER, 12.0, 385, YANG, "gains more at lower evaporation"),
+    "economizer, later port": economizer((), 20.0, 425, YANG, BEST),
+    "economizer, early port": economizer((), 20.0, 330, YANG, BEST),
+    "economizer, last port": economizer((), 20.0, 465, YANG, BEST),
     "liquid_injection": Entry(
         REAL,
         ("gas.two_phase=equilibrium", "effects.liquid_injection={opens: 500 deg, closes: 600 deg, area: 4 mm^2}"),

@@ -137,7 +137,7 @@ def _used(package):
     return kept
 
 
-@pytest.mark.parametrize("config", ["paper/point.yaml", "r134a/point.yaml"])
+@pytest.mark.parametrize("config", ["configs/paper/point.yaml", "tests/scenes/r134a.yaml"])
 def test_a_scene_gives_the_same_bits_where_the_files_of_other_effects_are_not_there(config, tmp_path):
     """As before those effects were written: the same figures bit for bit, at the same number of evaluations."""
     import json
@@ -146,7 +146,7 @@ def test_a_scene_gives_the_same_bits_where_the_files_of_other_effects_are_not_th
 
     package = tmp_path / "screwsim"
     shutil.copytree(ROOT / "src" / "screwsim", package, ignore=shutil.ignore_patterns("__pycache__"))
-    path = ROOT / "configs" / config
+    path = ROOT / config
     scene = load(path)
     keep = _used(package) | set(scene.effects) | {"__init__"}
     gone = [file for file in (package / "effects").glob("*.py") if file.stem not in keep]

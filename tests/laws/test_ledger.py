@@ -51,8 +51,8 @@ def at(speed, transport="paper", **changes):
         ("paper/fig1", "oil_supply.ratio=12"),
         ("paper/fig2", "oil_supply.orifice_diameter=2.7 mm"),
         ("paper/fig2", "oil_supply.orifice_diameter=7.5 mm"),
-        ("r134a/point", "oil_supply.ratio=1"),
-        ("r134a/point", "gas.two_phase=equilibrium"),
+        ("../tests/scenes/r134a", "oil_supply.ratio=1"),
+        ("../tests/scenes/r134a", "gas.two_phase=equilibrium"),
     ],
 )
 def test_it_closes_on_the_shipped_scenes(name, change, speed, transport):

@@ -10,6 +10,7 @@ from screwsim.scene.plausible import scene_warnings
 from screwsim.simulate import simulate
 
 CONFIGS = Path(__file__).parents[2] / "configs"
+PLAIN = Path(__file__).parents[1] / "scenes" / "r134a.yaml"
 
 
 def told(result, words):
@@ -20,7 +21,10 @@ def at(path, *overrides):
     return simulate(load(CONFIGS / path, overrides=overrides), trace=False)
 
 
-@pytest.mark.parametrize("path", ["paper/point.yaml", "r134a/point.yaml", "expander/point.yaml"])
+SHIPPED = ("paper/point.yaml", "r134a/point.yaml", "r134a/compact.yaml", "expander/point.yaml")
+
+
+@pytest.mark.parametrize("path", [*SHIPPED, PLAIN])
 def test_a_plausible_machine_is_warned_of_nothing(path):
     result = at(path)
     assert result.status == "ok"
@@ -51,13 +55,13 @@ def test_a_warning_of_the_scene_comes_before_all_others():
 
 
 def test_a_failed_point_keeps_the_warnings_of_its_scene():
-    result = at("r134a/point.yaml", "effects.suction_port=off", "effects.tip_leakage.gap=1.5 mm")
+    result = at(PLAIN, "effects.suction_port=off", "effects.tip_leakage.gap=1.5 mm")
     assert result.status == "failed"
     assert told(result, "effects.tip_leakage.gap: 1.5 mm")
 
 
 def test_a_forgotten_suction_port_is_told_as_that():
-    result = at("r134a/point.yaml", "effects.suction_port=off")
+    result = at(PLAIN, "effects.suction_port=off")
     assert result.status == "failed"
     assert "no port or valve leads from the suction line into the chambers (name effects.suction_port" in result.message
     assert "machine.suction_port is given, but only an effect that is named is simulated" in result.message
@@ -96,9 +100,9 @@ def test_a_motor_that_is_too_small_is_told_or_does_not_turn(rated, status, words
 
 
 def test_oil_on_which_a_real_gas_condenses_is_told_at_the_front():
-    scene = load(CONFIGS / "r134a" / "point.yaml", overrides=("oil_supply.temperature=300 K",))
+    scene = load(PLAIN, overrides=("oil_supply.temperature=300 K",))
     words = "R134a condenses on it at the discharge pressure, 11.6 bar, below 318.15 K (45.00 degC) (warmer oil)"
     assert any(words in each and each.startswith("oil_supply.temperature: ") for each in scene_warnings(scene))
-    assert not scene_warnings(load(CONFIGS / "r134a" / "point.yaml"))
-    dry = load(CONFIGS / "r134a" / "point.yaml", ("oil_supply.temperature=300 K",), without=("oil_heat",))
+    assert not scene_warnings(load(PLAIN))
+    dry = load(PLAIN, ("oil_supply.temperature=300 K",), without=("oil_heat",))
     assert not scene_warnings(dry)  # they exchange no heat

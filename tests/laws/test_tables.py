@@ -15,8 +15,13 @@ from screwsim.machine.geometry import Geometry, area_breakpoints
 from screwsim.scene import load, value_at
 from screwsim.simulate import simulate
 
-CONFIGS = Path(__file__).parents[2] / "configs"
-SCENES = ("paper", "r134a", "expander")
+ROOT = Path(__file__).parents[2]
+CONFIGS = ROOT / "configs"
+SCENES = {
+    "paper": CONFIGS / "paper" / "point.yaml",
+    "r134a": ROOT / "tests" / "scenes" / "r134a.yaml",
+    "expander": CONFIGS / "expander" / "point.yaml",
+}
 ROWS = np.arange(0.0, 720.01, 0.25)  # deg, the whole life
 BOTH = 2.0  # results that are compared, each within the wanted accuracy
 ALIKE = 1e-4  # of the area between the rows of 0.25 deg and the law itself, and what that does to the figures
@@ -52,7 +57,7 @@ def both(tmp_path_factory):
 
     @cache
     def made(name):
-        path = str(CONFIGS / name / "point.yaml")
+        path = str(SCENES[name])
         scene = load(path)
         of_tables = load(path, tabled(scene, tmp_path_factory.mktemp(name)))
         return simulate(scene), simulate(of_tables)
@@ -78,7 +83,7 @@ def test_every_warning_is_the_same(both, name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_a_port_opens_and_is_widest_where_its_area_says_so(tmp_path, name):
-    path = str(CONFIGS / name / "point.yaml")
+    path = str(SCENES[name])
     scene = load(path)
     of_law, of_table = Geometry(scene.machine), Geometry(load(path, tabled(scene, tmp_path)).machine)
     step = math.radians(0.25)

@@ -87,8 +87,11 @@ def saturation_row() -> Row:
 
 
 def compare(here: Path) -> Comparison:
-    """Return integrators on both shipped points, and properties."""
-    configs = here.parents[1] / "configs"
-    points = (("paper's point", configs / "paper" / "point.yaml"), ("R134a, 2/45 °C", configs / "r134a" / "point.yaml"))
+    """Return integrators on the paper's point and on a plain real-gas machine, and properties."""
+    root = here.parents[1]
+    points = (
+        ("paper's point", root / "configs" / "paper" / "point.yaml"),
+        ("R134a, 2/45 °C", root / "tests" / "scenes" / "r134a.yaml"),
+    )
     rows = [integrator_row(file, name, integrator) for name, file in points for integrator in INTEGRATORS]
     return Comparison(TITLE, CITATION, ABOUT, [*rows, *property_rows(here), saturation_row()])
