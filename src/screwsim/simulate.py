@@ -12,7 +12,7 @@ from screwsim.cycle import feedback
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
-from screwsim.evaluate import own_effects, performance, plausible, verdict
+from screwsim.evaluate import cautions, own_effects, performance, plausible, verdict
 from screwsim.evaluate.evaluation import balance as balance_of
 from screwsim.evaluate.ledger.total import Ledger, ledger
 from screwsim.evaluate.traces import traces
@@ -164,13 +164,13 @@ def _solved(
     status, message = _judged(accurate, balance, forbidden or overloaded, "" if search is None else search.why)
     over_angle, kept = traces(of) if trace else {}, book.figures() if trace and book else Figures()
     warnings = (
-        *verdict.doubts(problem, found if status == "ok" else Figures(), errors),
+        *cautions.doubts(problem, found if status == "ok" else Figures(), errors),
         *of_loads,
         *((f"the cycle closed only with {cycle.needed}",) if cycle.needed else ()),
         *of_drive,
         *stability.warnings(problem, machinery, cycle, accurate.wanted.rtol),
-        *verdict.warnings(of),
-        *verdict.inaccurate(scene.numerics.accuracy, errors),
+        *cautions.warnings(of),
+        *cautions.inaccurate(scene.numerics.accuracy, errors),
     )
     return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, over_angle, kept)
 
