@@ -25,7 +25,7 @@ from screwsim.model.within import NODES as GAUSS
 from screwsim.numerics.rodas import NODES, dense_value
 
 Array = np.ndarray
-SHARES = np.unique([*NODES[:4], GAUSS[1]])  # of a step; the first of the quadrature's is next to a node of the method
+SHARES = sorted({*NODES[:4], GAUSS[1]})  # of a step; the first of the quadrature's is next to a node of the method
 ROUNDING = 1e-9  # of its largest value, that a law may lie below zero; of one, that a share may lie beyond it
 SPEEDS = (0.0, 1.0, 30.0, 300.0)  # [m/s] with which a gap's share is asked for its flux
 BEYOND = np.radians((0.0, 1e-6, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0))  # an angle where an integration stopped
