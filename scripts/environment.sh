@@ -1,6 +1,6 @@
 # Sourced by the scripts beside it, from the checkout's root: make .venv there when missing, and install into it.
-# `make_environment EXTRA…` installs the package with the extras, from the pins of constraints.txt; again only when
-# what it depends on has changed. Compiled models go into .venv too, under names that are a hash of their source.
+# `make_environment [EXTRAS [OPTION…]]` installs the package with the extras, from the pins of constraints.txt and with
+# options of pip; again only when what it depends on has changed. Compiled models go into .venv too, under names that are a hash of their source.
 
 find_python() {
     local name
@@ -22,6 +22,7 @@ print(sys.version.split()[0], *(hashlib.sha256(pathlib.Path(name).read_bytes()).
 
 make_environment() {
     local extras=${1:-} stamp=.venv/screwsim-stamp python
+    [ $# -eq 0 ] || shift
     if ! .venv/bin/python -c 'import pip, sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1; then
         python=$(find_python)
         echo "screwsim: making .venv with $("$python" --version)" >&2
@@ -30,7 +31,8 @@ make_environment() {
     stamp=$stamp${extras:+-$extras}
     if [ "$(cat "$stamp" 2>/dev/null)" != "$(wanted)" ]; then
         echo "screwsim: installing into .venv" >&2
-        .venv/bin/python -m pip install -q --disable-pip-version-check -c constraints.txt -e ".${extras:+[$extras]}"
+        .venv/bin/python -m pip install -q --disable-pip-version-check ${1+"$@"} -c constraints.txt \
+            -e ".${extras:+[$extras]}"
         wanted >"$stamp"
     fi
     export PATH="$PWD/.venv/bin:$PATH"

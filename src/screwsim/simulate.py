@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import Any, Literal
 
 from screwsim.build import blamed, faults_of_own, prepare
 from screwsim.cycle import feedback
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
-from screwsim.evaluate import own_effects, performance, plausible, verdict
+from screwsim.evaluate import cautions, own_effects, performance, plausible, verdict
 from screwsim.evaluate.evaluation import balance as balance_of
 from screwsim.evaluate.ledger.total import Ledger, ledger
 from screwsim.evaluate.traces import traces
@@ -28,6 +28,8 @@ from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive, stability
 from screwsim.solve.accurately import TRIES, Accurate, note, solve_tighter
 from screwsim.solve.circuit import Search, solved
+
+Trace = bool | Literal["ledger"]  # what of the angle is kept
 
 
 def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
@@ -45,7 +47,7 @@ def _numerics(machinery: Machinery, accurate: Accurate) -> Figures:
     )
 
 
-def _balanced(accurate: Accurate, trace: bool) -> tuple[Figures, Ledger | None]:
+def _balanced(accurate: Accurate, trace: Trace) -> tuple[Figures, Ledger | None]:
     """Return the balances and the ledger of a closed cycle, None where none is wanted."""
     of = accurate.evaluation
     balance = balance_of(of)
@@ -54,11 +56,11 @@ def _balanced(accurate: Accurate, trace: bool) -> tuple[Figures, Ledger | None]:
     return balance, book
 
 
-def simulate(scene: Scene, trace: bool = True) -> Result:
+def simulate(scene: Scene, trace: Trace = True) -> Result:
     """Return the result of one scene; bad physics gives a status and what there is, never an exception.
 
-    `trace` keeps the cycle over the angle; the ledger is left out without it where the scene says `numerics.error:
-    none`. Raises UsageError when the scene asks for a fluid that is not there.
+    `trace` keeps the cycle over the angle and the ledger, 'ledger' that alone; the ledger is left out without it where
+    the scene says `numerics.error: none`. Raises UsageError when the scene asks for a fluid that is not there.
     """
     return _told(scene, trace, None)
 
@@ -74,7 +76,7 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
         yield _told(scene, trace, series)
 
 
-def _told(scene: Scene, trace: bool, series: Series | None) -> Result:
+def _told(scene: Scene, trace: Trace, series: Series | None) -> Result:
     """Return the result of a scene; what goes wrong inside an effect of the user's own is told as a fault of that."""
     own = scene.own
     if not own:
@@ -113,7 +115,7 @@ def _survived(scene: Scene) -> None:
     _tried[names] = modules
 
 
-def _simulate(scene: Scene, trace: bool, series: Series | None) -> Result:
+def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
     course = None if series is None else series.course
     series = series or Series()
     try:
@@ -136,7 +138,7 @@ def _simulate(scene: Scene, trace: bool, series: Series | None) -> Result:
 
 
 def _solved(
-    problem: Problem, machinery: Machinery, trace: bool, course: Course | None, search: Search | None
+    problem: Problem, machinery: Machinery, trace: Trace, course: Course | None, search: Search | None
 ) -> Result:
     accurate = solved(problem, machinery, course, search)
     problem = accurate.evaluation.problem
@@ -162,15 +164,15 @@ def _solved(
     forbidden, of_drive, balance["drive"] = drive.judged(of)
     overloaded, of_loads = performance.judged(problem.parts, of.known, found)
     status, message = _judged(accurate, balance, forbidden or overloaded, "" if search is None else search.why)
-    over_angle, kept = traces(of) if trace else {}, book.figures() if trace and book else Figures()
+    over_angle, kept = traces(of) if trace is True else {}, book.figures() if trace and book else Figures()
     warnings = (
-        *verdict.doubts(problem, found if status == "ok" else Figures(), errors),
+        *cautions.doubts(problem, found if status == "ok" else Figures(), errors),
         *of_loads,
         *((f"the cycle closed only with {cycle.needed}",) if cycle.needed else ()),
         *of_drive,
         *stability.warnings(problem, machinery, cycle, accurate.wanted.rtol),
-        *verdict.warnings(of),
-        *verdict.inaccurate(scene.numerics.accuracy, errors),
+        *cautions.warnings(of),
+        *cautions.inaccurate(scene.numerics.accuracy, errors),
     )
     return Result(status, message, warnings, effects, states, found, balance, errors, numerics, notes, over_angle, kept)
 
@@ -188,7 +190,7 @@ def _refused(problem: Problem, accurate: Accurate) -> str:
 
 
 def _closed_in_entropy(
-    problem: Problem, machinery: Machinery, accurate: Accurate, trace: bool
+    problem: Problem, machinery: Machinery, accurate: Accurate, trace: Trace
 ) -> tuple[Accurate, Figures, Ledger | None]:
     """Solve more tightly where entropy does not close: it is judged here only, for it needs the ledger."""
     balance, book = _balanced(accurate, trace)

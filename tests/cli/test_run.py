@@ -172,9 +172,9 @@ def test_a_file_that_comes_to_the_place_of_a_run_meanwhile_stays(folder, command
     module = importlib.import_module("screwsim.simulate")
     simulate = module.simulate
 
-    def simulated(scene):
+    def simulated(scene, trace):
         (folder / "out.h5").write_text("my thesis")
-        return simulate(scene)
+        return simulate(scene, trace)
 
     monkeypatch.setattr(module, "simulate", simulated)
     answer = command("run", "small.yaml", "-o", "out.h5")

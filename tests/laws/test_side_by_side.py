@@ -36,6 +36,7 @@ PLENUMS = {
     "effects.plenums": {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2"},
 }
 THREADS, EACH = 8, 200
+FEWER = 60  # where the scenes are a part of those of two gases
 
 
 def scenes(changes: dict | None = None) -> list[Scene]:
@@ -46,23 +47,23 @@ def figures(result: Result) -> tuple[str, dict, dict]:
     return result.status, dict(result.performance), dict(result.balance)
 
 
-def answers(asked: list[Scene], thread: int) -> list[tuple[int, tuple]]:
+def answers(asked: list[Scene], thread: int, each: int) -> list[tuple[int, tuple]]:
     """Return place and answer of scenes in an order of the thread's own."""
-    order = np.random.default_rng(thread).integers(len(asked), size=EACH).tolist()
+    order = np.random.default_rng(thread).integers(len(asked), size=each).tolist()
     return [(place, figures(simulate(asked[place], trace=place == 0))) for place in order]
 
 
-def differing(asked: list[Scene]) -> int:
+def differing(asked: list[Scene], each: int = EACH) -> int:
     """Return how many answers of threads are not those of the scene alone."""
     alone = [figures(simulate(scene)) for scene in asked]
     assert len({repr(one) for one in alone}) == len(asked)
     with ThreadPoolExecutor(THREADS) as pool:
-        found = pool.map(answers, [asked] * THREADS, range(THREADS))
+        found = pool.map(answers, [asked] * THREADS, range(THREADS), [each] * THREADS)
         return sum(alone[place] != answer for one in found for place, answer in one)
 
 
 def test_threads_give_each_scene_its_own_answer():
-    assert differing(scenes()) == 0
+    assert differing(scenes(), FEWER) == 0
 
 
 def test_threads_give_scenes_of_two_gases_their_own_answers():

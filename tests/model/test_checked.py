@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import screwsim
-from screwsim.codegen import modules
+from screwsim.codegen import machine, modules
 from screwsim.model import leases
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -20,6 +20,7 @@ def checked(monkeypatch):
             super().__init__(name, text, checks=True)
 
     monkeypatch.setattr(modules, "Module", Checked)
+    monkeypatch.setattr(machine, "CODE", machine.SELDOM)  # code that is thrown away, of the same bits
     monkeypatch.setattr(modules, "_loaded", {})
     monkeypatch.setattr(leases, "_free", {})
     return modules._loaded

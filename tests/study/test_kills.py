@@ -35,7 +35,7 @@ def running(output: Path) -> tuple[BaseProcess, Path]:
     return process, pids
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(6))
 def test_a_parent_that_is_killed_at_any_moment(seed, reference, tmp_path):
     output = tmp_path / "out.h5"
     process, _ = running(output)
@@ -48,7 +48,7 @@ def test_a_parent_that_is_killed_at_any_moment(seed, reference, tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["out.h5", "pids"]
 
 
-@pytest.mark.parametrize("seed", range(10, 20))
+@pytest.mark.parametrize("seed", range(10, 16))
 def test_a_worker_that_is_killed_at_any_moment(seed, reference, tmp_path):
     output = tmp_path / "out.h5"
     process, pids = running(output)

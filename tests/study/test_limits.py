@@ -47,19 +47,25 @@ def test_no_workers_are_refused(jobs, tmp_path):
 
 
 LONG = "{from: 1, to: 2, count: 100000}"
-PRESSURES = "{from: 5 bar, to: 9 bar, count: 100000}"
+SPEEDS = "operation.speed: {from: 1000 rpm, to: 2000 rpm, count: 1000}"
+PRESSURES = "operation.discharge.pressure: {from: 5 bar, to: 9 bar, count: 100}"
+FIVE = ", ".join(
+    f"{path}: {{from: {low}, to: {high}, count: 10000}}"
+    for path, low, high in (
+        ("oil_supply.ratio", "1", "2"),
+        ("oil_supply.temperature", "300 K", "320 K"),
+        ("operation.discharge.pressure", "5 bar", "9 bar"),
+        ("operation.speed", "1000 rpm", "2000 rpm"),
+        ("machine.volume.max", "1 l", "2 l"),
+    )
+)
 
 
 @pytest.mark.parametrize(
     ("sweep", "cases"),
     [
-        (f"oil_supply.ratio: {LONG}, operation.discharge.pressure: {PRESSURES}", "10,000,000,000"),
-        (
-            f"oil_supply.ratio: {LONG}, operation.discharge.pressure: {PRESSURES}, "
-            "operation.speed: {from: 1000 rpm, to: 2000 rpm, count: 100000}, "
-            "machine.volume.max: {from: 1 l, to: 2 l, count: 100000}",
-            "1e+20",
-        ),
+        (f"oil_supply.ratio: {LONG}, {SPEEDS}, {PRESSURES}", "10,000,000,000"),
+        (FIVE, "1e+20"),
         (
             "sample: {kind: sobol, count: 1048576, over: {oil_supply.ratio: {from: 1, to: 2}}}, "
             "operation.speed: {from: 1000 rpm, to: 2000 rpm, count: 10}",

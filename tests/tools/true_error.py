@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.errors import relative_errors, worst
-from screwsim.evaluate.verdict import inaccurate
+from screwsim.evaluate.cautions import inaccurate
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.checks import cross_check

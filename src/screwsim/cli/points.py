@@ -34,7 +34,7 @@ def run(
     from screwsim.printing import print_json, print_result
     from screwsim.simulate import simulate
 
-    result = simulate(scene)
+    result = simulate(scene, trace=True if output is not None else "ledger")
     if knock_out and result.performance:
         from screwsim.study.knock_out import knock_out as knocked_out
         from screwsim.study.progress import for_terminal

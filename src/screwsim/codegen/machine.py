@@ -10,22 +10,24 @@ from typing import Any
 import llvmlite.binding as llvm
 
 PASSES, CODE = 1, 3  # of LLVM's levels 0 to 3: more passes take twice the time, and what they make is no faster
+SELDOM = 0  # level of code that runs once a solution: written in a quarter of the time, with the same results
 _alone = threading.RLock()
-_own = threading.local()  # a thread's target
+_own = threading.local()  # a thread's targets
 
 
-def _target() -> llvm.TargetMachine:
-    """Return this thread's idea of this processor."""
-    if not hasattr(_own, "target"):
+def _target(level: int = CODE) -> llvm.TargetMachine:
+    """Return this thread's idea of this processor, which writes code of a level."""
+    targets = _own.__dict__.setdefault("targets", {})
+    if level not in targets:
         with _alone:
             llvm.initialize_native_target()
             llvm.initialize_native_asmprinter()
             features = llvm.get_host_cpu_features().flatten()
             target = llvm.Target.from_triple(llvm.get_process_triple())
-            _own.target = target.create_target_machine(
-                cpu=llvm.get_host_cpu_name(), features=features, opt=CODE, codemodel="jitdefault", jit=True
+            targets[level] = target.create_target_machine(
+                cpu=llvm.get_host_cpu_name(), features=features, opt=level, codemodel="jitdefault", jit=True
             )
-    return _own.target
+    return targets[level]
 
 
 def processor() -> str:
@@ -34,9 +36,9 @@ def processor() -> str:
     return f"{llvm.llvm_version_info} {llvm.get_process_triple()} {llvm.get_host_cpu_name()} {features}"
 
 
-def compiled(text: str) -> bytes:
-    """Return the object code of a text."""
-    machine = _target()
+def compiled(text: str, seldom: bool = False) -> bytes:
+    """Return the object code of a text; of one that runs seldom, code that is written sooner."""
+    machine = _target(SELDOM if seldom else CODE)
     module = llvm.parse_assembly(text, llvm.create_context())
     module.triple = llvm.get_process_triple()
     module.data_layout = str(machine.target_data)

@@ -41,13 +41,17 @@ def module_name(text: str, of: str) -> str:
     return f"screwsim_{of}_{digest[:24]}"
 
 
-def load(text: str, of: str) -> Module:
-    """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder."""
+def load(text: str, of: str, seldom: tuple[str, ...] = ()) -> Module:
+    """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder.
+
+    What names of functions begin with that run once a solution is `seldom`.
+    """
     name = module_name(text, of)
     with _alone:
         if name not in _loaded:
             store.keep_text(f"{name}.py", text)  # to be read by people; nothing is taken from there
             _loaded[name] = Module(name, text)
+            _loaded[name].seldom = seldom
         return _loaded[name]
 
 
@@ -57,6 +61,7 @@ class Module(ModuleType):
     def __init__(self, name: str, text: str, outside: Mapping[str, int] | None = None, checks: bool = False) -> None:
         super().__init__(name)
         self.text, self._outside, self._checks = text, dict(outside or {}), checks
+        self.seldom: tuple[str, ...] = ()
         self.made: list[str] = []  # functions that were compiled in this process, not found in the cache
 
     def __getattr__(self, name: str) -> Function:
@@ -76,7 +81,7 @@ class Module(ModuleType):
         if kept is None:
             compiling.begins()
             returned, text = self._written(name, kinds, symbol)
-            kept = b"\n".join([str(returned).encode(), machine.compiled(text)])
+            kept = b"\n".join([str(returned).encode(), machine.compiled(text, name.startswith(self.seldom))])
             self.made.append(name)
             if lasting:
                 store.keep(f"{symbol}.code", kept)

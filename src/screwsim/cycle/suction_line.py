@@ -28,6 +28,7 @@ from screwsim.model.slots import (
     R_DISCHARGE,
     R_SUCTION,
 )
+from screwsim.numerics.roots import brentq
 
 Array = np.ndarray
 CLOSE = 1e-13  # relative width of the interval in which the mixture's enthalpy is found
@@ -223,8 +224,6 @@ def held_of(solution: OilSolution, entropy: float) -> float:
 
 def _root(excess: Callable[[float], float], guess: float) -> float:
     """Return where a function that grows passes zero, looked for from a guess on."""
-    from scipy.optimize import brentq
-
     low = high = guess
     at, reach = excess(guess), REACH * guess
     grows = at < 0.0
@@ -233,4 +232,4 @@ def _root(excess: Callable[[float], float], guess: float) -> float:
             raise UsageError("the suction line has no mixture of its gas and oil")
         low, high = (high, guess + reach) if grows else (max(guess - reach, CLOSE * guess), low)
         at, reach = excess(high if grows else low), 2.0 * reach
-    return float(brentq(excess, low, high, xtol=CLOSE * guess, rtol=CLOSE)) if low < high else guess  # type: ignore[arg-type]
+    return brentq(excess, low, high, CLOSE * guess, CLOSE) if low < high else guess

@@ -25,6 +25,7 @@ import numpy as np
 from screwsim.declare import choice, file, number, quantity
 from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
 from screwsim.faults import Fault, UsageError
+from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import COOLED, Figure, efficiency, names_of, power_figure
 from screwsim.sheets import BadSheet, read_sheet
 from screwsim.textfiles import Unreadable
@@ -102,15 +103,13 @@ def read_table(path: str) -> list[tuple[float, float]]:
 
 def loss_of_table(rows: list[tuple[float, float]]) -> Loss:
     """Return the motor's loss over its rated power by the load, from a table of efficiencies (M204)."""
-    from scipy.interpolate import PchipInterpolator
-
     load, efficiency = np.array(rows).T
     loss, last = load * (1.0 / efficiency - 1.0), float(load[-1])
-    curve = PchipInterpolator(load, loss)
+    curve = Pchip(load, loss)
 
     def at(x: float) -> float:
         x = abs(x)
-        return float(curve(max(x, load[0]))) if x <= last else float(loss[-1]) * x / last
+        return curve(max(x, float(load[0]))) if x <= last else float(loss[-1]) * x / last
 
     return at
 

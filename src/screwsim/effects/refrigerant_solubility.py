@@ -21,7 +21,6 @@ Parameters: separator_temperature, flash_time, absorption_time.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -35,6 +34,8 @@ from screwsim.faults import Fault
 from screwsim.fluid import constants, solubility
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import OIL
+from screwsim.numerics.pchip import Pchip
+from screwsim.numerics.roots import brentq
 from screwsim.outputs import Figure, Scale
 
 NAME = "refrigerant_solubility"
@@ -78,21 +79,19 @@ class Parameters(InSeparator):
 
 
 @lru_cache(maxsize=1)
-def _saturation() -> tuple[Callable[..., Any], Callable[..., Any]]:
+def _saturation() -> tuple[Pchip, Pchip]:
     """Return ln p_sat [Pa] over 1/T and the density of saturated liquid [kg/m³] over T [K]."""
-    from scipy.interpolate import PchipInterpolator
-
     T = np.arange(solubility.LOW, HIGHEST + STEP / 2, STEP)
     p = [constants.dew_pressure(solubility.FLUID, float(each)) for each in T]
     rho = [constants.saturated_liquid_density(solubility.FLUID, float(each)) for each in T]
-    return PchipInterpolator(1.0 / T[::-1], np.log(p[::-1])), PchipInterpolator(T, rho)
+    return Pchip(1.0 / T[::-1], np.log(p[::-1])), Pchip(T, np.array(rho))
 
 
 @lru_cache(maxsize=256)
 def pair(T: float) -> solubility.Pair:
     """Return R134a and oil at T [K]."""
     log_pressure, density = _saturation()
-    return solubility.pair(T, math.exp(float(log_pressure(1.0 / T))), float(density(T)))
+    return solubility.pair(T, math.exp(log_pressure(1.0 / T)), density(T))
 
 
 def content(p: float, T: float) -> float:
@@ -108,9 +107,7 @@ def flashed(p: float, T: float, supply: float, latent: float, c_oil: float) -> f
 
     if supply <= 0.0 or excess(0.0) <= 0.0:
         return 0.0
-    from scipy.optimize import brentq
-
-    return float(brentq(excess, 0.0, supply, xtol=1e-12))  # type: ignore[arg-type]
+    return brentq(excess, 0.0, supply, xtol=1e-12)
 
 
 @lru_cache(maxsize=64)

@@ -25,7 +25,7 @@ from screwsim.model.within import NODES as GAUSS
 from screwsim.numerics.rodas import NODES, dense_value
 
 Array = np.ndarray
-SHARES = np.unique([*NODES[:4], GAUSS[1]])  # of a step; the first of the quadrature's is next to a node of the method
+SHARES = sorted({*NODES[:4], GAUSS[1]})  # of a step; the first of the quadrature's is next to a node of the method
 ROUNDING = 1e-9  # of its largest value, that a law may lie below zero; of one, that a share may lie beyond it
 SPEEDS = (0.0, 1.0, 30.0, 300.0)  # [m/s] with which a gap's share is asked for its flux
 BEYOND = np.radians((0.0, 1e-6, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0))  # an angle where an integration stopped
@@ -66,10 +66,9 @@ def impossible(problem: Problem, cycle: CycleSolution) -> str:
         return wrong
     phi, rows = _along(life) if cycle.status != "failed" else (np.empty(0), np.empty((0, 1)))
     degrees = np.radians(np.arange(0.0, math.degrees(parts.geometry.life), 1.0))
-    by_angle = [Point(angle, rows, 0.0, 0.0, 0.0) for angle in np.union1d(phi, degrees).tolist()]
-    for asked in _areas(parts, life):
-        if asked.effect in own and (wrong := _first(asked, by_angle)):
-            return wrong
+    wrong = next(_areas(parts, life, own, np.union1d(phi, degrees)), "")
+    if wrong:
+        return wrong
     stopped = cycle.status == "failed"  # what is no number does not close: of a cycle only signs and shares are asked
     rates = [asked for asked in _rates(parts, life) if asked.effect in own and (stopped or asked.least > -math.inf)]
     if not rates:
@@ -85,15 +84,15 @@ def _first(asked: Asked, points: Sequence[Point]) -> str:
     slack = ROUNDING * max(finite, default=0.0)
     for point, value in zip(points, values, strict=True):
         if not (math.isfinite(value) and asked.least - slack <= value <= asked.most + slack):
-            return _told(asked, point, value)
+            return _told(asked.effect, asked.what, asked.unit, point, value)
     return ""
 
 
-def _told(asked: Asked, point: Point, value: float) -> str:
+def _told(effect: str, what: str, unit: str, point: Point, value: float) -> str:
     states = f", T = {point.y[0]:.5g} K, p = {point.p / 1e5:.5g} bar" if point.m else ""
-    shown = f"{value:.6g} {asked.unit}".rstrip()
+    shown = f"{value:.6g} {unit}".rstrip()
     where = f"at {math.degrees(point.phi):.2f} deg{states}"
-    return f"effects.{asked.effect}: its {asked.what} is {shown} {where}, which cannot be; mend that module"
+    return f"effects.{effect}: its {what} is {shown} {where}, which cannot be; mend that module"
 
 
 def _declared(parts: Parts, own: set[str]) -> Iterator[str]:
@@ -151,18 +150,22 @@ def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None
     return Point(phi, y, p, V, rho * V / room)
 
 
-def _areas(parts: Parts, life: Trajectory) -> Iterator[Asked]:
-    """Yield the areas of all paths: of the angle alone."""
-    c, module = life.composition, life.module
-    paths = parts.all(FlowPath)
-    for to_plenum, area in ((True, module.plenum_area), (False, module.gap_area)):
+def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iterator[str]:
+    """Yield the areas of paths, of the angle [rad] alone, that cannot be: of each path the first."""
+    c, paths, found = life.composition, parts.all(FlowPath), np.empty(len(angles))
+    for to_plenum in (True, False):
         some = [(name, path) for name, path in paths if (path.to != "neighbour") == to_plenum]
         for i, (name, path) in enumerate(some):
-
-            def at(point: Point, i=i, area=area, factor=path.flow_coefficient or 1.0) -> float:
-                return float(area(i, point.phi, c.P, c.TAB)) / factor
-
-            yield Asked(name, "area", "m^2", at, 0.0)
+            if name not in own:
+                continue
+            life.module.trace__areas_along(angles, i, to_plenum, c.P, c.TAB, found)
+            areas = found / (path.flow_coefficient or 1.0)
+            finite = np.isfinite(areas)
+            slack = ROUNDING * float(np.max(np.abs(areas), initial=0.0, where=finite))
+            wrong = np.flatnonzero(~(finite & (areas >= -slack)))
+            if len(wrong):
+                where = Point(float(angles[wrong[0]]), areas, 0.0, 0.0, 0.0)
+                yield _told(name, "area", "m^2", where, float(areas[wrong[0]]))
 
 
 def _rates(parts: Parts, life: Trajectory) -> Iterator[Asked]:

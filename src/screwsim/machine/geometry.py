@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from screwsim.machine import paper_law, table_law
-from screwsim.machine.profile_law import Interface, Laid, lay
-from screwsim.machine.profile_tables import Table
 from screwsim.machine.protocol import AreaLaw, MachineGeometry, VolumeKernels
 from screwsim.machine.settings import LIFE, TURN, TwinScrew
 from screwsim.machine.sliding import wall_speeds
 from screwsim.numerics.spline import features, read_curve
+
+if TYPE_CHECKING:
+    from screwsim.machine.profile_law import Interface, Laid
+    from screwsim.machine.profile_tables import Table
 
 KNOTTED_SPACING = np.radians(10.0)  # tables at least this coarse have a breakpoint at every row; finer ones are smooth
 
@@ -63,7 +66,11 @@ class Geometry(MachineGeometry):
     @property
     def profile(self) -> Laid | None:
         """What the rotor profile gives by angle; None where the volume's law is another."""
-        return lay(self.settings) if self.settings.volume.law == "profile" else None
+        if self.settings.volume.law != "profile":
+            return None
+        from screwsim.machine.profile_law import lay  # here: rotors take long to import, and closed forms need none
+
+        return lay(self.settings)
 
     @property
     def life(self) -> float:

@@ -8,7 +8,6 @@ from operator import attrgetter
 from screwsim.faults import Fault
 from screwsim.machine import protocol
 from screwsim.machine.geometry import Geometry
-from screwsim.machine.profile_law import check_profile_law
 from screwsim.machine.protocol import MachineKind, Size, Speed
 from screwsim.machine.settings import TwinScrew, check_twin_screw
 
@@ -91,7 +90,12 @@ _SIZES = (
 
 
 def _check(machine: TwinScrew) -> list[Fault]:
-    return [*check_twin_screw(machine), *check_profile_law(machine)]
+    found = check_twin_screw(machine)
+    if machine.volume.law != "profile" and machine.profile is None and machine.built_in_volume_ratio is None:
+        return list(found)
+    from screwsim.machine.profile_law import check_profile_law  # here: rotors take long to import
+
+    return [*found, *check_profile_law(machine)]
 
 
 def _dead_volume(machine: TwinScrew) -> tuple[str, float]:

@@ -18,7 +18,7 @@ ALL_KERNELS = {"surroundings": surroundings.around_chambers, "lands": closing_po
 
 # what histories are put in place with, and what closed cycles are read with
 READ_WITH = (places.places_along, history.add_history, history.states_at, ledger.account, ledger.arriving)
-READ_WITH += (trace.peak_pressure, trace.volumes, trace.sample, trace.work_along)
+READ_WITH += (trace.peak_pressure, trace.volumes, trace.sample, trace.work_along, trace.areas_along)
 
 # what a composition writes itself (slots.py)
 OWN = {name: name for name in (

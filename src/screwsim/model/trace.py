@@ -20,11 +20,13 @@ from screwsim.model.slots import (
     S_T_OIL,
     N,
     film_flows,
+    gap_area,
     gas_state,
     given_off,
     mass_rate,
     oil_inflow,
     path_flows,
+    plenum_area,
     volume_at,
     volume_slope_at,
 )
@@ -58,6 +60,13 @@ def peak_pressure(times, dense, steps, limit, context):
             share = (limit - times[i]) / (times[i + 1] - times[i])
             peak = max(peak, dense_value(share, dense[i, 0, N], dense[i, 1, N], dense[i, 2, N], dense[i, 3, N]))
     return peak
+
+
+@kernel
+def areas_along(angles, i, to_plenum, P, TAB, out):
+    """Fill out with the area [m²] of a path at angles [rad], flow coefficient included."""
+    for a in range(angles.shape[0]):
+        out[a] = plenum_area(i, angles[a], P, TAB) if to_plenum else gap_area(i, angles[a], P, TAB)
 
 
 @kernel

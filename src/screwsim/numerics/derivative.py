@@ -21,23 +21,10 @@ from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-from screwsim.numerics.expressions import (
-    FLAT,
-    SLOPES,
-    Expression,
-    Slopes,
-    added,
-    assign,
-    assigned,
-    each,
-    is_unit,
-    name_of,
-    negative,
-    product,
-    read,
-    targets,
-)
-from screwsim.numerics.kernel import Kernel, Slot, nodes, parsed, unparsed, written
+from screwsim.numerics.dependence import Active, find_active, seeds_of
+from screwsim.numerics.expressions import Expression, Slopes, added, assign, assigned, is_unit, product
+from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed, written
+from screwsim.numerics.partials import Partials
 
 
 @lru_cache(maxsize=256)
@@ -73,19 +60,19 @@ class Forward:
         held: Collection[str] = (),
     ) -> None:
         self.name, self.by, self.known, self.given, self.held = name, by, known, given or {}, held
-        self.uses: dict[str, Any] = {}
-        self.count = 0
-        self.active: dict[str, tuple[str, ...]] = {name: (name,) for name in by}
+        self.active: Active = {name: (name,) for name in by}
         for name in dict.fromkeys(name for name, _ in self.given):
             self.active[name] = tuple(seed for seed in by if (name, seed) in self.given or name == seed)
         self.plain: dict[tuple[str, str], Expression] = {}  # derivatives that are 1 or -1 wherever they are read
-        self.taken = {node.id for node in nodes(*body) if isinstance(node, ast.Name)} | set(by)
+        taken = {node.id for node in nodes(*body) if isinstance(node, ast.Name)} | set(by)
         self.pairs = list(assigned(body))
         names = [name for some, _ in self.pairs for name in some]
         self.once = {name for name in names if names.count(name) == 1}
         self.whole = set(by) & set(names)  # seeds that are assigned to: variables like others
         self.once -= self.whole
-        self._find_active()
+        find_active(self.active, self.pairs, by, self.given, held)
+        self._partials = Partials(name, known, self.active, taken, tangent)
+        self.uses = self._partials.uses  # kernels that the new statements call, by name
 
     def statements(self, body: Sequence[ast.stmt]) -> list[ast.stmt]:
         """Return the statements with the derivatives of all that they set."""
@@ -101,59 +88,9 @@ class Forward:
             return self.plain[name, seed]
         return ast.Name(self._slope_name(name, seed), ast.Load())
 
-    # ---- what depends on what ----------------------------------------------------------------------------------
-
-    def _find_active(self) -> None:
-        """Let every variable depend on what any assignment to it depends on, until nothing is added."""
-        while True:
-            before = dict(self.active)
-            for names, value in self.pairs:
-                found_in = self._seeds(value)
-                for name in names:
-                    if name in self.held:
-                        continue
-                    seeds = found_in | {seed for seed in self.by if (name, seed) in self.given}
-                    have = self.active.get(name, ())
-                    found = tuple(seed for seed in self.by if seed in have or seed in seeds)
-                    if found:
-                        self.active[name] = found
-            if self.active == before:
-                return
-
-    def _seeds(self, node: ast.AST) -> set[str]:
-        """Return the arguments on which an expression depends; what decides a branch or an index does not count."""
-        if isinstance(node, ast.Name):
-            return set(self.active.get(node.id, ()))
-        if isinstance(node, ast.Compare | ast.BoolOp):
-            return set()
-        if isinstance(node, ast.Subscript):
-            return self._seeds(node.value)
-        if isinstance(node, ast.IfExp):
-            return self._seeds(node.body) | self._seeds(node.orelse)
-        if isinstance(node, ast.Call) and name_of(node) in FLAT | {"int", "len", "range"}:
-            return set()
-        parts = node.args if isinstance(node, ast.Call) else ast.iter_child_nodes(node)
-        return set().union(*(self._seeds(part) for part in parts))
-
-    # ---- text --------------------------------------------------------------------------------------------------
-
-    def _fresh(self, stem: str) -> str:
-        self.count += 1
-        name = f"{stem}_{self.count}"
-        while name in self.taken:
-            self.count += 1
-            name = f"{stem}_{self.count}"
-        self.taken.add(name)
-        return name
-
     @staticmethod
     def _slope_name(name: str, seed: str) -> str:
         return f"{name}__{seed}"
-
-    def _fail(self, what: str) -> TypeError:
-        return TypeError(f"kernel {self.name} cannot be differentiated: {what}")
-
-    # ---- statements --------------------------------------------------------------------------------------------
 
     def _statement(self, node: ast.stmt) -> list[ast.stmt]:
         match node:
@@ -175,12 +112,12 @@ class Forward:
                 return self._return(value)
             case ast.Break() | ast.Continue() | ast.Pass():
                 return [node]
-        raise self._fail(f"it has {ast.unparse(node).splitlines()[0]!r}")
+        raise self._partials.fail(f"it has {ast.unparse(node).splitlines()[0]!r}")
 
     def _assignment(self, name: str, value: Expression) -> list[ast.stmt]:
         """Return statements that set a variable and its derivatives; these first, as they may need its old value."""
         before: list[ast.stmt] = []
-        plain, slopes = self._expression(value, before)
+        plain, slopes = self._partials.expression(value, before)
         found = self._by_seeds(slopes, self.active.get(name, ()), before, name)
         own: list[ast.stmt] = []
         after: list[ast.stmt] = []
@@ -196,7 +133,7 @@ class Forward:
     def _by_seeds(self, slopes: Slopes, seeds: Sequence[str], before: list[ast.stmt], stem: str) -> Slopes:
         """Return the derivative by each seed, through the variables of a statement."""
         if len(seeds) > 1:
-            slopes = {name: self._kept(slope, before, f"{stem}_by_{name}") for name, slope in slopes.items()}
+            slopes = {name: self._partials.kept(slope, before, f"{stem}_by_{name}") for name, slope in slopes.items()}
         found: Slopes = {}
         for seed in seeds:
             total: Expression | None = None
@@ -208,19 +145,19 @@ class Forward:
     def _unpacking(self, targets: Sequence[Expression], value: Expression) -> list[ast.stmt]:
         names = [target.id for target in targets if isinstance(target, ast.Name)]
         if len(names) < len(targets):
-            raise self._fail(f"it unpacks into {ast.unparse(targets[0])!r}")
+            raise self._partials.fail(f"it unpacks into {ast.unparse(targets[0])!r}")
         before: list[ast.stmt] = []
         if isinstance(value, ast.Tuple):
-            found = [self._expression(one, before) for one in value.elts]
+            found = [self._partials.expression(one, before) for one in value.elts]
         else:
-            found = self._values(value, before, len(names))
+            found = self._partials.values(value, before, len(names))
         new: list[tuple[str, Expression]] = []
         for name, (plain, slopes) in zip(names, found, strict=True):
             by_seeds = self._by_seeds(slopes, self.active.get(name, ()), before, name)
             new += [(self._slope_name(name, seed), slope) for seed, slope in by_seeds.items()]
             new.append((name, plain))
         if isinstance(value, ast.Tuple):  # which may exchange variables: all is read before anything is set
-            held = [(name, self._fresh("new")) for name, _ in new]
+            held = [(name, self._partials.fresh("new")) for name, _ in new]
             before += [assign(keep, slope) for (_, keep), (_, slope) in zip(held, new, strict=True)]
             new = [(name, ast.Name(keep, ast.Load())) for name, keep in held]
         return before + [assign(name, one) for name, one in new]
@@ -228,167 +165,15 @@ class Forward:
     def _return(self, value: Expression) -> list[ast.stmt]:
         before: list[ast.stmt] = []
         if isinstance(value, ast.Tuple):
-            found = [self._expression(one, before) for one in value.elts]
-        elif isinstance(value, ast.Call) and self._seeds(value) and self._returned(value) > 1:
-            found = self._values(value, before, self._returned(value))
+            found = [self._partials.expression(one, before) for one in value.elts]
+        elif isinstance(value, ast.Call) and seeds_of(value, self.active) and self._partials.returned(value) > 1:
+            found = self._partials.values(value, before, self._partials.returned(value))
         else:
-            found = [self._expression(value, before)]
+            found = [self._partials.expression(value, before)]
         stems = [self.name if len(found) == 1 else f"{self.name}_{i}" for i in range(len(found))]
         by_seeds = [self._by_seeds(one[1], self.by, before, stem) for one, stem in zip(found, stems, strict=True)]
         slopes = [one[seed] for seed in self.by for one in by_seeds]
         return [*before, ast.Return(ast.Tuple([*(plain for plain, _ in found), *slopes], ast.Load()))]
-
-    # ---- expressions -------------------------------------------------------------------------------------------
-
-    def _expression(self, node: Expression, before: list[ast.stmt]) -> tuple[Expression, Slopes]:
-        """Return an expression and its derivatives by its variables; what both need is set in statements before."""
-        if not self._seeds(node):
-            return node, {}
-        match node:
-            case ast.Name(id=name):
-                return node, {name: ast.Constant(1.0)}
-            case ast.UnaryOp(op=ast.USub(), operand=operand):
-                value, slopes = self._expression(operand, before)
-                return ast.UnaryOp(ast.USub(), value), {name: negative(one) for name, one in slopes.items()}
-            case ast.UnaryOp(op=ast.UAdd(), operand=operand):
-                return self._expression(operand, before)
-            case ast.BinOp(left=left, op=op, right=right):
-                return self._operation(left, op, right, before)
-            case ast.IfExp(test=test, body=body, orelse=orelse):
-                return self._choice(test, body, orelse, before)
-            case ast.Call():
-                return self._call(node, before)
-            case ast.Subscript(value=ast.Call() as call, slice=ast.Constant(value=int(index))):
-                return self._values(call, before, self._returned(call))[index]
-        raise self._fail(f"it has {ast.unparse(node)!r}")
-
-    def _kept(self, value: Expression, before: list[ast.stmt], stem: str = "part") -> Expression:
-        """Return an expression that can be read again and again: a name or a constant."""
-        if isinstance(value, ast.Name | ast.Constant) or is_unit(value):
-            return value
-        name = stem if "_by_" in stem and stem not in self.taken else self._fresh(stem)
-        before.append(assign(name, value))
-        return ast.Name(name, ast.Load())
-
-    def _operation(
-        self, left: Expression, op: ast.operator, right: Expression, before: list[ast.stmt]
-    ) -> tuple[Expression, Slopes]:
-        (a, da), (b, db) = self._expression(left, before), self._expression(right, before)
-        if isinstance(op, ast.Add | ast.Sub):
-            minus = isinstance(op, ast.Sub)
-            return ast.BinOp(a, op, b), each(lambda name: added(da.get(name), db.get(name), minus), da, db)
-        a, b = self._kept(a, before), self._kept(b, before)
-        if isinstance(op, ast.Mult):
-            return ast.BinOp(a, op, b), each(
-                lambda name: added(product(da.get(name), b), product(db.get(name), a)), da, db
-            )
-        if isinstance(op, ast.Div):
-            over = self._kept(read("1.0 / b", b=b), before, "over")
-            value = self._kept(ast.BinOp(a, op, b), before)
-            return value, each(
-                lambda name: product(added(da.get(name), product(db.get(name), value), True), over), da, db
-            )
-        if isinstance(op, ast.Pow):
-            return self._power(a, da, b, db, before)
-        raise self._fail(f"it has the operator {type(op).__name__}")
-
-    def _power(
-        self, a: Expression, da: Slopes, b: Expression, db: Slopes, before: list[ast.stmt]
-    ) -> tuple[Expression, Slopes]:
-        value = self._kept(ast.BinOp(a, ast.Pow(), b), before)
-        by_a = self._kept(read("b * a ** (b - 1.0)", a=a, b=b), before) if da else None
-        by_b = self._kept(read("v * math.log(a)", a=a, v=value), before) if db else None
-        return value, each(lambda name: added(product(da.get(name), by_a), product(db.get(name), by_b)), da, db)
-
-    def _choice(
-        self, test: Expression, body: Expression, orelse: Expression, before: list[ast.stmt]
-    ) -> tuple[Expression, Slopes]:
-        """Return what one of two expressions gives; only the one that is taken is evaluated."""
-        name = self._fresh("part")
-        ways: list[list[ast.stmt]] = [[], []]
-        found = [self._expression(side, way) for side, way in zip((body, orelse), ways, strict=True)]
-        variables = list(dict.fromkeys([one for _, slopes in found for one in slopes]))
-        for (value, slopes), way in zip(found, ways, strict=True):
-            way += [assign(f"{name}_by_{one}", slopes.get(one) or ast.Constant(0.0)) for one in variables]
-            way.append(assign(name, value))
-        before.append(ast.If(test, *ways))
-        return ast.Name(name, ast.Load()), {one: ast.Name(f"{name}_by_{one}", ast.Load()) for one in variables}
-
-    # ---- calls -------------------------------------------------------------------------------------------------
-
-    def _call(self, node: ast.Call, before: list[ast.stmt]) -> tuple[Expression, Slopes]:
-        name = name_of(node)
-        if isinstance(node.func, ast.Attribute) and name in SLOPES:
-            value, slopes = self._expression(node.args[0], before)
-            u = self._kept(value, before)
-            v = self._kept(ast.Call(node.func, [u], []), before)
-            by = self._kept(read(SLOPES[name], u=u, v=v), before)
-            return v, each(lambda name: product(slopes[name], by), slopes)
-        if isinstance(node.func, ast.Attribute) and name == "pow":
-            return self._operation(node.args[0], ast.Pow(), node.args[1], before)
-        if isinstance(node.func, ast.Name) and name == "float":
-            return self._expression(node.args[0], before)
-        if isinstance(node.func, ast.Name) and name == "abs":
-            value, slopes = self._expression(node.args[0], before)
-            u = self._kept(value, before)
-            by = self._kept(read("1.0 if u >= 0.0 else -1.0", u=u), before)
-            return ast.Call(node.func, [u], []), each(lambda name: product(slopes[name], by), slopes)
-        if isinstance(node.func, ast.Name) and name in ("min", "max") and len(node.args) > 1:
-            return self._extreme(name, node.args, before)
-        return self._values(node, before, 1)[0]
-
-    def _extreme(self, name: str, arguments: Sequence[Expression], before: list[ast.stmt]) -> tuple[Expression, Slopes]:
-        """Return the least or largest of several, as Python takes it: the first of equal ones."""
-        first, *others = arguments
-        if len(others) > 1:
-            others = [ast.Call(ast.Name(name, ast.Load()), others, [])]
-        a, b = (self._expression(each, before) for each in (first, others[0]))
-        (a, da), (b, db) = ((self._kept(value, before), slopes) for value, slopes in (a, b))
-        test = self._kept(read("b > a" if name == "max" else "b < a", a=a, b=b), before, "other")
-        value = self._kept(ast.IfExp(test, b, a), before)
-        none = ast.Constant(0.0)
-        return value, each(lambda one: ast.IfExp(test, db.get(one) or none, da.get(one) or none), da, db)
-
-    def _values(self, node: Expression, before: list[ast.stmt], count: int) -> list[tuple[Expression, Slopes]]:
-        """Return the values that a kernel's call gives, and their derivatives."""
-        seeded = bool(self._seeds(node))
-        names = [self._fresh("part") for _ in range(count)]
-        plain = [ast.Name(name, ast.Load()) for name in names]
-        if not seeded:
-            before.append(ast.Assign([targets(names)], node))
-            return [(one, {}) for one in plain]
-        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
-            raise self._fail(f"it has {ast.unparse(node)!r}")
-        called = self.known.get(node.func.id)
-        if isinstance(called, Slot):
-            raise self._fail(f"{node.func.id} exists only inside a generated module")
-        if not isinstance(called, Kernel) or node.keywords:
-            raise self._fail(f"it calls {ast.unparse(node.func)}")
-        found = [self._expression(argument, before) for argument in node.args]
-        moving = [(name, slopes) for name, (_, slopes) in zip(called.arguments, found, strict=True) if slopes]
-        by = tuple(name for name, _ in moving)
-        alias = "_by_".join([node.func.id, "_".join(by)])  # two kernels may have one name of their own
-        self.uses[alias] = tangent(called, by)
-        parts = [[self._fresh("by") for _ in range(count)] for _ in moving]
-        call = ast.Call(ast.Name(alias, ast.Load()), [value for value, _ in found], [])
-        before.append(ast.Assign([targets([*names, *(name for some in parts for name in some)])], call))
-
-        def slope(k: int, name: str) -> Expression | None:
-            total: Expression | None = None
-            for (_, slopes), some in zip(moving, parts, strict=True):
-                total = added(total, product(slopes.get(name), ast.Name(some[k], ast.Load())))
-            return total
-
-        every = [slopes for _, slopes in moving]
-        return [(one, each(lambda name, k=k: slope(k, name), *every)) for k, one in enumerate(plain)]
-
-    def _returned(self, node: ast.Call) -> int:
-        """Return how many values a kernel gives."""
-        called = self.known.get(node.func.id) if isinstance(node.func, ast.Name) else None
-        if not isinstance(called, Kernel):
-            return 1
-        returns = [one.value for one in nodes(parsed(called.source)) if isinstance(one, ast.Return)]
-        return len(returns[0].elts) if returns and isinstance(returns[0], ast.Tuple) else 1
 
 
 class _OfKernel(Forward):
@@ -396,7 +181,7 @@ class _OfKernel(Forward):
 
     def __init__(self, item: Kernel, function: ast.FunctionDef, by: tuple[str, ...]) -> None:
         super().__init__(item.__name__, function.body, by, item.function.__globals__)
-        self.taken |= set(item.arguments)
+        self._partials.taken.update(item.arguments)
         self.item, self.body = item, function.body
         self.whole = {name for names, _ in self.pairs for name in names} & set(item.arguments)
         self.once -= self.whole

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from screwsim.faults import UsageError
+from screwsim.numerics import pchip
 from screwsim.numerics.kernel import kernel
 from screwsim.sheets import BadSheet, read_sheet
 from screwsim.textfiles import Unreadable
@@ -97,13 +98,8 @@ def pack_curve(x: Array, y: Array, slope: Array | None = None) -> Array:
 
     slope: derivatives at both ends of each interval, shape (n − 1, 2); a curve with kinks has two at a row.
     """
-    if slope is None:
-        from scipy.interpolate import PchipInterpolator
-
-        coefficients = PchipInterpolator(x, y).c[::-1].T  # one row an interval, constant term first
-    else:
-        coefficients = _hermite(x, y, slope)
-    return np.concatenate([[float(len(x))], x, coefficients.ravel()])
+    rows = pchip.coefficients(x, y) if slope is None else _hermite(x, y, slope)
+    return np.concatenate([[float(len(x))], x, rows.ravel()])
 
 
 def _hermite(x: Array, y: Array, slope: Array) -> Array:

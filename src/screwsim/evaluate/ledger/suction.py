@@ -37,7 +37,7 @@ class Streams:
         return self.back.oil + self.leak.oil - self.sucked.oil
 
 
-def streams_of(cycle: Cycle, paths: Rows) -> Streams:
+def line_streams(cycle: Cycle, paths: Rows) -> Streams:
     """Return what meets in the suction line; what comes back is that of the ledger's own sums."""
     problem, R, rate = cycle.problem, cycle.R, cycle.rate
     rows = [row for row, end in zip(paths, cycle.composition.ends, strict=True) if end == "suction"]

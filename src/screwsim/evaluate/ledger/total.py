@@ -20,7 +20,7 @@ from screwsim.evaluate.ledger.book import Book, Cycle, Entry, State
 from screwsim.evaluate.ledger.circuit import through_circuit
 from screwsim.evaluate.ledger.gas import enter_intake, enter_paths, enter_pulsations, enter_walls, gas_rise
 from screwsim.evaluate.ledger.oil import cool_at_lines, oil_rise
-from screwsim.evaluate.ledger.suction import enter_line, mean_back, streams_of
+from screwsim.evaluate.ledger.suction import enter_line, line_streams, mean_back
 from screwsim.faults import own_number
 from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
 from screwsim.outputs import Figures
@@ -93,7 +93,7 @@ def ledger(of: Evaluation) -> Ledger:
     paths = moved.tolist()
     cool_at_lines(cycle, paths)
     book = Book(cycle.T_0, {name: Entry() for name in _acting(cycle)})
-    met = streams_of(cycle, paths) if cycle.parts.suction_line else None
+    met = line_streams(cycle, paths) if cycle.parts.suction_line else None
     back = sucked if met is None else mean_back(cycle, met, sucked)
     enter_paths(book, cycle, paths, sucked, given, back)
     enter_pulsations(book, cycle, (suction, sucked), (given, discharge), line)

@@ -1,0 +1,89 @@
+"""What lies in the suction and discharge lines: throttle, mixing, leak, heat, separator and oil cooler."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from screwsim.declare import quantity
+from screwsim.effects.parts.flows import Resistance
+from screwsim.fluid.separator import Outflow, Separated
+
+
+@dataclass(frozen=True)
+class Intake:
+    """What lies between suction line and machine (M160, M161).
+
+    A throttle leaves `pressure_ratio` of the pressure; of what is sucked the share `returned` is delivered gas, mixed
+    in before it.
+    """
+
+    pressure_ratio: float = 1.0
+    returned: float = 0.0
+
+
+@dataclass(frozen=True)
+class SuctionLine:
+    """What flows back into the suction line stays in it, mixes with what is sucked in and comes back (M270)."""
+
+
+@dataclass(frozen=True)
+class LineLeak:
+    """A leak from the discharge line to the suction line beside the chambers, of an effective area [m²] (M274).
+
+    Needs a `SuctionLine`, to which its gas and oil come. With a `resistance` the share of the nozzle's flow passes that
+    this lets (M300); its share alone counts, `values` are further numbers that it asks for.
+    """
+
+    area: float
+    resistance: Resistance | None = None
+    values: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class SuctionHeat:
+    """Heat [W] that the gas takes up on its way to the machine, by the power of the shaft [W] (M275).
+
+    Needs a `SuctionLine`, into which the warmed gas comes.
+    """
+
+    power: Callable[[float], float]
+
+
+@dataclass(frozen=True)
+class Separator:
+    """Where gas and oil of the discharge line meet and part, and what cools the oil that goes back (M280–M284).
+
+    `balance` returns the temperatures and the cooler's duty that follow from what a cycle gives the separator, and,
+    asked whether the supply's temperature is open, how far that is from where the circuit closes.
+    """
+
+    balance: Callable[[Outflow, bool], Separated]
+
+
+@dataclass(frozen=True)
+class InSeparator:
+    """Parameters of an effect that asks for the separator's temperature: stated, or found by effects.separator."""
+
+    separator_temperature: float | None = quantity(
+        "temperature",
+        "of oil and gas in the separator (absent: effects.separator finds it)",
+        None,
+        ge=150.0,
+        le=700.0,
+        hardly=(210.0, 450.0),
+    )
+
+
+class CoolsOil:
+    """Parameters of an effect that sends the oil back through a cooler, and may find the temperature of its supply."""
+
+    @property
+    def outlet(self) -> float | None:
+        """Temperature [K] of the oil behind the cooler; None where it is not kept."""
+        return None
+
+    @property
+    def discharge(self) -> float | None:
+        """Temperature [K] of gas and oil at discharge; None where it is not kept."""
+        return None

@@ -1,0 +1,206 @@
+"""Expressions with their derivatives by the variables in them: operators, choices, functions of `math`, kernels."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from screwsim.numerics.dependence import Active, seeds_of
+from screwsim.numerics.expressions import (
+    SLOPES,
+    Expression,
+    Slopes,
+    added,
+    assign,
+    each,
+    is_unit,
+    name_of,
+    negative,
+    product,
+    read,
+    targets,
+)
+from screwsim.numerics.kernel import Kernel, Slot, nodes, parsed
+
+
+class Partials:
+    """Differentiates the expressions of one text by the variables in them.
+
+    `active` holds which variables depend on a seed, `known` what names of the text mean, `taken` the names in use;
+    `tangent` makes the kernel of a called kernel's derivatives, and `uses` collects these.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        known: Mapping[str, Any],
+        active: Active,
+        taken: set[str],
+        tangent: Callable[[Kernel, tuple[str, ...]], Kernel],
+    ) -> None:
+        self.name, self.known, self.active, self.taken, self.tangent = name, known, active, taken, tangent
+        self.uses: dict[str, Any] = {}
+        self._count = 0
+
+    def fresh(self, stem: str) -> str:
+        """Return a name that nothing has."""
+        self._count += 1
+        name = f"{stem}_{self._count}"
+        while name in self.taken:
+            self._count += 1
+            name = f"{stem}_{self._count}"
+        self.taken.add(name)
+        return name
+
+    def fail(self, what: str) -> TypeError:
+        """Return the error that names the kernel and what of it cannot be differentiated."""
+        return TypeError(f"kernel {self.name} cannot be differentiated: {what}")
+
+    def expression(self, node: Expression, before: list[ast.stmt]) -> tuple[Expression, Slopes]:
+        """Return an expression and its derivatives by its variables; what both need is set in statements before."""
+        if not seeds_of(node, self.active):
+            return node, {}
+        match node:
+            case ast.Name(id=name):
+                return node, {name: ast.Constant(1.0)}
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                value, slopes = self.expression(operand, before)
+                return ast.UnaryOp(ast.USub(), value), {name: negative(one) for name, one in slopes.items()}
+            case ast.UnaryOp(op=ast.UAdd(), operand=operand):
+                return self.expression(operand, before)
+            case ast.BinOp(left=left, op=op, right=right):
+                return self._operation(left, op, right, before)
+            case ast.IfExp(test=test, body=body, orelse=orelse):
+                return self._choice(test, body, orelse, before)
+            case ast.Call():
+                return self._call(node, before)
+            case ast.Subscript(value=ast.Call() as call, slice=ast.Constant(value=int(index))):
+                return self.values(call, before, self.returned(call))[index]
+        raise self.fail(f"it has {ast.unparse(node)!r}")
+
+    def kept(self, value: Expression, before: list[ast.stmt], stem: str = "part") -> Expression:
+        """Return an expression that can be read again and again: a name or a constant."""
+        if isinstance(value, ast.Name | ast.Constant) or is_unit(value):
+            return value
+        name = stem if "_by_" in stem and stem not in self.taken else self.fresh(stem)
+        before.append(assign(name, value))
+        return ast.Name(name, ast.Load())
+
+    def _operation(
+        self, left: Expression, op: ast.operator, right: Expression, before: list[ast.stmt]
+    ) -> tuple[Expression, Slopes]:
+        (a, da), (b, db) = self.expression(left, before), self.expression(right, before)
+        if isinstance(op, ast.Add | ast.Sub):
+            minus = isinstance(op, ast.Sub)
+            return ast.BinOp(a, op, b), each(lambda name: added(da.get(name), db.get(name), minus), da, db)
+        a, b = self.kept(a, before), self.kept(b, before)
+        if isinstance(op, ast.Mult):
+            return ast.BinOp(a, op, b), each(
+                lambda name: added(product(da.get(name), b), product(db.get(name), a)), da, db
+            )
+        if isinstance(op, ast.Div):
+            over = self.kept(read("1.0 / b", b=b), before, "over")
+            value = self.kept(ast.BinOp(a, op, b), before)
+            return value, each(
+                lambda name: product(added(da.get(name), product(db.get(name), value), True), over), da, db
+            )
+        if isinstance(op, ast.Pow):
+            return self._power(a, da, b, db, before)
+        raise self.fail(f"it has the operator {type(op).__name__}")
+
+    def _power(
+        self, a: Expression, da: Slopes, b: Expression, db: Slopes, before: list[ast.stmt]
+    ) -> tuple[Expression, Slopes]:
+        value = self.kept(ast.BinOp(a, ast.Pow(), b), before)
+        by_a = self.kept(read("b * a ** (b - 1.0)", a=a, b=b), before) if da else None
+        by_b = self.kept(read("v * math.log(a)", a=a, v=value), before) if db else None
+        return value, each(lambda name: added(product(da.get(name), by_a), product(db.get(name), by_b)), da, db)
+
+    def _choice(
+        self, test: Expression, body: Expression, orelse: Expression, before: list[ast.stmt]
+    ) -> tuple[Expression, Slopes]:
+        """Return what one of two expressions gives; only the one that is taken is evaluated."""
+        name = self.fresh("part")
+        ways: list[list[ast.stmt]] = [[], []]
+        found = [self.expression(side, way) for side, way in zip((body, orelse), ways, strict=True)]
+        variables = list(dict.fromkeys([one for _, slopes in found for one in slopes]))
+        for (value, slopes), way in zip(found, ways, strict=True):
+            way += [assign(f"{name}_by_{one}", slopes.get(one) or ast.Constant(0.0)) for one in variables]
+            way.append(assign(name, value))
+        before.append(ast.If(test, *ways))
+        return ast.Name(name, ast.Load()), {one: ast.Name(f"{name}_by_{one}", ast.Load()) for one in variables}
+
+    def _call(self, node: ast.Call, before: list[ast.stmt]) -> tuple[Expression, Slopes]:
+        name = name_of(node)
+        if isinstance(node.func, ast.Attribute) and name in SLOPES:
+            value, slopes = self.expression(node.args[0], before)
+            u = self.kept(value, before)
+            v = self.kept(ast.Call(node.func, [u], []), before)
+            by = self.kept(read(SLOPES[name], u=u, v=v), before)
+            return v, each(lambda name: product(slopes[name], by), slopes)
+        if isinstance(node.func, ast.Attribute) and name == "pow":
+            return self._operation(node.args[0], ast.Pow(), node.args[1], before)
+        if isinstance(node.func, ast.Name) and name == "float":
+            return self.expression(node.args[0], before)
+        if isinstance(node.func, ast.Name) and name == "abs":
+            value, slopes = self.expression(node.args[0], before)
+            u = self.kept(value, before)
+            by = self.kept(read("1.0 if u >= 0.0 else -1.0", u=u), before)
+            return ast.Call(node.func, [u], []), each(lambda name: product(slopes[name], by), slopes)
+        if isinstance(node.func, ast.Name) and name in ("min", "max") and len(node.args) > 1:
+            return self._extreme(name, node.args, before)
+        return self.values(node, before, 1)[0]
+
+    def _extreme(self, name: str, arguments: Sequence[Expression], before: list[ast.stmt]) -> tuple[Expression, Slopes]:
+        """Return the least or largest of several, as Python takes it: the first of equal ones."""
+        first, *others = arguments
+        if len(others) > 1:
+            others = [ast.Call(ast.Name(name, ast.Load()), others, [])]
+        a, b = (self.expression(each, before) for each in (first, others[0]))
+        (a, da), (b, db) = ((self.kept(value, before), slopes) for value, slopes in (a, b))
+        test = self.kept(read("b > a" if name == "max" else "b < a", a=a, b=b), before, "other")
+        value = self.kept(ast.IfExp(test, b, a), before)
+        none = ast.Constant(0.0)
+        return value, each(lambda one: ast.IfExp(test, db.get(one) or none, da.get(one) or none), da, db)
+
+    def values(self, node: Expression, before: list[ast.stmt], count: int) -> list[tuple[Expression, Slopes]]:
+        """Return the values that a kernel's call gives, and their derivatives."""
+        seeded = bool(seeds_of(node, self.active))
+        names = [self.fresh("part") for _ in range(count)]
+        plain = [ast.Name(name, ast.Load()) for name in names]
+        if not seeded:
+            before.append(ast.Assign([targets(names)], node))
+            return [(one, {}) for one in plain]
+        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
+            raise self.fail(f"it has {ast.unparse(node)!r}")
+        called = self.known.get(node.func.id)
+        if isinstance(called, Slot):
+            raise self.fail(f"{node.func.id} exists only inside a generated module")
+        if not isinstance(called, Kernel) or node.keywords:
+            raise self.fail(f"it calls {ast.unparse(node.func)}")
+        found = [self.expression(argument, before) for argument in node.args]
+        moving = [(name, slopes) for name, (_, slopes) in zip(called.arguments, found, strict=True) if slopes]
+        by = tuple(name for name, _ in moving)
+        alias = "_by_".join([node.func.id, "_".join(by)])  # two kernels may have one name of their own
+        self.uses[alias] = self.tangent(called, by)
+        parts = [[self.fresh("by") for _ in range(count)] for _ in moving]
+        call = ast.Call(ast.Name(alias, ast.Load()), [value for value, _ in found], [])
+        before.append(ast.Assign([targets([*names, *(name for some in parts for name in some)])], call))
+
+        def slope(k: int, name: str) -> Expression | None:
+            total: Expression | None = None
+            for (_, slopes), some in zip(moving, parts, strict=True):
+                total = added(total, product(slopes.get(name), ast.Name(some[k], ast.Load())))
+            return total
+
+        every = [slopes for _, slopes in moving]
+        return [(one, each(lambda name, k=k: slope(k, name), *every)) for k, one in enumerate(plain)]
+
+    def returned(self, node: ast.Call) -> int:
+        """Return how many values a kernel gives."""
+        called = self.known.get(node.func.id) if isinstance(node.func, ast.Name) else None
+        if not isinstance(called, Kernel):
+            return 1
+        returns = [one.value for one in nodes(parsed(called.source)) if isinstance(one, ast.Return)]
+        return len(returns[0].elts) if returns and isinstance(returns[0], ast.Tuple) else 1
