@@ -26,7 +26,7 @@ from screwsim.study.coolprop_back_end import machinery_with_coolprop
 
 ROOT = Path(__file__).resolve().parent.parent
 POINT = ROOT / "configs" / "paper" / "point.yaml"
-REAL = ROOT / "tests" / "scenes" / "r134a.yaml"
+REAL = ROOT / "tests" / "plain" / "r134a.yaml"
 RPM = 2.0 * np.pi / 60.0
 FIGURES = ("isothermal_efficiency", "gas_mass_flow", "shaft_power", "discharge_temperature")
 
@@ -79,8 +79,8 @@ def speed_table(scene: Scene) -> None:
 
 
 def gases_table() -> None:
-    """Print the real gas beside the ideal one and beside CoolProp in the right-hand side (tests/scenes/r134a.yaml)."""
-    print("\nWhat the gas costs (tests/scenes/r134a.yaml; no error estimate)")
+    """Print the real gas beside the ideal one and beside CoolProp in the right-hand side (tests/plain/r134a.yaml)."""
+    print("\nWhat the gas costs (tests/plain/r134a.yaml; no error estimate)")
     scene = load(str(REAL), ["numerics.error=none"])
     print(f"{'gas':>20} {'ms':>8} {'RHS evaluations':>16} {'eta_s':>9} {'ratio':>7}")
     ideal, ms_ideal = timed(replace(scene, gas=replace(scene.gas, model="ideal")))

@@ -25,7 +25,7 @@ from screwsim.study.sweep import default_simulate_many, nothing, run_sweep
 
 ROOT = Path(__file__).resolve().parent.parent
 FIG1 = ROOT / "configs" / "paper" / "fig1.yaml"
-REAL = ROOT / "tests" / "scenes" / "r134a.yaml"
+REAL = ROOT / "tests" / "plain" / "r134a.yaml"
 PRESSURES = [
     "operation.speed=3000 rpm",
     "operation.condensing_temperature=45 degC",

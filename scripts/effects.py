@@ -18,7 +18,7 @@ from screwsim.scene.lines import lines
 from screwsim.simulate import simulate
 
 ROOT = Path(__file__).resolve().parent.parent
-PAPER, REAL = ROOT / "configs" / "paper" / "point.yaml", ROOT / "tests" / "scenes" / "r134a.yaml"
+PAPER, REAL = ROOT / "configs" / "paper" / "point.yaml", ROOT / "tests" / "plain" / "r134a.yaml"
 
 
 class Entry(NamedTuple):
@@ -43,7 +43,7 @@ def percents(one: Result, other: Result, *names: str) -> str:
     return ", ".join(f"{name.replace('_', ' ')} {percent(one, other, name)}" for name in names)
 
 
-OIL_DENSITY = 960.0  # of tests/scenes/r134a.yaml [kg/m³]
+OIL_DENSITY = 960.0  # of tests/plain/r134a.yaml [kg/m³]
 
 # ---- ports ---------------------------------------------------------------------------------------------------------
 

@@ -137,7 +137,7 @@ def _used(package):
     return kept
 
 
-@pytest.mark.parametrize("config", ["configs/paper/point.yaml", "tests/scenes/r134a.yaml"])
+@pytest.mark.parametrize("config", ["configs/paper/point.yaml", "tests/plain/r134a.yaml"])
 def test_a_scene_gives_the_same_bits_where_the_files_of_other_effects_are_not_there(config, tmp_path):
     """As before those effects were written: the same figures bit for bit, at the same number of evaluations."""
     import json

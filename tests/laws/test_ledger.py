@@ -51,8 +51,8 @@ def at(speed, transport="paper", **changes):
         ("paper/fig1", "oil_supply.ratio=12"),
         ("paper/fig2", "oil_supply.orifice_diameter=2.7 mm"),
         ("paper/fig2", "oil_supply.orifice_diameter=7.5 mm"),
-        ("../tests/scenes/r134a", "oil_supply.ratio=1"),
-        ("../tests/scenes/r134a", "gas.two_phase=equilibrium"),
+        ("../tests/plain/r134a", "oil_supply.ratio=1"),
+        ("../tests/plain/r134a", "gas.two_phase=equilibrium"),
     ],
 )
 def test_it_closes_on_the_shipped_scenes(name, change, speed, transport):

@@ -10,7 +10,7 @@ from screwsim.scene.plausible import scene_warnings
 from screwsim.simulate import simulate
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-PLAIN = Path(__file__).parents[1] / "scenes" / "r134a.yaml"
+PLAIN = Path(__file__).parents[1] / "plain" / "r134a.yaml"
 
 
 def told(result, words):

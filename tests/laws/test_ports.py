@@ -13,7 +13,7 @@ from screwsim.fluid.orifice import discharge_coefficient
 from screwsim.scene import loads
 from screwsim.simulate import simulate
 
-CONFIG = "tests/scenes/r134a.yaml"
+CONFIG = "tests/plain/r134a.yaml"
 LIQUID = ["gas.two_phase=equilibrium", "effects.liquid_injection={opens: 500 deg, closes: 600 deg, area: 4 mm^2}"]
 ACCURACY = 3e-4
 CARRIED = {"oil.transport": "carried"}

@@ -9,7 +9,7 @@ from screwsim.simulate import simulate
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 MACHINES = ("r134a/point.yaml", "r134a/compact.yaml", "control/point.yaml")
-APART = 10.0  # K between gas and oil at the discharge port: half of what the plain machine of tests/scenes has
+APART = 10.0  # K between gas and oil at the discharge port: half of what the plain machine of tests/plain has
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 CONFIGS = ROOT / "configs"
 SCENES = {
     "paper": CONFIGS / "paper" / "point.yaml",
-    "r134a": ROOT / "tests" / "scenes" / "r134a.yaml",
+    "r134a": ROOT / "tests" / "plain" / "r134a.yaml",
     "expander": CONFIGS / "expander" / "point.yaml",
 }
 ROWS = np.arange(0.0, 720.01, 0.25)  # deg, the whole life

@@ -15,7 +15,7 @@ from screwsim.scene.fields import leaf_paths
 from screwsim.scene.plausible import scene_warnings
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-REAL = Path(__file__).parents[1] / "scenes" / "r134a.yaml"
+REAL = Path(__file__).parents[1] / "plain" / "r134a.yaml"
 SCENES = sorted(path for path in CONFIGS.rglob("*.yaml") if not {".fit", ".stages"} & set(path.suffixes))
 PARAMETERS = {name: effect.parameters for name, effect in catalogue().items()}
 

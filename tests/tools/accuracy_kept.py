@@ -1,7 +1,7 @@
 """Draw scenes at random and tell whether the wanted accuracy is kept. Run: accuracy_kept.py [SCENES] [SEED] [-v].
 
 The scenes are those of `tests/tools/effects_space.py`, all effects between them; with the word `paper` they lie around
-configs/paper and tests/scenes/r134a.yaml, whose accuracies are all drawn. Every tenth is judged by scipy's Radau. See
+configs/paper and tests/plain/r134a.yaml, whose accuracies are all drawn. Every tenth is judged by scipy's Radau. See
 docs/explanation/accuracy.md.
 """
 
@@ -24,7 +24,7 @@ from screwsim.faults import SceneError  # noqa: E402
 from screwsim.scene import Scene, load, with_values  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
 
-PAPER, REAL = str(ROOT / "configs" / "paper" / "point.yaml"), str(ROOT / "tests" / "scenes" / "r134a.yaml")
+PAPER, REAL = str(ROOT / "configs" / "paper" / "point.yaml"), str(ROOT / "tests" / "plain" / "r134a.yaml")
 DRY = ("oil_heat", "oil_pump", "hydromechanical", "end_face_leakage", "interlobe_leakage")
 RADAU_EVERY = 10
 BEYOND = 10**6  # numbers of a structure's scenes after which another is drawn for one that makes no sense

@@ -17,7 +17,7 @@ from screwsim.scene import Scene, load
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLES = ROOT / "tests" / "hard"
-PAPER, REAL, EXPANDER = "paper/point.yaml", "../tests/scenes/r134a.yaml", "expander/point.yaml"
+PAPER, REAL, EXPANDER = "paper/point.yaml", "../tests/plain/r134a.yaml", "expander/point.yaml"
 CARRIED = "oil.transport=carried"
 OFF = {name: f"effects.{name}=off" for name in ("oil_heat", "oil_pump", "hydromechanical")}
 DRY = ("oil=null", "oil_supply=null", *OFF.values())

@@ -91,7 +91,7 @@ def compare(here: Path) -> Comparison:
     root = here.parents[1]
     points = (
         ("paper's point", root / "configs" / "paper" / "point.yaml"),
-        ("R134a, 2/45 °C", root / "tests" / "scenes" / "r134a.yaml"),
+        ("R134a, 2/45 °C", root / "tests" / "plain" / "r134a.yaml"),
     )
     rows = [integrator_row(file, name, integrator) for name, file in points for integrator in INTEGRATORS]
     return Comparison(TITLE, CITATION, ABOUT, [*rows, *property_rows(here), saturation_row()])

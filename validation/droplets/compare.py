@@ -156,7 +156,7 @@ def shipped_rows(root: Path) -> list[Row]:
 def compare(here: Path) -> Comparison:
     """Return transfer units, trends and sizes."""
     root = here.parents[1]
-    scene_file = root / "tests" / "scenes" / "r134a.yaml"
+    scene_file = root / "tests" / "plain" / "r134a.yaml"
     c_v = float(coolprop.PropsSI("CVMASS", "T", T, "P", P, "R134a"))
     files = {"air": here.parent / "he2018" / "machine.yaml", "R134a, 2/45 °C": scene_file}
     curves = {name: {r: temperatures(file, r, name) for r in RADII} for name, file in files.items()}
