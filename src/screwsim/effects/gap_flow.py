@@ -98,7 +98,7 @@ def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
         return
     if parameters.gas_viscosity is None:
         try:
-            transport(facts.gas.fluid, 1e4, 400.0)
+            transport(facts.gas.name, 1e4, 400.0)
         except UsageError as error:
             yield Fault(f"{path}.gas_viscosity", f"is missing: {error}")
     if model == "oil_sealed":
