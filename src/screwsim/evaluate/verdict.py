@@ -36,6 +36,7 @@ REMEDIES = {  # of the limits of an equation of state
     Limit.PRESSED: LESS,
     Limit.COLD: "use warmer suction gas or oil, or a wider suction port",
     Limit.WET: "use warmer oil or gas, or gas.two_phase: equilibrium",
+    Limit.GLIDING: "use warmer oil or gas",
 }
 
 CONTRADICTS = 1.0  # [K] by which a stated temperature of the separator may differ from that of its balance

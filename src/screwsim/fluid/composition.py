@@ -16,7 +16,7 @@ from screwsim.faults import UsageError
 from screwsim.fluid.kept import kept
 
 ENDING = ".mix"
-REMEDY = "choose a blend whose pairs it has, such as R454B, R513A or R448A, or a pure fluid"
+REMEDY = "choose another blend, such as R454B, R513A or R448A, or a pure fluid"
 _OWN = re.compile(r"(?P<names>[^ ]+/[^ ]+) \((?P<mole>mole )?(?P<fractions>[0-9.e/+-]+)\)")
 
 
@@ -30,7 +30,7 @@ class Composition(NamedTuple):
 
 def own_blend(components: Sequence[str], fractions: Sequence[float], by_mole: bool) -> str:
     """Return the name of a blend of one's own."""
-    return f"{'/'.join(components)} ({'mole ' if by_mole else ''}{'/'.join(f'{x:.17g}' for x in fractions)})"
+    return f"{'/'.join(components)} ({'mole ' if by_mole else ''}{'/'.join(repr(float(x)) for x in fractions)})"
 
 
 def _own(fluid: str) -> Composition | None:

@@ -223,8 +223,7 @@ class EquationText:
 
     def ideal(self, ideal: Ideal) -> None:
         """Write `E0` = E α⁰, and `C0` = (E − E²) α⁰ if EE is wanted, and `A0` = α⁰ if A is wanted."""
-        log_delta = "log_delta" if ideal.density == 1.0 else f"{ideal.density!r} * log_delta"
-        value, first, second = [f"{log_delta} + {ideal.constant!r}"], [repr(ideal.log)], [repr(ideal.log)]
+        value, first, second = [f"log_delta + {ideal.constant!r}"], [repr(ideal.log)], [repr(ideal.log)]
         if ideal.linear:
             value.append(f"{ideal.linear!r} * tau")
             first.append(f"{ideal.linear!r} * tau")

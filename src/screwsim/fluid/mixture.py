@@ -3,9 +3,10 @@
 With mole fractions x, δ = ρ/ρ_r(x) and τ = T_r(x)/T of the blend (Kunz & Wagner 2012, doi:10.1021/je300655b, as
 CoolProp evaluates it):
     α = Σ x_i (R_i/R) (α⁰_i(ρ, T) + ln x_i) + Σ x_i αʳ_i(δ, τ) + Σ_{i<j} x_i x_j F_ij αʳ_ij(δ, τ).
-So a blend is nothing but more terms, each with its weight. Departure functions: `departures.json`, those of CoolProp
-8.0.0 (its dev/mixtures/mixture_departure_functions.json, MIT licence), which names their sources; CoolProp does not
-hand them out. Weights, pairs and reducing parameters are asked of CoolProp.
+CoolProp's weights x_i R_i/R, with gas constants of before 2019, add up to 1 within 1e-6; that of ln ρ is 1 here, else
+T ds = du + p d(1/ρ) would fail by as much. So a blend is nothing but more terms, each with its weight. Departure
+functions: `departures.json`, those of CoolProp 8.0.0 (its dev/mixtures/mixture_departure_functions.json, MIT licence),
+which names their sources; CoolProp does not hand them out. Weights, pairs and reducing parameters are asked of it.
 """
 
 from __future__ import annotations
@@ -96,7 +97,7 @@ def ideal_terms(known: Description) -> Ideal:
     """Return the ideal-gas terms of a fluid, those of a blend by the blend's own δ and τ (M311)."""
     if not known.blend:
         return terms.ideal_terms(known)
-    total = Ideal(density=0.0)
+    total = Ideal()
     R = known.R * known.molar_mass
     for name, x in zip(known.components, known.fractions, strict=True):
         one = describe(name)
@@ -113,7 +114,6 @@ def _add(total: Ideal, own: Ideal, w: float, one: Description, known: Descriptio
     """
     T_i, rho_i = one.ideal_state
     s, d = T_i / known.T_r, known.rho_r / known.molar_mass / rho_i
-    total.density += w
     total.constant += w * (own.constant + log(d) + own.log * log(s))
     total.linear += w * s * (own.linear + own.product * log(s))
     total.log += w * own.log

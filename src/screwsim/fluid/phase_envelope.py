@@ -32,7 +32,10 @@ LIKE = 0.08  # |ln(ρ_w/ρ_z)| from which on the phases are taken for nearly the
 STARTS = (0.75, 0.7, 0.8, 0.65, 0.85, 0.6, 0.55)  # of the reducing temperature
 COLDER, DENSER = 0.05, 0.02  # steps of ln T, and of ln ρ_z
 FINE = 1e-3  # of a step that is the least
-LEAST_SPAN = 0.8  # of T_low over T_m that an envelope has to reach
+RICHER = 0.6  # share of one component in a start
+DENSE, THIN = 1.6, 0.4  # least of a liquid's δ in a first point, most of a vapour's
+AWAY, FIRST = 0.2, 0.8  # what a point may be off its extrapolation, before there are three the one before
+LEAST_SPAN = 0.98  # of T_low over T_m that an envelope has to reach
 APART, TURN = 0.3, 0.03  # |ln(ρ_w/ρ_z)| and |θ| from which on points are solved for, not interpolated
 NEAR = 0.05  # by which what is solved may differ from what it began with
 SAME = 1e-4  # |θ| below which rounding of T tells
@@ -93,10 +96,11 @@ class _Line:
             target, last = old[stated] + size, False
             if done is not None and (target - done) * step >= 0.0:
                 target, last = done, True
-            u, good = solved(self.f, self._ahead(here, stated, target)[:, None], stated, 12)
-            jump = np.abs(u[:, 0] - old).max() if good[0] else np.inf
+            guess = self._ahead(here, stated, target)
+            u, good = solved(self.f, guess[:, None], stated, 12)
+            away = np.abs(u[:, 0] - guess).max() if good[0] else np.inf
             apart = (u[n, 0] - u[n + 1, 0]) * (old[n] - old[n + 1]) > 0.0
-            if good[0] and apart and jump < 2.0:
+            if good[0] and apart and away < (AWAY if len(here) > 2 else FIRST):
                 here.append(u[:, 0])
                 size = np.sign(step) * min(1.5 * abs(size), abs(step))
                 if last or abs(u[n, 0] - u[n + 1, 0]) < LIKE:
@@ -131,28 +135,58 @@ def _liquid(f: Fugacities, T: float, p_RT: float, x: Array, v_r: float) -> float
 
 
 def _start(f: Fugacities, vapour: bool) -> Array:
-    """Return a first point: the phase z is the vapour (a dew point), or the liquid. Raises UsageError."""
-    (T_r, _), (_v, _) = f.reducing(f.z)
+    """Return a first point: the phase z is the vapour (a dew point), or the liquid. Raises ValueError for none.
+
+    Of several incipient phases that satisfy the equations the one that comes first is stable: that of the lowest
+    pressure at a dew point, of the highest at a bubble point. Starts are Wilson's phase, and that with more of each of
+    the components.
+    """
+    T_r = float(f.reducing(f.z)[0][0])
     for share in STARTS:
-        T = float(share * T_r)
+        T = share * T_r
         wilson = f.p_c * np.exp(5.373 * (1.0 + f.acentric) * (1.0 - f.T_c / T))  # K p
         p = 1.0 / np.sum(f.z / wilson) if vapour else np.sum(f.z * wilson)
-        k = np.log(p / wilson) if vapour else np.log(wilson / p)
-        w = f.z * np.exp(k)
-        liquid, p_RT = (w if vapour else f.z) / (w.sum() if vapour else 1.0), p / (R * T)
-        rho_l = _liquid(f, T, p_RT, liquid, float(f.reducing(liquid)[1][0]))
-        dense, thin = np.log(rho_l), np.log(1.1 * p_RT)
-        u = np.array([*k, dense, thin, np.log(T)] if vapour else [*k, thin, dense, np.log(T)])
-        u, good = solved(f, u[:, None], -1, 40)
-        if good[0] and (u[f.n, 0] - u[f.n + 1, 0] > 0.3) == vapour and abs(u[f.n, 0] - u[f.n + 1, 0]) > 0.3:
-            return u[:, 0]
+        first = f.z * p / wilson if vapour else f.z * wilson / p
+        tried = [first, *((1.0 - RICHER) * first + RICHER * one for one in np.eye(f.n))]
+        u = np.array([_guess(f, vapour, T, p / (R * T), w) for w in tried]).T
+        u, good = solved(f, u, -1, 40)
+        good &= _plausible(f, u, vapour)
+        if good.any():
+            p_RT = f(T, np.exp(u[f.n]), _normal(f, u))[1]
+            return u[:, int(np.argmin(np.where(good, p_RT if vapour else -p_RT, np.inf)))]
     raise ValueError("no start")
+
+
+def _guess(f: Fugacities, vapour: bool, T: float, p_RT: float, w: Array) -> Array:
+    """Return a column u to start from: the incipient phase w and the phase z at T and p/(R T)."""
+    liquid = w if vapour else f.z
+    dense = np.log(_liquid(f, T, p_RT, liquid, float(f.reducing(liquid)[1][0])))
+    both = [dense, np.log(1.1 * p_RT)]
+    return np.array([*np.log(w / f.z), *(both if vapour else both[::-1]), np.log(T)])
+
+
+def _plausible(f: Fugacities, u: Array, vapour: bool) -> Array:
+    """Tell of columns u whether a liquid and a vapour, each stable in itself: equations have false loops between."""
+    T, sound = np.exp(u[f.n + 2]), np.ones(u.shape[1], dtype=bool)
+    z = np.repeat(f.z[:, None], u.shape[1], axis=1)
+    for log_rho, x, dense in ((u[f.n], _normal(f, u), vapour), (u[f.n + 1], z, not vapour)):
+        delta = np.exp(log_rho) * f.reducing(x)[1][0]
+        p = f(T, np.exp(log_rho) * (1.0 + 1j * TINY), x)[1]
+        sound &= (np.real(p) > 0.0) & (np.imag(p) > 0.0) & (delta > DENSE if dense else delta < THIN)
+    return sound
+
+
+def _normal(f: Fugacities, u: Array) -> Array:
+    """Return the mole fractions [n, m] of the incipient phase."""
+    w = f.z[:, None] * np.exp(u[: f.n])
+    return w / w.sum(axis=0)
 
 
 def _line(f: Fugacities, vapour: bool, T_low: float) -> Array:
     """Return the columns u of a line, in order of rising ln ρ_z."""
     line = _Line(f, [_start(f, vapour)])
-    line.go(-1, -COLDER, float(np.log(T_low)))  # colder
+    if line.found[0][-1] > np.log(T_low):
+        line.go(-1, -COLDER, float(np.log(T_low)))
     cold = line.found
     line.found = [cold[-1]]
     line.go(-2, DENSER if vapour else -DENSER, None)  # hotter
@@ -171,15 +205,19 @@ class Envelope:
     log_z_m: float
     columns: Any  # u by θ
 
-    def at(self, theta: Array) -> tuple[Array, Array]:
-        """Return ln ρ_z [kg/m³] and ln p [Pa] at θ of any shape; solved for but next to the critical point."""
-        n, flat = self.f.n, theta.ravel()
-        u = self.columns(flat).T
+    def phases(self, flat: Array) -> Array:
+        """Return u [n + 3, m] at θ [m], solved for but next to the critical point: both phases, by moles."""
+        n, u = self.f.n, self.columns(flat).T
         u[n + 2] = np.log(self.T_m * (1.0 - flat**2))
         apart = (np.abs(u[n] - u[n + 1]) > APART) & (np.abs(flat) > TURN)
         found, good = solved(self.f, u[:, apart], -1, 12)
         near = good & (np.abs(found - u[:, apart]).max(axis=0) < NEAR)
         u[:, apart] = np.where(near, found, u[:, apart])
+        return u
+
+    def at(self, theta: Array) -> tuple[Array, Array]:
+        """Return ln ρ_z [kg/m³] and ln p [Pa] at θ of any shape."""
+        n, u = self.f.n, self.phases(theta.ravel())
         thin = np.where(u[n] < u[n + 1], u[n], u[n + 1])  # a liquid's pressure says little of its density's digits
         x = self.f.z[:, None] * np.exp(np.where(u[n] < u[n + 1], u[:n], 0.0))
         p_RT = self.f(np.exp(u[n + 2]), np.exp(thin), x / x.sum(axis=0))[1]
@@ -216,7 +254,8 @@ def envelope(known: Description) -> Envelope:
         raise _untraced(known)
     log_z_m, T_m = _highest(log_z, T)
     if T_low > LEAST_SPAN * T_m:
-        raise _untraced(known)
+        what = f"it has two phases below {T_m:.6g} K only, and its components' equations end at {T_low:.6g} K"
+        raise UsageError(f"gas.fluid: {known.name}: {what}; {REMEDY}")
     theta = np.sign(log_z - log_z_m) * np.sqrt(np.maximum(1.0 - T / T_m, 0.0))
     kept = np.abs(theta) > SAME
     if not (np.diff(theta[kept]) > 0.0).all():
@@ -225,4 +264,4 @@ def envelope(known: Description) -> Envelope:
 
 
 def _untraced(known: Description) -> UsageError:
-    return UsageError(f"gas.fluid: {known.name}: its dew and bubble lines are not found to the end; {REMEDY}")
+    return UsageError(f"gas.fluid: {known.name}: its dew and bubble lines are not found; {REMEDY}")

@@ -230,7 +230,8 @@ class RealGas:
         """
         T, rho = self._at(p, s, True)
         below = self.known.glides and T < saturation(self.fluid).T_c
-        if below and rho > self._kernels["vapour"](T) * (1.0 + AT_SATURATION):
+        vapour, liquid = (self._kernels[what](T) for what in ("vapour", "liquid")) if below else (rho, rho)
+        if vapour * (1.0 + AT_SATURATION) < rho < liquid * (1.0 - LIQUID):
             raise UsageError(f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K) is wet; give a warmer state")
         return T, rho, float(self._kernels["state"](T, rho)[1])
 
@@ -286,7 +287,7 @@ class RealGas:
                 return None
             saturated = f"{self._kernels['vapour'](T):.6g} kg/m3 at {self.saturation_pressure(T):.6g} Pa"
             what = f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {saturated})"
-            return Outside(Limit.WET, what)
+            return Outside(Limit.GLIDING if known.glides else Limit.WET, what)
         if T > known.T_max:
             return Outside(Limit.HOT, f"{at} above the equation's highest temperature, {known.T_max:.6g} K")
         p = float(self._kernels["single state"](T, rho)[0])

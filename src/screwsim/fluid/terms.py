@@ -51,10 +51,7 @@ class NonAnalytic:
 
 @dataclass
 class Ideal:
-    """α⁰ = density ln δ + constant + linear τ + log ln τ + product τ ln τ + Σ n τ^t + Σ n ln(c + d e^(θτ)).
-
-    `density` is 1 but for blends, where gas constants are weighted (`mixture`).
-    """
+    """α⁰ = ln δ + constant + linear τ + log ln τ + product τ ln τ + Σ n τ^t + Σ n ln(c + d e^(θτ))."""
 
     constant: float = 0.0
     linear: float = 0.0
@@ -62,7 +59,6 @@ class Ideal:
     product: float = 0.0
     powers: list[tuple[float, float]] = field(default_factory=list)  # n, t
     oscillators: list[tuple[float, float, float, float]] = field(default_factory=list)  # n, θ, c, d
-    density: float = 1.0
 
 
 Contribution = Mapping[str, Any]

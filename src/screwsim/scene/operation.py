@@ -154,7 +154,8 @@ def _liquid(scene: Scene, path: str, p: float, T: float | None) -> Iterator[Faul
     if T is None or boiling is None:
         return
     what = f"{_shown(T)} makes {scene.gas.name} of {readable_quantity(KINDS['pressure'], p)} a liquid"
-    wet = "" if path == T_D else "; of wet gas give quality in its place, with gas.two_phase: equilibrium"
+    never = path == T_D or is_blend(scene.gas.name)
+    wet = "" if never else "; of wet gas give quality in its place, with gas.two_phase: equilibrium"
     yield Fault(path, f"{what}: it is a gas from {_shown(boiling)} on (raise it, or lower the pressure{wet})")
 
 
