@@ -222,7 +222,7 @@ def bubble_pressure(fluid: str, T: float) -> float:
 
 
 def condensing_pressure(fluid: str, T: float) -> float:
-    """Return the pressure [Pa] in a condenser of T [K]: the bubble point's, of a blend the dew point's (M42).
+    """Return the pressure [Pa] in a condenser of T [K]: the bubble point's, of a blend the dew point's (M42, M316).
 
     Dew point is the convention of EN 12900 and AHRI 540 for fluids with glide.
     """
@@ -230,7 +230,7 @@ def condensing_pressure(fluid: str, T: float) -> float:
 
 
 def condensed(fluid: str, T: float) -> float:
-    """Return the temperature [K] of saturated liquid behind a condenser of temperature T [K] (M43)."""
+    """Return the temperature [K] of saturated liquid behind a condenser of temperature T [K] (M43, M316)."""
     mixed = _blend(fluid)
     return T if mixed is None else mixed.bubble_temperature(mixed.dew_pressure(T))
 

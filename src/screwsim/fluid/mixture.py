@@ -44,7 +44,7 @@ def _special(n: float, d: float, t: float, eta: float, epsilon: float, beta: flo
 
 
 def departure_terms(name: str) -> list[Product]:
-    """Return the terms of a departure function by its name. Raises UsageError for one that is not stored."""
+    """Return the terms of a departure function by its name (M313). Raises UsageError for one that is not stored."""
     found = _departures().get(name)
     if found is None:
         raise UsageError(f"gas.fluid: the departure function {name} of this CoolProp is not known here; {REMEDY}")

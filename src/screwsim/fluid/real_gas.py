@@ -75,7 +75,7 @@ class RealGas:
     @property
     def equations(self) -> tuple[str, ...]:
         """Numbers of its equations in docs/model.md."""
-        own = ("M310", "M311", "M312", "M313", "M314", "M315", "M48") if self.known.blend else ("M47", "M48")
+        own = ("M310", "M311", "M312", "M313", "M314", "M315", "M316", "M48") if self.known.blend else ("M47", "M48")
         return ("M46", *own)
 
     @property
