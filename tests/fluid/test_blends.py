@@ -3,6 +3,8 @@
 import contextlib
 import json
 import math
+import subprocess
+import sys
 from functools import lru_cache
 from pathlib import Path
 
@@ -293,6 +295,16 @@ def test_a_blends_liquid_is_one_of_its_own():
     assert (liquid.p, liquid.T, liquid.h) == pytest.approx((25e5, 305.0, h), rel=1e-9)
     with pytest.raises(UsageError, match="is no liquid"):
         RealGas("R454B").liquid(25e5, h + 60e3)
+
+
+def test_a_second_process_never_imports_coolprop():
+    constants.vapour_enthalpy("R454B", 5e5, 300.0)
+    code = (
+        "import sys; from screwsim.fluid import constants; from screwsim.fluid.real_gas import RealGas;"
+        "constants.condensed('R454B', 318.15); RealGas('R454B').isentropic_work(5e5, 15e5, 300.0);"
+        "assert not any(m.startswith('CoolProp') for m in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 
 def test_what_no_blend_has_is_refused():

@@ -385,3 +385,10 @@ def test_a_reservoir_of_liquid_refuses_what_is_wet():
     gas = RealGas("R134a")
     with pytest.raises(UsageError, match="no liquid"):
         gas.liquid(5e5, 300e3)
+
+
+def test_a_pseudo_pure_fluids_liquid_is_not_taken_for_wet_vapour():
+    gas = RealGas("R410A")
+    liquid = gas.liquid(27e5, gas.enthalpy(5e5, 300.0) - 210e3)
+    assert liquid.rho > 900.0
+    assert gas.isentropic_work_of_enthalpy(27e5, 27e5, liquid.h) == pytest.approx(0.0, abs=1e-6 * liquid.h)

@@ -15,6 +15,7 @@ from screwsim.faults import UsageError
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.helmholtz import entropy_kernel, ideal_heat_capacity_kernel, potentials_kernel
 from screwsim.fluid.saturation import Saturation, saturation
+from screwsim.numerics.compiling import announced
 
 ENOUGH = 1e-13  # relative, of a density that is found
 SEEN = 400  # places of a line between which a crossing of a pressure is looked for
@@ -25,7 +26,8 @@ class BlendBorder:
 
     def __init__(self, fluid: str) -> None:
         self.known: Description = describe(fluid)
-        self.lines: Saturation = saturation(fluid)
+        with announced("phases", f"the dew and bubble lines of {self.known.name}", "some seconds"):
+            self.lines: Saturation = saturation(fluid)
         self._potentials, self._entropy = potentials_kernel(fluid), entropy_kernel(fluid)
         self._heat_capacity = ideal_heat_capacity_kernel(fluid)
 
