@@ -38,7 +38,7 @@ HEAD = """\
 Made by `python benchmarks/blends.py -o docs/reference/blends.md`: every predefined mixture of CoolProp {version} for
 whose pairs it has data, by the name to write as `gas.fluid`. Names with `.mix` are those whose short name is a
 pseudo-pure fluid's. Time: that of one state (p, h, c_v, T ∂p/∂T, 1/k, choking) as a multiple of R134a's ({ns:.0f} ns)
-measured beside it; on a shared machine, good to a tenth or two. Errors: the largest of p, c_v and w (relative), h (over
+measured beside it; on a shared machine, good to some tenths. Errors: the largest of p, c_v and w (relative), h (over
 R T) and s (over R, but for what CoolProp's own misses Maxwell's relation by, M311: 1e-6 and less times ln δ) against
 CoolProp at equal temperature and density; and of dew and bubble pressure against those of CoolProp's flashes that
 converge, with their number of six. T_m: the highest temperature of two phases; T_max: the least
