@@ -68,6 +68,8 @@ def value(key: Mapping[str, Any]) -> str:
     if "examples" in key:
         return f"such as `{key['examples'][0]}`"
     kind = key["type"] if isinstance(key["type"], str) else key["type"][0]
+    if "items" in key:
+        return "a list of numbers" if kind == "array" else "a text, or a list of texts"
     return {"number": "a number", "integer": "a whole number"}.get(kind, "a text")
 
 

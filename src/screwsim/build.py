@@ -77,7 +77,7 @@ MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
 def build_gas(scene: Scene) -> Gas:
     """Return the gas of a scene; k of an ideal one from CoolProp at suction temperature where none is given (M6)."""
-    fluid, k = scene.gas.fluid, scene.gas.isentropic_exponent
+    fluid, k = scene.gas.name, scene.gas.isentropic_exponent
     if scene.gas.model == "real":
         return RealGas(fluid, scene.gas.two_phase)
     if k is None:
@@ -178,7 +178,7 @@ def _guessed(scene: Scene, kept: CoolsOil) -> Temperatures:
     T = at.T_s + WARMED if kept.discharge is None else kept.discharge
     if T_c is None and (scene.gas.model == "real" or _asking(scene)):
         with suppress(UsageError):  # above the critical pressure
-            T_c = constants.saturation_temperature(scene.gas.fluid, at.p_d)
+            T_c = constants.saturation_temperature(scene.gas.name, at.p_d)
     mixture = T if T_c is None else max(T, T_c + COOLED)
     if scene.oil is not None and scene.oil.name is not None:
         stored = OILS[scene.oil.name]
@@ -326,7 +326,7 @@ def _around(scene: Scene, at: Lines) -> Around:
     T_oil = supply.temperature if supply is not None else None
     tip_speed = scene.machine.surface_speed(scene.operation.speed)
     known = oil.at(T_oil) if oil is not None and T_oil is not None else None
-    return Around(scene.gas.fluid, at.p_s, at.T_s, at.p_d, tip_speed, T_oil, known)
+    return Around(scene.gas.name, at.p_s, at.T_s, at.p_d, tip_speed, T_oil, known)
 
 
 def _built(active: ActiveEffect, numbers: Mapping[str, float], geometry: Any) -> list[Any]:
@@ -349,7 +349,7 @@ def build_site(scene: Scene, gas: Gas) -> Site:
     at, effect = lines(scene), refrigerating_effect(scene)
     liquid = None if effect is None else suction_enthalpy(scene) - effect
     around = _around(scene, at)
-    return Site(gas, scene.gas.fluid, at.p_s, at.T_s, at.p_d, liquid, effect, around.T_oil, around.oil)
+    return Site(gas, scene.gas.name, at.p_s, at.T_s, at.p_d, liquid, effect, around.T_oil, around.oil)
 
 
 def regularisation(scene: Scene) -> tuple[float, float, float]:

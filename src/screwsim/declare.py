@@ -123,6 +123,16 @@ def word(doc: str, default: Any = REQUIRED) -> Any:
     return _field("word", default, doc)
 
 
+def names(doc: str, default: Any = REQUIRED) -> Any:
+    """Declare a name, or a list of names, which becomes a tuple."""
+    return _field("names", default, doc)
+
+
+def numbers(doc: str, default: Any = None, **limits: Unpack[Limits]) -> Any:
+    """Declare a list of dimensionless numbers, which becomes a tuple; the limits hold for each."""
+    return _field("numbers", default, doc, **limits)
+
+
 def file(doc: str, default: Any = None) -> Any:
     """Declare the path of a file, relative to the scene."""
     return _field("file", default, doc)

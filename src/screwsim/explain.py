@@ -29,6 +29,7 @@ from screwsim.effects.base import (
     Wall,
 )
 from screwsim.figures import called_for
+from screwsim.fluid.composition import is_blend
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
@@ -306,12 +307,14 @@ def _paths(parts: Parts) -> Iterator[str]:
 def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     gas = parts.gas
     equations = ", ".join(gas.equations)
-    yield _row(scene.gas.fluid, f"{scene.gas.model} gas ({equations})")
+    yield _row(scene.gas.name, f"{scene.gas.model} gas ({equations})")
     if isinstance(gas, IdealGas):
         given = "given" if scene.gas.isentropic_exponent is not None else "cp0/(cp0 - R) at suction temperature"
         yield _row("", f"R = {gas.R:.6g} J/(kg K), k = {gas.k:.6g} ({given})")
     at, operation = lines(scene), scene.operation
-    dew, bubble = _stated(operation.evaporating_temperature, "dew"), _stated(operation.condensing_temperature, "bubble")
+    condensing = "dew" if is_blend(scene.gas.name) else "bubble"
+    dew = _stated(operation.evaporating_temperature, "dew")
+    bubble = _stated(operation.condensing_temperature, condensing)
     yield _row("suction line", f"{at.p_s / 1e5:.6g} bar{dew}, {at.T_s:.6g} K")
     T_d = operation.discharge.temperature
     back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)

@@ -120,7 +120,7 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
     series = series or Series()
     try:
         with faults_of_own(scene):
-            with compiled.equation_announced(scene.gas.fluid):
+            with compiled.equation_announced(scene.gas.name):
                 problem = problem_of(scene, series)
             machinery = leased(problem)
         at_speed, search = circuit.steady(problem, series)

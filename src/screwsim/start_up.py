@@ -98,7 +98,7 @@ def start_up(scene: Scene, creep: float = CREEP, longest: float = LONGEST) -> St
 def steadily(scene: Scene, creep: float) -> Problem:
     """Return the problem at its steady speed; raise UsageError where it cannot be started."""
     series = Series()
-    with compiled.equation_announced(scene.gas.fluid):
+    with compiled.equation_announced(scene.gas.name):
         problem = problem_of(scene, series)
     part = problem.parts.shaft
     if part is None:

@@ -161,7 +161,7 @@ def test_file_of_another_scene_is_refused(folder, command):
 
 def test_unknown_fluid_is_a_bad_scene(folder, command):
     answer = command("run", "small.yaml", "--set", "gas.fluid=r134A")
-    message = "gas.fluid: 'r134A' is no pure or pseudo-pure fluid of CoolProp; did you mean 'R134a'?"
+    message = "gas.fluid: 'r134A' is no fluid or predefined blend of CoolProp; did you mean 'R134a'?"
     assert answer == (3, "", f"--set gas.fluid=r134A: {message}\n")
 
 

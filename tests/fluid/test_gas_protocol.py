@@ -26,6 +26,7 @@ GASES = {
     "real": RealGas("R134a"),
     "in equilibrium": RealGas("R134a", "equilibrium"),
     "pseudo-pure": RealGas("R410A"),
+    "blend": RealGas("R454B"),
     "covolume": CovolumeGas(81.49, 1.12, 1e-3),
 }
 STATES = ((1.2e5, 290.0), (6e5, 330.0), (12e5, 360.0))  # Pa, K: vapour of each of them

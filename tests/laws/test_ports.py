@@ -199,7 +199,7 @@ def test_oil_at_a_stated_pressure_is_that_of_the_line_that_leaves_it():
             "beside pressure_loss",
         ),
         ({**PUMPED_PORT, "effects.oil_injection.pressure": "9 bar"}, "effects.oil_injection.pressure", "displaced oil"),
-        ({**ECONOMIZER, "gas.fluid": "nothing"}, "gas.fluid", "no pure"),
+        ({**ECONOMIZER, "gas.fluid": "nothing"}, "gas.fluid", "no fluid"),
         (
             {"effects.liquid_injection": {"opens": "380 deg", "closes": "480 deg", "area": "4 mm^2"}},
             "effects.liquid_injection",

@@ -249,8 +249,8 @@ def test_the_state_of_suction_is_stated_once(rated, example):
 # ---- gas ----
 
 
-NAMED = "such as R134a, R1234yf, R32, R744 or Ammonia)"
-NO_FLUID = "is no pure or pseudo-pure fluid of CoolProp"
+NAMED = "such as R134a, R1234yf, R32, R744, Ammonia or R454B)"
+NO_FLUID = "is no fluid or predefined blend of CoolProp"
 
 
 @pytest.mark.parametrize(
@@ -264,18 +264,16 @@ NO_FLUID = "is no pure or pseudo-pure fluid of CoolProp"
         ("R134", f"{NO_FLUID} (name one of them, {NAMED}"),  # and so is its isomer
         ("Propan", f"{NO_FLUID} (name one of them, {NAMED}"),
         ("qqqqqqqq", f"{NO_FLUID} (name one of them, {NAMED}"),
+        ("r-454b", f"{NO_FLUID}; did you mean 'R454B'?"),
+        ("r407c.mix", f"{NO_FLUID}; did you mean 'R407C.mix'?"),
         (
-            "r-454b",
-            "is a blend (CoolProp's predefined mixture R454B.mix); mixtures are not supported "
-            f"(name a pure fluid, {NAMED}",
-        ),
-        (
-            "R515B",
-            f"is a blend (R4xx and R5xx are numbers of blends); mixtures are not supported (name a pure fluid, {NAMED}",
+            "R499B",
+            f"{NO_FLUID}; R4xx and R5xx are numbers of blends, and CoolProp has none of this one "
+            "(write its components as fluid: [NAME, NAME], with mass_fractions)",
         ),
         (
             "R32&R125",
-            f"is a blend (its components are joined by &); mixtures are not supported (name a pure fluid, {NAMED}",
+            f"{NO_FLUID}; write a blend of your own as fluid: [NAME, NAME], with mass_fractions or mole_fractions",
         ),
     ],
 )

@@ -81,7 +81,7 @@ def build(parameters: Parameters, machine) -> list[Wall]:
 
 def check(parameters: Parameters, facts) -> Faults:
     try:
-        transport(facts.gas.fluid, 1e4, max(parameters.wall_temperature, 300.0))
+        transport(facts.gas.name, 1e4, max(parameters.wall_temperature, 300.0))
     except UsageError as error:
         yield Fault("effects.cylinder_heat", f"{error} (remove the effect, or choose another wall temperature)")
 

@@ -129,7 +129,7 @@ def check(parameters: Parameters, facts) -> Faults:
             yield Fault(f"{path}.{name}", f"has no meaning with size: {parameters.size} (remove it)")
     if parameters.size != "fixed" and facts.oil is not None and not facts.oil.knows_viscosity:
         yield Fault("oil.viscosity", f"is missing (effects.droplets.size: {parameters.size} needs it, or oil.name)")
-    yield from gas_faults(path, parameters, facts.gas.fluid)
+    yield from gas_faults(path, parameters, facts.gas.name)
 
 
 EFFECT = Effect(

@@ -21,6 +21,7 @@ from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
 from screwsim.faults import Fault
 from screwsim.fluid import constants
+from screwsim.fluid.composition import is_blend
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import HOLES
 from screwsim.outputs import COOLED, Figure
@@ -111,7 +112,7 @@ def _cold_liquid(parameters: Parameters, site: Site) -> float:
 
 def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters, facts)
-    p, T, fluid = parameters.pressure, parameters.temperature, facts.gas.fluid
+    p, T, fluid = parameters.pressure, parameters.temperature, facts.gas.name
     stated, limits = "temperature" if p is None else "pressure", constants.limits(fluid)
     if T is None and p is None:
         yield Fault(f"effects.{NAME}.temperature", "is missing (write e.g. temperature: 15 degC, or pressure: 5 bar)")
@@ -119,6 +120,9 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(f"effects.{NAME}.temperature", "is given beside pressure (remove one of the two)")
     elif limits is None:
         return
+    elif parameters.kind == "flash_tank" and is_blend(fluid):
+        what = f"the vapour that boils off {fluid}, a blend, has another composition than the blend"
+        yield Fault(f"effects.{NAME}.kind", f"{what} (write kind: heat_exchanger, or name a pure fluid)")
     elif p is not None and not limits.p_triple <= p < limits.p_critical:
         low, high = limits.p_triple / 1e5, limits.p_critical / 1e5
         what = f"{p / 1e5:.6g} bar: {fluid} saturates between {low:.4g} bar and {high:.4g} bar"
@@ -135,6 +139,7 @@ def check(parameters: Parameters, facts) -> Faults:
 def _warm_enough(parameters: Parameters, T: float, facts, stated: str) -> Faults:
     """Yield a fault where the liquid behind the condenser is colder than the economizer can make it."""
     T_c, subcooling = facts.operation.condensing_temperature, facts.operation.subcooling or 0.0
+    T_c = None if T_c is None else constants.condensed(facts.gas.name, T_c)
     coldest = T + (parameters.approach if parameters.kind == "heat_exchanger" else 0.0)
     if T_c is not None and T_c - subcooling <= coldest:
         what = f"the liquid, {T_c - subcooling:.6g} K, is not warmer than the {coldest:.6g} K to which it would be"
@@ -150,7 +155,7 @@ def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:
         what = f"{T:.6g} K is not between evaporation, {low:.6g} K, and condensation, {high:.6g} K"
     p_s, p_d = operation.suction.pressure, operation.discharge.pressure
     if p_s is not None and p_d is not None:
-        p = parameters.pressure or constants.dew_pressure(facts.gas.fluid, T)
+        p = parameters.pressure or constants.dew_pressure(facts.gas.name, T)
         if not min(p_s, p_d) < p < max(p_s, p_d):
             what = f"{T:.6g} K saturates at {p / 1e5:.4g} bar, not between {p_s / 1e5:.4g} bar and {p_d / 1e5:.4g} bar"
     if what:

@@ -110,7 +110,7 @@ def viscosity_faults(path: str, parameters: Any, facts: Any) -> Iterator[Fault]:
     """Yield that the gas's viscosity is neither stated nor known."""
     if parameters.gas_viscosity is None:
         try:
-            transport(facts.gas.fluid, 1e4, 400.0)
+            transport(facts.gas.name, 1e4, 400.0)
         except UsageError as error:
             yield Fault(f"{path}.gas_viscosity", f"is missing: {error}")
 

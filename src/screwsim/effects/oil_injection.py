@@ -121,7 +121,7 @@ def _stated(p: float, loss: float, facts) -> Faults:
 def discharge_pressure(facts) -> float | None:
     """Return the pressure [Pa] of the discharge line, stated or of saturation; None where it is not."""
     p_d, T_c = facts.operation.discharge.pressure, facts.operation.condensing_temperature
-    return constants.bubble_pressure(facts.gas.fluid, T_c) if p_d is None and T_c is not None else p_d
+    return constants.condensing_pressure(facts.gas.name, T_c) if p_d is None and T_c is not None else p_d
 
 
 EFFECT = Effect(

@@ -189,8 +189,8 @@ def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
 
 def check(parameters: Parameters, facts) -> list[Fault]:
     path, faults = f"effects.{NAME}", []
-    if facts.gas.fluid != solubility.FLUID:
-        return [Fault(path, f"knows {solubility.FLUID} in POE oil only, not {facts.gas.fluid} (remove the effect)")]
+    if facts.gas.name != solubility.FLUID:
+        return [Fault(path, f"knows {solubility.FLUID} in POE oil only, not {facts.gas.name} (remove the effect)")]
     if parameters.absorption_time is not None and parameters.flash_time is None:
         what = "has no meaning where the oil flashes at once in the port"
         faults.append(Fault(f"{path}.absorption_time", f"{what} (state flash_time, or remove it)"))

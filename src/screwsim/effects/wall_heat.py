@@ -149,7 +149,7 @@ def check(parameters: Parameters, facts) -> Faults:
             yield Fault(f"{path}.{lump}_cooling", f"is given beside {lump}_temperature (remove one of the two)")
         if cooling > 0.0 and getattr(parameters, f"{lump}_area") * parameters.nusselt_factor == 0.0:
             yield Fault(f"{path}.{lump}_cooling", "cools a wall that no gas warms (remove it)")
-    yield from gas_faults(path, parameters, facts.gas.fluid, GAS)
+    yield from gas_faults(path, parameters, facts.gas.name, GAS)
 
 
 EFFECT = Effect(

@@ -26,6 +26,7 @@ REMEDIES = {  # of the limits of an equation of state
     Limit.PRESSED: LESS,
     Limit.COLD: "use warmer suction gas or oil, or a wider suction port",
     Limit.WET: "use warmer oil or gas, or gas.two_phase: equilibrium",
+    Limit.GLIDING: "use warmer oil or gas",
 }
 
 HOT = 1000.0  # [K] beyond what a machine stands

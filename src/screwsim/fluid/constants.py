@@ -1,9 +1,10 @@
-"""What is asked of CoolProp at the border: constants, saturation, enthalpies; answers stay in the user's cache folder.
+"""What is asked of a fluid at the border: constants, saturation, enthalpies; CoolProp's answers stay in a file.
 
-Importing CoolProp costs seconds, so that a question is asked once. The file has one answer a line, appended whole:
-many processes may write it, and what a torn or damaged line held is asked again. It is named by CoolProp's version, so
-that a new version is asked anew. Neither the file nor the memory grows with a sweep over conditions: full, the file is
-begun anew by the next process, and the oldest answers in memory make room.
+Of a blend CoolProp is not asked, but `blend_border`. Importing CoolProp costs seconds, so that a question is asked
+once. The file has one answer a line, appended whole: many processes may write it, and what a torn or damaged line held
+is asked again. It is named by CoolProp's version, so that a new version is asked anew. Neither the file nor the memory
+grows with a sweep over conditions: full, the file is begun anew by the next process, and the oldest answers in memory
+make room.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from screwsim.faults import UsageError
-from screwsim.fluid.description import no_fluid
+from screwsim.fluid.blend_border import BlendBorder, blend_border
+from screwsim.fluid.composition import ENDING, is_blend, predefined
+from screwsim.fluid.kept import no_fluid
 from screwsim.numerics.store import append_line, read_lines
 
 _FULL = 250_000  # [byte] of the file; it is read at every start
@@ -71,8 +74,20 @@ def _abstract_state(fluid: str) -> Any:
         raise no_fluid(fluid, error) from None
 
 
+def _blend(fluid: str) -> BlendBorder | None:
+    """Return what is asked of a blend; None for a name of anything else. Raises UsageError for one without data."""
+    return blend_border(fluid) if is_blend(fluid) else None
+
+
 def limits(fluid: str) -> Limits | None:
-    """Return the limits of a fluid; None when CoolProp has no pure or pseudo-pure fluid of that name."""
+    """Return the limits of a fluid, those of a blend by its dew line; None for a fluid that is not known."""
+    try:
+        mixed = _blend(fluid)
+    except UsageError:  # `why_no_blend` says it
+        return None
+    if mixed is not None:
+        found = mixed.lines
+        return Limits(found.T_low, found.T_c, mixed.dew_pressure(found.T_low), found.p_c, mixed.known.T_max)
 
     def question() -> list[float] | None:
         try:
@@ -85,8 +100,17 @@ def limits(fluid: str) -> Limits | None:
         except (UsageError, ValueError):
             return None
 
-    found = _ask(f"{fluid} limits", question)
-    return None if found is None else Limits(*found)
+    asked = _ask(f"{fluid} limits", question)
+    return None if asked is None else Limits(*asked)
+
+
+def why_no_blend(fluid: str) -> str | None:
+    """Return why a blend is not known, in one line; None for one that is, and for a name of anything else."""
+    try:
+        _blend(fluid)
+    except UsageError as error:
+        return str(error).removeprefix("gas.fluid: ")
+    return None
 
 
 def same_fluid(name: str) -> str | None:
@@ -112,25 +136,24 @@ def _bare(name: str) -> str:
 
 
 def blend(name: str) -> str | None:
-    """Return what says that a name is that of a blend: CoolProp's mixture of that name, or its number; else None."""
-
-    def question() -> list[str]:
-        import CoolProp.CoolProp as coolprop
-
-        names = coolprop.get_global_param_string("predefined_mixtures").split(",")
-        return [each for each in names if each.endswith(".mix")]
-
-    wanted = _bare(name.removesuffix(".mix"))
-    for each in _ask("mixtures", question):
-        if wanted and wanted == _bare(each.removesuffix(".mix")):
-            return f"CoolProp's predefined mixture {each}"
-    if "&" in name:
-        return "its components are joined by &"
-    return "R4xx and R5xx are numbers of blends" if re.fullmatch(r"r[45][0-9]{2}[a-z]?", wanted) else None
+    """Return what to write for a blend that is not called as it should be; None for a name that is none of a blend."""
+    wanted = _bare(name.removesuffix(ENDING))
+    for each in predefined():
+        if wanted and wanted == _bare(each.removesuffix(ENDING)):
+            return f"did you mean '{each}'?"
+    if "&" in name or "/" in name:
+        return "write a blend of your own as fluid: [NAME, NAME], with mass_fractions or mole_fractions"
+    if re.fullmatch(r"r[45][0-9]{2}[a-z]?", wanted):
+        what = "R4xx and R5xx are numbers of blends, and CoolProp has none of this one"
+        return f"{what} (write its components as fluid: [NAME, NAME], with mass_fractions)"
+    return None
 
 
 def gas_constant(fluid: str) -> float:
     """Return the specific gas constant R [J/(kg K)]."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return mixed.known.R
 
     def question() -> float:
         state, _ = _abstract_state(fluid)
@@ -141,6 +164,9 @@ def gas_constant(fluid: str) -> float:
 
 def ideal_heat_capacity(fluid: str, T: float) -> float:
     """Return cp0 [J/(kg K)], the ideal-gas heat capacity at temperature T [K]."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return mixed.ideal_heat_capacity(T)
 
     def question() -> float:
         state, coolprop = _abstract_state(fluid)
@@ -161,6 +187,9 @@ def isentropic_exponent(fluid: str, T: float) -> float:
 
 def saturation_temperature(fluid: str, p: float) -> float:
     """Return the saturation temperature [K] of vapour (the dew point) at pressure p [Pa]."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return mixed.dew_temperature(p)
     return _saturated(fluid, "T", "PQ_INPUTS", p, 1.0)
 
 
@@ -178,26 +207,55 @@ def liquid_below(fluid: str, p: float, T: float) -> float | None:
 
 def dew_pressure(fluid: str, T: float) -> float:
     """Return the pressure [Pa] of saturated vapour at temperature T [K] (M42)."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return mixed.dew_pressure(T)
     return _saturated(fluid, "p", "QT_INPUTS", 1.0, T)
 
 
 def bubble_pressure(fluid: str, T: float) -> float:
     """Return the pressure [Pa] of saturated liquid at temperature T [K] (M42)."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return mixed.bubble_pressure(T)
     return _saturated(fluid, "p", "QT_INPUTS", 0.0, T)
+
+
+def condensing_pressure(fluid: str, T: float) -> float:
+    """Return the pressure [Pa] in a condenser of T [K]: the bubble point's, of a blend the dew point's (M42, M316).
+
+    Dew point is the convention of EN 12900 and AHRI 540 for fluids with glide.
+    """
+    return dew_pressure(fluid, T) if _blend(fluid) is not None else bubble_pressure(fluid, T)
+
+
+def condensed(fluid: str, T: float) -> float:
+    """Return the temperature [K] of saturated liquid behind a condenser of temperature T [K] (M43, M316)."""
+    mixed = _blend(fluid)
+    return T if mixed is None else mixed.bubble_temperature(mixed.dew_pressure(T))
 
 
 def saturated_liquid_enthalpy(fluid: str, T: float) -> float:
     """Return the enthalpy [J/kg] of saturated liquid at temperature T [K], on CoolProp's default reference."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return mixed.saturated_liquid(T)[0]
     return _saturated(fluid, "hmass", "QT_INPUTS", 0.0, T)
 
 
 def saturated_liquid_density(fluid: str, T: float) -> float:
     """Return the density [kg/m³] of saturated liquid at temperature T [K]."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return mixed.saturated_liquid(T)[1]
     return _saturated(fluid, "rhomass", "QT_INPUTS", 0.0, T)
 
 
 def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
     """Return the enthalpy [J/kg] of liquid and vapour in equilibrium at p [Pa]; `quality` is the vapour's share."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        raise UsageError(f"gas.fluid: {fluid} is a blend, whose wet states are not followed; give a superheat")
     return _saturated(fluid, "hmass", "PQ_INPUTS", p, quality)
 
 
@@ -217,11 +275,17 @@ def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) 
 
 def vapour_enthalpy(fluid: str, p: float, T: float) -> float:
     """Return the real vapour's enthalpy [J/kg] at p [Pa] and T [K], on CoolProp's default reference."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return mixed.vapour_enthalpy(p, T)
     return _single_phase(fluid, p, T, "iphase_gas")
 
 
 def liquid_enthalpy(fluid: str, p: float, T: float) -> float:
     """Return the liquid's enthalpy [J/kg] at p [Pa] and T [K], on CoolProp's default reference."""
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return mixed.liquid_enthalpy(p, T)
     return _single_phase(fluid, p, T, "iphase_liquid")
 
 
@@ -246,6 +310,9 @@ def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
 
     Raises UsageError where CoolProp has no transport properties of that fluid, or no such state.
     """
+    mixed = _blend(fluid)
+    if mixed is not None:
+        raise UsageError(f"CoolProp has no transport properties of blends, as {fluid} is one")
 
     def question() -> list[float]:
         state, coolprop = _abstract_state(fluid)

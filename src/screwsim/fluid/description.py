@@ -1,4 +1,4 @@
-"""What CoolProp knows of a pure fluid's equation of state: terms, reducing state, limits; kept on disk.
+"""What CoolProp knows of an equation of state, of a pure fluid or a blend: terms, reducing state, limits; kept on disk.
 
 The terms are CoolProp's own fluid description. The cache is keyed by CoolProp's version, so that a new version is
 asked again, and a process that finds its fluid there never imports CoolProp (seconds).
@@ -6,17 +6,29 @@ asked again, and a process that finds its fluid there never imports CoolProp (se
 
 from __future__ import annotations
 
-import importlib.metadata
 import json
-import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
+from itertools import combinations
+from typing import Any, NamedTuple
 
 from screwsim.faults import UsageError
-from screwsim.numerics.compiling import begins
-from screwsim.numerics.store import keep, read
+from screwsim.fluid.composition import Composition, abstract_state, composition, predefined_name
+from screwsim.fluid.kept import kept, no_fluid
+
+PAIR = ("betaT", "gammaT", "betaV", "gammaV", "Fij")  # as CoolProp calls what a `Pair` begins with
+
+
+class Pair(NamedTuple):
+    """Two components of a blend: parameters of the reducing functions, weight and name of the departure function."""
+
+    beta_T: float
+    gamma_T: float
+    beta_v: float
+    gamma_v: float
+    F: float
+    departure: str
 
 
 @dataclass(frozen=True)
@@ -24,7 +36,10 @@ class Description:
     """A fluid's equation of state (SI units, per kg).
 
     `T_r`, `rho_r` reduce the equation; `T_c`, `p_c`, `rho_c` are the critical point; `residual` and `ideal` are the
-    contributions of the Helmholtz energy as CoolProp writes them.
+    contributions of the Helmholtz energy as CoolProp writes them. A blend has neither, but the names of its
+    `components`, their mole `fractions` and their `pairs` (0-1, 0-2, …, 1-2, …); its reducing state stands for the
+    critical point, and its p_c is 0: the phase envelope has the true ones. `ideal_state` is the T [K] and ρ [mol/m³] by
+    which CoolProp reduces a component's ideal part in blends: its critical point as written in the fluid's description.
     """
 
     name: str
@@ -40,27 +55,23 @@ class Description:
     T_max: float
     p_max: float
     pseudo_pure: bool
-    residual: Sequence[Mapping[str, Any]]
-    ideal: Sequence[Mapping[str, Any]]
+    residual: Sequence[Mapping[str, Any]] = ()
+    ideal: Sequence[Mapping[str, Any]] = ()
+    components: Sequence[str] = ()
+    fractions: Sequence[float] = ()
+    pairs: Sequence[Pair] = ()
+    ideal_state: Sequence[float] = ()
+    acentric: float = 0.0
 
+    @property
+    def blend(self) -> bool:
+        """Is it a blend of several components?"""
+        return bool(self.components)
 
-def kept(name: str, question: Callable[[], Any]) -> Any:
-    """Return the answer to a question to CoolProp, from the cache folder where it is known."""
-    version = importlib.metadata.version("CoolProp")
-    file = f"coolprop-{version}-{re.sub('[^A-Za-z0-9]+', '_', name)}.answer"
-    found = json.loads(read(file) or b"{}")
-    if found.get("name") == name:
-        return found["answer"]
-    begins()
-    answer = question()
-    keep(file, json.dumps({"name": name, "answer": answer}).encode())
-    return answer
-
-
-def no_fluid(fluid: str, error: ValueError) -> UsageError:
-    """Return what to raise where CoolProp refuses a fluid."""
-    reason = str(error).splitlines()[0][:120]
-    return UsageError(f"gas.fluid: CoolProp has no pure fluid {fluid!r} ({reason}); name one such as R134a")
+    @property
+    def glides(self) -> bool:
+        """Do its two phases differ in composition, so that it boils and condenses at two temperatures?"""
+        return self.pseudo_pure or self.blend
 
 
 def _ask(fluid: str) -> dict[str, Any]:
@@ -69,11 +80,12 @@ def _ask(fluid: str) -> dict[str, Any]:
     try:
         state = coolprop.AbstractState("HEOS", fluid)
         if len(state.fluid_names()) > 1:
-            raise UsageError(f"gas.fluid: {fluid} is a mixture; gas.model: real takes pure fluids such as R134a")
+            raise UsageError(f"gas.fluid: {fluid} is a mixture; write fluid: [NAME, NAME] with mass_fractions")
         found = json.loads(coolprop.get_fluid_param_string(state.name(), "JSON"))
     except ValueError as error:
         raise no_fluid(fluid, error) from None
-    equation = (found[0] if isinstance(found, list) else found)["EOS"][0]
+    found = found[0] if isinstance(found, list) else found
+    equation, critical = found["EOS"][0], found["STATES"]["critical"]
     M = state.molar_mass()
     return {
         "name": state.name(),
@@ -91,10 +103,61 @@ def _ask(fluid: str) -> dict[str, Any]:
         "pseudo_pure": bool(equation.get("pseudo_pure", False)),
         "residual": equation["alphar"],
         "ideal": equation["alpha0"],
+        "ideal_state": [critical["T"], critical["rhomolar"]],
+        "acentric": equation["acentric"],
+    }
+
+
+def _departure(coolprop: Any, first: str, second: str) -> str:
+    """Return the name of a pair's departure function; CoolProp knows a pair in one order of its CAS numbers."""
+    try:
+        return coolprop.get_mixture_binary_pair_data(first, second, "function")
+    except ValueError:
+        return coolprop.get_mixture_binary_pair_data(second, first, "function")
+
+
+def _ask_blend(fluid: str, made: Composition) -> dict[str, Any]:
+    """Return the description of a blend: its reducing state, its limits (the narrowest of its components')."""
+    import CoolProp.CoolProp as coolprop
+
+    called = "&".join(made.components)
+    state = abstract_state(fluid, called)
+    (state.set_mole_fractions if made.by_mole else state.set_mass_fractions)(list(made.fractions))
+    x, M = state.get_mole_fractions(), state.molar_mass()
+    known = [describe(name) for name in made.components]
+    numbers = [coolprop.get_fluid_param_string(name, "CAS") for name in made.components]
+    pairs: list[list[Any]] = []
+    for i, j in combinations(range(len(x)), 2):
+        values = [state.get_binary_interaction_double(i, j, what) for what in PAIR]
+        departure = ""
+        if values[-1] != 0.0:
+            departure = _departure(coolprop, numbers[i], numbers[j])
+        pairs.append([*values, departure])
+    return {
+        "name": predefined_name(fluid) or fluid,
+        "source": ", ".join(dict.fromkeys(each.source for each in known)),
+        "R": state.gas_constant() / M,
+        "molar_mass": M,
+        "T_r": state.T_reducing(),
+        "rho_r": state.rhomolar_reducing() * M,
+        "T_c": state.T_reducing(),
+        "p_c": 0.0,
+        "rho_c": state.rhomolar_reducing() * M,
+        "T_min": max(each.T_min for each in known),
+        "T_max": min(each.T_max for each in known),
+        "p_max": min(each.p_max for each in known),
+        "pseudo_pure": False,
+        "components": [each.name for each in known],
+        "fractions": x,
+        "pairs": pairs,
     }
 
 
 @lru_cache(maxsize=64)
 def describe(fluid: str) -> Description:
-    """Return the description of a pure fluid by any of CoolProp's names. Raises UsageError for others."""
-    return Description(**kept(f"fluid {fluid}", lambda: _ask(fluid)))
+    """Return the description of a fluid by any of CoolProp's names, or of a blend. Raises UsageError for others."""
+    made = composition(fluid)
+    if made is None:
+        return Description(**kept(f"fluid equation {fluid}", lambda: _ask(fluid)))
+    found = Description(**kept(f"equation of blend {fluid}", lambda: _ask_blend(fluid, made)))
+    return replace(found, pairs=tuple(Pair(*each) for each in found.pairs))

@@ -7,15 +7,19 @@ Equations of State, 2000. The reference state is CoolProp's default for the flui
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
+
+import numpy as np
 
 from screwsim.fluid.description import describe
 from screwsim.fluid.equation_text import EquationText
+from screwsim.fluid.mixture import ideal_terms, residual_terms
 from screwsim.fluid.nozzle import critical_power
-from screwsim.fluid.terms import ideal_terms, residual_terms
 from screwsim.numerics.kernel import Kernel, written
 
 STATE = '"""Return (p, h, c_v, T dp/dT, 1/k, drop and psi2 of choking) of {name} at T [K], rho [kg/m3] ({source})."""'
 ENTROPY = '"""Return the specific entropy s [J/(kg K)] of {name} at T [K], rho [kg/m3] ({source})."""'
+HEAT_CAPACITY = '"""Return cp0 [J/(kg K)] of the ideal gas of {name} at T [K] ({source})."""'
 POTENTIALS = '"""Return (p [Pa], dp/drho [m2/s2], g = h - T s [J/kg]) of {name} at T [K], rho [kg/m3] ({source})."""'
 
 
@@ -84,3 +88,23 @@ def potentials_kernel(fluid: str) -> Kernel:
         "return rho * RT * (1.0 + D), RT * (1.0 + D + DD), RT * (1.0 + D + A0 + A)",
     ]
     return written(_function("potentials", fluid, POTENTIALS, lines), describe(fluid).name)
+
+
+@lru_cache(maxsize=64)
+def ideal_heat_capacity_kernel(fluid: str) -> Kernel:
+    """Return `ideal_heat_capacity(T)` [J/(kg K)] at constant pressure."""
+    known = describe(fluid)
+    text = EquationText(("EE",))
+    text.ideal(ideal_terms(known))
+    body = "\n".join(text.lines)
+    head = [f"tau = {known.T_r!r} / T", f"inverse_tau = T * {1.0 / known.T_r!r}"]
+    head += ["log_tau = math.log(tau)"] if "log_tau" in body else []
+    lines = [*head, *text.lines, f"return {known.R!r} * (1.0 + C0)"]
+    return written(_function("ideal_heat_capacity", fluid, HEAT_CAPACITY, lines, "T"), known.name)
+
+
+def vectorised(kernel: Kernel) -> Any:
+    """Return the kernel's text as a function of arrays, of any precision."""
+    space: dict[str, Any] = {"math": np, "np": np}
+    exec(kernel.source, space)
+    return space[kernel.__name__]

@@ -20,6 +20,7 @@ class Limit(Enum):
     COLD = auto()
     PRESSED = auto()
     WET = auto()
+    GLIDING = auto()  # wet, of a fluid whose two phases differ in composition
 
 
 class Outside(NamedTuple):

@@ -1,9 +1,9 @@
-"""A real gas: CoolProp's Helmholtz equation of state of a pure fluid, compiled; two phases refused or in equilibrium.
+"""A real gas: the Helmholtz equation of state of a fluid or a blend, compiled; two phases refused or in equilibrium.
 
 `state`, `specific_entropy` and `margin` are kernels of (T, rho) alone: the fluid's numbers stand in their text. They
-hold in the dome too, in equilibrium (dome.py), but for pseudo-pure fluids: while a cycle is being closed its chambers
-may condense on the way. What `two_phase: refuse` refuses is a closed cycle of which `why_outside` complains. Everything
-else is for the border, and runs compiled.
+hold in the dome too, in equilibrium (dome.py), but for fluids with glide, pseudo-pure ones and blends, whose single
+phase goes on there: while a cycle is being closed its chambers may condense on the way. What `two_phase: refuse`
+refuses is a closed cycle of which `why_outside` complains. Everything else is for the border, and runs compiled.
 """
 
 from __future__ import annotations
@@ -47,8 +47,8 @@ def border(fluid: str) -> ModuleType:
         "saturation_pressure": known.pressure.flat_name,
         "margin": margin_kernel(fluid).flat_name,
     }
-    equilibrium = equilibrium_kernels(fluid)
-    kernels = (*single, equilibrium.state, equilibrium.entropy)
+    equilibrium = None if describe(fluid).glides else equilibrium_kernels(fluid)
+    kernels = single if equilibrium is None else (*single, equilibrium.state, equilibrium.entropy)
     kernels += (known.vapour, known.liquid, known.temperature, known.pressure)
     text = flatten((*kernels, margin_kernel(fluid)))
     text |= flatten((isobar.density, isobar.at_pressure, limits.first_outside), slots)
@@ -57,20 +57,26 @@ def border(fluid: str) -> ModuleType:
 
 @dataclass(frozen=True)
 class RealGas:
-    """A pure fluid by one of CoolProp's names; `two_phase` is 'refuse' or 'equilibrium'."""
+    """A fluid by one of CoolProp's names, or a blend; `two_phase` is 'refuse' or 'equilibrium'."""
 
     fluid: str
     two_phase: str = "refuse"
     name = "real"
-    equations = ("M46", "M47", "M48")
     varies = True  # exponent and choking vary with the state
 
     def __post_init__(self) -> None:
-        if self.two_phase == "equilibrium" and self.known.pseudo_pure:
+        if self.two_phase == "equilibrium" and self.known.glides:
+            what = "a blend" if self.known.blend else "a mixture described as if it were pure"
             raise UsageError(
-                f"gas.two_phase: {self.known.name} is a mixture described as if it were pure: its two phases differ in "
+                f"gas.two_phase: {self.known.name} is {what}: its two phases differ in "
                 "composition; use two_phase: refuse, or a pure fluid"
             )
+
+    @property
+    def equations(self) -> tuple[str, ...]:
+        """Numbers of its equations in docs/model.md."""
+        own = ("M310", "M311", "M312", "M313", "M314", "M315", "M316", "M48") if self.known.blend else ("M47", "M48")
+        return ("M46", *own)
 
     @property
     def known(self) -> Description:
@@ -82,12 +88,12 @@ class RealGas:
     @property
     def state(self) -> Kernel:
         """Kernel (T, rho) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
-        return state_kernel(self.fluid) if self.known.pseudo_pure else equilibrium_kernels(self.fluid).state
+        return state_kernel(self.fluid) if self.known.glides else equilibrium_kernels(self.fluid).state
 
     @property
     def phased_state(self) -> tuple[Kernel, Kernel] | None:
         """Kernels (T, rho) → phase and (phase, T, rho) → state; None where there is one phase."""
-        if self.known.pseudo_pure:
+        if self.known.glides:
             return None
         known = equilibrium_kernels(self.fluid)
         return known.phase, known.phased
@@ -95,7 +101,7 @@ class RealGas:
     @property
     def specific_entropy(self) -> Kernel:
         """Kernel (T, rho) → s [J/(kg K)]."""
-        return entropy_kernel(self.fluid) if self.known.pseudo_pure else equilibrium_kernels(self.fluid).entropy
+        return entropy_kernel(self.fluid) if self.known.glides else equilibrium_kernels(self.fluid).entropy
 
     @property
     def margin(self) -> Kernel:
@@ -153,9 +159,10 @@ class RealGas:
         """Return density [kg/m³] of the vapour at p [Pa], T [K]. Raises UsageError for a liquid."""
         found = saturation(self.fluid)
         if p > self.saturation_pressure(T) * (1.0 + AT_SATURATION):
+            what = "is liquid, or wet: it condenses from" if self.known.glides else "is liquid: it boils at"
             raise UsageError(
-                f"{self.known.name} at {p:.6g} Pa, {T:.6g} K is liquid: "
-                f"it boils at {self.saturation_temperature(p) or found.T_c:.6g} K; "
+                f"{self.known.name} at {p:.6g} Pa, {T:.6g} K {what} "
+                f"{self.saturation_temperature(p) or found.T_c:.6g} K; "
                 "give a higher temperature or a lower pressure"
             )
         return _vapour_density(self, p, T)
@@ -219,11 +226,12 @@ class RealGas:
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
         """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium.
 
-        Raises UsageError where a pseudo-pure fluid would be wet.
+        Raises UsageError where a fluid with glide would be wet.
         """
         T, rho = self._at(p, s, True)
-        below = self.known.pseudo_pure and T < saturation(self.fluid).T_c
-        if below and rho > self._kernels["vapour"](T) * (1.0 + AT_SATURATION):
+        below = self.known.glides and T < saturation(self.fluid).T_c
+        vapour, liquid = (self._kernels[what](T) for what in ("vapour", "liquid")) if below else (rho, rho)
+        if vapour * (1.0 + AT_SATURATION) < rho < liquid * (1.0 - LIQUID):
             raise UsageError(f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K) is wet; give a warmer state")
         return T, rho, float(self._kernels["state"](T, rho)[1])
 
@@ -279,7 +287,7 @@ class RealGas:
                 return None
             saturated = f"{self._kernels['vapour'](T):.6g} kg/m3 at {self.saturation_pressure(T):.6g} Pa"
             what = f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {saturated})"
-            return Outside(Limit.WET, what)
+            return Outside(Limit.GLIDING if known.glides else Limit.WET, what)
         if T > known.T_max:
             return Outside(Limit.HOT, f"{at} above the equation's highest temperature, {known.T_max:.6g} K")
         p = float(self._kernels["single state"](T, rho)[0])

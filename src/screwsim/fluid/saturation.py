@@ -6,7 +6,9 @@ with t = 1 − T/T_c. At the critical point of an analytic equation ρ is analyt
 accurate equations are so flat there that this shows only below t = 1e-4. The intervals of the first three are
 therefore equal in t^(1/4), which makes them ever shorter towards the critical point.
 
-A pseudo-pure fluid (air, R410A) boils and condenses at two pressures: its vapour's tables are CoolProp's dew line.
+A pseudo-pure fluid (air, R410A) boils and condenses at two pressures: its vapour's tables are CoolProp's dew line. So
+does a blend: its tables are the phase envelope of `phase_envelope`, with T_c the highest temperature of two phases, and
+ln p of the whole envelope stands over θ, too.
 """
 
 from __future__ import annotations
@@ -20,22 +22,16 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.fluid.description import Description, describe, kept
-from screwsim.fluid.helmholtz import potentials_kernel
-from screwsim.numerics.kernel import Kernel
+from screwsim.fluid.description import Description, describe
+from screwsim.fluid.helmholtz import potentials_kernel, vectorised
+from screwsim.fluid.kept import kept
+from screwsim.fluid.phase_envelope import envelope
 
 Array = np.ndarray
 DEGREE = 9
 BINS = 64  # intervals from the critical point to the lowest temperature
 LOG_P_BINS = 48
 POLISHED = 1e-5  # t above which pressures are solved for; below, they are those of the densities' table
-
-
-def vectorised(kernel: Kernel) -> Any:
-    """Return the kernel's text as a function of arrays, of any precision."""
-    space: dict[str, Any] = {"math": np, "np": np}
-    exec(kernel.source, space)
-    return space[kernel.__name__]
 
 
 @dataclass(frozen=True)
@@ -74,7 +70,7 @@ def fitted(edges: Array, values: Array) -> Table:
 
 @dataclass(frozen=True)
 class Saturation:
-    """The tables of one fluid, from `T_low` to the equation's own critical point."""
+    """The tables of one fluid, from `T_low` to the equation's own critical point; `log_p_of_theta` of blends only."""
 
     T_low: float
     T_c: float
@@ -84,6 +80,7 @@ class Saturation:
     log_p: Table
     gibbs: Table
     T_of_log_p: Table
+    log_p_of_theta: Table | None = None
 
 
 def _critical(known: Description, potentials: Any) -> tuple[float, float]:
@@ -210,18 +207,23 @@ def _solve(fluid: str) -> dict[str, Any]:
     """Return the tables of a fluid as plain numbers."""
     known = describe(fluid)
     potentials = vectorised(potentials_kernel(fluid))
-    T_low = known.T_min
-    if known.pseudo_pure:
+    T_low, whole = known.T_min, {}
+    if known.blend:
+        around = envelope(known)
+        T_low, T_c, rho_c = around.T_low, around.T_m, float(np.exp(around.log_z_m)) * known.molar_mass
+        edges = _theta_edges(T_low, T_c)
+        log_rho, whole["log_p_of_theta"] = (fitted(edges, y) for y in around.at(nodes(edges).astype(float)))
+    elif known.pseudo_pure:
         T_c, rho_c = known.T_c, known.rho_c
         log_rho = _boiling_and_dew(known, T_low)
     else:
         T_c, rho_c = _critical(known, potentials)
         log_rho = _densities(potentials, known, T_low, T_c, rho_c)
-    log_p, gibbs = _pressures(potentials, T_low, T_c, log_rho, 2.0 if known.pseudo_pure else POLISHED)
+    log_p, gibbs = _pressures(potentials, T_low, T_c, log_rho, 2.0 if known.glides else POLISHED)
     first, last = log_p(np.array([T_low, T_c]))
     y = np.linspace(first, last, LOG_P_BINS + 1)
     T_of = fitted(y, _inverse(log_p, nodes(y), T_low, T_c))
-    tables = {"log_rho": log_rho, "log_p": log_p, "gibbs": gibbs, "T_of_log_p": T_of}
+    tables = {"log_rho": log_rho, "log_p": log_p, "gibbs": gibbs, "T_of_log_p": T_of} | whole
     return {"T_low": T_low, "T_c": T_c, "p_c": float(np.exp(last)), "rho_c": rho_c} | {
         name: [table.edges.tolist(), table.c.tolist()] for name, table in tables.items()
     }
@@ -253,9 +255,10 @@ def _inverse(log_p: Table, y: Array, T_low: float, T_c: float) -> Array:
 @lru_cache(maxsize=64)
 def saturation(fluid: str) -> Saturation:
     """Return the saturation tables of a fluid, from the cache folder where they are known."""
-    method = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()[:10]
+    sources = (Path(__file__), *map(Path(__file__).with_name, ("phase_envelope.py", "fugacity.py")))
+    method = hashlib.sha256(b"".join(each.read_bytes() for each in sources)).hexdigest()[:10]
     equation = potentials_kernel(fluid).flat_name  # holds a hash of the equation
     found = kept(f"saturation {equation} {method}", lambda: _solve(fluid))
     numbers = (found[name] for name in ("T_low", "T_c", "p_c", "rho_c"))
-    tables = (Table(*map(np.array, found[name])) for name in ("log_rho", "log_p", "gibbs", "T_of_log_p"))
-    return Saturation(*numbers, *tables)
+    names = [name for name in ("log_rho", "log_p", "gibbs", "T_of_log_p", "log_p_of_theta") if name in found]
+    return Saturation(*numbers, *(Table(*map(np.array, found[name])) for name in names))

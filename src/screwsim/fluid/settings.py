@@ -5,15 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from screwsim.declare import choice, number, quantity, word
+from screwsim.declare import choice, names, number, numbers, quantity
+from screwsim.fluid.composition import own_blend
 from screwsim.fluid.oils import OILS
 
 
 @dataclass(frozen=True)
 class GasSettings:
-    """The working gas."""
+    """The working gas: a pure fluid, a predefined blend, or one of one's own of stated composition."""
 
-    fluid: str = word("a pure fluid of CoolProp", "R134a")
+    fluid: str | tuple[str, ...] = names(
+        "a pure fluid or a predefined blend of CoolProp (R454B, R407C.mix), or a list of a blend's components", "R134a"
+    )
+    mass_fractions: tuple[float, ...] | None = numbers(
+        "of the components in fluid: [NAME, NAME], in their order", None, gt=0.0, lt=1.0
+    )
+    mole_fractions: tuple[float, ...] | None = numbers(
+        "of the components, in place of mass_fractions", None, gt=0.0, lt=1.0
+    )
     model: str = choice("equation of state; real: the fluid's full Helmholtz equation", ("ideal", "real"), "ideal")
     two_phase: str = choice(
         "a real gas that condenses: refuse it, or follow both phases in equilibrium",
@@ -27,6 +36,13 @@ class GasSettings:
         le=2.0,
         hardly=(1.01, 5.0 / 3.0),
     )
+
+    @property
+    def name(self) -> str:
+        """What the fluid is called where it is asked for; that of a blend of one's own tells its composition."""
+        if isinstance(self.fluid, str):
+            return self.fluid
+        return own_blend(self.fluid, self.mass_fractions or self.mole_fractions or (), self.mass_fractions is None)
 
 
 class OilProperties(NamedTuple):

@@ -24,14 +24,15 @@ class Lines:
 
 def lines(scene: Scene) -> Lines:
     """Return the states of both lines of a scene that `cross_check` finds in order (M42)."""
-    return _lines(scene.operation, scene.gas.fluid)
+    return _lines(scene.operation, scene.gas.name)
 
 
 @lru_cache(maxsize=64)
 def _lines(operation: Operation, fluid: str) -> Lines:
     suction, p_d = operation.suction, operation.discharge.pressure
     if operation.evaporating_temperature is not None and operation.condensing_temperature is not None:
-        T_e, p_d = operation.evaporating_temperature, constants.bubble_pressure(fluid, operation.condensing_temperature)
+        T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
+        p_d = constants.condensing_pressure(fluid, T_c)
         return Lines(constants.dew_pressure(fluid, T_e), T_e + (operation.superheat or 0.0), p_d, suction.quality)
     if suction.pressure is None or p_d is None:
         raise ValueError("the scene states no pressures; ask cross_check first")
@@ -43,7 +44,7 @@ def _lines(operation: Operation, fluid: str) -> Lines:
 
 def suction_enthalpy(scene: Scene) -> float:
     """Return the real fluid's enthalpy [J/kg] in the suction line, on CoolProp's default reference."""
-    return _suction_enthalpy(scene.operation, scene.gas.fluid)
+    return _suction_enthalpy(scene.operation, scene.gas.name)
 
 
 @lru_cache(maxsize=64)
@@ -62,7 +63,8 @@ def refrigerating_effect(scene: Scene) -> float | None:
     T_c, subcooling = scene.operation.condensing_temperature, scene.operation.subcooling
     if T_c is None or scene.machine.mode == "expander":
         return None
-    fluid, p_d = scene.gas.fluid, lines(scene).p_d
+    fluid, p_d = scene.gas.name, lines(scene).p_d
+    T = constants.condensed(fluid, T_c)
     if subcooling:
-        return suction_enthalpy(scene) - constants.liquid_enthalpy(fluid, p_d, T_c - subcooling)
-    return suction_enthalpy(scene) - constants.saturated_liquid_enthalpy(fluid, T_c)
+        return suction_enthalpy(scene) - constants.liquid_enthalpy(fluid, p_d, T - subcooling)
+    return suction_enthalpy(scene) - constants.saturated_liquid_enthalpy(fluid, T)

@@ -8,7 +8,9 @@ from operator import attrgetter
 from screwsim.declare import KINDS
 from screwsim.faults import Fault, UsageError
 from screwsim.fluid import constants
+from screwsim.fluid.composition import is_blend
 from screwsim.fluid.constants import Limits
+from screwsim.scene.fluids import fluid_faults
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
 from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
@@ -19,7 +21,7 @@ P_S, P_D = "operation.suction.pressure", "operation.discharge.pressure"
 T_S, SUPERHEAT_S = "operation.suction.temperature", "operation.suction.superheat"
 T_D = "operation.discharge.temperature"
 QUALITY = "operation.suction.quality"
-_FLUIDS = "such as R134a, R1234yf, R32, R744 or Ammonia"
+STATED = ("gas.fluid", "gas.mass_fractions", "gas.mole_fractions", "operation")  # what the states are made of
 TEMPERATURES = (EVAPORATING, CONDENSING, SUPERHEAT, SUBCOOLING)  # one way to state the lines
 PRESSURES = (P_S, P_D, T_S, SUPERHEAT_S)  # the other way
 COUNTERPART = {
@@ -36,7 +38,7 @@ COUNTERPART = {
 def check_operation(scene: Scene) -> list[Fault]:
     """Return the faults of gas and operation; those of the states only when the scene states them in one way."""
     faults = [*_gas(scene), *_one_way(scene), *_axes(scene)]
-    if not any(fault.path.startswith(("gas.fluid", "operation")) for fault in faults):
+    if not any(fault.path.startswith(STATED) for fault in faults):
         faults += _states(scene)
     return faults
 
@@ -47,25 +49,19 @@ def _given(scene: Scene, paths: tuple[str, ...]) -> list[str]:
 
 def _gas(scene: Scene) -> Iterator[Fault]:
     gas = scene.gas
-    if constants.limits(gas.fluid) is None:
-        yield Fault("gas.fluid", _unknown_fluid(gas.fluid))
+    yield from fluid_faults(gas)
     if gas.model == "real" and gas.isentropic_exponent is not None:
         yield Fault("gas.isentropic_exponent", "belongs to model: ideal (remove it, or write model: ideal)")
+    if gas.two_phase == "equilibrium" and is_blend(gas.name):
+        what = f"{gas.name} is a blend: its two phases differ in composition, which no chamber follows"
+        yield Fault("gas.two_phase", f"{what} (write refuse, or name a pure fluid)")
     if gas.model == "ideal" and gas.two_phase == "equilibrium":
         yield Fault("gas.two_phase", "equilibrium needs model: real (write that, or remove two_phase)")
-    if scene.operation.suction.quality is not None and (gas.model, gas.two_phase) != ("real", "equilibrium"):
+    if scene.operation.suction.quality is not None and is_blend(gas.name):
+        what = f"belongs to a pure fluid: {gas.name} is a blend, whose wet gas is not followed"
+        yield Fault(QUALITY, f"{what} (give a superheat)")
+    elif scene.operation.suction.quality is not None and (gas.model, gas.two_phase) != ("real", "equilibrium"):
         yield Fault(QUALITY, "needs gas.model: real and gas.two_phase: equilibrium (write both, or give a superheat)")
-
-
-def _unknown_fluid(fluid: str) -> str:
-    """Return what is wrong with the name of a fluid; another fluid is never offered for it."""
-    shown = repr(fluid[:40])
-    same, blend = constants.same_fluid(fluid), constants.blend(fluid)
-    if same is not None:
-        return f"{shown} is no pure or pseudo-pure fluid of CoolProp; did you mean '{same}'?"
-    if blend is not None:
-        return f"{shown} is a blend ({blend}); mixtures are not supported (name a pure fluid, {_FLUIDS})"
-    return f"{shown} is no pure or pseudo-pure fluid of CoolProp (name one of them, {_FLUIDS})"
 
 
 def _one_way(scene: Scene) -> Iterator[Fault]:
@@ -122,7 +118,7 @@ def _axes(scene: Scene) -> Iterator[Fault]:
 
 def _states(scene: Scene) -> list[Fault]:
     """Return the faults of states that are stated in one way and of a fluid that is known."""
-    limits = constants.limits(scene.gas.fluid)
+    limits = constants.limits(scene.gas.name)
     assert limits is not None
     by_temperature = scene.operation.evaporating_temperature is not None
     faults = list((_temperatures if by_temperature else _pressures)(scene, limits))
@@ -145,7 +141,7 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     if suction.temperature is None and not limits.p_triple <= p_s < limits.p_critical:
         name, limit = ("critical", limits.p_critical) if p_s > limits.p_triple else ("triple-point", limits.p_triple)
         shown, path = readable_quantity(KINDS["pressure"], p_s), QUALITY if suction.superheat is None else SUPERHEAT_S
-        what = f"{scene.gas.fluid} has no saturation at the suction pressure {shown}: its {name} pressure is "
+        what = f"{scene.gas.name} has no saturation at the suction pressure {shown}: its {name} pressure is "
         yield Fault(path, f"{what}{limit / 1e5:.6g} bar (give operation.suction.temperature, or another pressure)")
     if scene.gas.model == "real":
         yield from _liquid(scene, T_S, p_s, suction.temperature)
@@ -154,11 +150,12 @@ def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
 
 def _liquid(scene: Scene, path: str, p: float, T: float | None) -> Iterator[Fault]:
     """Yield a stated temperature of a line at which the real fluid is no gas."""
-    boiling = None if T is None else constants.liquid_below(scene.gas.fluid, p, T)
+    boiling = None if T is None else constants.liquid_below(scene.gas.name, p, T)
     if T is None or boiling is None:
         return
-    what = f"{_shown(T)} makes {scene.gas.fluid} of {readable_quantity(KINDS['pressure'], p)} a liquid"
-    wet = "" if path == T_D else "; of wet gas give quality in its place, with gas.two_phase: equilibrium"
+    what = f"{_shown(T)} makes {scene.gas.name} of {readable_quantity(KINDS['pressure'], p)} a liquid"
+    never = path == T_D or is_blend(scene.gas.name)
+    wet = "" if never else "; of wet gas give quality in its place, with gas.two_phase: equilibrium"
     yield Fault(path, f"{what}: it is a gas from {_shown(boiling)} on (raise it, or lower the pressure{wet})")
 
 
@@ -182,14 +179,14 @@ def _shown(T: float) -> str:
 
 def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     """Yield temperatures at which the fluid does not saturate, or whose order is not the machine's."""
-    operation, fluid = scene.operation, scene.gas.fluid
+    operation, fluid = scene.operation, scene.gas.name
     T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
     assert T_e is not None and T_c is not None
     outside = [*_outside(EVAPORATING, T_e, fluid, limits), *_outside(CONDENSING, T_c, fluid, limits)]
     yield from outside
     if outside:
         return
-    T_s, T_liquid = T_e + (operation.superheat or 0.0), T_c - (operation.subcooling or 0.0)
+    T_s, T_liquid = T_e + (operation.superheat or 0.0), constants.condensed(fluid, T_c) - (operation.subcooling or 0.0)
     if T_s > limits.T_max:
         what = f"the equation of state of {fluid} ends at {_shown(limits.T_max)} (choose a smaller one)"
         yield Fault(SUPERHEAT, f"makes suction gas of {_shown(T_s)}; {what}")

@@ -80,11 +80,11 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
         path = P_D if scene.operation.discharge.pressure is not None else "operation.condensing_temperature"
         yield path, f"one machine has a pressure ratio of {ratio:.4g} (usual: at most {USUAL_RATIO:g})"
     if scene.gas.model == "ideal":
-        boiling = constants.liquid_below(scene.gas.fluid, at.p_s, at.T_s)
+        boiling = constants.liquid_below(scene.gas.name, at.p_s, at.T_s)
         if boiling is not None:
             p = readable_quantity(KINDS["pressure"], at.p_s)
             here, until = (f"{T:.5g} K ({T - ZERO_CELSIUS:.2f} degC)" for T in (at.T_s, boiling))
-            what = f"{scene.gas.fluid} of {p} is a liquid at {here}, and a gas from {until} on"
+            what = f"{scene.gas.name} of {p} is a liquid at {here}, and a gas from {until} on"
             yield T_S, f"{what}; gas.model: ideal takes it as a gas (warmer gas, or gas.model: real, which refuses it)"
 
 
@@ -95,10 +95,10 @@ def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
         return
     p_d = lines(scene).p_d
     with suppress(UsageError):  # above the critical pressure
-        T = constants.saturation_temperature(scene.gas.fluid, p_d)
+        T = constants.saturation_temperature(scene.gas.name, p_d)
         if supply.temperature < T:
             cold, warm = (f"{each:.5g} K ({each - ZERO_CELSIUS:.2f} degC)" for each in (supply.temperature, T))
-            what = f"{scene.gas.fluid} condenses on it at the discharge pressure, {1e-5 * p_d:.4g} bar, below {warm}"
+            what = f"{scene.gas.name} condenses on it at the discharge pressure, {1e-5 * p_d:.4g} bar, below {warm}"
             yield "oil_supply.temperature", f"the oil comes with {cold}; {what} (warmer oil)"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from screwsim.declare import KINDS, Kind
@@ -115,7 +116,8 @@ def leaf_schema(leaf: Leaf) -> dict[str, Any]:
     if not leaf.required and "enum" in found:
         found["enum"] = [*found["enum"], None]
     elif not leaf.required:
-        found["type"] = [found["type"], "null"]
+        kinds = found["type"]
+        found["type"] = [*([kinds] if isinstance(kinds, str) else kinds), "null"]
     return found
 
 
@@ -127,8 +129,17 @@ def value_schema(leaf: Leaf) -> dict[str, Any]:
         return {"type": "string", "anyOf": [{"enum": list(leaf.limits["options"])}, {"pattern": OWN}]}
     if leaf.kind == "choice":
         return {"enum": list(leaf.limits["options"])}
+    if leaf.kind in ("names", "numbers"):
+        return _several(leaf)
     bounds = {_BOUNDS[name]: limit for name, limit in leaf.limits.items() if name in _BOUNDS}
     return {"type": {"number": "number", "count": "integer"}.get(leaf.kind, "string"), **bounds}
+
+
+def _several(leaf: Leaf) -> dict[str, Any]:
+    """Return the schema of a list, or of a name in place of a list."""
+    items = value_schema(replace(leaf, kind="number" if leaf.kind == "numbers" else "word"))
+    found = {"items": items, "minItems": 2}
+    return {"type": "array", **found} if leaf.kind == "numbers" else {"type": ["string", "array"], **found}
 
 
 def _quantity(kind: Kind) -> dict[str, Any]:

@@ -136,13 +136,33 @@ def _word(leaf: Leaf, raw: Any, folder: str) -> str:
     return raw
 
 
+def _names(leaf: Leaf, raw: Any, folder: str) -> str | tuple[str, ...]:
+    if not isinstance(raw, list):
+        return _word(leaf, raw, folder)
+    return tuple(_word(leaf, node.value, folder) for node in raw)
+
+
+def _numbers(leaf: Leaf, raw: Any, folder: str) -> tuple[float, ...]:
+    if not isinstance(raw, list):
+        raise Refused(f"{shown(raw)} is not a list of numbers (write e.g. [0.6, 0.4])")
+    return tuple(_number(leaf, node.value, folder) for node in raw)
+
+
 def _file(leaf: Leaf, raw: Any, folder: str) -> str:
     if not isinstance(raw, str) or not raw.strip() or "\0" in raw:
         raise Refused(f"{shown(raw)} is not the name of a file (write e.g. volume.csv)")
     return os.path.abspath(os.path.join(folder, raw))
 
 
-_READERS = {"number": _number, "count": _count, "choice": _choice, "word": _word, "file": _file}
+_READERS = {
+    "number": _number,
+    "numbers": _numbers,
+    "count": _count,
+    "choice": _choice,
+    "word": _word,
+    "names": _names,
+    "file": _file,
+}
 _WORDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
 _HOLDS = {
     "gt": lambda value, limit: value > limit,
@@ -174,6 +194,8 @@ def text_of(leaf: Leaf, value: Any) -> str:
     """Return an SI value as YAML text that reads back to the same value (words are quoted by the caller)."""
     if leaf.dimension is not None:
         return format_quantity(leaf.dimension, value)
-    if leaf.kind == "number":
+    if isinstance(value, tuple):
+        return f"[{', '.join(repr(each) for each in value)}]"
+    if leaf.kind in ("number", "numbers"):
         return repr(float(value)) if not float(value).is_integer() or abs(value) >= 1e15 else str(int(value))
     return str(value)

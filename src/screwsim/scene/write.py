@@ -72,7 +72,9 @@ def _section(section: Section, value: Any, folder: str, indent: str) -> Iterator
 def _scalar(leaf: Leaf, value: Any, folder: str) -> str:
     if leaf.kind == "file":
         return quoted(_relative(value, folder))
-    return quoted(value) if leaf.kind == "word" else text_of(leaf, value)
+    if leaf.kind == "names" and not isinstance(value, str):
+        return f"[{', '.join(map(quoted, value))}]"
+    return quoted(value) if leaf.kind in ("word", "names") else text_of(leaf, value)
 
 
 def _relative(path: str, folder: str) -> str:

@@ -13,6 +13,7 @@ from typing import Any
 
 from screwsim.codegen.modules import Module
 from screwsim.cycle.problem import problem_of
+from screwsim.fluid.description import describe
 from screwsim.fluid.nozzle import choking
 from screwsim.model.run import Machinery
 from screwsim.numerics.derivative import tangent
@@ -46,7 +47,10 @@ def state_function(fluid: str) -> Any:
     """
     import CoolProp.CoolProp as coolprop
 
-    state = coolprop.AbstractState("HEOS", fluid)
+    known = describe(fluid)
+    state = coolprop.AbstractState("HEOS", "&".join(known.components) if known.blend else fluid)
+    if known.blend:
+        state.set_mole_fractions(list(known.fractions))
     state.specify_phase(coolprop.iphase_gas)  # no saturation is asked for: the equation alone
 
     def fill(T: float, rho: float, address: int) -> None:
@@ -78,7 +82,7 @@ def machinery_with_coolprop(scene: Scene) -> Machinery:
     text = _replaced(text, STATE.format(name=kernel.flat_name, arguments=each))
     name = tangent(kernel, ("T", "rho")).flat_name
     text = _replaced(text, SLOPES.format(name=name, state=kernel.flat_name, arguments=each, step=STEP, **slopes))
-    state = state_function(scene.gas.fluid)
+    state = state_function(scene.gas.name)
     address = ctypes.cast(state, ctypes.c_void_p).value
     assert address is not None
     module = Module("coolprop back end", text, {"coolprop_state": address})

@@ -11,6 +11,7 @@ from screwsim.build import build_parts
 from screwsim.declare import choice, quantity
 from screwsim.effects.base import Plenum
 from screwsim.faults import SceneError, UsageError
+from screwsim.fluid.composition import is_blend
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import section_of
 from screwsim.scene.sections import read_section
@@ -151,6 +152,10 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
         problems.append(Problem(place, KEY, "have different gases (write the same section gas in both)"))
     if "expander" in (first.machine.mode, second.machine.mode):
         problems.append(Problem(place, KEY, "compress: machine.mode: expander is none (choose compressors)"))
+    if between.kind == "economizer" and is_blend(second.gas.name):
+        what = f"the vapour that boils off {second.gas.name}, a blend, has another composition than the blend"
+        remedy = "write kind: cooler, or name a pure fluid"
+        problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})"))
     if between.kind == "economizer" and second.operation.condensing_temperature is None:
         what = "economizer needs operation.condensing_temperature in the second scene: its liquid feeds the tank"
         problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)"))

@@ -164,7 +164,7 @@ class _Chain:
         if gas.two_phase != "equilibrium":
             return
         try:
-            saturation = constants.saturation_temperature(gas.fluid, p)
+            saturation = constants.saturation_temperature(gas.name, p)
         except UsageError:  # above the critical pressure
             return
         if T_d <= saturation * (1.0 + SATURATED):
@@ -179,7 +179,7 @@ class _Chain:
             throttled = self.gas.temperature(out, self.gas.enthalpy(p, T_d))
             return 0.0, min(throttled, between.outlet_temperature)
         if between.kind == "economizer":
-            fluid = self.chain.first.gas.fluid
+            fluid = self.chain.first.gas.name
             h_c, T_e = self.liquid(), constants.saturation_temperature(fluid, p)
             h_g, h_f = (constants.wet_enthalpy(fluid, p, quality) for quality in (1.0, 0.0))
             if not h_f < h_c < h_g:
@@ -191,12 +191,12 @@ class _Chain:
 
     def liquid(self) -> float:
         """Return the enthalpy [J/kg] of the liquid behind the condenser (M43)."""
-        operation, fluid = self.chain.second.operation, self.chain.second.gas.fluid
+        operation, fluid = self.chain.second.operation, self.chain.second.gas.name
         assert operation.condensing_temperature is not None
+        T = constants.condensed(fluid, operation.condensing_temperature)
         if operation.subcooling:
-            T = operation.condensing_temperature - operation.subcooling
-            return constants.liquid_enthalpy(fluid, self.high.p_d, T)
-        return constants.saturated_liquid_enthalpy(fluid, operation.condensing_temperature)
+            return constants.liquid_enthalpy(fluid, self.high.p_d, T - operation.subcooling)
+        return constants.saturated_liquid_enthalpy(fluid, T)
 
     # ---- the pressure ------------------------------------------------------------------------------------------
 
@@ -248,7 +248,7 @@ class _Chain:
         power, flow, p = first.shaft_power + second.shaft_power, first.gas_mass_flow, pair.p
         h_d = self.gas.enthalpy(p, _given(pair.results[0]))
         h_2 = self.gas.enthalpy(p - self.chain.intercooler.pressure_drop, pair.T)
-        T_e = None if pair.vapour == 0.0 else constants.saturation_temperature(self.chain.first.gas.fluid, p)
+        T_e = None if pair.vapour == 0.0 else constants.saturation_temperature(self.chain.first.gas.name, p)
         drawn = [] if T_e is None else [(pair.vapour * flow, self.gas.vapour(p, T_e))]
         place = self.gas.place(self.low.p_s, self.low.T_s)
         if self.low.quality is not None:
@@ -285,7 +285,7 @@ class _Chain:
             return None
         liquid = self.liquid()
         if pair.vapour > 0.0:
-            liquid = constants.wet_enthalpy(self.chain.first.gas.fluid, pair.p, 0.0)
+            liquid = constants.wet_enthalpy(self.chain.first.gas.name, pair.p, 0.0)
         return flow * (suction_enthalpy(self.chain.first) - liquid)
 
 

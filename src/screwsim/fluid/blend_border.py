@@ -1,0 +1,121 @@
+"""States of a blend that are asked for at the border: saturation from its phase envelope, enthalpies by its equation.
+
+CoolProp's flashes of mixtures take up to a second and fail for some; here everything is read from the tables of
+`saturation` (M315) and the equation itself (M310), in plain Python.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.fluid.description import Description, describe
+from screwsim.fluid.helmholtz import entropy_kernel, ideal_heat_capacity_kernel, potentials_kernel
+from screwsim.fluid.saturation import Saturation, saturation
+from screwsim.numerics.compiling import announced
+
+ENOUGH = 1e-13  # relative, of a density that is found
+SEEN = 400  # places of a line between which a crossing of a pressure is looked for
+
+
+class BlendBorder:
+    """A blend's saturation and enthalpies (SI units, per kg)."""
+
+    def __init__(self, fluid: str) -> None:
+        self.known: Description = describe(fluid)
+        with announced("phases", f"the dew and bubble lines of {self.known.name}", "some seconds"):
+            self.lines: Saturation = saturation(fluid)
+        self._potentials, self._entropy = potentials_kernel(fluid), entropy_kernel(fluid)
+        self._heat_capacity = ideal_heat_capacity_kernel(fluid)
+
+    # ---- saturation ------------------------------------------------------------------------------------------
+
+    def _theta(self, T: float) -> float:
+        """Return θ of a saturated liquid at T [K]; minus that is the vapour's. Raises UsageError."""
+        if not self.lines.T_low <= T < self.lines.T_c:
+            low, high = self.lines.T_low, self.lines.T_c
+            what = f"{self.known.name} has no saturation at {T:.6g} K (it has from {low:.6g} K to {high:.6g} K)"
+            raise UsageError(f"gas.fluid: {what}")
+        return float(np.sqrt(1.0 - T / self.lines.T_c))
+
+    def _pressure(self, theta: float) -> float:
+        table = self.lines.log_p_of_theta
+        assert table is not None
+        return float(np.exp(table(np.array([theta]))[0]))
+
+    def _density(self, theta: float) -> float:
+        return float(np.exp(self.lines.log_rho(np.array([theta]))[0]))
+
+    def dew_pressure(self, T: float) -> float:
+        """Return the pressure [Pa] at which vapour of T [K] begins to condense."""
+        return self._pressure(-self._theta(T))
+
+    def bubble_pressure(self, T: float) -> float:
+        """Return the pressure [Pa] at which liquid of T [K] begins to boil."""
+        return self._pressure(self._theta(T))
+
+    def dew_temperature(self, p: float) -> float:
+        """Return the temperature [K] at which vapour of p [Pa] begins to condense."""
+        return self._temperature(p, -1.0)
+
+    def bubble_temperature(self, p: float) -> float:
+        """Return the temperature [K] at which liquid of p [Pa] begins to boil."""
+        return self._temperature(p, 1.0)
+
+    def _temperature(self, p: float, side: float) -> float:
+        from scipy.optimize import brentq
+
+        table, wanted = self.lines.log_p_of_theta, np.log(p)
+        assert table is not None
+        places = np.linspace(np.sqrt(1.0 - self.lines.T_low / self.lines.T_c), 0.0, SEEN)
+        above = table(side * places) >= wanted  # from cold to warm
+        if above[0] or not above.any():
+            low, high = (float(np.exp(table(side * places[i : i + 1])[0])) for i in (0, SEEN - 1))
+            what = f"{self.known.name} has no saturation at {p:.6g} Pa (it has from {low:.6g} Pa to {high:.6g} Pa)"
+            raise UsageError(f"gas.fluid: {what}")
+        first = int(np.argmax(above))
+        theta: Any = brentq(
+            lambda x: float(table(np.array([side * x]))[0]) - wanted, places[first], places[first - 1], xtol=1e-15
+        )
+        return self.lines.T_c * (1.0 - float(theta) ** 2)
+
+    # ---- enthalpy and density --------------------------------------------------------------------------------
+
+    def _enthalpy(self, T: float, rho: float) -> float:
+        return self._potentials(T, rho)[2] + T * self._entropy(T, rho)
+
+    def _found(self, p: float, T: float, rho: float) -> float:
+        """Return the density [kg/m³] at p and T, by Newton's method from rho on the same branch."""
+        for _ in range(100):
+            found, slope, _ = self._potentials(T, rho)
+            step = (p - found) / (rho * slope)
+            rho *= float(np.exp(min(max(step, -0.1), 0.1))) if slope > 0.0 else 0.9
+            if abs(step) < ENOUGH:
+                break
+        return rho
+
+    def vapour_enthalpy(self, p: float, T: float) -> float:
+        """Return the enthalpy [J/kg] of vapour at p [Pa] and T [K]."""
+        return self._enthalpy(T, self._found(p, T, min(p / (self.known.R * T), 0.5 * self.lines.rho_c)))
+
+    def liquid_enthalpy(self, p: float, T: float) -> float:
+        """Return the enthalpy [J/kg] of liquid at p [Pa] and T [K], saturated or colder."""
+        return self._enthalpy(T, self._found(p, T, self._density(self._theta(T))))
+
+    def saturated_liquid(self, T: float) -> tuple[float, float]:
+        """Return (h [J/kg], ρ [kg/m³]) of the liquid that begins to boil at T [K]."""
+        rho = self._density(self._theta(T))
+        return self._enthalpy(T, rho), rho
+
+    def ideal_heat_capacity(self, T: float) -> float:
+        """Return cp⁰ [J/(kg K)] at T [K]."""
+        return self._heat_capacity(T)
+
+
+@lru_cache(maxsize=16)
+def blend_border(fluid: str) -> BlendBorder | None:
+    """Return what is asked of a blend at the border; None for a pure fluid."""
+    return BlendBorder(fluid) if describe(fluid).blend else None

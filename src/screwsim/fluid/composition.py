@@ -1,0 +1,113 @@
+"""What a blend is made of: CoolProp's predefined mixtures by their names, and blends of one's own.
+
+A blend has one name wherever a fluid is named: that of CoolProp without its ending (`R454B`), with it where a
+pseudo-pure fluid has the short one (`R407C.mix`), and of one's own `R32/R1234yf (0.689/0.311)`, by mass, or with
+`(mole 0.8/0.2)`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from functools import cache, lru_cache
+from typing import Any, NamedTuple
+
+from screwsim.faults import UsageError
+from screwsim.fluid.kept import kept
+
+ENDING = ".mix"
+REMEDY = "choose another blend, such as R454B, R513A or R448A, or a pure fluid"
+_OWN = re.compile(r"(?P<names>[^ ]+/[^ ]+) \((?P<mole>mole )?(?P<fractions>[0-9.e/+-]+)\)")
+
+
+class Composition(NamedTuple):
+    """The components of a blend, as they are called, and their fractions; of mass, or of moles."""
+
+    components: tuple[str, ...]
+    fractions: tuple[float, ...]
+    by_mole: bool
+
+
+def own_blend(components: Sequence[str], fractions: Sequence[float], by_mole: bool) -> str:
+    """Return the name of a blend of one's own."""
+    return f"{'/'.join(components)} ({'mole ' if by_mole else ''}{'/'.join(repr(float(x)) for x in fractions)})"
+
+
+def _own(fluid: str) -> Composition | None:
+    found = _OWN.fullmatch(fluid)
+    if found is None:
+        return None
+    fractions = [float(x) for x in found["fractions"].split("/")]
+    total = sum(fractions)
+    return Composition(tuple(found["names"].split("/")), tuple(x / total for x in fractions), found["mole"] is not None)
+
+
+@cache
+def predefined() -> dict[str, str]:
+    """Return CoolProp's names of its predefined mixtures by the names that they have here."""
+
+    def question() -> dict[str, str]:
+        import CoolProp.CoolProp as coolprop
+
+        def pure(name: str) -> bool:
+            try:
+                return bool(coolprop.AbstractState("HEOS", name))
+            except ValueError:
+                return False
+
+        listed = coolprop.get_global_param_string("predefined_mixtures").split(",")
+        names = [each for each in listed if each.endswith(ENDING)]
+        return {each if pure(each.removesuffix(ENDING)) else each.removesuffix(ENDING): each for each in names}
+
+    return kept("predefined mixtures", question)
+
+
+def predefined_name(name: str) -> str | None:
+    """Return the name here of a predefined mixture that is called with or without its ending; None for others."""
+    known = predefined()
+    short = name.removesuffix(ENDING)
+    return name if name in known else short if name == f"{short}{ENDING}" and short in known else None
+
+
+def is_blend(fluid: str) -> bool:
+    """Tell whether a name is that of a blend, whether or not there are data for it."""
+    return _own(fluid) is not None or predefined_name(fluid) is not None
+
+
+@lru_cache(maxsize=256)
+def composition(fluid: str) -> Composition | None:
+    """Return what a blend is made of; None for a name that is none of a blend. Predefined ones are by mole."""
+    own = _own(fluid)
+    name = None if own is not None else predefined_name(fluid)
+    if name is None:
+        return own
+
+    def question() -> list[list[str] | list[float]]:
+        state = abstract_state(name, predefined()[name])
+        return [state.fluid_names(), state.get_mole_fractions()]
+
+    components, fractions = kept(f"composition {name}", question)
+    return Composition(tuple(components), tuple(fractions), True)
+
+
+def abstract_state(fluid: str, called: str) -> Any:
+    """Return CoolProp's state of what CoolProp calls so. Raises UsageError, in one line, where it has none."""
+    import CoolProp.CoolProp as coolprop
+
+    try:
+        return coolprop.AbstractState("HEOS", called)
+    except ValueError as error:
+        reason = str(error).splitlines()[0]
+    pair = re.search(r"binary pair \[([0-9-]+),([0-9-]+)\]", reason)
+    if pair is not None:
+        numbers = {coolprop.get_fluid_param_string(each, "CAS"): each for each in _pure_fluids(coolprop)}
+        first, second = (numbers.get(number, number) for number in pair.groups())
+        what = f"CoolProp has no data of the pair {first} and {second}"
+    else:
+        unknown = re.search(r"key \[(.+?)\]", reason)
+        what = f"CoolProp has no pure fluid {unknown[1]!r}" if unknown else f"CoolProp refuses it ({reason[:120]})"
+    raise UsageError(f"gas.fluid: {fluid}: {what}; {REMEDY}")
+
+
+def _pure_fluids(coolprop: Any) -> list[str]:
+    return coolprop.get_global_param_string("FluidsList").split(",")

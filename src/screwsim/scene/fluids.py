@@ -1,0 +1,81 @@
+"""Checks of what a scene names as its gas: a fluid that there is, a blend whose fractions and pairs are known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from screwsim.faults import Fault
+from screwsim.fluid import constants
+from screwsim.fluid.composition import is_blend
+from screwsim.fluid.description import describe
+from screwsim.fluid.settings import GasSettings
+
+SUM = 1e-6  # by which fractions may miss 1
+_PURE = "is no fluid or predefined blend of CoolProp"
+_FRACTIONS = ("mass_fractions", "mole_fractions")
+
+
+def fluid_faults(gas: GasSettings) -> Iterator[Fault]:
+    """Yield what is wrong with a gas's fluid, or with the composition of a blend of one's own."""
+    found = list(_one_fluid(gas) if isinstance(gas.fluid, str) else _own_blend(gas, gas.fluid))
+    yield from found
+    if not found and constants.limits(gas.name) is None:
+        yield Fault("gas.fluid", constants.why_no_blend(gas.name) or _unknown_fluid(gas.name))
+
+
+def _one_fluid(gas: GasSettings) -> Iterator[Fault]:
+    for name in _FRACTIONS:
+        if getattr(gas, name) is not None:
+            what = "belongs to the components of a blend of your own"
+            yield Fault(
+                f"gas.{name}", f"{what} (write fluid: [NAME, NAME], or remove it, with null where a base gives it)"
+            )
+
+
+def _own_blend(gas: GasSettings, fluids: tuple[str, ...]) -> Iterator[Fault]:
+    if len(fluids) < 2:
+        yield Fault("gas.fluid", "lists less than two components (write fluid: NAME for a pure fluid)")
+        return
+    for place, name in enumerate(fluids):
+        what = _component(name) if name not in fluids[:place] else f"component {name!r} is listed twice (remove one)"
+        if what is not None:
+            yield Fault("gas.fluid", what)
+    given = [name for name in _FRACTIONS if getattr(gas, name) is not None]
+    if not given:
+        yield Fault("gas.mass_fractions", f"is missing (write one number for each of {', '.join(fluids)})")
+    elif len(given) > 1:
+        yield Fault("gas.mole_fractions", "is given beside mass_fractions (remove one of the two)")
+    else:
+        yield from _fractions(f"gas.{given[0]}", getattr(gas, given[0]), fluids)
+
+
+def _fractions(path: str, fractions: tuple[float, ...], fluids: tuple[str, ...]) -> Iterator[Fault]:
+    total = sum(fractions)
+    if len(fractions) != len(fluids):
+        what = f"has {len(fractions)} numbers for {len(fluids)} components"
+        yield Fault(path, f"{what} (write one for each of {', '.join(fluids)})")
+    elif abs(total - 1.0) > SUM:
+        scaled = ", ".join(f"{x / total:.6g}" for x in fractions)
+        yield Fault(path, f"add up to {total:.7g}, not to 1 (if only their ratios are meant: [{scaled}])")
+
+
+def _component(name: str) -> str | None:
+    """Return what is wrong with a component of a blend, or None."""
+    if is_blend(name):
+        return f"component {name!r} is a blend itself (list its components)"
+    if constants.limits(name) is None:
+        return f"component {_unknown_fluid(name, 'R134a, R1234yf, R32, R744 or Ammonia')}"
+    if describe(name).pseudo_pure:
+        return f"component {name!r} is a mixture described as if it were pure (list its components)"
+    return None
+
+
+def _unknown_fluid(fluid: str, such: str = "R134a, R1234yf, R32, R744, Ammonia or R454B") -> str:
+    """Return what is wrong with the name of a fluid; another fluid is never offered for it."""
+    shown = repr(fluid[:40])
+    same, blend = constants.same_fluid(fluid), constants.blend(fluid)
+    if same is not None:
+        return f"{shown} {_PURE}; did you mean '{same}'?"
+    if blend is not None:
+        return f"{shown} {_PURE}; {blend}"
+    return f"{shown} {_PURE} (name one of them, such as {such})"

@@ -1,0 +1,105 @@
+"""Cycles of blends: what a closed chamber keeps, what a whole machine closes, which temperatures state its lines."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scenes import make, run
+
+from screwsim.build import build_gas
+from screwsim.explain import explain
+from screwsim.fluid import constants
+from screwsim.scene import load
+from screwsim.scene.lines import lines, refrigerating_effect
+from screwsim.simulate import simulate
+
+CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
+OWN = ["gas.fluid=[R32, R1234yf]", "gas.mass_fractions=[0.689, 0.311]"]
+# dead volume of half the swept one: the chamber expands by three only, and stays within the equation's temperatures
+SHUT = {"effects": {}, "machine.volume.min": "300 cm^3", "numerics": {"accuracy": 1e-4, "rtol": 1e-10}}
+
+
+def blend(fluid):
+    """Return the paper's machine on a blend, 10 K above its dew point at 3 bar."""
+    return {
+        "gas": {"fluid": fluid, "model": "real"},
+        "oil.transport": "carried",
+        "oil_supply.temperature": "330 K",
+        "operation.suction": {"pressure": "3 bar", "superheat": "10 K"},
+        "operation.discharge": {"pressure": "11 bar"},
+    }
+
+
+def test_a_closed_chamber_keeps_its_entropy():
+    changes = {**blend("R448A"), **SHUT}
+    gas, cycle = build_gas(make(changes)), run(changes).cycle
+    states = zip(cycle["gas_temperature"], cycle["gas_mass"] / cycle["volume"], strict=True)
+    s = [gas.specific_entropy(T, rho) for T, rho in states]
+    assert np.ptp(s) / gas.R < 1e-8  # a hundred steps of rtol 1e-10 each
+
+
+@pytest.mark.parametrize("overrides", [[], OWN], ids=["predefined", "own"])
+def test_a_machine_on_a_blend_closes(overrides):
+    scene = load(CONFIG, overrides=overrides)
+    result = simulate(scene)
+    assert result.status == "ok"
+    balance, ledger = result.balance, result.ledger
+    for name in ("mass", "energy", "oil_mass", "entropy"):
+        assert abs(balance[name]) < balance.bound
+    assert abs(ledger.relative_residue) < 1e-3  # what is promised at the default accuracy; found below 1e-4
+    p = result.performance
+    assert 0.0 < p.isentropic_efficiency < 1.0 and p.discharge_temperature > lines(scene).T_s
+
+
+def test_a_blend_of_ones_own_is_the_predefined_one():
+    own, predefined = (simulate(load(CONFIG, overrides=overrides)).performance for overrides in (OWN, []))
+    for name in ("gas_mass_flow", "shaft_power", "discharge_temperature", "cop"):
+        assert own[name] == pytest.approx(predefined[name], rel=1e-4)  # the default accuracy; one composition
+
+
+def test_the_figures_are_as_accurate_as_asked():
+    fine = simulate(load(CONFIG, overrides=["numerics.accuracy=1e-6"])).performance
+    found = simulate(load(CONFIG)).performance
+    for name in ("isentropic_efficiency", "gas_mass_flow", "shaft_power", "discharge_temperature"):
+        assert found[name] == pytest.approx(fine[name], rel=3e-4)  # the default accuracy
+
+
+def test_dew_points_state_the_lines_and_the_bubble_point_the_liquid():
+    """EN 12900 and AHRI 540: both lines by dew points; subcooling from the bubble point at the discharge pressure."""
+    scene = load(CONFIG, overrides=["operation.subcooling=3 K"])
+    at = lines(scene)
+    assert constants.saturation_temperature("R454B", at.p_s) == pytest.approx(275.15, rel=1e-10)
+    assert constants.saturation_temperature("R454B", at.p_d) == pytest.approx(318.15, rel=1e-10)
+    assert at.T_s == pytest.approx(285.15, rel=1e-12)
+    T_liquid = constants.condensed("R454B", 318.15)
+    assert 316.0 < T_liquid < 317.5  # the glide of R454B is 1 to 2 K
+    h = constants.vapour_enthalpy("R454B", at.p_s, at.T_s) - constants.liquid_enthalpy("R454B", at.p_d, T_liquid - 3.0)
+    assert refrigerating_effect(scene) == pytest.approx(h, rel=1e-12)
+    text = " ".join(line for _, section in explain(scene).sections for line in section)
+    text = " ".join(text.split())
+    assert "dew point at 318.15 K" in text and "bubble point" not in text and "M315" in text
+
+
+def test_an_ideal_gas_may_have_a_blends_properties():
+    scene = load(CONFIG, overrides=["gas.model=ideal"])
+    result = simulate(scene)
+    assert result.status == "ok"
+    assert build_gas(scene).R == pytest.approx(constants.gas_constant("R454B"), rel=1e-15)
+
+
+def test_a_cycle_that_condenses_is_refused_with_its_state():
+    cold = ["oil_supply.temperature=295 K", "oil_supply.ratio=5", "effects.oil_heat.droplet_radius=10 um"]
+    result = simulate(load(CONFIG, overrides=cold))
+    assert result.status == "failed" and "R454B condenses at" in result.message
+    assert result.message.endswith("; use warmer oil or gas")  # not two phases in equilibrium: they are refused
+
+
+def test_an_economizer_and_liquid_close_on_a_blend():
+    """A subcooler's vapour is the whole liquid evaporated, and injected liquid is that of the condenser."""
+    at = "area: 2 cm^2, opens: 330 deg, closes: 365 deg"
+    economizer = f"effects.economizer={{{at}, temperature: 17 degC, superheat: 5 K}}"
+    injected = "effects.liquid_injection={area: 2 mm^2, opens: 400 deg, closes: 440 deg}"
+    for change in (economizer, injected):
+        result = simulate(load(CONFIG, overrides=[change]))
+        assert result.status == "ok", result.message
+        assert max(abs(result.balance[name]) for name in ("mass", "energy", "entropy")) < result.balance.bound

@@ -1,0 +1,108 @@
+"""How a scene states a blend, what it writes back, and what it says of a blend that cannot be."""
+
+from pathlib import Path
+
+import pytest
+
+from screwsim.faults import SceneError
+from screwsim.scene import load, loads
+
+CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
+OWN = "gas.fluid=[R32, R1234yf]"
+NO_FLUID = "is no fluid or predefined blend of CoolProp"
+
+
+def fault_of(*overrides):
+    """Return the one fault of the shipped scene with these overrides, without what gave it."""
+    with pytest.raises(SceneError) as caught:
+        load(CONFIG, overrides=overrides)
+    (line,) = str(caught.value).splitlines()
+    return line[line.index(": gas.") + 2 :] if ": gas." in line else line[line.index(": effects.") + 2 :]
+
+
+def test_a_blend_of_ones_own_reads_and_writes():
+    scene = load(CONFIG, overrides=[OWN, "gas.mass_fractions=[0.689, 0.311]"])
+    assert scene.gas.fluid == ("R32", "R1234yf") and scene.gas.mass_fractions == (0.689, 0.311)
+    assert scene.gas.name == "R32/R1234yf (0.689/0.311)"
+    assert 'fluid: ["R32", "R1234yf"]' in scene.text and "mass_fractions: [0.689, 0.311]" in scene.text
+    assert loads(scene.text).gas == scene.gas
+
+
+def test_a_blend_by_mole_is_another():
+    scene = load(CONFIG, overrides=[OWN, "gas.mole_fractions=[0.8, 0.2]"])
+    assert scene.gas.name == "R32/R1234yf (mole 0.8/0.2)"
+
+
+@pytest.mark.parametrize(
+    ("overrides", "what"),
+    [
+        ((OWN,), "gas.mass_fractions: is missing (write one number for each of R32, R1234yf)"),
+        (
+            (OWN, "gas.mass_fractions=[0.689, 0.211]"),
+            "gas.mass_fractions: add up to 0.9, not to 1 (if only their ratios are meant: [0.765556, 0.234444])",
+        ),
+        (
+            (OWN, "gas.mass_fractions=[0.5, 0.3, 0.2]"),
+            "gas.mass_fractions: has 3 numbers for 2 components (write one for each of R32, R1234yf)",
+        ),
+        ((OWN, "gas.mass_fractions=0.5"), "gas.mass_fractions: 0.5 is not a list of numbers (write e.g. [0.6, 0.4])"),
+        (
+            (OWN, "gas.mass_fractions=[0.7, 0.3]", "gas.mole_fractions=[0.8, 0.2]"),
+            "gas.mole_fractions: is given beside mass_fractions (remove one of the two)",
+        ),
+        (
+            ("gas.mass_fractions=[0.7, 0.3]",),
+            "gas.mass_fractions: belongs to the components of a blend of your own (write fluid: [NAME, NAME], or "
+            "remove it, with null where a base gives it)",
+        ),
+        (
+            ("gas.fluid=[R32, R9999]", "gas.mass_fractions=[0.7, 0.3]"),
+            f"gas.fluid: component 'R9999' {NO_FLUID} (name one of them, such as R134a, R1234yf, R32, R744 or Ammonia)",
+        ),
+        (
+            ("gas.fluid=[R32, R410A]", "gas.mass_fractions=[0.7, 0.3]"),
+            "gas.fluid: component 'R410A' is a mixture described as if it were pure (list its components)",
+        ),
+        (
+            ("gas.fluid=[R32, R32]", "gas.mass_fractions=[0.7, 0.3]"),
+            "gas.fluid: component 'R32' is listed twice (remove one)",
+        ),
+        (
+            ("gas.fluid=[R22, R124]", "gas.mole_fractions=[0.5, 0.5]"),
+            "gas.fluid: R22/R124 (mole 0.5/0.5): CoolProp has no data of the pair R124 and R22; choose another blend, "
+            "such as R454B, R513A or R448A, or a pure fluid",
+        ),
+        (
+            ("gas.fluid=R401A",),
+            "gas.fluid: R401A: CoolProp has no data of the pair R124 and R22; choose another blend, such as R454B, "
+            "R513A or R448A, or a pure fluid",
+        ),
+        (("gas.fluid=R454D",), None),
+        (
+            ("gas.two_phase=equilibrium",),
+            "gas.two_phase: R454B is a blend: its two phases differ in composition, which no chamber follows (write "
+            "refuse, or name a pure fluid)",
+        ),
+        (
+            ("effects.refrigerant_solubility={}",),
+            "effects.refrigerant_solubility: knows R134a in POE oil only, not R454B (remove the effect)",
+        ),
+        (
+            ("effects.economizer={area: 2 cm^2, opens: 1 rad, closes: 2 rad, temperature: 288 K, kind: flash_tank}",),
+            "effects.economizer.kind: the vapour that boils off R454B, a blend, has another composition than the blend "
+            "(write kind: heat_exchanger, or name a pure fluid)",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_blend_is_one_line(overrides, what):
+    found = fault_of(*overrides)
+    if what is None:  # no other blend is offered for it
+        assert "did you mean" not in found and "numbers of blends" in found
+    else:
+        assert found == what
+
+
+def test_no_other_refrigerant_is_offered_for_a_name():
+    for name in ("R454Z", "R134", "R1234zf", "R45B"):
+        assert "did you mean" not in fault_of(f"gas.fluid={name}")
+    assert fault_of("gas.fluid=r454b") == f"gas.fluid: 'r454b' {NO_FLUID}; did you mean 'R454B'?"
