@@ -47,7 +47,7 @@ NAME = "predicted"
 SHOWN = {"shafts leak as a nozzle (M274)": "shafts as a nozzle", "gaps dry": "gaps dry"}
 FILMS = (  # laws and rules of machine.yaml, for the machine of 160 mm
     "effects.mechanical=off",
-    "effects.oil_drag={tip_gap: 24.6 um, tip_land: 2 mm, end_gap: 24.6 um, end_solidity: 0.63}",
+    "effects.oil_drag={tip_gap: 26.1 um, tip_land: 2 mm, end_gap: 26.1 um, end_solidity: 0.63}",
     "effects.bearings={friction: two_term, load: gas, radial_area: 70.4 cm^2, axial_area: 30 cm^2, "
     "mean_diameter: 98 mm, f_0: 2, f_1: 0.0004}",
 )
