@@ -19,12 +19,15 @@ CITATION = (
 ABOUT = (
     "α and r enter the paper's law as α/r only, and its r is a fitted parameter: correlations for jets differ by more "
     "than tenfold, and the finer droplets are still coarser than those that cool the paper's gas within a revolution. "
-    "configs/r134a takes the finer one (Varde) with α of a moving droplet (M154). The measured trend is "
+    "configs/r134a takes the finer one (Varde) with α of a moving droplet (M154), of the bores that its oil needs: "
+    "two, one to each rotor, that pass a kilogram per kilogram of gas at 2/45 °C under 8.4 bar with a discharge "
+    "coefficient of 0.7, D = sqrt(4/π · V/2 / (0.7 sqrt(2 Δp/ρ_o))) = 5.6 mm. The measured trend is "
     "that of an air machine, whose gas gets far hotter than its oil. R134a at 2/45 °C is another case: its oil must "
     "stay above saturation at the discharge pressure and is warmer than the gas for most of the compression."
 )
 RHO_OIL, T, P = 1000.0, 310.0, 6e5
-JETS = ((3e5, RHO_OIL), (8.4e5, 960.0))  # pressure drop [Pa], density of the oil [kg/m³]
+JETS = ((3e5, RHO_OIL, 3e-3), (8.4e5, 960.0, 5.6e-3))  # pressure drop [Pa], density of the oil [kg/m³], bore [m]
+DISCHARGE = 0.7  # coefficient of the bores' orifice equation
 RADII = (10e-6, 30e-6, 50e-6, 100e-6)
 
 
@@ -90,18 +93,18 @@ def temperature_row(name: str, radius: float, values: list[float]) -> Row:
 
 
 def jet_rows() -> list[Row]:
-    """Return droplet radii [µm] that correlations for jets give for a bore of 3 mm at two pressure drops."""
-    bore, mu, sigma = 3e-3, 20e-3, 0.03
+    """Return droplet radii [µm] that correlations give for a jet of the literature and for that of configs/r134a."""
+    mu, sigma = 20e-3, 0.03
     rows = []
-    for drop, density in JETS:
+    for drop, density, bore in JETS:
         u = (2.0 * drop / density) ** 0.5
         sizes = {
             "Merrington & Richardson": merrington_richardson(bore, mu / density, u),
             "Varde": varde(bore, density, mu, sigma, u),
         }
         note = (
-            f"M155, M156: bore 3 mm, {1e-5 * drop:g} bar, {density:g} kg/m³, 20 mPa s, 0.03 N/m; configs/r134a has "
-            "Varde's at 8.4 bar, configs/paper 9.5 µm"
+            f"M155, M156: bore {1e3 * bore:g} mm, {1e-5 * drop:g} bar, {density:g} kg/m³, 20 mPa s, 0.03 N/m; "
+            "configs/r134a has Varde's at 8.4 bar, configs/paper 9.5 µm"
         )
         for name, size in sizes.items():
             quantity = f"droplet radius of a jet of {1e-5 * drop:g} bar, {name}"
@@ -125,17 +128,39 @@ def falling(diameter: float, T: float, p: float) -> float:
     return float(brentq(surplus, 1e-3, 1e3)) / u
 
 
+def bore(oil: float, drop: float, density: float) -> float:
+    """Return the diameter [m] of each of two bores that pass an oil flow [kg/s] under a pressure drop [Pa]."""
+    speed = DISCHARGE * (2.0 * drop / density) ** 0.5
+    return (4.0 / np.pi * 0.5 * oil / density / speed) ** 0.5
+
+
+def bore_row(oil: float) -> Row:
+    """Return the bores that pass the oil of configs/r134a [kg/s], beside what its jets are stated with."""
+    drop, density, stated = JETS[1]
+    return Row(
+        "configs/r134a: each of two bores that pass its oil",
+        1e3 * bore(oil, drop, density),
+        1e3 * stated,
+        "estimate",
+        "no verdict",
+        "mm",
+        note=f"{oil:.2f} kg/s at 2/45 °C, {1e-5 * drop:g} bar, discharge coefficient {DISCHARGE:g}; theirs: as stated",
+    )
+
+
 def shipped_rows(root: Path) -> list[Row]:
     """Return what the droplets of the shipped machines do: how they fall, how far apart gas and oil leave."""
-    rows = []
+    machines = {name: solved(root / "configs" / "r134a" / f"{name}.yaml").performance for name in ("point", "compact")}
+    diameter = machines["compact"].droplet_diameter
+    rows = [bore_row(machines["compact"].oil_mass_flow)]
     for T, p, where in ((290.0, 3.2e5, "as suction closes"), (335.0, 11.6e5, "at discharge")):
-        note = "78 µm, tips at 24.7 m/s, R = 80 mm; the scenes state a slip of 0.1, as walls stop them"
-        share = falling(78e-6, T, p)
+        size = f"{1e6 * diameter:.0f} µm"
+        note = f"{size}, tips at 24.7 m/s, R = 80 mm; the scenes state a slip of 0.1, as walls stop them"
+        share = falling(diameter, T, p)
         rows.append(
             Row(f"speed outwards over tip speed, {where}", share, None, "estimate", "no verdict", note=note)
         )
-    for name in ("point", "compact"):
-        found = solved(root / "configs" / "r134a" / f"{name}.yaml").performance
+    for name, found in machines.items():
         T, T_oil, T_mix = (
             found[f"{what}discharge_temperature"] - 273.15 for what in ("", "oil_", "mixture_")
         )
