@@ -27,6 +27,7 @@ OF_NO_USE = 0.9  # ... and above which, if it just was, corrections are given up
 LARGEST = 0.5  # of a correction, in coordinates: of a larger one that share is made
 SINGULAR = 300.0  # a correction over the change that it is made of, above which any state is about as good as another
 TOO_OFTEN = 3  # corrections that were too large, after which there are no more
+ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
 STEP = 1e-4  # of a change of the quadratures, for differences of what they make of the unknowns
 
 
@@ -70,7 +71,10 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
     back = _made_of(problem, machinery, residual, sums)
     if not np.isfinite(back).all():
         return None
-    unknowns = np.linalg.lstsq(np.eye(len(met)) - back[:, 1:], made + back[:, 0] - met)[0]
+    matrix = np.eye(len(met)) - back[:, 1:]
+    unknowns = np.linalg.lstsq(matrix, made + back[:, 0] - met)[0]
+    kept = np.abs(matrix).max(axis=1, initial=0.0) < ITSELF
+    unknowns[kept] = made[kept] - met[kept]
     weights = np.append(1.0, unknowns)
     found = start @ weights, along @ weights, met + unknowns - made
     largest, changed = _largest(found), _largest((residual.ahead, residual.start, made - met))
@@ -109,7 +113,8 @@ class Corrections:
 
     def __init__(self, problem: Problem, machinery: Machinery) -> None:
         self.problem, self.machinery = problem, machinery
-        self.able = machinery.composition.chambers > 1
+        c = machinery.composition
+        self.able = c.chambers > 1 and not c.pulsating  # what a line's swing is made of is no quadrature
         self.tangents: Tangents | None = None
         self._fresh, self._moved, self._too_large = False, np.inf, 0
 
