@@ -146,8 +146,8 @@ class Corrections:
 
         def residual(tangents: Tangents) -> Residual:
             angles, N = angles_of(tangents.middles, c), c.chambers * machinery.n
-            moved = _coordinates(machinery.states_at(angles), machinery) - _before(machinery, before, angles)
-            ahead = moved.reshape(c.chambers, -1, machinery.n).transpose(1, 0, 2).reshape(-1, N)
+            new, old = (logarithms(machinery.states_at(angles, of), c) for of in (None, before))
+            ahead = (new - old).reshape(c.chambers, -1, machinery.n).transpose(1, 0, 2).reshape(-1, N)
             return Residual(ahead, np.concatenate([start, np.zeros(N - len(start))]), q, met, made)
 
         found = self._found(residual, met)
@@ -175,18 +175,6 @@ class Corrections:
             self.tangents, self._too_large = None, self._too_large + 1
             self.able = self.able and self._too_large < TOO_OFTEN
         return found
-
-
-def _coordinates(states: Array, machinery: Machinery) -> Array:
-    return logarithms(states, machinery.composition).reshape(len(states), -1)
-
-
-def _before(machinery: Machinery, steps: int, angles: Array) -> Array:
-    """Return the coordinates of the history before the last, of so many steps."""
-    times, dense, _ = machinery.histories[1]
-    out = np.empty((len(angles), machinery.n))
-    machinery.module.history__states_at(angles, times, dense, steps, out)
-    return _coordinates(out, machinery)
 
 
 def _move(machinery: Machinery, by: Correction) -> None:

@@ -31,8 +31,8 @@ AHEAD = 0.05  # tolerance of a turn over the gap of the one before: what it is h
 GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 DEPTH = 5  # of Anderson's method
 MAX_TURNS = 40
-SLOW = 0.3  # change of a turn over that of the one before, above which Newton corrects it ...
-FAR = 0.05  # ... or of the second turn, whose first has no like
+SLOW = 0.3  # change of a turn over that of the one before, above which Newton corrects it
+FAR = 0.05  # change below which the second turn is not: how fast turns contract is told by the third
 FARTHEST = 0.03  # change of the states (times `NEAR`) above which a linear correction tells nothing
 WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves
 

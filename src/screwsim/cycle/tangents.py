@@ -19,6 +19,7 @@ import numpy as np
 from screwsim.cycle.coordinates import logarithms
 from screwsim.cycle.feedback import set_unknowns
 from screwsim.cycle.problem import LEAST_OIL, Problem
+from screwsim.model import compiled
 from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_PITCH
@@ -171,13 +172,14 @@ class _Rates:
     def __init__(self, machinery: Machinery, phi: float, y: Array) -> None:
         c = machinery.composition
         N, nq = c.chambers * machinery.n, machinery.nq + 1
-        self.machinery, self.module, self.context = machinery, machinery.together, machinery.coupled_context
+        self.module, self.context = machinery.together, machinery.coupled_context
         self.E, self.E_next = np.zeros(c.n_E_all), np.zeros(c.n_E_all)
         self.f, self.g, self.J, self.Jq = np.empty(N), np.empty(nq), np.empty((N, N)), np.empty((nq, N))
         self.f_phi, self.g_phi = np.empty(N), np.empty(nq)
-        with machinery.compiling("tangents"):
-            self.with_derivatives(phi, y)
-            self.rates(phi, y)
+        if "tangents" not in compiled.warm(self.module):
+            with machinery.compiling("tangents"):
+                self.with_derivatives(phi, y)
+                self.rates(phi, y)
 
     def with_derivatives(self, phi: float, y: Array) -> tuple[Array, Array, Array]:
         """Return rates (states, then quadratures) and the derivatives of both by the states; the last are not kept."""

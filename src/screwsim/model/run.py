@@ -172,10 +172,14 @@ class Machinery:
         for weight, (t, d, n) in zip(weights[:-1], histories[:-1], strict=True):
             self.module.history__add_history(times, steps, t, d, n, weight, target)
 
-    def states_at(self, angles: Array) -> Array:
-        """Return the states of the last history at increasing angles, one row an angle."""
+    def states_at(self, angles: Array, before: int | None = None) -> Array:
+        """Return the states of the last history at increasing angles, one row an angle.
+
+        With `before` those of the history before it, which had so many steps, as long as no turn has written over it.
+        """
         out = np.empty((len(angles), self.n))
-        times, dense, _, steps = self.last()
+        times, dense, _ = self.histories[0 if before is None else 1]
+        steps = int(self.kept[1]) if before is None else before
         self.module.history__states_at(angles, times, dense, steps, out)
         return out
 
