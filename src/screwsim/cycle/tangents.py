@@ -29,6 +29,9 @@ SLICES = 24  # of a pitch
 EVEN = 0.2  # share of an even division in theirs; the rest is as dense as the integrator's steps
 LEAST = 1e-6  # of a pitch: steps that end so near to its ends are not counted
 INSIDE = 1e-6  # rad within the segment of the laws that an angle belongs to, as the middle of its segment
+RELAXED = 3
+STRAYED = 0.02
+FAREST = 0.1
 SHIFT = 1e-5  # of a coordinate, for differences
 ANGLE_STEP = 1e-7  # rad, for derivatives by the angle, which nothing here uses
 
@@ -99,7 +102,8 @@ def linearised(problem: Problem, machinery: Machinery, met: Array) -> Tangents:
     middles, h = 0.5 * (edges[:-1] + edges[1:]), np.diff(edges)[:, None, None]
     N = n * c.chambers
     y = machinery.states_at(angles_of(middles, c)).reshape(c.chambers, SLICES, n).transpose(1, 0, 2)
-    A, F, sums, sums_by_unknowns = _slopes(problem, machinery, met, middles, y.reshape(SLICES, N))
+    slices = _Slices(middles, h[:, 0, 0], y.reshape(SLICES, N), _changes(machinery, edges))
+    A, F, sums, sums_by_unknowns = _slopes(problem, machinery, met, slices)
     z, one = h * A, np.eye(N)
     step = np.linalg.inv(one - z + 0.5 * z @ z)
     gain, twice = (one - 0.5 * z) @ step, 0.5 * (one - z) @ step
@@ -113,44 +117,70 @@ def linearised(problem: Problem, machinery: Machinery, met: Array) -> Tangents:
     return Tangents(edges, enter, step, gain, ahead, h * F, *of_sums, around)
 
 
+class _Slices(NamedTuple):
+    """Middles [rad] and widths [rad] of slices, the states there, and by how much their coordinates change over each."""
+
+    middles: Array
+    widths: Array
+    states: Array
+    changes: Array
+
+
+def _changes(machinery: Machinery, edges: Array) -> Array:
+    """Return by how much the coordinates of all chambers change over each slice (slices, N) along the last history."""
+    c, n = machinery.composition, machinery.n
+    ends = np.concatenate([edges[:-1] + INSIDE, edges[1:] - INSIDE])
+    at = logarithms(machinery.states_at(angles_of(ends, c)), c).reshape(c.chambers, 2, SLICES, n)
+    return (at[:, 1] - at[:, 0]).transpose(1, 0, 2).reshape(SLICES, -1)
+
+
 def _slopes(
-    problem: Problem, machinery: Machinery, met: Array, angles: Array, states: Array
+    problem: Problem, machinery: Machinery, met: Array, slices: _Slices
 ) -> tuple[Array, Array, Array, Array]:
     """Return derivatives of the coordinates' rates by them and by the unknowns, then those of the quadratures' rates.
 
-    One entry a slice each, at the first chamber's `angles` [rad] with states (slices, N).
+    One entry a slice each, in its middle. A chamber that is open to a line follows its pressure within a few pascals,
+    by which flows go in or out, and the history between the ends of steps is off by as many. So the states are led
+    to where they change as the history does over the slice (`RELAXED` steps at most).
     """
-    c, n, nq, N = machinery.composition, machinery.n, machinery.nq, states.shape[1]
-    scales = _scales(states.reshape(SLICES, -1, n), c).reshape(SLICES, N)
-    in_logarithms = np.tile(~np.isin(np.arange(n), c.signed), c.chambers)
+    c, n, nq, N = machinery.composition, machinery.n, machinery.nq, slices.states.shape[1]
+    logarithmic = np.tile(~np.isin(np.arange(n), c.signed), c.chambers)
     A, F = np.empty((SLICES, N, N)), np.empty((SLICES, N, len(met)))
     sums, sums_by_unknowns = np.empty((SLICES, nq, N)), np.empty((SLICES, nq, len(met)))
     moved, R, P = _moved(problem, machinery, met), machinery.R, c.P
     R_met, P_met = R.copy(), P.copy()
-    rates = _Rates(machinery, float(angles[0]), states[0])
-    for k, (phi, y, scale) in enumerate(zip(angles.tolist(), states, scales, strict=True)):
-        f, J, Jq = rates.with_derivatives(phi, y)
-        A[k] = J * (scale / scale[:, None])
-        A[k].flat[:: N + 1] -= np.where(in_logarithms, f[:N] / scale, 0.0)
+    rates = _Rates(machinery, float(slices.middles[0]), slices.states[0])
+    for k, (phi, h, y, change) in enumerate(zip(*slices, strict=True)):
+        for left in range(RELAXED, -1, -1):
+            f, J, Jq = rates.with_derivatives(phi, y)
+            machinery.counts[3] += c.chambers
+            scale = np.where(logarithmic, np.maximum(np.abs(y), 1e-300), 1.0)
+            slope = f[:N] / scale
+            A[k] = J * (scale / scale[:, None])
+            A[k].flat[:: N + 1] -= np.where(logarithmic, slope, 0.0)
+            A[k][_little(y, c)] = 0.0
+            off = h * slope - change
+            if not left or not np.abs(off.reshape(-1, n)[:, :2]).max() > STRAYED:
+                break
+            off[_little(y, c)] = 0.0
+            move = np.clip(np.linalg.solve(np.eye(N) - h * A[k], off), -FAREST, FAREST)
+            y = np.where(logarithmic, y * np.exp(move), y + move)
         sums[k] = Jq[:nq] * scale
         for j, (R_moved, P_moved) in enumerate(moved):
             R[:], P[:] = R_moved, P_moved
-            change = (rates.rates(phi, y) - f) / SHIFT
-            F[k, :, j], sums_by_unknowns[k, :, j] = change[:N] / scale, change[N : N + nq]
+            shifted_rates = (rates.rates(phi, y) - f) / SHIFT
+            F[k, :, j], sums_by_unknowns[k, :, j] = shifted_rates[:N] / scale, shifted_rates[N : N + nq]
         R[:], P[:] = R_met, P_met
-    machinery.counts[2:] += c.chambers * SLICES * len(met), c.chambers * SLICES
-    if c.carried:  # oil of no account does not change
-        little = np.zeros((SLICES, c.chambers, n), bool)
-        little[:, :, 2:4] = states.reshape(SLICES, -1, n)[:, :, 3:4] <= LEAST_OIL
-        A[little.reshape(SLICES, N)] = 0.0
+    machinery.counts[2] += c.chambers * SLICES * len(met)
     return A, F, sums, sums_by_unknowns
 
 
-def _scales(y: Array, c: Composition) -> Array:
-    """Return dy over the change of its coordinate."""
-    scales = np.maximum(np.abs(y), 1e-300)
-    scales[:, :, list(c.signed)] = 1.0
-    return scales
+def _little(y: Array, c: Composition) -> Array:
+    """Tell which coordinates are those of oil of no account, which does not change."""
+    rows = np.zeros((c.chambers, len(y) // c.chambers), bool)
+    if c.carried:
+        rows[:, 2:4] = y.reshape(rows.shape)[:, 3:4] <= LEAST_OIL
+    return rows.ravel()
 
 
 def _moved(problem: Problem, machinery: Machinery, met: Array) -> list[tuple[Array, Array]]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from screwsim.model.slots import CHAMBERS, E_AREAS, N_GAPS, N_PLENUM, N
 from screwsim.numerics.kernel import kernel
 
-CLOSED = 0.1  # of an opening's area at the end of a step, over that at its start, below which it counts as closing
+CLOSED = 0.3  # of an opening's area at the end of a step, over that at its start, below which it counts as closing
 STIFF = 10.0  # step times the largest rate of decay, above which it is too long to close along
 
 
