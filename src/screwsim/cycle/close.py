@@ -10,6 +10,7 @@ from dataclasses import replace
 
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import begin, continued
+from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import relax
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
@@ -42,15 +43,22 @@ def close_from(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array,
 def again(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
     """Close a closed cycle, on which the machinery stands, once more with what is wanted now."""
     if cycle.how == "histories":
-        found = _close(problem, machinery, wanted, cycle.y, Hope(cycle.seen, 0.0))
+        found = _close(problem, machinery, wanted, cycle.y, Hope(cycle.seen, 0.0), cycle.tangents)
     else:
         found = close_together(problem, machinery, wanted, cycle.y.copy())
     return replace(found, needed=cycle.needed, first_gap=cycle.first_gap) if found.status == "ok" else found
 
 
-def _close(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope = NO_HOPE) -> CycleSolution:
+def _close(
+    problem: Problem,
+    machinery: Machinery,
+    wanted: Wanted,
+    y: Array,
+    hope: Hope = NO_HOPE,
+    lent: Tangents | None = None,
+) -> CycleSolution:
     if wanted.closing in ("auto", "histories"):
-        first = relax(problem, machinery, wanted, y.copy(), wanted.closing == "histories", hope)
+        first = relax(problem, machinery, wanted, y.copy(), wanted.closing == "histories", hope, lent)
         if first is not None:
             return first
     return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))

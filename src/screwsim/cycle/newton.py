@@ -17,8 +17,9 @@ import numpy as np
 from screwsim.cycle.coordinates import logarithms
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns
+from screwsim.cycle.linear_pitch import Tangents, shifted
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.tangents import Tangents, angles_of, linearised, shifted
+from screwsim.cycle.tangents import angles_of, linearised
 from screwsim.model.run import Machinery
 
 Array = np.ndarray
@@ -109,13 +110,16 @@ def _largest(changes: Sequence[Array]) -> float:
 
 
 class Corrections:
-    """Corrections of turns or pitches: with tangents as long as they serve, given up where new ones are of no use."""
+    """Corrections of turns or pitches: with tangents as long as they serve, given up where new ones are of no use.
 
-    def __init__(self, problem: Problem, machinery: Machinery) -> None:
+    `lent` are those of a cycle nearby, to begin with.
+    """
+
+    def __init__(self, problem: Problem, machinery: Machinery, lent: Tangents | None = None) -> None:
         self.problem, self.machinery = problem, machinery
         c = machinery.composition
         self.able = c.chambers > 1 and not c.pulsating  # what a line's swing is made of is no quadrature
-        self.tangents: Tangents | None = None
+        self.tangents, self.last = lent, lent
         self._fresh, self._moved, self._too_large = False, np.inf, 0
 
     @property
@@ -123,12 +127,13 @@ class Corrections:
         """Were the last ones corrected?"""
         return self.tangents is not None
 
-    def due(self, slow: bool, moved: float) -> bool:
+    def due(self, slow: bool, moved: float, near: bool = False) -> bool:
         """Tell whether what was just integrated, and moved the coordinates by `moved`, is to be corrected.
 
-        It is where it contracts slowly, and once it was before.
+        It is where it contracts slowly, and once it was before. `near` the end it is noise of the steps that moves
+        them: tangents stay.
         """
-        stale = self.begun and moved > STALE * self._moved
+        stale = self.begun and moved > STALE * self._moved and not near
         if stale and self._fresh and moved > OF_NO_USE * self._moved:
             self.able = False
         due = self.able and (slow or self.begun)
@@ -170,7 +175,7 @@ class Corrections:
             found = corrected(self.problem, self.machinery, tangents, residual(tangents))
         except np.linalg.LinAlgError:
             tangents = found = None
-        self.tangents = tangents
+        self.tangents, self.last = tangents, tangents or self.last
         if found is None or found.share < 1.0:
             self.tangents, self._too_large = None, self._too_large + 1
             self.able = self.able and self._too_large < TOO_OFTEN

@@ -14,6 +14,7 @@ from screwsim.cycle.balances import LEAST_WORK, residuals
 from screwsim.cycle.coordinates import NEAR, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
+from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.mixing import finer
 from screwsim.cycle.newton import Corrections
 from screwsim.cycle.problem import Problem
@@ -43,7 +44,13 @@ def dear(rtol: float) -> float:
 
 
 def relax(
-    problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, last: bool, hope: Hope = NO_HOPE
+    problem: Problem,
+    machinery: Machinery,
+    wanted: Wanted,
+    y: Array,
+    last: bool,
+    hope: Hope = NO_HOPE,
+    lent: Tangents | None = None,
 ) -> CycleSolution | None:
     """Close by turns from y [in place] and the last history; None when they do not and there is another way.
 
@@ -56,7 +63,7 @@ def relax(
     c.P[c.widths] = wanted.widths
     angles = _angles(float(c.P[P_LIFE]), c.chambers)
     accelerate, images = Anderson(DEPTH), []
-    corrections = Corrections(problem, machinery)
+    corrections = Corrections(problem, machinery, lent)
     met = unknowns(problem, machinery)
     before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
     finest = rtol = hope.share * wanted.of_histories * wanted.rtol
@@ -72,7 +79,8 @@ def relax(
         life, steps = machinery.trajectory.copy(), rtol if status == "failed" else finest
         first, impacts = first_gap if status == "ok" else 1.0, machinery.impacts
         return CycleSolution(
-            status, life, q, y, turn, "histories", steps, angle, gap, "", first, residual / wanted.bound, impacts
+            *(status, life, q, y, turn, "histories", steps, angle, gap, "", first, residual / wanted.bound, impacts),
+            tangents=corrections.last,
         )
 
     for turn in range(1, MAX_TURNS + 1):
@@ -100,8 +108,9 @@ def relax(
                 finest = finer(finest, residual / wanted.bound)
         if not last and machinery.evaluations_of(machinery.counts) > most:
             return None
-        slow = turn > 1 and moved < FARTHEST and gap > max(SLOW * gap_before, WORTH * wanted.tolerance)
-        if corrections.due(slow and (turn > 2 or gap > FAR), moved):
+        near = gap <= WORTH * wanted.tolerance
+        slow = turn > 1 and moved < FARTHEST and gap > SLOW * gap_before and not near
+        if corrections.due(slow and (turn > 2 or gap > FAR), moved, near):
             begun = corrections.begun
             found = corrections.of_turn(steps_before, image[: machinery.n] - point[: machinery.n], q, met, made)
             if found is not None:

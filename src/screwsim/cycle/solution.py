@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from screwsim.cycle.linear_pitch import Tangents
 from screwsim.model.slots import R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 
@@ -30,6 +31,7 @@ class CycleSolution:
     residual: float = 0.0  # of waveforms: the larger residual of mass and energy over their bound
     impacts: int = 0  # of the last turn, where something moves between seat and stop
     speed_curve: Array | None = None  # of the speed that the drive made last (model.speed)
+    tangents: Tangents | None = None  # of Newton's correction, where one was made
 
     @property
     def seen(self) -> tuple[float, float]:

@@ -10,13 +10,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import NamedTuple
 
-from screwsim.cycle.balances import mass_in
+from screwsim.cycle.balances import LEAST_WORK, mass_in
 from screwsim.cycle.close import again
+from screwsim.cycle.coordinates import change, logarithms, states_of
 from screwsim.cycle.fallbacks import MOST_OF_A_TRY
-from screwsim.cycle.feedback import set_unknowns
+from screwsim.cycle.feedback import set_unknowns, unknowns
+from screwsim.cycle.newton import Corrections
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.relaxation import relax
+from screwsim.cycle.relaxation import SLOW, relax
 from screwsim.cycle.simultaneous import close_together
 from screwsim.cycle.solution import CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
@@ -40,40 +43,59 @@ SLOWEST = 0.9  # the largest such share that is believed
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
 
 
+DEBUG = False
+
+
+class Finer(NamedTuple):
+    """Figures of finer lives; `left`: of the first one's change, what Newton's correction left to the second."""
+
+    lives: Sequence[Figures]
+    left: float | None = None
+
+
+NOTHING = Finer(())
+
+
 def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures:
     """Return the estimated relative error of every figure of a closed cycle, on which the machinery stands."""
     found = of.figures
     narrower = replace(wanted, widths=tuple(NARROWER * width for width in wanted.widths))
     finer = _finer(of, machinery, narrower, cycle)
-    if not finer:
+    if not finer.lives:
         return Figures(dict.fromkeys(found))
     errors = _shown(found, finer, of.least)
     hidden = (HIDDEN if _filling(found) > 0.0 else EMPTY) if cycle.how == "histories" else ROOT
-    among_leaks = of.problem.composition.chambers > 1 and _filling(found) < LEAKY  # chambers live on what leaks
+    alone = of.problem.composition.chambers == 1 or finer.left is not None  # or it is told what comes back
+    among_leaks = not alone and _filling(found) < LEAKY  # chambers live on what leaks
     whole = WHOLE * (hidden if among_leaks else 1.0)
     for name, size in errors.items():
         errors[name] = whole * size if size is not None else None
     flow = found["gas_mass_flow"]
     lost = abs(mass_in(of.problem.composition, cycle.q) * of.problem.rate / flow) if flow else 0.0
+    if DEBUG:
+        sh = [relative_errors(a, b, *of.least) for a, b in pairwise([found, *finer.lives])]
+        print("    shown", worst(errors), "lost", lost, [[(k, f"{x.get(k):.1e}") for k in ("gas_mass_flow", "volumetric_efficiency", "oil_flow_ratio", "specific_power", "work_per_cycle") if x.get(k) is not None] for x in sh])
     for name, size in flow_errors(found, lost).items():
         errors[name] = (errors[name] or 0.0) + (size or 0.0)
     return errors
 
 
-def _shown(found: Figures, finer: Sequence[Figures], least: tuple[float, float]) -> Figures:
+def _shown(found: Figures, finer: Finer, least: tuple[float, float]) -> Figures:
     """Return what finer lives show of the error of each figure: the most they change, and what later ones yet would.
 
     Two lives may agree with the closed one by chance where each goes another way. The last life's change is followed by
-    others, each as much smaller as that one was than the life's before it.
+    others, each as much smaller as that one was than the life's before it. A corrected life is where all would lead,
+    but for what its correction left; what lies before it is on the way there.
     """
-    errors = relative_errors(found, finer[-1], *least)
-    for each in finer[:-1]:
+    lives, left = finer
+    errors = relative_errors(found, lives[-1], *least)
+    for each in lives[:-1] if left is None else ():
         for name, size in relative_errors(found, each, *least).items():
             if size is not None and errors[name] is not None:
                 errors[name] = max(errors[name], size)
-    if len(finer) > 1:
-        steps = [relative_errors(old, new, *least) for old, new in pairwise([found, *finer])]
-        again = min(_repeated(steps), SLOWEST)
+    if len(lives) > 1:
+        steps = [relative_errors(old, new, *least) for old, new in pairwise([found, *lives])]
+        again = min(_repeated(steps) if left is None else left, SLOWEST)
         for name, size in steps[-1].items():
             if size is not None and errors[name] is not None:
                 errors[name] += size * again / (1.0 - again)
@@ -109,40 +131,106 @@ def _filling(found: Figures) -> float:
     return 1.0 if filling is None else filling
 
 
-def _finer(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> list[Figures]:
-    """Return the figures of finer solutions beside a closed cycle: lives, or another cycle; of none where all stop.
+def _finer(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Finer:
+    """Return finer solutions beside a closed cycle: lives, or another cycle; none where all stop.
 
-    One life more shows the error of a cycle closed by waveforms, two where errors come back. Where the second life
-    changes nearly as much as the first, and with simultaneous closing, what shows it is the cycle closed again, finer.
+    One life more shows the error of a cycle closed by waveforms, two where errors come back; where they come back
+    slowly Newton's correction tells what they come to. With simultaneous closing, and where corrections are of no use,
+    what shows it is the cycle closed again, finer.
     """
-    finer = [] if cycle.needed or cycle.how == "coupled" else _finer_lives(of, machinery, wanted, cycle)
-    if len(finer) == 1:
+    finer = NOTHING if cycle.needed or cycle.how == "coupled" else _finer_lives(of, machinery, wanted, cycle)
+    if len(finer.lives) == 1 or _tells(of, finer):
         return finer
-    if len(finer) > 1:
-        steps = [relative_errors(old, new, *of.least) for old, new in pairwise([of.figures, *finer])]
-        if _repeated(steps) < QUICK or worst(steps[-1])[1] < SMALL * of.problem.scene.numerics.accuracy:
-            return finer
-    return _finer_cycle(of.problem, machinery, wanted, cycle) or finer
+    closed = _finer_cycle(of.problem, machinery, wanted, cycle)
+    return Finer([closed]) if closed is not None else finer
 
 
-def _finer_lives(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> list[Figures]:
-    """Return the figures of one life more, or two, finer than the closed one's; of none where one stopped."""
-    problem, c, y, finer = of.problem, machinery.composition, cycle.y.copy(), []
-    c.P[c.widths] = wanted.widths
-    for left in (1, 0) if _fed_back(of) else (0,):
-        status, _, _, q = machinery.turn(y, FINER * cycle.rtol, 1e-3)
+def _tells(of: Evaluation, finer: Finer) -> bool:
+    """Tell whether lives show what all later ones would make."""
+    if len(finer.lives) < 2:
+        return False
+    steps = [relative_errors(old, new, *of.least) for old, new in pairwise([of.figures, *finer.lives])]
+    small = worst(steps[-1])[1] < SMALL * of.problem.scene.numerics.accuracy
+    return small or (_repeated(steps) if finer.left is None else finer.left) < QUICK
+
+
+def _finer_lives(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Finer:
+    """Return one life more, or two, finer than the closed one's; none where one stopped.
+
+    Where two are asked for the first is corrected by the tangents that closed the cycle; where there are none and they
+    repeat themselves, the second by new ones, for a third.
+    """
+    lives = _Lives(of, machinery, wanted, cycle)
+    if not lives.next():
+        return NOTHING
+    if not _fed_back(of):
+        return Finer(lives.figures)
+    corrected = cycle.tangents is not None and lives.correct()
+    if not lives.next():
+        return NOTHING
+    if not corrected and lives.repeated() > SLOW and lives.correct():
+        corrected = lives.next()
+        if not corrected:
+            return NOTHING
+    return Finer(lives.figures, lives.left() if corrected else None)
+
+
+class _Lives:
+    """Lives that follow a closed cycle, one among the other, with finer steps and what else is wanted."""
+
+    def __init__(self, of: Evaluation, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> None:
+        self.of, self.machinery, self.rtol, self.y = of, machinery, FINER * cycle.rtol, cycle.y.copy()
+        machinery.composition.P[machinery.composition.widths] = wanted.widths
+        self.corrections = Corrections(of.problem, machinery, cycle.tangents)
+        self.met, self.seen = unknowns(of.problem, machinery), cycle.seen
+        self.figures: list[Figures] = []
+        self.changes: list[float] = []  # of mass, work and unknowns, by each life
+
+    def next(self) -> bool:
+        """Integrate one more; tell whether it came to its end."""
+        problem, machinery = self.of.problem, self.machinery
+        if self.figures:
+            self.met = self.made
+            set_unknowns(problem, machinery, self.met)
+        self.start, self.steps = logarithms(self.y, machinery.composition), int(machinery.kept[1])
+        status, _, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
         if status != 0:
-            return []
+            return False
         machinery.swap()
-        life = Evaluation(problem, machinery.trajectory, q)
-        finer.append(life.figures)
-        if left:
-            set_unknowns(problem, machinery, problem.entries.possible(life.image))
-    return finer
+        life = Evaluation(problem, machinery.trajectory, self.q)
+        self.figures.append(life.figures)
+        self.made = problem.entries.possible(life.image)
+        now = (float(machinery.R[R_TRAPPED]), float(self.q[0]))
+        moved = change(now, self.seen, LEAST_WORK * now[0] * problem.pv)
+        self.changes.append(max(moved, problem.entries.change(self.made, self.met)))
+        self.seen = now
+        return True
+
+    def correct(self) -> bool:
+        """Lead the last life to where all that follow would go; tell whether a correction was to be had."""
+        if not self.corrections.able:
+            return False
+        machinery, entries, end = self.machinery, self.of.problem.entries, logarithms(self.y, self.machinery.composition)
+        found = self.corrections.of_turn(self.steps, end - self.start, self.q, self.met, self.made)
+        if found is None:
+            return False
+        self.y[:] = states_of(end + found.along[-1, -machinery.n :], self.y, machinery.composition)
+        self.made = entries.values(entries.coordinates(self.made) + found.unknowns, self.made)
+        return True
+
+    def repeated(self) -> float:
+        """Return the share of its change that the last life made once more."""
+        all_figures = [self.of.figures, *self.figures]
+        return _repeated([relative_errors(old, new, *self.of.least) for old, new in pairwise(all_figures)])
+
+    def left(self) -> float:
+        """Return the share that a correction left of the change before it; none where that is hardly any."""
+        before, last = self.changes[-2:]
+        return 0.0 if last < SMALL * self.of.problem.scene.numerics.accuracy else last / before
 
 
-def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> list[Figures]:
-    """Return the figures of the cycle that closes with finer steps from the closed one; of none where none does.
+def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures | None:
+    """Return the figures of the cycle that closes with finer steps from the closed one; None where none does.
 
     A cycle that only a fallback closed draws its neighbourhood in slowly, or not at all: what the steps of one life are
     off by is far less than what the cycle is off by. It goes the way that closed it and may cost as much as a fallback.
@@ -155,4 +243,4 @@ def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: 
     else:
         hope = Hope((float(machinery.R[R_TRAPPED]), float(cycle.q[0])), 0.0)  # the last life's mass
         finer = relax(problem, machinery, wanted, cycle.y.copy(), last=True, hope=hope)
-    return [evaluate(problem, finer).figures] if finer is not None and finer.status == "ok" else []
+    return evaluate(problem, finer).figures if finer is not None and finer.status == "ok" else None
