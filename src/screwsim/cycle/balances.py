@@ -11,7 +11,8 @@ import numpy as np
 
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.model.composition import Composition
-from screwsim.model.slots import BETWEEN, Q_HEAT, Q_WALLS, R_INJECTED, R_PRESSURE, R_TRAPPED
+from screwsim.model.slots import BETWEEN, P_INJECTION, Q_HEAT, Q_WALLS, R_INJECTED, R_PRESSURE, R_TRAPPED
+from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 LEAST_WORK = 1e-6  # of p V of the trapped gas: work below this is rounding
@@ -52,6 +53,23 @@ def pushed_of(c: Composition, q: Array) -> float:
 def mass_in(c: Composition, q: Array) -> float:
     """Return the gas [kg] that a life takes in beyond what it gives back: nothing, where the cycle is closed."""
     return float(_outer(c, q)[:, 0].copy().sum())
+
+
+def crossed(problem: Problem, life: Trajectory) -> float:
+    """Return the gas [kg] a life by which what is sucked differs from what goes on beyond the injection angle.
+
+    A chamber meets those ahead as they were a turn before, so that what it gets from them is not quite what they give
+    to those behind. Between chambers that are open to one line Δp is a few pascals, and both are off by the error of
+    the pressure; what crosses the injection angle is not.
+    """
+    c, at, pitch = problem.composition, float(life.composition.P[P_INJECTION]), problem.parts.geometry.pitch
+    if problem.parts.geometry.expands:
+        return 0.0
+    gained = 0.0
+    for i, offset in enumerate(c.offsets):
+        ahead, behind = c.first_met + 2 * i, c.first_met + 2 * i + 1
+        gained += life.sum_until(at, ahead) + life.sum_until(at + offset * pitch, behind)
+    return gained
 
 
 def _outer(c: Composition, q: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 
 from screwsim.build import build_site
 from screwsim.cycle import powers, suction_line
-from screwsim.cycle.balances import discharge_enthalpy, discharge_held, streams_of
+from screwsim.cycle.balances import crossed, discharge_enthalpy, discharge_held, streams_of
 from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Drawn, Plenum, Separator, Turn
@@ -43,7 +43,8 @@ def figures_of(
     parts, lines, geometry, rate = problem.parts, problem.lines, problem.parts.geometry, problem.rate
     streams = streams_of(problem.composition, q)
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share that stays so (M163)
-    flow = delivered * (suction_line.fresh(problem, life.R, streams) * rate) + 0.0  # nothing has no sign
+    sucked = suction_line.fresh(problem, life.R, streams) + crossed(problem, life)
+    flow = delivered * (sucked * rate) + 0.0  # nothing has no sign
     lift = powers.oil_lift(parts, known) if parts.oil is not None else None
     shaft = known.indicated_power + (lift or 0.0) + sum(losses.values())
     drawn = performance.drawn(parts, streams, rate)

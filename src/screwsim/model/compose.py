@@ -89,6 +89,7 @@ def compose(parts: Parts) -> Composition:
         starts=tuple(part.start for part in own_states),
         pulsating=network.pulsating,
         pushes=network.pushes,
+        offsets=tuple(network.offsets),
         n_work_all=room(network),
     )
 

@@ -54,6 +54,7 @@ class Composition:
     starts: tuple[float, ...] = ()  # of the own states
     pulsating: bool = False
     pushes: bool = False  # do walls that drag oil along do work on it?
+    offsets: tuple[int, ...] = ()  # lobe pitches between neighbours that gaps join
     n_work_all: int = 0  # numbers that the functions of all chambers write aside
 
     @property
@@ -67,11 +68,16 @@ class Composition:
         return slice(P_PORT_WIDTH, P_PORT_WIDTH + self.n_widths)
 
     @property
+    def first_met(self) -> int:
+        """Index of the gas from the chambers ahead and behind, by offset, among the quadratures of one chamber."""
+        return Q_WALLS + 2 * len(self.walls)
+
+    @property
     def first_stream(self) -> int:
         """Index of the first of the streams' sums among the quadratures."""
-        return Q_WALLS + 2 * len(self.walls) + self.pushes
+        return self.first_met + 2 * len(self.offsets) + self.pushes
 
     @property
     def n_quadratures(self) -> int:
-        """Work, heat, those of the walls, what dragged oil gives them, and the streams' sums."""
+        """Work, heat, those of the walls, gas from neighbours, what dragged oil gives the walls, the streams' sums."""
         return self.first_stream + self.n_sums

@@ -76,6 +76,11 @@ class Trajectory(NamedTuple):
         self.module.history__states_at(angles, *self.rows, out)
         return out
 
+    def sum_until(self, angle: float, quadrature: int) -> float:
+        """Return what a quadrature has come to at an angle [rad], even within a step."""
+        sums = np.append(0.0, self.quads[: self.steps, quadrature])
+        return float(np.interp(angle, self.times[: self.steps + 1], sums))
+
     def sample(self, angles: Array) -> tuple[Array, Array]:
         """Return rows of (V, p, work, dm/dφ, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""
         c = self.composition

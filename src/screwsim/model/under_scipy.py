@@ -94,8 +94,9 @@ def _slopes(
 
 def _scales(machinery: Machinery, q: Array) -> Array:
     """Return the scale of each quadrature: the largest of its kind, so that an idle path demands no accuracy."""
-    first = machinery.composition.first_stream
+    met, first = machinery.composition.first_met, machinery.composition.first_stream
     streams = np.abs(q[first:]).reshape(-1, machinery.composition.width)
     heads = np.full(first, np.max(np.abs(q[:Q_WALLS])))
-    heads[Q_WALLS + 1 :: 2] = np.abs(q[Q_WALLS + 1 : first : 2])
+    heads[Q_WALLS + 1 : met : 2] = np.abs(q[Q_WALLS + 1 : met : 2])
+    heads[met : met + 2 * len(machinery.composition.offsets)] = streams[:, 0].max()
     return np.concatenate([heads, np.tile(streams.max(axis=0), len(streams))])

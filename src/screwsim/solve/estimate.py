@@ -71,7 +71,8 @@ def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle
     for name, size in errors.items():
         errors[name] = whole * size if size is not None else None
     flow = found["gas_mass_flow"]
-    lost = abs(mass_in(of.problem.composition, cycle.q) * of.problem.rate / flow) if flow else 0.0
+    told = bool(of.problem.composition.offsets) and not of.problem.parts.geometry.expands  # by what crosses the injection
+    lost = abs(mass_in(of.problem.composition, cycle.q) * of.problem.rate / flow) if flow and not told else 0.0
     if DEBUG:
         sh = [relative_errors(a, b, *of.least) for a, b in pairwise([found, *finer.lives])]
         print("    shown", worst(errors), "lost", lost, [[(k, f"{x.get(k):.1e}") for k in ("gas_mass_flow", "volumetric_efficiency", "oil_flow_ratio", "specific_power", "work_per_cycle") if x.get(k) is not None] for x in sh])

@@ -119,4 +119,5 @@ def rates(to: Statements, network: Network) -> None:
 def heads(network: Network) -> list[str]:
     """Return the quadratures before those of the streams, in their order (slots.Q_WORK …)."""
     walls = [name for i in range(len(network.walls)) for name in (f"q_wall_{i}", f"q_conductance_{i}")]
-    return ["q_work", "q_heat", *walls, *(["q_pushed"] if network.pushes else [])]
+    met = [f"q_{way}_{side}" for side in range(len(network.offsets)) for way in ("ahead", "behind")]
+    return ["q_work", "q_heat", *walls, *met, *(["q_pushed"] if network.pushes else [])]

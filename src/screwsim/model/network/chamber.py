@@ -57,7 +57,8 @@ class Chamber(Cell):
         ahead = [f"ahead_{side}_{way}" for side in range(len(network.offsets)) for way in ("in", "out")]
         self.begin(to, [*self.sums, *ahead])
         to.add(*(["pushed = 0.0"] if network.pushes else []))
-        to.add(*(f"beyond_{side} = 0.0" for side in range(len(network.offsets))))
+        for side in range(len(network.offsets)):
+            to.add(f"beyond_{side} = 0.0", f"from_ahead_{side} = 0.0", f"from_behind_{side} = 0.0")
         for port in network.ports:
             self.port(to, port, slopes)
         for gap, way in self.sides:
@@ -66,6 +67,7 @@ class Chamber(Cell):
             with to.within(f"if beyond_{side} > 0.0"):  # ahead of the last chamber lies the discharge line
                 for way in ("in", "out"):
                     to.add(*(f"{each}_{discharge}_{way} += {each}_ahead_{side}_{way}" for each in network.quantities))
+                to.add(f"from_ahead_{side} = 0.0")
             with to.within("else"):
                 for way in ("in", "out"):
                     to.add(*(f"{each}_between += {each}_ahead_{side}_{way}" for each in network.quantities))
@@ -86,6 +88,7 @@ class Chamber(Cell):
                 )
             sums = (f"{cell}_in", f"{cell}_out") if way == "ahead" else ("between", "between")
             self.gap(to, gap, *sums, place_of(network, cell), way)
+            to.add(f"from_{cell} += flow")
 
     def _body(self, slopes: bool) -> list[str]:
         """Return the statements from the states to rates and quadratures."""
@@ -95,6 +98,8 @@ class Chamber(Cell):
         balances.gas_inside(to, self.network)
         self._streams(to, slopes)
         self.finish(to)
+        met = [f"{way}_{side}" for side in range(len(self.network.offsets)) for way in ("ahead", "behind")]
+        to.add(*(f"q_{each} = from_{each} * per_omega" for each in met))
         return to.lines
 
     def _stored(self) -> list[str]:

@@ -194,6 +194,7 @@ class Chambers(Cell):
         balances.oil_through_ports(to, network)
         self.finish(to)
         self._crossing(to)
+        to.add(*(f"q_{way}_{side} = 0.0" for side in range(len(network.offsets)) for way in ("ahead", "behind")))
         return to.lines
 
     def _crossing(self, to: Statements) -> None:
