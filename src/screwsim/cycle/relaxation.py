@@ -61,7 +61,6 @@ def relax(
     """
     c, entries = machinery.composition, problem.entries
     c.P[c.widths] = wanted.widths
-    angles = _angles(float(c.P[P_LIFE]), c.chambers)
     accelerate, images = Anderson(DEPTH), []
     corrections = Corrections(problem, machinery, lent)
     met = unknowns(problem, machinery)
@@ -72,8 +71,7 @@ def relax(
 
     def vector(values: Array) -> Array:
         """Return what a turn maps: states at 0° and along the last history, and the unknowns."""
-        states = np.concatenate([y[None, : machinery.n], machinery.states_at(angles[1:])])
-        return np.concatenate([logarithms(states, c), entries.coordinates(values)])
+        return np.concatenate([along(machinery, y), entries.coordinates(values)])
 
     def ended(status: str, angle: float = 0.0, gap: float = 0.0, residual: float = 0.0) -> CycleSolution:
         life, steps = machinery.trajectory.copy(), rtol if status == "failed" else finest
@@ -129,6 +127,13 @@ def relax(
         met = entries.values(mixed[len(mixed) - len(met) :], made)
         set_unknowns(problem, machinery, met)
     return ended("not_closed", gap=gap) if last else None
+
+
+def along(machinery: Machinery, y: Array) -> Array:
+    """Return the logarithms of the states y at 0° and of those along the last history."""
+    c = machinery.composition
+    angles = _angles(float(c.P[P_LIFE]), c.chambers)
+    return logarithms(np.concatenate([y[None, : machinery.n], machinery.states_at(angles[1:])]), c)
 
 
 @lru_cache(maxsize=8)

@@ -12,14 +12,16 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
-from screwsim.cycle.balances import LEAST_WORK, mass_in
+import numpy as np
+
+from screwsim.cycle.balances import mass_in
 from screwsim.cycle.close import again
-from screwsim.cycle.coordinates import change, logarithms, states_of
+from screwsim.cycle.coordinates import NEAR, states_of
 from screwsim.cycle.fallbacks import MOST_OF_A_TRY
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.newton import Corrections
 from screwsim.cycle.problem import Problem
-from screwsim.cycle.relaxation import SLOW, relax
+from screwsim.cycle.relaxation import SLOW, along, relax
 from screwsim.cycle.simultaneous import close_together
 from screwsim.cycle.solution import CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
@@ -183,9 +185,9 @@ class _Lives:
         self.of, self.machinery, self.rtol, self.y = of, machinery, FINER * cycle.rtol, cycle.y.copy()
         machinery.composition.P[machinery.composition.widths] = wanted.widths
         self.corrections = Corrections(of.problem, machinery, cycle.tangents)
-        self.met, self.seen = unknowns(of.problem, machinery), cycle.seen
+        self.met = self.made = unknowns(of.problem, machinery)
         self.figures: list[Figures] = []
-        self.changes: list[float] = []  # of mass, work and unknowns, by each life
+        self.changes: list[float] = []  # of the states and unknowns that each life met
 
     def next(self) -> bool:
         """Integrate one more; tell whether it came to its end."""
@@ -193,7 +195,7 @@ class _Lives:
         if self.figures:
             self.met = self.made
             set_unknowns(problem, machinery, self.met)
-        self.start, self.steps = logarithms(self.y, machinery.composition), int(machinery.kept[1])
+        self.start, self.steps = along(machinery, self.y), int(machinery.kept[1])
         status, _, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
         if status != 0:
             return False
@@ -201,21 +203,20 @@ class _Lives:
         life = Evaluation(problem, machinery.trajectory, self.q)
         self.figures.append(life.figures)
         self.made = problem.entries.possible(life.image)
-        now = (float(machinery.R[R_TRAPPED]), float(self.q[0]))
-        moved = change(now, self.seen, LEAST_WORK * now[0] * problem.pv)
+        self.end = along(machinery, self.y)
+        moved = NEAR * float(np.max(np.abs(self.end - self.start)))
         self.changes.append(max(moved, problem.entries.change(self.made, self.met)))
-        self.seen = now
         return True
 
     def correct(self) -> bool:
         """Lead the last life to where all that follow would go; tell whether a correction was to be had."""
         if not self.corrections.able:
             return False
-        machinery, entries, end = self.machinery, self.of.problem.entries, logarithms(self.y, self.machinery.composition)
-        found = self.corrections.of_turn(self.steps, end - self.start, self.q, self.met, self.made)
+        entries, n = self.of.problem.entries, self.machinery.n
+        found = self.corrections.of_turn(self.steps, self.end[:n] - self.start[:n], self.q, self.met, self.made)
         if found is None:
             return False
-        self.y[:] = states_of(end + found.along[-1, -machinery.n :], self.y, machinery.composition)
+        self.y[:] = states_of(self.end[:n] + found.along[-1, -n:], self.y, self.machinery.composition)
         self.made = entries.values(entries.coordinates(self.made) + found.unknowns, self.made)
         return True
 
