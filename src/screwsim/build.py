@@ -71,7 +71,7 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
 Numbered = FlowPath | HeatRate | Wall | ChamberState | LineLeak
 WARMED, COOLED = 45.0, 12.0  # [K] in first guesses: of gas and oil over suction gas, of oil by its cooler
 WIDTH = 0.25  # of the regularisation over the wanted accuracy
-GAPS = 0.1
+GAPS = 1.0
 LEAST = 1e-300  # above nothing
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
@@ -365,7 +365,7 @@ def regularisation(scene: Scene) -> tuple[float, float, float]:
 
 def _widths(scene: Scene, at: Lines) -> tuple[float, float, float]:
     width = WIDTH * scene.numerics.accuracy
-    return width * at.p_s, width * at.p_d, GAPS * width * max(at.p_s, at.p_d)
+    return width * at.p_s, width * at.p_d, 0.5 * GAPS * width
 
 
 def prepare(scene: Scene) -> None:

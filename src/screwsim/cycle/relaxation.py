@@ -33,8 +33,8 @@ GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm t
 DEPTH = 5  # of Anderson's method
 MAX_TURNS = 40
 SLOW = 0.3  # change of a turn over that of the one before, above which Newton corrects it
-FAR = 0.05  # change below which the second turn is not: how fast turns contract is told by the third
-FARTHEST = 0.03  # change of the states (times `NEAR`) above which a linear correction tells nothing
+FAR = 0.02  # change below which the second turn is not: how fast turns contract is told by the third
+FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction tells nothing
 WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves
 
 
@@ -107,8 +107,8 @@ def relax(
         if not last and machinery.evaluations_of(machinery.counts) > most:
             return None
         near = gap <= WORTH * wanted.tolerance
-        slow = turn > 1 and moved < FARTHEST and gap > SLOW * gap_before and not near
-        if corrections.due(slow and (turn > 2 or gap > FAR), moved, near):
+        slow = turn > 1 and moved < FARTHEST and gap > (SLOW * gap_before if turn > 2 else FAR) and not near
+        if corrections.due(slow, moved, near):
             begun = corrections.begun
             found = corrections.of_turn(steps_before, image[: machinery.n] - point[: machinery.n], q, met, made)
             if found is not None:
