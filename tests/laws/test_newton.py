@@ -106,7 +106,7 @@ def test_a_correction_takes_back_what_an_unknown_was_off_by(standing):
 def test_corrections_spare_turns_and_change_no_figure(monkeypatch, closing, changes):
     scene = make({**changes, "operation.speed": "400 rpm", "numerics": {"closing": closing, "error": "none"}})
     found = simulate(scene)
-    monkeypatch.setattr(Corrections, "due", lambda self, slow, moved: False)
+    monkeypatch.setattr(Corrections, "due", lambda self, slow, moved, near=False: False)
     plain = simulate(scene)
     assert found.status == plain.status == "ok"
     assert found.numerics["turns"] < plain.numerics["turns"]

@@ -35,6 +35,9 @@ MAX_TURNS = 40
 SLOW = 0.3  # change of a turn over that of the one before, above which Newton corrects it
 FAR = 0.02  # change below which the second turn is not: how fast turns contract is told by the third
 FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction tells nothing
+STALL = 2  # corrected turns near the end without progress, after which steps are refined
+PROGRESS = 0.5
+REFINED = 0.4
 WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves
 
 
@@ -64,6 +67,7 @@ def relax(
     accelerate, images = Anderson(DEPTH), []
     corrections = Corrections(problem, machinery, lent)
     met = unknowns(problem, machinery)
+    least, stalled = np.inf, 0  # gap near the end, turns without progress there
     before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
     finest = rtol = hope.share * wanted.of_histories * wanted.rtol
     first_rtol, first_gap = finest if hope.gap <= GOOD else FIRST_RTOL, 1.0
@@ -107,6 +111,10 @@ def relax(
         if not last and machinery.evaluations_of(machinery.counts) > most:
             return None
         near = gap <= WORTH * wanted.tolerance
+        if corrections.begun and near and rtol <= finest:
+            least, stalled = (gap, 0) if gap < PROGRESS * least else (least, stalled + 1)
+            if stalled > STALL:  # what is corrected now is noise of the steps
+                finest, least, stalled = REFINED * finest, np.inf, 0
         slow = turn > 1 and moved < FARTHEST and gap > (SLOW * gap_before if turn > 2 else FAR) and not near
         if corrections.due(slow, moved, near):
             begun = corrections.begun

@@ -26,7 +26,7 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_PITCH
 
 Array = np.ndarray
-SLICES = 24  # of a pitch
+SLICES = 12
 EVEN = 0.2  # share of an even division in theirs; the rest is as dense as the integrator's steps
 LEAST = 1e-6  # of a pitch: steps that end so near to its ends are not counted
 INSIDE = 1e-6  # rad within the segment of the laws that an angle belongs to, as the middle of its segment

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from screwsim.numerics.integrators import Check, check_of
 from screwsim.numerics.settings import NumericsSettings
 
-ENOUGH = 0.8  # of the bound on the balances, with which a cycle counts as closed
+ENOUGH = 0.95  # of the bound on the balances, with which a cycle counts as closed
 HISTORIES_FINER = 1e-4  # wanted accuracy from which on steps of waveforms are finer in proportion to it ...
 HISTORIES_FINEST = 0.1  # ... down to this factor
 
