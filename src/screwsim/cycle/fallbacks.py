@@ -20,15 +20,16 @@ DAMPED_DEPTH = 5  # of Anderson's method where closing is damped
 DAMPING = 0.3  # share of the way to the mixed image that damped closing goes
 NEAR_DAMPED = 0.05  # change of a pitch below which damped closing goes all the way
 NEAR_PLAIN = 1e-3  # change of a pitch below which closing without acceleration is accelerated
+OF_STEPS = 1e-3  # change of a pitch above which it is not the tolerance of its steps that keeps a cycle from closing
 FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
 
 
 def fallbacks(
-    problem: Problem, machinery: Machinery, wanted: Wanted
+    problem: Problem, machinery: Machinery, wanted: Wanted, left: float = 0.0
 ) -> Iterator[tuple[str, Callable[[], CycleSolution]]]:
-    """Yield what else may close a cycle that did not close, the cheapest first: (what it is, how to do it).
+    """Yield what else may close a cycle that did not close: (what it is, how to do it).
 
-    All begin from the first guess and close all chambers together, which conserves exactly.
+    `left` is what its last pitch changed: where that is much, finer steps are of no help. All begin from the first guess and close all chambers together, which conserves exactly.
     """
 
     def closed(pace: Pace = FULL, most: int = MOST_OF_A_TRY, wanted: Wanted = wanted) -> CycleSolution:
@@ -46,8 +47,9 @@ def fallbacks(
             return easier
         return close_together(problem, machinery, wanted, easier.y, most=MOST_OF_A_TRY)
 
-    tighter = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
-    yield "a tighter tolerance of the steps", lambda: closed(wanted=tighter)
+    if left < OF_STEPS:
+        tighter = replace(wanted, rtol=max(0.03 * wanted.rtol, 1e-12))
+        yield "a tighter tolerance of the steps", lambda: closed(wanted=tighter)
     yield "damped closing", lambda: closed(Pace(DAMPED_DEPTH, DAMPING, NEAR_DAMPED))
     yield "closing without acceleration", lambda: closed(Pace(0, near=NEAR_PLAIN), 2 * MOST_OF_A_TRY)
     yield f"continuation from {FASTER:g} times the speed", faster

@@ -25,7 +25,7 @@ Array = np.ndarray
 STALL = 3  # pitches without progress of the states
 MAX_PITCHES = 160
 FARTHEST = 0.3  # change of a pitch above which a linear correction tells nothing
-MAX_EVALUATIONS = 2_000_000  # of one chamber's rates, after which a cycle that does not close is given up
+MAX_EVALUATIONS = 1_000_000  # of one chamber's rates, after which a cycle that does not close is given up
 
 
 def close_together(

@@ -109,7 +109,7 @@ def _close_somehow(problem: Problem, machinery: Machinery, wanted: Wanted, cours
     cycle = close(problem, machinery, wanted, course)
     if cycle.status == "ok" or wanted.check or wanted.closing == "histories" or _outside(problem, cycle):
         return cycle
-    for name, attempt in fallbacks(problem, machinery, wanted):
+    for name, attempt in fallbacks(problem, machinery, wanted, cycle.change):
         better = attempt()
         if better.status == "ok":
             return replace(better, needed=name)
