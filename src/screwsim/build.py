@@ -35,7 +35,7 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.fluid.settings import GasSettings
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
-from screwsim.model.parts import Effects, OilPart, Parts
+from screwsim.model.parts import Effects, OilPart, Parts, Widths
 from screwsim.scene.checks import cross_check, oil_faults
 from screwsim.scene.grid import case, case_count, only
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
@@ -71,7 +71,6 @@ def faults_of_own(scene: Scene) -> Iterator[None]:
 Numbered = FlowPath | HeatRate | Wall | ChamberState | LineLeak
 WARMED, COOLED = 45.0, 12.0  # [K] in first guesses: of gas and oil over suction gas, of oil by its cooler
 WIDTH = 0.25  # of the regularisation over the wanted accuracy
-GAPS = 1.0
 LEAST = 1e-300  # above nothing
 MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
@@ -354,18 +353,18 @@ def build_site(scene: Scene, gas: Gas) -> Site:
 
 
 def regularisation(scene: Scene) -> tuple[float, float, float]:
-    """Return the widths ε [Pa] below which a pressure difference is smoothed: suction port, discharge port, gaps.
+    """Return the widths ε below which a pressure difference is smoothed: suction port, discharge port [Pa], gaps.
 
-    ε is `WIDTH` of the wanted accuracy times the pressure. The error control lets the pressure err by about as much; a
-    narrower ε would let that error jump across the flow law's steep middle, a wider one costs accuracy that no step
-    can regain (docs/explanation/numerics.md).
+    That of gaps is a share of the mean pressure at their ends. ε is `WIDTH` of the wanted accuracy times the pressure.
+    The error control lets the pressure err by about as much; a narrower ε would let that error jump across the flow
+    law's steep middle, a wider one costs accuracy that no step can regain (docs/explanation/numerics.md).
     """
-    return _widths(scene, lines(scene))
+    return _widths(scene, lines(scene))[:3]
 
 
-def _widths(scene: Scene, at: Lines) -> tuple[float, float, float]:
+def _widths(scene: Scene, at: Lines) -> Widths:
     width = WIDTH * scene.numerics.accuracy
-    return width * at.p_s, width * at.p_d, 0.5 * GAPS * width
+    return width * at.p_s, width * at.p_d, width, width * max(at.p_s, at.p_d)
 
 
 def prepare(scene: Scene) -> None:

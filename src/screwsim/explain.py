@@ -364,7 +364,7 @@ def _numerics(scene: Scene) -> Iterator[str]:
     yield _row("closing", CLOSING.get(numerics.closing, numerics.closing))
     suction, discharge, gaps = regularisation(scene)
     text = f"pressure differences below {suction:.3g} Pa (suction port), {discharge:.3g} Pa (discharge port)"
-    yield _row("regularisation", f"{text}, {gaps:.3g} Pa (gaps) are smoothed")
+    yield _row("regularisation", f"{text}, {gaps:.3g} of the pressure (gaps) are smoothed")
 
 
 def _size(model: Composition) -> Iterator[str]:

@@ -55,6 +55,11 @@ def mass_in(c: Composition, q: Array) -> float:
     return float(_outer(c, q)[:, 0].copy().sum())
 
 
+def met_across(problem: Problem) -> bool:
+    """Tell whether the net gas flow is taken where it crosses the injection angle (`crossed`), not at the port."""
+    return bool(problem.composition.offsets) and not problem.parts.geometry.expands
+
+
 def crossed(problem: Problem, life: Trajectory) -> float:
     """Return the gas [kg] a life by which what is sucked differs from what goes on beyond the injection angle.
 
@@ -63,10 +68,8 @@ def crossed(problem: Problem, life: Trajectory) -> float:
     the pressure; what crosses the injection angle is not.
     """
     c, at, pitch = problem.composition, float(life.composition.P[P_INJECTION]), problem.parts.geometry.pitch
-    if problem.parts.geometry.expands:
-        return 0.0
     gained = 0.0
-    for i, offset in enumerate(c.offsets):
+    for i, offset in enumerate(c.offsets) if met_across(problem) else ():
         ahead, behind = c.first_met + 2 * i, c.first_met + 2 * i + 1
         gained += life.sum_until(at, ahead) + life.sum_until(at + offset * pitch, behind)
     return gained

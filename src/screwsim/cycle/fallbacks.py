@@ -29,7 +29,8 @@ def fallbacks(
 ) -> Iterator[tuple[str, Callable[[], CycleSolution]]]:
     """Yield what else may close a cycle that did not close: (what it is, how to do it).
 
-    `left` is what its last pitch changed: where that is much, finer steps are of no help. All begin from the first guess and close all chambers together, which conserves exactly.
+    `left` is what its last pitch changed: where that is much, finer steps are of no help. All begin from the first
+    guess and close all chambers together, which conserves exactly.
     """
 
     def closed(pace: Pace = FULL, most: int = MOST_OF_A_TRY, wanted: Wanted = wanted) -> CycleSolution:

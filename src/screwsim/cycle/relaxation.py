@@ -33,11 +33,11 @@ GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm t
 DEPTH = 5  # of Anderson's method
 MAX_TURNS = 40
 SLOW = 0.3  # change of a turn over that of the one before, above which Newton corrects it
-FAR = 0.02  # change below which the second turn is not: how fast turns contract is told by the third
+FAR = 0.02  # gap above which the second turn is corrected: how fast turns contract is told by the third
 FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction tells nothing
 STALL = 2  # corrected turns near the end without progress, after which steps are refined
-PROGRESS = 0.5
-REFINED = 0.4
+PROGRESS = 0.5  # of the least gap before, below which a gap is progress
+REFINED = 0.4  # tolerance of the steps then over that before
 WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves
 
 

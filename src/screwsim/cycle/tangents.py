@@ -26,13 +26,13 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_PITCH
 
 Array = np.ndarray
-SLICES = 12
+SLICES = 12  # of a pitch
 EVEN = 0.2  # share of an even division in theirs; the rest is as dense as the integrator's steps
 LEAST = 1e-6  # of a pitch: steps that end so near to its ends are not counted
 INSIDE = 1e-6  # rad within the segment of the laws that an angle belongs to, as the middle of its segment
-RELAXED = 3
-STRAYED = 0.02
-FAREST = 0.1
+RELAXED = 3  # steps that lead the states in the middle of a slice to where they change as the history does ...
+STRAYED = 0.02  # ... while T or ρ would change by so much more, or less, of itself over the slice ...
+AT_MOST = 0.1  # ... of at most so much each
 SHIFT = 1e-5  # of a coordinate, for differences
 ANGLE_STEP = 1e-7  # rad, for derivatives by the angle, which nothing here uses
 
@@ -121,7 +121,7 @@ def _slopes(
             if not left or not np.abs(off.reshape(-1, n)[:, :2]).max() > STRAYED:
                 break
             off[_little(y, c)] = 0.0
-            move = np.clip(np.linalg.solve(np.eye(N) - h * A[k], off), -FAREST, FAREST)
+            move = np.clip(np.linalg.solve(np.eye(N) - h * A[k], off), -AT_MOST, AT_MOST)
             y = np.where(logarithmic, y * np.exp(move), y + move)
         sums[k] = Jq[:nq] * scale
         for j, (R_moved, P_moved) in enumerate(moved):

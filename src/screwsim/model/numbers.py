@@ -80,8 +80,8 @@ def fixed_numbers(parts: Parts) -> list[float]:
     """Return the head of P (slots.P_OMEGA …); each own plenum has its width of the regularisation."""
     oil, geometry = parts.oil, parts.geometry
     head = [parts.omega, geometry.pitch, geometry.life, geometry.injection_angle]
-    head += parts.widths
-    head += [parts.widths[2] for _ in parts.plenums]
+    *of_network, of_plenum = parts.widths
+    head += [*of_network, *(of_plenum for _ in parts.plenums)]
     head += [oil.heat_capacity, oil.temperature, float("ratio" in oil.supply)] if oil is not None else [1.0, 0.0, 0.0]
     if oil is not None and (parts.oil_room or parts.oil_port is not None):
         room = 1.0 / oil.density if parts.oil_room else 0.0

@@ -24,6 +24,9 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.slots import FIRST_OWN
 
+# of the regularisation: suction port, discharge port [Pa], gaps (a share of the pressure), ports to own plenums [Pa]
+Widths = tuple[float, float, float, float]
+
 
 @dataclass(frozen=True)
 class OilPart:
@@ -66,7 +69,7 @@ class Parts:
     geometry: MachineGeometry
     gas: Gas
     omega: float
-    widths: tuple[float, float, float]  # regularisation [Pa]: suction port, discharge port, gaps
+    widths: Widths
     effects: Mapping[str, Sequence[Any]]
     oil: OilPart | None
     plenums: Mapping[str, Reservoir] = field(default_factory=dict)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.balances import mass_in
+from screwsim.cycle.balances import mass_in, met_across
 from screwsim.cycle.close import again
 from screwsim.cycle.coordinates import NEAR, states_of
 from screwsim.cycle.fallbacks import MOST_OF_A_TRY
@@ -45,9 +45,6 @@ SLOWEST = 0.9  # the largest such share that is believed
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
 
 
-DEBUG = False
-
-
 class Finer(NamedTuple):
     """Figures of finer lives; `left`: of the first one's change, what Newton's correction left to the second."""
 
@@ -67,17 +64,14 @@ def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle
         return Figures(dict.fromkeys(found))
     errors = _shown(found, finer, of.least)
     hidden = (HIDDEN if _filling(found) > 0.0 else EMPTY) if cycle.how == "histories" else ROOT
-    alone = of.problem.composition.chambers == 1 or finer.left is not None  # or it is told what comes back
+    c = of.problem.composition
+    alone = c.chambers == 1 or finer.left is not None  # or it is told what comes back
     among_leaks = not alone and _filling(found) < LEAKY  # chambers live on what leaks
     whole = WHOLE * (hidden if among_leaks else 1.0)
     for name, size in errors.items():
         errors[name] = whole * size if size is not None else None
     flow = found["gas_mass_flow"]
-    told = bool(of.problem.composition.offsets) and not of.problem.parts.geometry.expands  # by what crosses the injection
-    lost = abs(mass_in(of.problem.composition, cycle.q) * of.problem.rate / flow) if flow and not told else 0.0
-    if DEBUG:
-        sh = [relative_errors(a, b, *of.least) for a, b in pairwise([found, *finer.lives])]
-        print("    shown", worst(errors), "lost", lost, [[(k, f"{x.get(k):.1e}") for k in ("gas_mass_flow", "volumetric_efficiency", "oil_flow_ratio", "specific_power", "work_per_cycle") if x.get(k) is not None] for x in sh])
+    lost = 0.0 if not flow or met_across(of.problem) else abs(mass_in(c, cycle.q) * of.problem.rate / flow)
     for name, size in flow_errors(found, lost).items():
         errors[name] = (errors[name] or 0.0) + (size or 0.0)
     return errors

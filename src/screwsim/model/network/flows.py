@@ -119,7 +119,7 @@ def port_flux(to: Statements, port: Port, own: Place, beyond: Place) -> None:
 
 def gap_flux(to: Statements, gap: Gap, own: Place, beyond: Place) -> None:
     """Set `flux` [kg/(m² s)] through a gap: less what the gap holds back of it (M190)."""
-    nozzle = _flux(to, gap.law, own, beyond, f"P[P_GAP_WIDTH] * ({own.p} + {beyond.p})")
+    nozzle = _flux(to, gap.law, own, beyond, f"0.5 * P[P_GAP_WIDTH] * ({own.p} + {beyond.p})")
     if not gap.share:
         to.add(f"flux = {nozzle}")
         return

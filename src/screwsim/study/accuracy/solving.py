@@ -103,8 +103,8 @@ def solve(scene: Scene, how: Way, limit: float = math.inf, machinery: Machinery 
     problem, _ = steady(problem_of(scene, series), series)
     composition = replace(problem.composition, breakpoints=_breakpoints(problem.composition, how.landing))
     at, check = problem.lines, check_of(how.integrator)
-    gaps = max(at.p_s, at.p_d)  # of gaps and of ports to plenums of effects
-    pressures = np.array([at.p_s, at.p_d, *(gaps for _ in range(composition.n_widths - 2))])
+    own = max(at.p_s, at.p_d)  # of ports to plenums of effects; that of gaps goes with the pressures at their ends
+    pressures = np.array([at.p_s, at.p_d, 1.0, *(own for _ in range(composition.n_widths - 3))])
     widths = tuple((max(how.regularised, NARROWEST) * pressures).tolist())
     wanted = Wanted(how.rtol, how.tolerance, how.bound, how.closing, widths, check=check)
     loose = Wanted(0.3 * START, 0.2 * START, START, "auto", tuple((START * pressures).tolist()))
