@@ -14,7 +14,7 @@ from screwsim.evaluate.evaluation import evaluate
 from screwsim.model.compose import compose
 from screwsim.scene import load
 from screwsim.simulate import simulate
-from screwsim.solve.estimate import estimated_errors
+from screwsim.solve.estimate import NOTHING, estimated_errors
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 3e-4  # the default
@@ -113,7 +113,7 @@ def test_no_estimate_is_made_where_none_is_wanted():
 
 
 def test_an_estimate_that_cannot_be_made_is_said(monkeypatch):
-    monkeypatch.setattr("screwsim.solve.estimate._finer", lambda of, machinery, wanted, cycle: [])
+    monkeypatch.setattr("screwsim.solve.estimate._finer", lambda of, machinery, wanted, cycle: NOTHING)
     result = simulate(make({}))
     assert all(size is None for size in result.error.values())
     assert any("could not be estimated" in warning for warning in result.warnings)
