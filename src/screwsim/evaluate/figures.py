@@ -82,7 +82,7 @@ def figures_of(
         notes |= reasons
     if parts.dissolves:
         found["discharge_dissolved_gas_ratio"] = discharge_held(streams)
-    own, reasons = _of_plenums(problem, life.R, streams, about)
+    own, reasons = _of_plenums(problem, sucked, streams, about)
     found |= own
     notes |= reasons
     gain = sum(own.get(part.gain) or 0.0 for _, part in parts.all(Plenum))
@@ -175,11 +175,11 @@ def _shut(problem: Problem, turn: Turn | None) -> bool:
 
 
 def _of_plenums(
-    problem: Problem, R: Array, streams: Array, about: dict[str, Figure]
+    problem: Problem, sucked: float, streams: Array, about: dict[str, Figure]
 ) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return what effects say of the cycle by their own plenums, and why some nothing."""
+    """Return what effects say of the cycle by their own plenums, and why some nothing; `sucked` [kg] a life, net."""
     found, notes, parts, gas = {}, {}, problem.parts, streams[:, 0]
-    suction = suction_line.fresh(problem, R, streams) * problem.rate * (1.0 - problem.suction.returned)
+    suction = sucked * problem.rate * (1.0 - problem.suction.returned)
     why = "" if suction > 0.0 else performance.NONE_DELIVERED
     for name, plenum in parts.all(Plenum):
         if plenum.figures is None:
