@@ -102,7 +102,10 @@ def names_of(figures: Iterable[Figure]) -> tuple[str, ...]:
 OILED, EXPANDED = ("oil_supply",), ("machine.mode: expander",)
 HEATED = ("an effect that gives the oil a temperature, such as effects.oil_heat",)
 COOLED = ("operation.condensing_temperature and machine.mode: compressor",)
-CHANGED = ("effects.suction_line", "effects.suction_throttle", "effects.bypass.share", "another effect with an Intake")
+CHANGED = (
+    "effects.suction_line", "effects.suction_throttle", "effects.bypass.share", "effects.air_package.inlet_filter",
+    "effects.air_package.inlet_valve", "another effect with an Intake",
+)  # fmt: skip
 WALLED = ("effects.wall_heat", "effects.cylinder_heat", "another effect with a Wall")
 HELD = ("oil that gives its gas off over time, as effects.refrigerant_solubility.flash_time says",)
 
@@ -141,7 +144,7 @@ _CORE = (
     ),
     Figure("suction_pressure", "Pa", "pressure of the suction line"),
     Figure("suction_temperature", "K", "temperature of the suction line"),
-    Figure("discharge_pressure", "Pa", "pressure of the discharge line"),
+    Figure("discharge_pressure", "Pa", "pressure of the discharge line, in a package before its separator element"),
     Figure("pressure_ratio", "1", "pressure of the discharge line over that of the suction line (expander: inverse)"),
     Figure("displacement", "m3", "swept volume of all chambers in a revolution of the male rotor or the crank"),
     Figure("displacement_flow", "m3 s-1", "displacement times speed"),
@@ -160,7 +163,7 @@ _CORE = (
     ),
     _cooled("cop", "1", "coefficient of performance: cooling capacity over shaft power", by_flow=True),
     _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
-    _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind throttle and bypass"),
+    _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind filter, valve, throttle and bypass"),
     _changed("intake_temperature", "K", "temperature of what the machine sucks, with all that is mixed in"),
     power_figure("output_power", "power that an expander gives at its shaft", needs=EXPANDED),
     Figure(
