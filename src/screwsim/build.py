@@ -108,7 +108,8 @@ def completed(scene: Scene, near: Temperatures | None = None, losses: PressureLo
     """
     package = package_of(scene)
     if package is not None and scene.losses is None:
-        guess = losses or package.losses(package.at_rated_flow, lines(scene).p_d)
+        at = lines(scene)
+        guess = losses or package.losses(package.at_rated_flow, at.p_s, at.p_d)
         scene = replace(scene, losses=guess)
     return _tempered(scene, near)
 

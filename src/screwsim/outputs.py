@@ -102,10 +102,7 @@ def names_of(figures: Iterable[Figure]) -> tuple[str, ...]:
 OILED, EXPANDED = ("oil_supply",), ("machine.mode: expander",)
 HEATED = ("an effect that gives the oil a temperature, such as effects.oil_heat",)
 COOLED = ("operation.condensing_temperature and machine.mode: compressor",)
-CHANGED = (
-    "effects.suction_line", "effects.suction_throttle", "effects.bypass.share", "effects.air_package.inlet_filter",
-    "effects.air_package.inlet_valve", "another effect with an Intake",
-)  # fmt: skip
+CHANGED = ("effects.suction_line", "effects.suction_throttle", "effects.bypass.share", "another effect with an Intake")
 WALLED = ("effects.wall_heat", "effects.cylinder_heat", "another effect with a Wall")
 HELD = ("oil that gives its gas off over time, as effects.refrigerant_solubility.flash_time says",)
 

@@ -58,7 +58,7 @@ def part_load_efficiency(efficiencies: Mapping[float, float]) -> float:
 
 
 def outside_scope(flow: float, gauge: float) -> str:
-    """Return why the regulation does not cover a flow at full load [m³/s] at a gauge pressure [Pa]; empty where it does.
+    """Return why the regulation does not cover a flow at full load [m³/s] and a gauge pressure [Pa]; else nothing.
 
     It also covers packages beyond these flows whose motor has 10 to 200 hp, which is not asked here.
     """

@@ -5,13 +5,15 @@ takes a pressure that goes with the square of the free air delivered (M340, M341
 discharges above what is stated (M342); flow and losses are found together (M343). A minimum-pressure valve keeps what
 lies before it at its pressure. Input power is that of motor, inverter and fan (M345); specific power and isentropic
 efficiency are those of ISO 1217 (M346, M347). Heat of the package by the first law (M348), of the aftercooler by its
-approach (M344).
+approach (M344). Unloaded, the inlet valve leaves a pressure to the machine, the separator is blown down to another, and
+nothing is delivered.
 Source: ISO 1217:2009 with amendment 1:2016 (terms; isentropic power with the exponent 1.4 of air); turbulent loss
 (textbook). Losses of the parts have no value here but what a scene states.
 Assumptions: losses do not depend on density, so they belong to one pressure level; nothing leaks or drains between the
 machine and the outlet; the cooling air comes with the temperature of the inlet; the fan's power heats that air.
 Other figures, and the ledger, are the machine's, between the inlet and what it discharges to.
-Parameters: rated_flow; inlet_filter, inlet_valve, separator_element, minimum_pressure_valve, aftercooler, fan.
+Parameters: rated_flow; inlet_filter, inlet_valve, separator_element, minimum_pressure_valve, aftercooler, fan; state,
+unloaded.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from dataclasses import dataclass
 from screwsim.declare import choice, quantity
 from screwsim.effects.base import Effect, Faults, Given, Intake, LosesPressure, PressureLosses, Reading
 from screwsim.faults import Fault
-from screwsim.outputs import Figure, Scale, efficiency, names_of, over, power_figure
+from screwsim.outputs import Figure, efficiency, names_of, over, power_figure
 from screwsim.rating import isentropic_power
 
 NAME = "air_package"
@@ -31,6 +33,8 @@ MOST = 0.5  # of the suction pressure, that filter and valve may take at rated f
 AIR = "air"
 NO_AIR = "ISO 1217's isentropic power is that of air, and the gas is {fluid}"
 NONE_DELIVERED = "no net gas is delivered"
+IDLE = "the package is unloaded: nothing is delivered"
+UNLOADED = "unloaded"
 OF_HEAT = "package_discharge_temperature", "aftercooler_duty", "package_heat"
 NO_POWER = "the package's input power is not positive"
 
@@ -49,7 +53,7 @@ _named = (
         "Pa",
         "what filter and valve take before the machine",
         over("suction_pressure"),
-        (".inlet_filter", ".inlet_valve"),
+        (".inlet_filter", ".inlet_valve", ".state: unloaded"),
     ),
     power_figure("fan_power", "power of the fan", needs=(".fan",)),
     Figure("package_discharge_temperature", "K", "temperature of the air at the package's outlet", needs=SEPARATED),
@@ -91,6 +95,14 @@ class Aftercooler:
 
 
 @dataclass(frozen=True)
+class Unloaded:
+    """A package that runs and delivers nothing: its inlet valve all but shut, its separator blown down."""
+
+    intake_pressure: float = quantity("pressure", "absolute pressure behind the inlet valve", gt=0.0, le=1e8)
+    separator_pressure: float = quantity("pressure", "absolute pressure to which the machine delivers", gt=0.0, le=1e8)
+
+
+@dataclass(frozen=True)
 class Fan:
     """The fan of the coolers, at the package's terminals."""
 
@@ -103,6 +115,8 @@ class Parameters(LosesPressure):
     """What lies around the machine; what is not named takes nothing."""
 
     rated_flow: float = quantity("volume_flow", "V_r: free air delivered at which the losses are stated", gt=0.0)
+    state: str = choice("loaded, or unloaded as the section of that name says", ("loaded", UNLOADED), "loaded")
+    unloaded: Unloaded | None = None
     inlet_filter: Loss | None = None
     inlet_valve: Loss | None = None
     separator_element: Loss | None = None
@@ -120,8 +134,10 @@ class Parameters(LosesPressure):
         parts = (getattr(self, name) for name in names)
         return sum(part.pressure_loss for part in parts if part is not None)
 
-    def losses(self, flow: float, outlet: float) -> PressureLosses:
-        """Return what a flow [m³/s] at the inlet loses, the outlet at a pressure [Pa] (M341, M342)."""
+    def losses(self, flow: float, inlet: float, outlet: float) -> PressureLosses:
+        """Return what a flow [m³/s] at the inlet loses, inlet and outlet at pressures [Pa] (M341, M342)."""
+        if self.state == UNLOADED and self.unloaded is not None:
+            return PressureLosses(inlet - self.unloaded.intake_pressure, self.unloaded.separator_pressure - outlet)
         share, valve = (flow / self.rated_flow) ** 2, self.minimum_pressure_valve
         before_valve = outlet + share * self.rated("minimum_pressure_valve", "aftercooler")
         if valve is not None and valve.pressure is not None:
@@ -145,15 +161,16 @@ def read(parameters: Parameters, known) -> Given:
     inlet, outlet = found["suction_pressure"], found["discharge_pressure"] - losses.behind
     blown = fan_power(parameters, flow)
     power = found["electrical_power"] + blown
-    why = NONE_DELIVERED if flow <= 0.0 else "" if power > 0.0 else NO_POWER
+    idle = IDLE if parameters.state == UNLOADED else ""
+    why = idle or (NONE_DELIVERED if flow <= 0.0 else "" if power > 0.0 else NO_POWER)
     of_air = "" if known.fluid.lower() == AIR else NO_AIR.format(fluid=known.fluid)
     return {
-        FREE_AIR: flow,
+        FREE_AIR: 0.0 if idle else flow,
         "package_input_power": power,
         "package_specific_power": why or power / flow,
         "package_isentropic_efficiency": why or of_air or isentropic_power(flow, inlet, outlet) / power,
         "package_discharge_pressure": outlet,
-        "package_pressure_loss": losses.behind,
+        "package_pressure_loss": idle or losses.behind,
         "intake_pressure_loss": losses.before,
         "fan_power": blown,
         **_heats(parameters, known, outlet, power),
@@ -161,7 +178,7 @@ def read(parameters: Parameters, known) -> Given:
 
 
 def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
-    """Return the temperature at the outlet [K], the duty of the aftercooler and the heat of the package [W] (M344, M348).
+    """Return the temperature at the outlet [K], duty of the aftercooler and heat of the package [W] (M344, M348).
 
     They follow from the separator's temperature, and are none where nothing finds that.
     """
@@ -170,14 +187,16 @@ def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
     if T is None:
         return dict.fromkeys(OF_HEAT, "gas and oil do not part in the separator")
     T_1 = found["suction_temperature"]
+    h_1, h = known.enthalpy(found["suction_pressure"], T_1), known.enthalpy(found["discharge_pressure"], T)
+    if parameters.state == UNLOADED:  # what the machine moves is blown off, as warm as it comes
+        return dict(zip(OF_HEAT, (IDLE, 0.0, power - flow * (h - h_1)), strict=True))
     T_2 = T if cooler is None else min(T, T_1 + cooler.approach)
-    h_1 = known.enthalpy(found["suction_pressure"], T_1)
-    h, h_2 = known.enthalpy(found["discharge_pressure"], T), known.enthalpy(outlet, T_2)
+    h_2 = known.enthalpy(outlet, T_2)
     return dict(zip(OF_HEAT, (T_2, flow * (h - h_2), power - flow * (h_2 - h_1)), strict=True))
 
 
 def build(parameters: Parameters, machine) -> list[Reading | Intake]:
-    named = any(getattr(parameters, name) is not None for name in BEFORE)
+    named = parameters.state == UNLOADED or any(getattr(parameters, name) is not None for name in BEFORE)
     reading = Reading(names_of(FIGURES), lambda known: read(parameters, known))
     return [reading, *([Intake(package=True)] if named else [])]
 
@@ -188,10 +207,19 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(path, "belongs to machine.mode: compressor (remove it)")
         return
     if "motor" not in facts.effects:
-        yield Fault(path, "needs effects.motor, whose electrical power is the package's (add it, e.g. rated_power: 75 kW)")
+        what = "needs effects.motor, whose electrical power is the package's"
+        yield Fault(path, f"{what} (add it, e.g. rated_power: 75 kW)")
     if parameters.aftercooler is not None and "separator" not in facts.effects:
         yield Fault(f"{path}.aftercooler", "needs effects.separator, which tells how warm the air comes (add it)")
-    p_s = facts.operation.suction.pressure
+    p_s, idle = facts.operation.suction.pressure, parameters.unloaded
+    if idle is None and parameters.state == UNLOADED:
+        remedy = "write e.g. {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}"
+        yield Fault(f"{path}.{UNLOADED}", f"is missing, and state asks for it ({remedy})")
+    if idle is not None and not idle.intake_pressure < idle.separator_pressure:
+        yield Fault(f"{path}.{UNLOADED}.separator_pressure", "lies not above intake_pressure (a higher one)")
+    if idle is not None and p_s is not None and idle.intake_pressure > p_s:
+        what = f"lies above the {1e-5 * p_s:.4g} bar of the inlet, and a valve only takes pressure"
+        yield Fault(f"{path}.{UNLOADED}.intake_pressure", f"{what} (a lower one)")
     if p_s is not None and parameters.rated(*BEFORE) >= MOST * p_s:
         part = next(name for name in BEFORE if getattr(parameters, name) is not None)
         what = f"filter and valve would take {1e-5 * parameters.rated(*BEFORE):.4g} bar of the {1e-5 * p_s:.4g} bar"

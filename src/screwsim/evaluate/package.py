@@ -25,6 +25,6 @@ def package_off(problem: Problem, flow: float | None) -> Package | None:
     if package is None or posed is None:
         return None
     outlet = problem.lines.p_d - posed.behind
-    found = package.losses(max(flow or 0.0, 0.0) / problem.inlet.density, outlet)
+    found = package.losses(max(flow or 0.0, 0.0) / problem.inlet.density, problem.lines.p_s, outlet)
     before, behind = found.before - posed.before, found.behind - posed.behind
     return Package(before, behind, max(abs(before) / problem.lines.p_s, abs(behind) / outlet))

@@ -124,11 +124,11 @@ class Search:
                 self.why = f"the oil's circuit leads to where {faults[0]}"
                 return None
         if len(x) > 2:
-            before, behind = (max(KPA * each, 0.0) for each in x[2:].tolist())
+            before, behind = (KPA * each for each in x[2:].tolist())
             if not before < ALL * problem.lines.p_s:
                 self.why = "what the package loses before the machine leaves nothing to suck"
                 return None
-            self.series.losses = PressureLosses(before, behind)
+            self.series.losses = PressureLosses(max(before, 0.0), behind)
             scene = replace(scene, losses=self.series.losses)
         part = problem.parts.shaft
         held = part is None or part.train(self.stated).holds_mean

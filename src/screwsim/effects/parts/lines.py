@@ -78,7 +78,10 @@ class InSeparator:
 
 
 class PressureLosses(NamedTuple):
-    """What a package loses [Pa] between its inlet and the machine, and between the machine and its outlet."""
+    """What a package loses [Pa] between its inlet and the machine, and between the machine and its outlet.
+
+    The latter is negative where nothing passes to an outlet under pressure.
+    """
 
     before: float = 0.0
     behind: float = 0.0
@@ -92,8 +95,8 @@ class LosesPressure:
         """Flow [m³/s] at the package's inlet with which the search for the losses begins."""
         raise NotImplementedError
 
-    def losses(self, flow: float, outlet: float) -> PressureLosses:
-        """Return what a flow [m³/s] at the inlet loses, the package's outlet at a pressure [Pa]."""
+    def losses(self, flow: float, inlet: float, outlet: float) -> PressureLosses:
+        """Return what a flow [m³/s] at the inlet loses, inlet and outlet of the package at pressures [Pa]."""
         raise NotImplementedError
 
 
