@@ -108,7 +108,7 @@ def _check(scene: Scene) -> None:
     package = package_of(scene)
     assert package is not None
     if scene.effects["air_package"].parameters.state == UNLOADED:
-        raise UsageError(f"datasheet: {STATE} is unloaded, and an unloaded package delivers nothing (loaded)")
+        raise UsageError(f"datasheet: {STATE} is unloaded, and an unloaded package delivers nothing (write loaded)")
 
 
 def _solved(base: Scene, speeds: Sequence[float]) -> list[Point]:

@@ -79,9 +79,9 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     yield "discharge", f"{quantity('Pa', at.p_d)}, {1e-5 * gauge:.4g} bar ({gauge / PSI:.0f} psi) over the inlet"
     found = full.result.performance if full.ok else {}
     load = f", {_percent(found['shaft_power'] / motor.rated_power)} of it at full flow" if found else ""
-    inverter = "" if motor.drive_efficiency == 1.0 else f"; inverter {_percent(motor.drive_efficiency)}"
-    eta = f", efficiency{' with inverter' * bool(inverter)} {_percent(found['motor_efficiency'], 1)}" if found else ""
-    yield "motor", f"{quantity('W', motor.rated_power)} rated{load}{eta}{inverter}"
+    inverter = "" if motor.drive_efficiency == 1.0 else " with its inverter"
+    eta = f", efficiency{inverter} {_percent(found['motor_efficiency'], 1)}" if found else ""
+    yield "motor", f"{quantity('W', motor.rated_power)} rated{load}{eta}"
     if package.fan is not None:
         yield "fan", f"{quantity('W', package.fan.power)}, {_CONTROL[package.fan.control]}"
     if found:
