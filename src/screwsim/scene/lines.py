@@ -66,7 +66,7 @@ def refrigerating_effect(scene: Scene) -> float | None:
     T_c, subcooling = scene.operation.condensing_temperature, scene.operation.subcooling
     if T_c is None or scene.machine.mode == "expander":
         return None
-    fluid, p_d = scene.gas.name, lines(scene).p_d
+    fluid, p_d = scene.gas.name, _lines(scene.operation, scene.gas.name).p_d
     T = constants.condensed(fluid, T_c)
     if subcooling:
         return suction_enthalpy(scene) - constants.liquid_enthalpy(fluid, p_d, T - subcooling)
