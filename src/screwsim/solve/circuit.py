@@ -126,7 +126,7 @@ class Search:
         if len(x) > 2:
             before, behind = (KPA * each for each in x[2:].tolist())
             if not before < ALL * problem.lines.p_s:
-                self.why = "what the package loses before the machine leaves nothing to suck"
+                self.why = "what the package loses before the machine leaves nothing to suck (smaller losses)"
                 return None
             self.series.losses = PressureLosses(max(before, 0.0), behind)
             scene = replace(scene, losses=self.series.losses)
