@@ -1,7 +1,8 @@
 """The rating of an air package: ISO 1217's isentropic power, and the least efficiency of 10 CFR 431.345.
 
-Source: ISO 1217:2009 with amendment 1:2016 (isentropic power of air, exponent 1.4); 10 CFR 431.345, table 1, and
-appendix A to subpart T of part 431 (loads of variable speed and their weights), from public copies.
+Source: ISO 1217:2009 with amendment 1:2016 (isentropic power of air, exponent 1.4); 10 CFR 431.345, table 1,
+from public copies. Loads of variable speed and their weights are those of appendix A to subpart T of part 431 as we
+know it: its text was not at hand.
 """
 
 from __future__ import annotations

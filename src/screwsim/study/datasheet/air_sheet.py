@@ -14,6 +14,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
 from screwsim.study.datasheet.sheet import Curve, Sheet
 
+INLET = 1e5, 293.15  # Pa, K
 KW, MINUTE, RPM = 1e3, 60.0, 0.10471975511965977  # W, s, rad/s
 POWER, SPECIFIC = "package_input_power", "package_specific_power"
 HEADS = ("rpm", "m³/min", "acfm", "% of full", "kW", "kW/ (m³/min)", "kW/ 100 acfm", "isentropic %")
@@ -42,7 +43,7 @@ def air_sheet(scene: Scene, rated: Rating) -> Sheet:
         heads=HEADS,
         rows=rows,
         verdict=_verdict(rated.regulation),
-        notes=list(_notes(every)),
+        notes=list(_notes(scene, every)),
         curves=[curve] if len(good) > 1 else [],
         document=_document(scene, rated),
         ok=all(point.ok for point in every),
@@ -131,7 +132,10 @@ def _verdict(found: Regulation | None) -> tuple[str, str, bool | None] | None:
     return what, f"{text}; {asked}: {'met' if found.met else 'not met'}", found.met
 
 
-def _notes(points: list[Point]) -> Iterator[str]:
+def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
+    at = lines(scene)
+    if abs(at.p_s - INLET[0]) > 1e-3 * INLET[0] or abs(at.T_s - INLET[1]) > 0.1:
+        yield "rated at another inlet than the 1 bar and 20 °C at which sheets are compared"
     for point in points:
         if not point.ok:
             yield f"{point.speed / RPM:.0f} rpm: {point.result.told}"
