@@ -109,8 +109,9 @@ def completed(scene: Scene, near: Temperatures | None = None, losses: PressureLo
     package = package_of(scene)
     if package is not None and scene.losses is None:
         at = lines(scene)
-        guess = losses or package.losses(package.at_rated_flow, at.p_s, at.p_d)
-        scene = replace(scene, losses=guess)
+        guess = package.losses(package.at_rated_flow, at.p_s, at.p_d)
+        near_by = losses is not None and min(losses.behind, guess.behind) >= 0.0  # both deliver
+        scene = replace(scene, losses=losses if near_by else guess)
     return _tempered(scene, near)
 
 

@@ -101,7 +101,10 @@ def test_an_unloaded_package_takes_power_and_delivers_nothing(unloaded):
 
 
 def test_a_course_of_speeds_finds_what_each_finds_alone(shipped):
-    scenes = [screwsim.load(SCENE, [f"operation.speed={speed} rpm"]) for speed in (1500, 2200, 2950)]
+    before = [f"operation.speed={speed} rpm" for speed in (1500, 2200)]
+    scenes = [
+        screwsim.load(SCENE, [each]) for each in (*before, f"{PACKAGE}.state=unloaded", "operation.speed=2950 rpm")
+    ]
     last = list(simulate_many(scenes, trace=False))[-1].performance
     for name in ("free_air_delivered", "package_input_power", "discharge_pressure", "intake_pressure"):
         assert last[name] == pytest.approx(shipped.performance[name], rel=2.0 * ACCURACY), name

@@ -194,3 +194,16 @@ def test_ticks_are_round_and_within(low, high):
     found = ticks(low, high)
     assert 3 <= len(found) <= 7
     assert low - 1e-9 <= found[0] < found[-1] <= high + 1e-9
+
+
+def test_the_how_to_shows_what_the_command_prints(sheets):
+    """To one in the last digit, which another machine may round otherwise."""
+    text = (ROOT / "docs" / "how-to" / "air-package.md").read_text(encoding="utf-8")
+    _, sheet = sheets["variable_speed_7"]
+    shown = {line.split()[0]: line.split() for line in text.splitlines() if len(line.split()) == len(sheet.heads)}
+    for row in sheet.rows:
+        for cell, theirs in zip(row, shown[row[0]], strict=True):
+            digit = 10.0 ** -len(cell.partition(".")[2])
+            assert float(theirs) == pytest.approx(float(cell), abs=1.01 * digit)
+    for name, value in sheet.lines:
+        assert value.split(",")[0] in " ".join(text.split()), name
