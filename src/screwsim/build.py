@@ -16,11 +16,13 @@ from screwsim.effects.base import (
     HeatRate,
     InSeparator,
     LineLeak,
+    LosesPressure,
     Made,
     OilContent,
     OilGas,
     OilSolution,
     Plenum,
+    PressureLosses,
     Scaled,
     Site,
     Wall,
@@ -92,11 +94,28 @@ class Temperatures(NamedTuple):
     separator: float
 
 
-def completed(scene: Scene, near: Temperatures | None = None) -> Scene:
-    """Return a scene in which temperatures that effects.separator finds have values: `near` ones, or first guesses.
+def package_of(scene: Scene) -> LosesPressure | None:
+    """Return the parameters of the effect that puts a package around the machine; None where there is none."""
+    every = (active.parameters for active in scene.effects.values())
+    return next((parameters for parameters in every if isinstance(parameters, LosesPressure)), None)
 
-    Raise Unfound where oil or effects cannot be at the first guess either.
+
+def completed(scene: Scene, near: Temperatures | None = None, losses: PressureLosses | None = None) -> Scene:
+    """Return a scene in which all has values that is found with the cycle: what is `near`, or first guesses.
+
+    These are temperatures that effects.separator finds, and the losses of a package. Raise Unfound where oil or effects
+    cannot be at the first guess either.
     """
+    package = package_of(scene)
+    if package is not None and scene.losses is None:
+        at = lines(scene)
+        guess = package.losses(package.at_rated_flow, at.p_s, at.p_d)
+        near_by = losses is not None and min(losses.behind, guess.behind) >= 0.0  # both deliver
+        scene = replace(scene, losses=losses if near_by else guess)
+    return _tempered(scene, near)
+
+
+def _tempered(scene: Scene, near: Temperatures | None) -> Scene:
     if not any(open_temperatures(scene)):
         return scene if scene.oil_supply is None or scene.oil_supply.temperature is not None else _kept(scene)
     if near is not None:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.build import build_parts, faults_of_own, open_temperatures, regularisation
+from screwsim.build import build_parts, faults_of_own, open_temperatures, package_of, regularisation
 from screwsim.cycle.wanted import wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
@@ -321,6 +321,8 @@ def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     yield _row("surroundings", f"{operation.ambient_temperature:.6g} K, to which the ledger's exergy refers (M59)")
     back = f"what flows back has {'the ' if T_d is None else ''}{back}"
     yield _row("discharge line", f"{at.p_d / 1e5:.6g} bar{bubble}; {back}")
+    if package_of(scene) is not None:
+        yield _row("package", "both are its lines; what it loses to the machine is found with the cycle (M341-M343)")
     if operation.condensing_temperature is not None:
         subcooling = readable_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
         yield _row("cooling", f"liquid subcooled by {subcooling}; enthalpies of the real fluid (M43)")

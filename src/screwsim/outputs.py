@@ -141,7 +141,7 @@ _CORE = (
     ),
     Figure("suction_pressure", "Pa", "pressure of the suction line"),
     Figure("suction_temperature", "K", "temperature of the suction line"),
-    Figure("discharge_pressure", "Pa", "pressure of the discharge line"),
+    Figure("discharge_pressure", "Pa", "pressure of the discharge line, in a package before its separator element"),
     Figure("pressure_ratio", "1", "pressure of the discharge line over that of the suction line (expander: inverse)"),
     Figure("displacement", "m3", "swept volume of all chambers in a revolution of the male rotor or the crank"),
     Figure("displacement_flow", "m3 s-1", "displacement times speed"),
@@ -160,7 +160,7 @@ _CORE = (
     ),
     _cooled("cop", "1", "coefficient of performance: cooling capacity over shaft power", by_flow=True),
     _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
-    _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind throttle and bypass"),
+    _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind filter, valve, throttle and bypass"),
     _changed("intake_temperature", "K", "temperature of what the machine sucks, with all that is mixed in"),
     power_figure("output_power", "power that an expander gives at its shaft", needs=EXPANDED),
     Figure(

@@ -133,7 +133,7 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
         result = Result("failed", str(wrong), scene_warnings(scene), tuple(scene.effects))
     if course is not None and result.status != "ok":
         course.forget()
-        series.temperatures = None
+        series.temperatures = series.losses = None
     return result
 
 
@@ -206,12 +206,13 @@ def _closed_in_entropy(
 def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> tuple[str, str]:
     """Return the status of a cycle that has figures, and its message; `forbidden` is what an effect says of it.
 
-    `why` says why the oil's temperatures were not found, where they were not.
+    `why` says why the oil's temperatures, or a package's losses, were not found, where they were not.
     """
     cycle, of = accurate.cycle, accurate.evaluation
     status, message = cycle.status, ""
     none, circuit_open = verdict.of_circuit(of)
-    forbidden = forbidden or none or (why if circuit_open > balance.bound else "")
+    package_open = verdict.of_package(of)
+    forbidden = forbidden or none or (why if max(circuit_open, package_open) > balance.bound else "")
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
     shown = ", ".join(f"{name} {size:.2g}" for name, size in residuals.items())
     if status == "not_closed" or max(residuals.values()) > balance.bound:
@@ -219,6 +220,9 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
         message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
     elif circuit_open > balance.bound:
         status, left = "not_closed", f"the oil's circuit leaves {circuit_open:.2g} of the shaft power open"
+        message = f"{left}, against the bound {balance.bound:.2g}; try a tighter numerics.accuracy"
+    elif package_open > balance.bound:
+        status, left = "not_closed", f"the package's losses leave {package_open:.2g} of a pressure open"
         message = f"{left}, against the bound {balance.bound:.2g}; try a tighter numerics.accuracy"
     unsettled = f"; {{}} cycle does not close: {shown}, bound {balance.bound:.2g}" if status != "ok" else ""
     unknown = verdict.open_question(of, status == "ok")

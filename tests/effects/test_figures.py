@@ -48,6 +48,13 @@ FULL = {  # what of an effect's parameters calls for the rest of its figures
     ),
     "motor": (*each.CONDENSER, "effects.oil_heat=off", "effects.oil_pump=off"),
 }
+FULL["air_package"] = (
+    *each.CARRIED,
+    "oil_supply.temperature=null",
+    "effects.separator={cooler: {discharge_temperature: 350 K}}",
+    "effects.air_package.aftercooler={pressure_loss: 0.1 bar, approach: 10 K}",
+    "effects.air_package.fan={power: 1 kW}",
+)
 GIVE = sorted(name for name, effect in catalogue().items() if effect.figures)
 
 

@@ -123,6 +123,7 @@ OF_EFFECT: dict[str, Ranges] = {
     "oil_drag": {"tip_gap": Range(0.05, 0.3, "mm")},
     "gas_torque": {"male_share": Range(0.5, 1.0, "", False)},
     "separator": {"friction_share": Range(0.0, 1.0, "", False)},
+    "air_package": {"rated_flow": Range(0.5, 50.0, "m^3/min")},
     "motor": {"rated_power": Range(5.0, 200.0, "kW"), "constant_share": Range(0.0, 1.0, "", False)},
     "drive": {"rotor_inertia": Range(0.05, 2.0, "kg m^2"), "motor_inertia": Range(0.1, 5.0, "kg m^2")},
     "plenums": {
@@ -326,6 +327,25 @@ STRUCTURES: dict[str, Structure] = {
         ),
         (*SOLVING, {KEPT: Range(335.0, 365.0, K, False)}),
         ("separator_temperature",),
+    ),
+    "air package": Structure(
+        PAPER,
+        (
+            CARRIED,
+            "gas.fluid=Air",
+            "oil_supply.temperature=null",
+            "effects.separator={cooler: {discharge_temperature: 350 K}}",
+            "effects.motor={rated_power: 1 MW}",
+            "effects.air_package={rated_flow: 3 m^3/min, inlet_filter: {pressure_loss: 30 mbar}, separator_element: "
+            "{pressure_loss: 0.2 bar}, minimum_pressure_valve: {pressure_loss: 0.1 bar, pressure: 5 bar}, "
+            "aftercooler: {pressure_loss: 0.1 bar, approach: 10 K}, fan: {power: 1 kW}}",
+        ),
+        (
+            *SCREW,
+            {"oil_supply.ratio": Range(0.5, 15.0)},
+            {KEPT: Range(320.0, 400.0, K, False), "operation.speed": Range(1000.0, 10000.0, "rpm")},
+        ),
+        ("motor.rated_power",),
     ),
 }
 

@@ -123,6 +123,15 @@ EFFECTS: dict[str, dict[str, Any]] = {
     "separator": {"effects.separator": {}},
     "separator, no cooler": {"effects.separator": {}, "oil_supply.temperature": DROP},
     "motor": {"effects.motor": {"rated_power": "15 kW", "efficiency": 0.921}},
+    "air_package": {
+        "effects.motor": {"rated_power": "1 MW"},
+        "effects.air_package": {
+            "rated_flow": "3 m^3/min",
+            "inlet_filter": {"pressure_loss": "30 mbar"},
+            "separator_element": {"pressure_loss": "0.2 bar"},
+            "minimum_pressure_valve": {"pressure_loss": "0.1 bar", "pressure": "5 bar"},
+        },
+    },
     "gas_torque": {"effects.gas_torque": {"male_share": 0.9}},
     "drive": {
         "effects.drive": {

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from screwsim.outputs import Figures
+from screwsim.rating import CFM, HORSEPOWER, PSI, STANDARDS, isentropic_power
 from screwsim.scene import Scene, load, with_values
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many
@@ -36,13 +37,11 @@ ABOUT = (
     "several times as much. Friction, droplets and what the inverter loses move the lowest point by 4 to 9 % each and "
     "are known no better, so that ±2 % there proves none of them."
 )
-RPM, CFM = 2.0 * pi / 60.0, 0.3048**3 / 60.0  # rad/s, m^3/s
+RPM = 2.0 * pi / 60.0  # rad/s
 SPEEDS = np.geomspace(700.0, 3900.0, 9)  # rpm
-PSI = 6894.76  # Pa
 LOSS = 4.5 * PSI  # Pa, of the package at full flow: separator element 2.5 psi, aftercooler 2 psi
-FAN = 5.9 * 745.7  # W, nominal
+FAN = 5.9 * HORSEPOWER  # W, nominal
 SHAPE, SIZE = 0.02, 0.10  # tolerances: of what is relative to full flow, and of the specific power itself
-K = 1.4  # of air, as ISO 1217 has it
 NAME = "predicted"
 SHOWN = {"shafts leak as a nozzle (M274)": "shafts as a nozzle", "gaps dry": "gaps dry"}
 FILMS = (  # laws and rules of machine.yaml, for the machine of 160 mm
@@ -110,19 +109,6 @@ def _figures(scene: Scene, lost: tuple[float, float], shares: np.ndarray) -> lis
 def _flow(figures: Sequence[Figures]) -> np.ndarray:
     """Return the flows at suction [m³/s]."""
     return np.array([each.volumetric_efficiency * each.displacement_flow for each in figures])
-
-
-def isentropic_power(flow: float, suction: float, discharge: float) -> float:
-    """Return the power [W] of isentropic compression of a flow at suction [m³/s] between pressures [Pa] (ISO 1217)."""
-    return K / (K - 1.0) * suction * flow * ((discharge / suction) ** ((K - 1.0) / K) - 1.0)
-
-
-def least_efficiency(flow: float, regulation: dict[str, str]) -> float:
-    """Return the least package isentropic efficiency at a full-load flow [m³/s] (10 CFR 431.345)."""
-    square, linear, constant, d = (float(regulation[name]) for name in ("square", "linear", "constant", "d"))
-    L = log(1000.0 * flow)
-    regression = square * L**2 + linear * L + constant
-    return regression + (1.0 - regression) * d / 100.0
 
 
 def shape_rows(name: str, curve: Curve, sheet: Curve, kind: str) -> list[Row]:
@@ -229,7 +215,7 @@ def compare(here: Path) -> Comparison:
     full = sheet.flow[-1]
     predicted = swept(file, full, (LOSS, 0.0))
     between = lines(load(file))
-    least = least_efficiency(full, read_table(here / "regulation.csv")[0])
+    least = STANDARDS["variable", "air"].least(full)
     rows = [*shape_rows(NAME, predicted, sheet, "published"), size_row(NAME, predicted, sheet, "published")]
     rows.append(regulation_row(NAME, predicted, sheet, (between.p_s, between.p_d), least))
     rows.append(tried_row("nothing changed", predicted, sheet, "machine.yaml"))

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import discharge_enthalpy, pushed_of, streams_of
 from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import Turn
+from screwsim.effects.base import PressureLosses, Turn
 from screwsim.model.places import SOME_OIL
 from screwsim.model.slots import PLACE, PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
@@ -44,6 +45,11 @@ class CycleFigures:
     turn: Turn | None = None
     leaked_oil_flow: float = 0.0  # [m³/s] from the discharge line to suction, beside the chambers
     intake_pressure: float = 0.0  # before the suction port
+    package: PressureLosses | None = None  # that a package loses around the machine
+    enthalpy: Callable[[float, float], float] | None = None  # [J/kg] of the gas at a pressure and a temperature
+    suction_density: float = 0.0  # of the gas in the suction line
+    fluid: str = ""
+    found: Mapping[str, Any] = field(default_factory=dict)  # the figures that are known already
 
 
 def pitch_at(problem: Problem, life: Trajectory, q: Array) -> Pitch:
@@ -90,6 +96,10 @@ def known_of(
         turn=turn,
         leaked_oil_flow=_leaked_oil(problem, life),
         intake_pressure=problem.suction.pressure,
+        package=problem.scene.losses,
+        enthalpy=parts.gas.enthalpy,
+        suction_density=problem.inlet.density,
+        fluid=problem.scene.gas.name,
     )
 
 

@@ -12,7 +12,7 @@ from screwsim.build import Stock, Temperatures, build_parts, completed
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.suction import SuctionState, suction_of
 from screwsim.cycle.wanted import Wanted, wanted_of
-from screwsim.effects.base import Made
+from screwsim.effects.base import Made, PressureLosses
 from screwsim.figures import called_for
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
@@ -89,19 +89,21 @@ class Series:
     def __init__(self) -> None:
         self.stock, self.composer, self.course = Stock(), Composer(), Course()
         self.temperatures: Temperatures | None = None  # that effects.separator found last
-        self.per_kelvin: dict[str, float] = {}  # relative change of the figures by these
+        self.losses: PressureLosses | None = None  # of a package, found last
+        self.per_step: dict[str, float] = {}  # relative change of the figures by these, per kelvin or kPa
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:
     """Return what a scene asks; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
     series = series or Series()
-    scene = completed(scene, series.temperatures)
+    scene = completed(scene, series.temperatures, series.losses)
     parts, at = build_parts(scene, series.stock, set_speed), lines(scene)
     composition = _by(scene.numerics.integrator, series.composer.compose(parts))
     composition.P.flags.writeable = False
     dry = at.quality is None
     line = parts.gas.place(at.p_s, at.T_s) if dry else parts.gas.place_of_enthalpy(at.p_s, suction_enthalpy(scene))
-    inlet, suction = Inlet(line[DENSITY], line[ENTHALPY]), suction_of(parts, line)
+    lost = 0.0 if scene.losses is None else scene.losses.before
+    inlet, suction = Inlet(line[DENSITY], line[ENTHALPY]), suction_of(parts, line, lost)
     begins = suction.place(_h_isentropic(parts, at, inlet)) if suction.changed else line
     parameters = np.concatenate([composition.P, [*begins, at.p_d, *parts.geometry.outcomes]])
     lines_of = (*_discharge_line(composition), *(_suction_line(composition) if parts.suction_line else ()))

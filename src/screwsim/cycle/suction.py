@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from screwsim.effects.base import Intake
 from screwsim.fluid.gas import Gas
@@ -14,12 +14,20 @@ Place = tuple[float, ...]
 
 @dataclass(frozen=True)
 class SuctionState:
-    """The gas, the suction line's place, the pressure ratio over a throttle, and the share of gas that is returned."""
+    """The gas, the suction line's place, the pressure ratio over throttles, and the share of gas that is returned.
+
+    `kept` is what a package's losses leave of the pressure, one of those throttles.
+    """
 
     gas: Gas
     line: Place
     pressure_ratio: float = 1.0
     returned: float = 0.0
+    kept: float = 1.0
+
+    def ratio_of(self, part: Intake) -> float:
+        """Return the pressure ratio over one of the throttles."""
+        return self.kept if part.package else part.pressure_ratio
 
     @property
     def changed(self) -> bool:
@@ -50,9 +58,10 @@ class SuctionState:
         return T_s if place is self.line else self.gas.temperature(place[PRESSURE], place[ENTHALPY])
 
 
-def suction_of(parts: Parts, line: Place) -> SuctionState:
-    """Return what the effects of a scene make of the line's gas."""
+def suction_of(parts: Parts, line: Place, lost: float = 0.0) -> SuctionState:
+    """Return what the effects of a scene make of the line's gas, of which a package has lost a pressure [Pa] (M341)."""
+    state = SuctionState(parts.gas, line, kept=1.0 - lost / line[PRESSURE])
     ratio, returned = 1.0, 0.0
     for _, part in parts.all(Intake):
-        ratio, returned = ratio * part.pressure_ratio, max(returned, part.returned)
-    return SuctionState(parts.gas, line, ratio, returned)
+        ratio, returned = ratio * state.ratio_of(part), max(returned, part.returned)
+    return replace(state, pressure_ratio=ratio, returned=returned)

@@ -20,7 +20,7 @@ _GAPS = ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage", "s
 _LINES = ("shaft_leakage", "suction_line", "suction_throttle")
 _HEAT = ("oil_heat", "droplets", "wall_heat", "thermal_clearances", "plenums")
 _LOSSES = ("oil_pump", "hydromechanical", "mechanical", "oil_drag", "bearings", "motor", "gas_torque", "drive")
-_ORDER = (*_PORTS, *_GAPS, *_LINES, *_HEAT, *_LOSSES)
+_ORDER = (*_PORTS, *_GAPS, *_LINES, *_HEAT, *_LOSSES, "air_package")
 
 
 @cache

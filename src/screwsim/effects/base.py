@@ -14,7 +14,17 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from screwsim.effects.parts.flows import FlowPath, Resistance, Scaled
-from screwsim.effects.parts.lines import CoolsOil, InSeparator, Intake, LineLeak, Separator, SuctionHeat, SuctionLine
+from screwsim.effects.parts.lines import (
+    CoolsOil,
+    InSeparator,
+    Intake,
+    LineLeak,
+    LosesPressure,
+    PressureLosses,
+    Separator,
+    SuctionHeat,
+    SuctionLine,
+)
 from screwsim.effects.parts.made import LineFlow, Made, Pulsation, Turn
 from screwsim.effects.parts.oil import OilContent, OilGas, OilPort, OilRoom, OilSolution
 from screwsim.effects.parts.plenums import Drawn, Plenum, Site
@@ -39,6 +49,7 @@ __all__ = [  # all that an effect's file imports
     "Intake",
     "LineFlow",
     "LineLeak",
+    "LosesPressure",
     "Made",
     "OilContent",
     "OilGas",
@@ -48,6 +59,7 @@ __all__ = [  # all that an effect's file imports
     "Part",
     "Plenum",
     "PowerLoss",
+    "PressureLosses",
     "Pulsation",
     "Reading",
     "Resistance",

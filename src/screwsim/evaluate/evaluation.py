@@ -14,6 +14,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
+from screwsim.evaluate.package import Package, package_off
 from screwsim.evaluate.separator import Circuit, circuit_of
 from screwsim.figures import Performance
 from screwsim.model.slots import R_INJECTED, R_TRAPPED
@@ -72,6 +73,11 @@ class Evaluation:
     def read(self) -> Read:
         """The performance figures, and why some are None."""
         return figures_of(self.problem, self.life, self.q, self.known, self.losses, self.circuit)
+
+    @cached_property
+    def package(self) -> Package | None:
+        """How far the losses of a package are from those of the flow; None without one."""
+        return package_off(self.problem, self.figures.gas_mass_flow)
 
     @property
     def figures(self) -> Performance:

@@ -118,7 +118,7 @@ def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tup
     names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop")
     complete = replace(known, **{name: found.get(name) for name in names}) if reading else known
     for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # which others may ask for
-        given = part.read(replace(complete, motor_power=values.get(MOTOR_POWER)))
+        given = part.read(replace(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))
         read, reasons = valued(given, name, finite=bool(np.isfinite(known.indicated_power)))
         values |= read
         notes |= reasons

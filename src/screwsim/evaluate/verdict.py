@@ -136,6 +136,11 @@ def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
     )
 
 
+def of_package(of: Evaluation) -> float:
+    """Return what the losses of a package leave open of a pressure; nothing without a package."""
+    return 0.0 if of.package is None else of.package.open
+
+
 def of_circuit(of: Evaluation) -> tuple[str, float]:
     """Return what forbids the oil's circuit of a cycle, or an empty text, and what it leaves open of the shaft power.
 

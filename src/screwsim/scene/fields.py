@@ -16,7 +16,7 @@ from screwsim.near import containing, ending, nearest
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 
-APART = ("effects", "sweep", "joints", "text", "folder")  # parts of a scene that are not plain sections
+APART = ("effects", "sweep", "joints", "text", "folder", "losses")  # parts of a scene that are not plain sections
 SWEEPABLE = {*KINDS, "number", "count", "choice"}
 FIXED = {"machine.kind"}  # another kind is another scene
 _MANY = 4  # paths that a message lists

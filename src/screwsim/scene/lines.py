@@ -1,11 +1,12 @@
 """The states of both lines of a scene, whichever way it states them: the one place to ask for p_s, T_s, p_d.
 
-Pressures are given, or they are those of saturation at given temperatures (docs/model.md M42).
+Pressures are given, or they are those of saturation at given temperatures (docs/model.md M42). Of a package around the
+machine the discharge pressure is stated at its outlet, and is higher at the machine (M342).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from screwsim.fluid import constants
@@ -24,7 +25,9 @@ class Lines:
 
 def lines(scene: Scene) -> Lines:
     """Return the states of both lines of a scene that `cross_check` finds in order (M42)."""
-    return _lines(scene.operation, scene.gas.name)
+    stated = _lines(scene.operation, scene.gas.name)
+    behind = 0.0 if scene.losses is None else scene.losses.behind
+    return stated if behind == 0.0 else replace(stated, p_d=stated.p_d + behind)
 
 
 @lru_cache(maxsize=64)
@@ -63,7 +66,7 @@ def refrigerating_effect(scene: Scene) -> float | None:
     T_c, subcooling = scene.operation.condensing_temperature, scene.operation.subcooling
     if T_c is None or scene.machine.mode == "expander":
         return None
-    fluid, p_d = scene.gas.name, lines(scene).p_d
+    fluid, p_d = scene.gas.name, _lines(scene.operation, scene.gas.name).p_d
     T = constants.condensed(fluid, T_c)
     if subcooling:
         return suction_enthalpy(scene) - constants.liquid_enthalpy(fluid, p_d, T - subcooling)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from screwsim.declare import choice, number, quantity, word
-from screwsim.effects.base import Effect
+from screwsim.effects.base import Effect, PressureLosses
 from screwsim.fluid.settings import GasSettings, OilSettings
 from screwsim.numerics.settings import NumericsSettings
 
@@ -162,7 +162,10 @@ class Joint:
 
 @dataclass(frozen=True)
 class Scene:
-    """One scene. `effects` keeps the order of the catalogue, whatever the order in the file."""
+    """One scene. `effects` keeps the order of the catalogue, whatever the order in the file.
+
+    `losses` are those of a package around the machine, where the search for them stands; no file states them.
+    """
 
     machine: Any  # the settings of one kind (`machine.protocol.MachineSettings`)
     gas: GasSettings
@@ -177,6 +180,7 @@ class Scene:
     title: str = word("what is simulated", "")
     text: str = ""  # canonical YAML of the whole scene, overrides included
     folder: str = "."  # files are found relative to it
+    losses: PressureLosses | None = None
 
     @property
     def own(self) -> dict[str, str]:

@@ -1,23 +1,25 @@
-"""The oil's circuit: temperatures of its supply and of the separator that follow from the cycle (docs/model.md M284).
+"""What lies around the machine and follows from its cycle: the oil's circuit (M284), a package's losses (M343).
 
-A cycle is closed with temperatures as they stand; what it gives the separator tells others (`evaluate.separator`).
-Broyden's method finds those that agree, from the Jacobian of the circuit's own heat capacities: what the chambers
-change by them is left to learn. Every cycle begins from the one before. The last one is solved as accurately as the
-scene asks, and once more where its circuit is more open than that.
+A cycle is closed with temperatures of the oil's supply and of the separator, and with lost pressures, as they stand;
+what it gives the separator (`evaluate.separator`), and its flow (`evaluate.package`), tell others. Broyden's method
+finds those that agree, from the Jacobian of the circuit's own heat capacities: what the chambers change by them is left
+to learn. Every cycle begins from the one before. The last one is solved as accurately as the scene asks, and once more
+where its surroundings are more open than that.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.build import Temperatures, filled, open_temperatures, temperature_faults
+from screwsim.build import Temperatures, filled, open_temperatures, package_of, temperature_faults
 from screwsim.cycle.close import close
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
-from screwsim.effects.base import InSeparator
+from screwsim.effects.base import InSeparator, PressureLosses
 from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.evaluate.separator import Circuit
@@ -28,14 +30,28 @@ from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Watch, note, solv
 from screwsim.solve.drive import at_its_speed, settled
 
 Array = np.ndarray
-MOST = 20  # cycles closed for the temperatures
+MOST = 20  # cycles closed for what lies around
 AGAIN = 8  # times that the last of them is solved once more
-OPEN = 0.1  # of the wanted accuracy: what the circuit may leave open of the shaft's power
-LEAST = 0.05  # of what a temperature is expected to give back, for what is learnt of it to be believed
-LARGEST = 40.0  # [K] of a step
+OPEN = 0.1  # of the wanted accuracy: what may be left open of the shaft's power, or of a pressure
+LEAST = 0.05  # of what an unknown is expected to give back, for what is learnt of it to be believed
+KPA = 1e3  # [Pa] of a lost pressure that count as a kelvin
+LARGEST = 40.0  # [K, kPa] of a step
 HALVINGS = 6  # of a step to where oil or effects cannot be, or where no cycle closes
 WARMER = (15.0, 30.0, 50.0)  # [K] than the first guess, where no cycle closes with that
-APART = 0.05  # [K] between two cycles from which sensitivities are taken
+APART = 0.05  # [K, kPa] between two cycles from which sensitivities are taken
+ALL = 0.98  # of the suction pressure, beyond which nothing would be left to suck
+
+
+class Asked(NamedTuple):
+    """What a cycle asks of its surroundings.
+
+    `off` [K, kPa] is by how much the unknowns should change, `share` by how much the separator follows the supply,
+    `open` what is left open, of the shaft's power or of a pressure.
+    """
+
+    off: Array
+    share: float
+    open: float
 
 
 @dataclass
@@ -50,16 +66,17 @@ class Search:
     why: str = ""  # it ended at no solution
     jacobian: Array | None = None
     last: tuple[Array, Array] | None = None
-    seen: list[tuple[Array, Figures]] = field(default_factory=list)  # temperatures and figures of the cycles
+    seen: list[tuple[Array, Figures]] = field(default_factory=list)  # unknowns and figures of the cycles
 
-    def step(self, x: Array, circuit: Circuit, both: bool) -> Array:
-        """Return the next change of the temperatures [K] from x, where the cycle says the circuit's.
+    def step(self, x: Array, asked: Asked) -> Array:
+        """Return the next change of the unknowns [K, kPa] from x, where the cycle asks for others.
 
-        `both` are found, or one of them. What would turn the search away from where its circuit leads is not learnt.
+        What would turn the search away from where its circuit leads is not learnt.
         """
-        off = np.array([circuit.supply, circuit.separator])
+        off = asked.off
         if self.jacobian is None:
-            self.jacobian = np.array([[-1.0, 0.0], [circuit.parted.share if both else 0.0, -1.0]])
+            self.jacobian = -np.eye(len(off))
+            self.jacobian[1, 0] = asked.share
         elif self.last is not None:
             dx = x - self.last[0]
             if dx @ dx > 0.0:
@@ -72,12 +89,12 @@ class Search:
         return found * min(1.0, LARGEST / largest) if largest > 0.0 else found
 
     def learn(self, of: Evaluation, x: Array) -> None:
-        """Note by how much the figures change with the temperatures: from the last cycle that was not as near."""
+        """Note by how much the figures change with the unknowns: from the last cycle that was not as near."""
         for other, figures in reversed(self.seen):
             apart = float(np.max(np.abs(x - other)))
             if apart > APART:
                 changes = relative_errors(of.figures, figures, *of.least)
-                self.series.per_kelvin = {name: size / apart for name, size in changes.items() if size is not None}
+                self.series.per_step = {name: size / apart for name, size in changes.items() if size is not None}
                 break
         self.seen.append((x, of.figures))
 
@@ -97,23 +114,31 @@ class Search:
         return of
 
     def posed(self, problem: Problem, x: Array) -> Problem | None:
-        """Return a problem at other temperatures; None, with the reason noted, where oil or effects cannot be there."""
-        at = Temperatures(*x.tolist())
-        scene = filled(problem.scene, at)
-        faults = temperature_faults(scene)
-        if faults:
-            self.why = f"the oil's circuit leads to where {faults[0]}"
-            return None
-        self.series.temperatures = at
+        """Return a problem at other unknowns; None, with the reason noted, where oil or effects cannot be there."""
+        scene = problem.scene
+        if any(open_temperatures(scene)):
+            self.series.temperatures = Temperatures(*x[:2].tolist())
+            scene = filled(scene, self.series.temperatures)
+            faults = temperature_faults(scene)
+            if faults:
+                self.why = f"the oil's circuit leads to where {faults[0]}"
+                return None
+        if len(x) > 2:
+            before, behind = (KPA * each for each in x[2:].tolist())
+            if not before < ALL * problem.lines.p_s:
+                self.why = "what the package loses before the machine leaves nothing to suck (smaller losses)"
+                return None
+            self.series.losses = PressureLosses(max(before, 0.0), behind)
+            scene = replace(scene, losses=self.series.losses)
         part = problem.parts.shaft
         held = part is None or part.train(self.stated).holds_mean
         return at_its_speed(problem_of(scene, self.series, None if held else self.stated), self.series)
 
-    def next(self, of: Evaluation, circuit: Circuit) -> Evaluation | None:
-        """Return the cycle at the next temperatures; None, with the reason noted, where none is found."""
-        x = temperatures_of(of.problem)
+    def next(self, of: Evaluation, asked: Asked) -> Evaluation | None:
+        """Return the cycle at the next unknowns; None, with the reason noted, where none is found."""
+        x = unknowns_of(of.problem)
         self.learn(of, x)
-        step = self.step(x, circuit, all(open_temperatures(of.problem.scene)))
+        step = self.step(x, asked)
         for _ in range(HALVINGS):
             problem = self.posed(of.problem, x + step)
             found = None if problem is None else self.closed(problem, self.course)
@@ -124,35 +149,53 @@ class Search:
         return None
 
 
-def temperatures_of(problem: Problem) -> Array:
-    """Return the temperatures [K] of supply and separator with which a problem is posed."""
-    assert problem.parts.oil is not None
-    T = problem.parts.oil.temperature
+def unknowns_of(problem: Problem) -> Array:
+    """Return what a problem is posed with: temperatures [K] of supply and separator, and lost pressures [kPa]."""
+    T = 0.0 if problem.parts.oil is None else problem.parts.oil.temperature
     every = (one.parameters for one in problem.scene.effects.values())
     asked = (one.separator_temperature for one in every if isinstance(one, InSeparator))
-    return np.array([T, next((at for at in asked if at is not None), T)], float)
+    lost = () if problem.scene.losses is None else (each / KPA for each in problem.scene.losses)
+    return np.array([T, next((at for at in asked if at is not None), T), *lost], float)
+
+
+def asked_of(of: Evaluation) -> Asked | None:
+    """Return what a cycle asks for; None where gas and oil do not part, which leaves nothing to ask."""
+    circuit, package, both = of.circuit, of.package, all(open_temperatures(of.problem.scene))
+    if isinstance(circuit, str):
+        return None
+    off, share, open_ = [0.0, 0.0], 0.0, 0.0
+    if circuit is not None:
+        off, share, open_ = [circuit.supply, circuit.separator], circuit.parted.share if both else 0.0, circuit.open
+    if package is not None:
+        off, open_ = [*off, package.before / KPA, package.behind / KPA], max(open_, package.open)
+    return Asked(np.array(off), share, open_)
+
+
+def follows(problem: Problem) -> bool:
+    """Tell whether something around the machine follows from its cycle."""
+    return any(open_temperatures(problem.scene)) or package_of(problem.scene) is not None
 
 
 def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
-    """Return the problem at the mean speed and the temperatures that follow from its cycle, and how they were found."""
-    if not any(open_temperatures(problem.scene)):
+    """Return the problem at the mean speed, and at what else follows from its cycle, and how that was found."""
+    if not follows(problem):
         return at_its_speed(problem, series), None
     search = Search(series, problem.scene.operation.speed)
     search.course.tightness = series.course.tightness
     problem = at_its_speed(problem, series)
-    of, guess = search.closed(problem, series.course), temperatures_of(problem)
-    for warmer in WARMER:
+    of, guess = search.closed(problem, series.course), unknowns_of(problem)
+    for warmer in WARMER if any(open_temperatures(problem.scene)) else ():
         if of is not None:
             break
-        other = search.posed(problem, guess + warmer)
+        other = search.posed(problem, guess + warmer * (np.arange(len(guess)) < 2))
         of = None if other is None else search.closed(other, series.course)
     if of is None:
         return problem, search
     for _ in range(MOST):
-        circuit = of.circuit
-        if not isinstance(circuit, Circuit) or circuit.open <= OPEN * of.problem.scene.numerics.accuracy:
+        asked = asked_of(of)
+        if asked is None or asked.open <= OPEN * of.problem.scene.numerics.accuracy:
             break
-        after = search.next(of, circuit)
+        after = search.next(of, asked)
         if after is None:
             break
         of = after
@@ -160,32 +203,31 @@ def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
 
 
 def solved(problem: Problem, machinery: Machinery, course: Course | None, search: Search | None) -> Accurate:
-    """Return the cycle solved as accurately as it asks, its circuit no more open than that.
+    """Return the cycle solved as accurately as it asks, what lies around no more open than that.
 
-    What the search took counts as closing. The errors that the temperatures have add to those of the figures.
+    What the search took counts as closing. The errors that the unknowns have add to those of the figures.
     """
     if search is None:
         return solve(problem, machinery, course)
     counts, spent, estimating = search.counts, search.time, 0.0
     accurate = solve(problem, machinery, search.course)
-    errors = _with_temperatures(accurate, search)
+    errors = _with_unknowns(accurate, search)
     for _ in range(AGAIN):
-        circuit = accurate.evaluation.circuit
-        at_rest, size = _left(accurate, circuit, errors)
-        if at_rest or not isinstance(circuit, Circuit):
+        asked = asked_of(accurate.evaluation)
+        at_rest, size = _left(accurate, asked, errors)
+        if at_rest or asked is None:
             break
-        x, tightness = temperatures_of(accurate.evaluation.problem), accurate.tightness * min(1.0, AIM / size)
+        x, tightness = unknowns_of(accurate.evaluation.problem), accurate.tightness * min(1.0, AIM / size)
         note(search.course, accurate.evaluation, accurate.cycle, accurate.wanted, max(tightness, TIGHTEST))
         search.learn(accurate.evaluation, x)
-        both = all(open_temperatures(problem.scene))
-        other = search.posed(accurate.evaluation.problem, x + search.step(x, circuit, both))
+        other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
         if other is None:
             break
         counts, spent = _sum(counts, accurate.counts), spent + accurate.closing_time
         estimating += accurate.estimating_time
         machinery.begin(other.composition)
         accurate = solve(other, machinery, search.course)
-        errors = _with_temperatures(accurate, search)
+        errors = _with_unknowns(accurate, search)
     return accurate._replace(
         errors=errors,
         counts=_sum(counts, accurate.counts),
@@ -194,28 +236,43 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
     )
 
 
-def _left(accurate: Accurate, circuit: Circuit | str | None, errors: Figures) -> tuple[bool, float]:
-    """Tell whether a cycle needs no other temperatures; return the largest error over the wanted accuracy."""
+def _left(accurate: Accurate, asked: Asked | None, errors: Figures) -> tuple[bool, float]:
+    """Tell whether a cycle needs no other unknowns; return the largest error over the wanted accuracy."""
     accuracy = accurate.evaluation.problem.scene.numerics.accuracy
     size = worst(errors)[1] / accuracy
-    if not isinstance(circuit, Circuit) or accurate.cycle.status != "ok":
+    if asked is None or accurate.cycle.status != "ok":
         return True, size
     fixed = accurate.evaluation.problem.scene.numerics.rtol is not None
-    return circuit.open <= OPEN * accuracy and (size <= 1.0 or fixed), max(size, AIM)
+    return asked.open <= OPEN * accuracy and (size <= 1.0 or fixed), max(size, AIM)
 
 
-def _with_temperatures(accurate: Accurate, search: Search) -> Figures:
-    """Return the errors of the figures with those that the temperatures have: of what is open, and of the cycle's."""
-    circuit, errors = accurate.evaluation.circuit, Figures(accurate.errors)
-    of_separator = errors.get("separator_temperature")
-    if not isinstance(circuit, Circuit) or of_separator is None or search.why:
+def _with_unknowns(accurate: Accurate, search: Search) -> Figures:
+    """Return the errors of the figures with those that the unknowns have: of what is open, and of the cycle's."""
+    errors, asked = Figures(accurate.errors), asked_of(accurate.evaluation)
+    if asked is None or search.why or not errors:
         return errors
-    off = of_separator * circuit.parted.T_separator
-    off = max(abs(circuit.supply) + circuit.parted.gain * off, abs(circuit.separator) + off)
+    off = max(_of_circuit(accurate, errors), _of_package(accurate, asked, errors))
     for name, size in errors.items():
         if size is not None:
-            errors[name] = size + off * search.series.per_kelvin.get(name, 0.0)
+            errors[name] = size + off * search.series.per_step.get(name, 0.0)
     return errors
+
+
+def _of_circuit(accurate: Accurate, errors: Figures) -> float:
+    """Return by how much [K] the circuit's temperatures may be off."""
+    circuit, of_separator = accurate.evaluation.circuit, errors.get("separator_temperature")
+    if not isinstance(circuit, Circuit) or of_separator is None:
+        return 0.0
+    off = of_separator * circuit.parted.T_separator
+    return max(abs(circuit.supply) + circuit.parted.gain * off, abs(circuit.separator) + off)
+
+
+def _of_package(accurate: Accurate, asked: Asked, errors: Figures) -> float:
+    """Return by how much [kPa] the lost pressures may be off: they go with the square of the flow."""
+    losses, of_flow = accurate.evaluation.problem.scene.losses, errors.get("gas_mass_flow") or 0.0
+    if losses is None:
+        return 0.0
+    return max(abs(off) + 2.0 * of_flow * lost / KPA for off, lost in zip(asked.off[2:].tolist(), losses, strict=True))
 
 
 def _sum(counts: Array | None, more: Array) -> Array:

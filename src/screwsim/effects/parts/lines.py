@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from screwsim.declare import quantity
 from screwsim.effects.parts.flows import Resistance
@@ -14,12 +15,13 @@ from screwsim.fluid.separator import Outflow, Separated
 class Intake:
     """What lies between suction line and machine (M160, M161).
 
-    A throttle leaves `pressure_ratio` of the pressure; of what is sucked the share `returned` is delivered gas, mixed
-    in before it.
+    A throttle leaves `pressure_ratio` of the pressure, or what the losses of a `package` leave; of what is sucked the
+    share `returned` is delivered gas, mixed in before it.
     """
 
     pressure_ratio: float = 1.0
     returned: float = 0.0
+    package: bool = False
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,29 @@ class InSeparator:
         le=700.0,
         hardly=(210.0, 450.0),
     )
+
+
+class PressureLosses(NamedTuple):
+    """What a package loses [Pa] between its inlet and the machine, and between the machine and its outlet.
+
+    The latter is negative where nothing passes to an outlet under pressure.
+    """
+
+    before: float = 0.0
+    behind: float = 0.0
+
+
+class LosesPressure:
+    """Parameters of an effect by which the scene's lines are those of a package around the machine (M341, M342)."""
+
+    @property
+    def at_rated_flow(self) -> float:
+        """Flow [m³/s] at the package's inlet with which the search for the losses begins."""
+        raise NotImplementedError
+
+    def losses(self, flow: float, inlet: float, outlet: float) -> PressureLosses:
+        """Return what a flow [m³/s] at the inlet loses, inlet and outlet of the package at pressures [Pa]."""
+        raise NotImplementedError
 
 
 class CoolsOil:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import log
+
 from screwsim.cycle import suction_line
 from screwsim.effects.base import Intake, Pulsation
 from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, Book, Cycle, Rows, State
@@ -84,8 +86,9 @@ def enter_intake(book: Book, cycle: Cycle, of_gas: float, discharge: State) -> f
         if part.returned > 0.0:
             energy = share * flow * (discharge.h - intake.line[ENTHALPY])
             book.add(name, gas=share * flow, energy=energy, exergy=returned)
-        if part.pressure_ratio < 1.0:
-            book.add(name, gas=flow, exergy=throttled)
+        if intake.ratio_of(part) < 1.0:  # of several throttles each has its share of the drop
+            share_of = log(intake.ratio_of(part)) / log(intake.pressure_ratio)
+            book.add(name, gas=flow, exergy=share_of * throttled)
     return of_gas - returned - throttled
 
 

@@ -1,0 +1,238 @@
+"""Air package: filter, valves, separator element, aftercooler and fan around the machine, rated by ISO 1217.
+
+What: the scene's lines are those of the package: suction is its inlet, discharge its outlet. Each part that is named
+takes a pressure that goes with the square of the free air delivered (M340, M341), so that the machine sucks below and
+discharges above what is stated (M342); flow and losses are found together (M343). A minimum-pressure valve keeps what
+lies before it at its pressure. Input power is that of motor, inverter and fan (M345); specific power and isentropic
+efficiency are those of ISO 1217 (M346, M347). Heat of the package by the first law (M348), of the aftercooler by its
+approach (M344). Unloaded, the inlet valve leaves a pressure to the machine, the separator is blown down to another, and
+nothing is delivered.
+Source: ISO 1217:2009 with amendment 1:2016 (terms; isentropic power with the exponent 1.4 of air); turbulent loss
+(textbook). Losses of the parts have no value here but what a scene states.
+Assumptions: losses do not depend on density, so they belong to one pressure level; nothing leaks or drains between the
+machine and the outlet; the cooling air comes with the temperature of the inlet; the fan's power heats that air.
+Other figures, and the ledger, are the machine's, between the inlet and what it discharges to.
+Parameters: rated_flow; inlet_filter, inlet_valve, separator_element, minimum_pressure_valve, aftercooler, fan; state,
+unloaded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from screwsim.declare import choice, quantity
+from screwsim.effects.base import Effect, Faults, Given, Intake, LosesPressure, PressureLosses, Reading
+from screwsim.faults import Fault
+from screwsim.outputs import Figure, efficiency, names_of, over, power_figure
+from screwsim.rating import isentropic_power
+
+NAME = "air_package"
+SEPARATED = ("effects.separator",)
+BEFORE = "inlet_filter", "inlet_valve"
+MOST = 0.5  # of the suction pressure, that filter and valve may take at rated flow
+AIR = "air"
+NO_AIR = "ISO 1217's isentropic power is that of air, and the gas is {fluid}"
+NONE_DELIVERED = "no net gas is delivered"
+IDLE = "the package is unloaded: nothing is delivered"
+UNLOADED = "unloaded"
+OF_HEAT = "package_discharge_temperature", "aftercooler_duty", "package_heat"
+NO_POWER = "the package's input power is not positive"
+
+FREE_AIR = "free_air_delivered"
+_always = (
+    Figure(FREE_AIR, "m3 s-1", "flow at the package's outlet, by volume at its inlet", by_flow=True, shown="m3 min-1"),
+    power_figure("package_input_power", "electrical power of motor, inverter and fan"),
+    Figure("package_specific_power", "W s m-3", "input power over free air delivered", by_flow=True),
+    efficiency("package_isentropic_efficiency", "isentropic power of ISO 1217 over input power", by_flow=True),
+    Figure("package_discharge_pressure", "Pa", "pressure at the package's outlet"),
+    Figure("package_pressure_loss", "Pa", "what the package loses behind the machine", over("discharge_pressure")),
+)
+_named = (
+    Figure(
+        "intake_pressure_loss",
+        "Pa",
+        "what filter and valve take before the machine",
+        over("suction_pressure"),
+        (".inlet_filter", ".inlet_valve", ".state: unloaded"),
+    ),
+    power_figure("fan_power", "power of the fan", needs=(".fan",)),
+    Figure("package_discharge_temperature", "K", "temperature of the air at the package's outlet", needs=SEPARATED),
+    power_figure("aftercooler_duty", "heat that the aftercooler takes", needs=(".aftercooler",)),
+    power_figure("package_heat", "heat that leaves the package but with its air", needs=SEPARATED),
+)
+FIGURES = (*_always, *_named)
+
+
+def _loss() -> float:
+    return quantity("pressure_difference", "what it takes at rated_flow", ge=0.0, le=5e5, hardly=(None, 1e5))
+
+
+@dataclass(frozen=True)
+class Loss:
+    """A part that takes pressure."""
+
+    pressure_loss: float = _loss()
+
+
+@dataclass(frozen=True)
+class MinimumPressureValve:
+    """A valve that opens when the pressure before it is high enough for oil to flow."""
+
+    pressure_loss: float = _loss()
+    pressure: float | None = quantity(
+        "pressure", "absolute pressure before it below which it does not let fall", None, gt=0.0, le=1e8
+    )
+
+
+@dataclass(frozen=True)
+class Aftercooler:
+    """A cooler of the delivered air, behind the minimum-pressure valve."""
+
+    pressure_loss: float = _loss()
+    approach: float = quantity(
+        "temperature_difference", "of the air behind it over that at the package's inlet", ge=0.0, hardly=(1.0, 30.0)
+    )
+
+
+@dataclass(frozen=True)
+class Unloaded:
+    """A package that runs and delivers nothing: its inlet valve all but shut, its separator blown down."""
+
+    intake_pressure: float = quantity("pressure", "absolute pressure behind the inlet valve", gt=0.0, le=1e8)
+    separator_pressure: float = quantity("pressure", "absolute pressure to which the machine delivers", gt=0.0, le=1e8)
+
+
+@dataclass(frozen=True)
+class Fan:
+    """The fan of the coolers, at the package's terminals."""
+
+    power: float = quantity("power", "its electrical power at rated_flow", ge=0.0)
+    control: str = choice("constant, or in proportion to the flow", ("constant", "flow"), "constant")
+
+
+@dataclass(frozen=True)
+class Parameters(LosesPressure):
+    """What lies around the machine; what is not named takes nothing."""
+
+    rated_flow: float = quantity("volume_flow", "V_r: free air delivered at which the losses are stated", gt=0.0)
+    state: str = choice("loaded, or unloaded as the section of that name says", ("loaded", UNLOADED), "loaded")
+    unloaded: Unloaded | None = None
+    inlet_filter: Loss | None = None
+    inlet_valve: Loss | None = None
+    separator_element: Loss | None = None
+    minimum_pressure_valve: MinimumPressureValve | None = None
+    aftercooler: Aftercooler | None = None
+    fan: Fan | None = None
+
+    @property
+    def at_rated_flow(self) -> float:
+        """Flow [m³/s] at the inlet with which the search for the losses begins."""
+        return self.rated_flow
+
+    def rated(self, *names: str) -> float:
+        """Return what parts of these names take at rated flow [Pa]."""
+        parts = (getattr(self, name) for name in names)
+        return sum(part.pressure_loss for part in parts if part is not None)
+
+    def losses(self, flow: float, inlet: float, outlet: float) -> PressureLosses:
+        """Return what a flow [m³/s] at the inlet loses, inlet and outlet at pressures [Pa] (M341, M342)."""
+        if self.state == UNLOADED and self.unloaded is not None:
+            return PressureLosses(inlet - self.unloaded.intake_pressure, self.unloaded.separator_pressure - outlet)
+        share, valve = (flow / self.rated_flow) ** 2, self.minimum_pressure_valve
+        before_valve = outlet + share * self.rated("minimum_pressure_valve", "aftercooler")
+        if valve is not None and valve.pressure is not None:
+            before_valve = max(before_valve, valve.pressure)
+        machine = before_valve + share * self.rated("separator_element")
+        return PressureLosses(share * self.rated(*BEFORE), machine - outlet)
+
+
+def fan_power(parameters: Parameters, flow: float) -> float:
+    """Return the power of the fan [W] at a flow at the inlet [m³/s] (M345)."""
+    fan = parameters.fan
+    if fan is None:
+        return 0.0
+    return fan.power * (max(flow, 0.0) / parameters.rated_flow if fan.control == "flow" else 1.0)
+
+
+def read(parameters: Parameters, known) -> Given:
+    """Return the figures of ISO 1217, and what becomes of power and heat (M340, M345–M347)."""
+    found, losses = known.found, known.package
+    flow = found["gas_mass_flow"] / known.suction_density
+    inlet, outlet = found["suction_pressure"], found["discharge_pressure"] - losses.behind
+    blown = fan_power(parameters, flow)
+    power = found["electrical_power"] + blown
+    idle = IDLE if parameters.state == UNLOADED else ""
+    why = idle or (NONE_DELIVERED if flow <= 0.0 else "" if power > 0.0 else NO_POWER)
+    of_air = "" if known.fluid.lower() == AIR else NO_AIR.format(fluid=known.fluid)
+    return {
+        FREE_AIR: 0.0 if idle else flow,
+        "package_input_power": power,
+        "package_specific_power": why or power / flow,
+        "package_isentropic_efficiency": why or of_air or isentropic_power(flow, inlet, outlet) / power,
+        "package_discharge_pressure": outlet,
+        "package_pressure_loss": idle or losses.behind,
+        "intake_pressure_loss": losses.before,
+        "fan_power": blown,
+        **_heats(parameters, known, outlet, power),
+    }
+
+
+def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
+    """Return the temperature at the outlet [K], duty of the aftercooler and heat of the package [W] (M344, M348).
+
+    They follow from the separator's temperature, and are none where nothing finds that.
+    """
+    found, cooler = known.found, parameters.aftercooler
+    T, flow = found.get("separator_temperature"), found["gas_mass_flow"]
+    if T is None:
+        return dict.fromkeys(OF_HEAT, "gas and oil do not part in the separator")
+    T_1 = found["suction_temperature"]
+    h_1, h = known.enthalpy(found["suction_pressure"], T_1), known.enthalpy(found["discharge_pressure"], T)
+    if parameters.state == UNLOADED:  # what the machine moves is blown off, as warm as it comes
+        return dict(zip(OF_HEAT, (IDLE, 0.0, power - flow * (h - h_1)), strict=True))
+    T_2 = T if cooler is None else min(T, T_1 + cooler.approach)
+    h_2 = known.enthalpy(outlet, T_2)
+    return dict(zip(OF_HEAT, (T_2, flow * (h - h_2), power - flow * (h_2 - h_1)), strict=True))
+
+
+def build(parameters: Parameters, machine) -> list[Reading | Intake]:
+    named = parameters.state == UNLOADED or any(getattr(parameters, name) is not None for name in BEFORE)
+    reading = Reading(names_of(FIGURES), lambda known: read(parameters, known))
+    return [reading, *([Intake(package=True)] if named else [])]
+
+
+def check(parameters: Parameters, facts) -> Faults:
+    path = f"effects.{NAME}"
+    if facts.machine.mode == "expander":
+        yield Fault(path, "belongs to machine.mode: compressor (remove it)")
+        return
+    if "motor" not in facts.effects:
+        what = "needs effects.motor, whose electrical power is the package's"
+        yield Fault(path, f"{what} (add it, e.g. rated_power: 75 kW)")
+    if parameters.aftercooler is not None and "separator" not in facts.effects:
+        yield Fault(f"{path}.aftercooler", "needs effects.separator, which tells how warm the air comes (add it)")
+    p_s, idle = facts.operation.suction.pressure, parameters.unloaded
+    if idle is None and parameters.state == UNLOADED:
+        remedy = "write e.g. {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}"
+        yield Fault(f"{path}.{UNLOADED}", f"is missing, and state asks for it ({remedy})")
+    if idle is not None and not idle.intake_pressure < idle.separator_pressure:
+        yield Fault(f"{path}.{UNLOADED}.separator_pressure", "lies not above intake_pressure (a higher one)")
+    if idle is not None and p_s is not None and idle.intake_pressure > p_s:
+        what = f"lies above the {1e-5 * p_s:.4g} bar of the inlet, and a valve only takes pressure"
+        yield Fault(f"{path}.{UNLOADED}.intake_pressure", f"{what} (a lower one)")
+    if p_s is not None and parameters.rated(*BEFORE) >= MOST * p_s:
+        part = next(name for name in BEFORE if getattr(parameters, name) is not None)
+        what = f"filter and valve would take {1e-5 * parameters.rated(*BEFORE):.4g} bar of the {1e-5 * p_s:.4g} bar"
+        yield Fault(f"{path}.{part}.pressure_loss", f"{what} before them at rated_flow (less than half of it)")
+
+
+EFFECT = Effect(
+    name=NAME,
+    title="filter, valves, coolers and fan around the machine; ISO 1217",
+    equations=tuple(f"M{number}" for number in range(340, 349)),
+    source="ISO 1217",
+    parameters=Parameters,
+    build=build,
+    check=check,
+    figures=FIGURES,
+)

@@ -1,0 +1,28 @@
+"""What `screwsim datasheet` prints."""
+
+from __future__ import annotations
+
+import textwrap
+
+from screwsim.printing.tables import WIDTH, plain_table, wrapped
+from screwsim.screen import say
+from screwsim.study.datasheet import Sheet
+
+
+def print_sheet(sheet: Sheet) -> None:
+    """Print a data sheet: its lines, the table of its points, the verdict, notes."""
+    for text in filter(None, (sheet.title, sheet.heading)):
+        say(wrapped(text))
+    say()
+    width = max((len(name) for name, _ in sheet.lines), default=0) + 2
+    for name, text in sheet.lines:
+        say(textwrap.fill(text, WIDTH - 1, initial_indent=name.ljust(width), subsequent_indent=" " * width))
+    say()
+    say("\n".join(plain_table(sheet.heads, sheet.rows)))
+    if sheet.verdict is not None:
+        what, text, _ = sheet.verdict
+        say()
+        say(wrapped(f"{what}: {text}"))
+    say()
+    for note in sheet.notes:
+        say(wrapped(note))

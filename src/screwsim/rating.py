@@ -1,0 +1,70 @@
+"""The rating of an air package: ISO 1217's isentropic power, and the least efficiency of 10 CFR 431.345.
+
+Source: ISO 1217:2009 with amendment 1:2016 (isentropic power of air, exponent 1.4); 10 CFR 431.345, table 1,
+from public copies. Loads of variable speed and their weights are those of appendix A to subpart T of part 431 as we
+know it: its text was not at hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import log
+
+K = 1.4  # isentropic exponent of air, as ISO 1217 has it
+FOOT, INCH, POUND_FORCE, HORSEPOWER = 0.3048, 0.0254, 4.4482216152605, 745.6998715822702  # m, m, N, W
+CFM = FOOT**3 / 60.0  # m³/s
+PSI = POUND_FORCE / INCH**2  # Pa
+WEIGHTS = {0.4: 0.25, 0.7: 0.5, 1.0: 0.25}  # of the loads, shares of full flow, at which variable speed is rated
+GAUGE = 75.0 * PSI, 200.0 * PSI  # pressures over the inlet's that the regulation covers
+FLOW = 35.0 * CFM, 1250.0 * CFM  # and flows at full load
+
+
+def isentropic_power(flow: float, suction: float, discharge: float) -> float:
+    """Return the power [W] of isentropic compression of a flow at suction [m³/s] between pressures [Pa] (M347)."""
+    return K / (K - 1.0) * suction * flow * ((discharge / suction) ** ((K - 1.0) / K) - 1.0)
+
+
+@dataclass(frozen=True)
+class Standard:
+    """The least package isentropic efficiency of one class of packages: a curve over ln(flow in L/s) (M349)."""
+
+    square: float
+    linear: float
+    constant: float
+    d: float
+    more: float = 0.0
+
+    def least(self, flow: float) -> float:
+        """Return the least efficiency of a package with a flow at full load [m³/s]."""
+        L = log(1000.0 * flow)
+        regression = self.square * L**2 + self.linear * L + self.constant
+        return self.more + regression + (1.0 - regression) * self.d / 100.0
+
+
+FIXED = -0.00928, 0.13911, 0.27110
+VARIABLE = -0.01549, 0.21573, 0.00905
+LIQUID = 0.02349
+STANDARDS = {  # by speed and coolant
+    ("fixed", "air"): Standard(*FIXED, -15.0),
+    ("variable", "air"): Standard(*VARIABLE, -10.0),
+    ("fixed", "liquid"): Standard(*FIXED, -15.0, LIQUID),
+    ("variable", "liquid"): Standard(*VARIABLE, -15.0, LIQUID),
+}
+
+
+def part_load_efficiency(efficiencies: Mapping[float, float]) -> float:
+    """Return the efficiency by which variable speed is judged, of those at its loads (M349)."""
+    return sum(weight * efficiencies[load] for load, weight in WEIGHTS.items())
+
+
+def outside_scope(flow: float, gauge: float) -> str:
+    """Return why the regulation does not cover a flow at full load [m³/s] and a gauge pressure [Pa]; else nothing.
+
+    It also covers packages beyond these flows whose motor has 10 to 200 hp, which is not asked here.
+    """
+    if not GAUGE[0] <= gauge <= GAUGE[1]:
+        return f"{gauge / PSI:.0f} psi over the inlet's pressure lie outside 75 to 200 psi"
+    if not FLOW[0] <= flow <= FLOW[1]:
+        return f"{flow / CFM:.0f} cfm lie outside 35 to 1250 cfm"
+    return ""

@@ -1,0 +1,152 @@
+"""The rating of an air package: its points from full to lowest flow, unloaded, and by 10 CFR 431.345 (M349).
+
+A scene that sweeps operation.speed is one of variable speed, and its speeds are the points; else the speed is fixed. A
+package with a fan is air-cooled, one without liquid-cooled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.build import package_of
+from screwsim.effects.air_package import FREE_AIR, UNLOADED
+from screwsim.faults import UsageError
+from screwsim.numerics.pchip import Pchip
+from screwsim.outputs import Result
+from screwsim.rating import STANDARDS, WEIGHTS, outside_scope, part_load_efficiency
+from screwsim.scene import Scene, with_values
+from screwsim.scene.lines import lines
+from screwsim.simulate import simulate_many
+
+SPEED, STATE = "operation.speed", "effects.air_package.state"
+NEAR = 0.01  # of full flow, within which a load is met
+EFFICIENCY = "package_isentropic_efficiency"
+
+
+class Point(NamedTuple):
+    """A point of the sheet: speed [rad/s] and result."""
+
+    speed: float
+    result: Result
+
+    @property
+    def flow(self) -> float:
+        """Free air delivered [m³/s]; nothing where the point did not close."""
+        return float(self.result.performance.get(FREE_AIR) or 0.0) if self.ok else 0.0
+
+    @property
+    def ok(self) -> bool:
+        """Tell whether the point closed."""
+        return self.result.status == "ok"
+
+
+@dataclass(frozen=True)
+class Regulation:
+    """How a package stands by 10 CFR 431.345.
+
+    `efficiency` is that by which it is judged, over the `loads` (share of full flow, efficiency) that make it; `why`
+    says why there is none, or why the regulation does not cover the package.
+    """
+
+    speed: str
+    coolant: str
+    least: float
+    efficiency: float | None
+    loads: Sequence[tuple[float, float]]
+    why: str = ""
+    covered: bool = True
+
+    @property
+    def met(self) -> bool | None:
+        """Tell whether the least efficiency is met; None where that is no question."""
+        return None if self.efficiency is None or not self.covered else self.efficiency >= self.least
+
+
+@dataclass(frozen=True)
+class Rating:
+    """The points from full to lowest flow, one unloaded where the scene says how, and the regulation."""
+
+    points: Sequence[Point]
+    unloaded: Point | None
+    regulation: Regulation | None
+    variable: bool
+    coolant: str
+
+    @property
+    def full(self) -> Point:
+        """The point of full flow."""
+        return self.points[0]
+
+
+def rating(scene: Scene) -> Rating:
+    """Return the rating of an air package; raise UsageError where a scene leaves open what is to be rated."""
+    _check(scene)
+    package, variable = scene.effects["air_package"].parameters, SPEED in scene.sweep
+    base = replace(scene, sweep={}, joints=())
+    speeds = sorted(scene.sweep.get(SPEED, (scene.operation.speed,)), reverse=True)
+    points = _solved(base, speeds)
+    idle = None
+    if package.unloaded is not None:
+        idle = _solved(with_values(base, {STATE: UNLOADED}), speeds[-1:])[0]
+    coolant = "liquid" if package.fan is None else "air"
+    regulation = _regulation(base, points, variable, coolant) if points[0].flow > 0.0 else None
+    return Rating(points, idle, regulation, variable, coolant)
+
+
+def _check(scene: Scene) -> None:
+    others = [path for path in scene.sweep if path != SPEED]
+    if others or scene.joints:
+        path = others[0] if others else SPEED
+        raise UsageError(
+            f"datasheet: the points of an air package are the values of sweep.{SPEED}, and the scene varies {path} "
+            f"otherwise (rate one value after the other: a scene without that axis, with --set {path}=VALUE)"
+        )
+    package = package_of(scene)
+    assert package is not None
+    if scene.effects["air_package"].parameters.state == UNLOADED:
+        raise UsageError(f"datasheet: {STATE} is unloaded, and an unloaded package delivers nothing (write loaded)")
+
+
+def _solved(base: Scene, speeds: Sequence[float]) -> list[Point]:
+    results = simulate_many([with_values(base, {SPEED: float(speed)}) for speed in speeds], trace=False)
+    return [Point(float(speed), result) for speed, result in zip(speeds, results, strict=True)]
+
+
+def _regulation(base: Scene, points: Sequence[Point], variable: bool, coolant: str) -> Regulation:
+    full, at = points[0], lines(base)
+    speed = "variable" if variable else "fixed"
+    least = STANDARDS[speed, coolant].least(full.flow)
+    outside = outside_scope(full.flow, at.p_d - at.p_s)
+    loads, why = _loads(base, points) if variable else ([(1.0, _efficiency(full))], "")
+    known = {load: value for load, value in loads if value is not None}
+    if not why and len(known) < len(loads):
+        why = full.result.notes.get(EFFICIENCY, "a load has no package isentropic efficiency")
+    found = None if why else part_load_efficiency(known) if variable else known[1.0]
+    return Regulation(speed, coolant, least, found, tuple(known.items()), outside or why, not outside)
+
+
+def _efficiency(point: Point) -> float | None:
+    return point.result.performance.get(EFFICIENCY) if point.ok else None
+
+
+def _loads(base: Scene, points: Sequence[Point]) -> tuple[list[tuple[float, float | None]], str]:
+    """Return the efficiency at each load at which variable speed is rated, or why there is none.
+
+    The speeds that give these flows are interpolated among the points, and solved.
+    """
+    good = sorted((point.flow, point.speed) for point in points if point.flow > 0.0)
+    full = points[0].flow
+    if len(good) < 2 or good[0][0] > min(WEIGHTS) * full:
+        share, lowest = 100.0 * good[0][0] / full, 100.0 * min(WEIGHTS)
+        return [], f"its lowest flow is {share:.0f} % of the full one, and it is rated at {lowest:.0f} % too"
+    flows, speeds = (np.array(column) for column in zip(*good, strict=True))
+    lower = [load for load in sorted(WEIGHTS, reverse=True) if load < 1.0]
+    found = _solved(base, [float(Pchip(flows, speeds)(load * full)) for load in lower])
+    for load, point in zip(lower, found, strict=True):
+        if abs(point.flow - load * full) > NEAR * full:
+            return [], f"no speed was found that gives {load:.0%} of full flow (more speeds in the sweep)"
+    return [(1.0, _efficiency(points[0])), *zip(lower, map(_efficiency, found), strict=True)], ""

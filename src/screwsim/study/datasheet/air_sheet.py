@@ -1,0 +1,176 @@
+"""The rating of an air package as a sheet: in the trade's order, metric beside American units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from screwsim.effects.air_package import FREE_AIR
+from screwsim.engineering import quantity
+from screwsim.rating import CFM, PSI, WEIGHTS
+from screwsim.scene import Scene
+from screwsim.scene.lines import lines
+from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
+from screwsim.study.datasheet.sheet import Curve, Sheet
+
+INLET = 1e5, 293.15  # Pa, K
+KW, MINUTE, RPM = 1e3, 60.0, 0.10471975511965977  # W, s, rad/s
+POWER, SPECIFIC = "package_input_power", "package_specific_power"
+HEADS = ("rpm", "m³/min", "acfm", "% of full", "kW", "kW/ (m³/min)", "kW/ 100 acfm", "isentropic %")
+KEPT = (
+    FREE_AIR, POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
+    "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "aftercooler_duty",
+)  # fmt: skip
+MEANT = "computed, not measured: no tolerance of ISO 1217 is applied, and nobody verified it"
+
+
+def air_sheet(scene: Scene, rated: Rating) -> Sheet:
+    """Return the sheet of a rating."""
+    rows = [_row(point, rated.full) for point in rated.points]
+    good = [point for point in rated.points if point.flow > 0.0]
+    curve = Curve(
+        "free air delivered [m³/min]",
+        "package specific power [kW/(m³/min)]",
+        [MINUTE * point.flow for point in good],
+        [_specific(point) for point in good],
+    )
+    every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
+    return Sheet(
+        heading="Air package, rating by ISO 1217",
+        title=scene.title,
+        lines=list(_lines(scene, rated)),
+        heads=HEADS,
+        rows=rows,
+        verdict=_verdict(rated.regulation),
+        notes=list(_notes(scene, every)),
+        curves=[curve] if len(good) > 1 else [],
+        document=_document(scene, rated),
+        ok=all(point.ok for point in every),
+    )
+
+
+def _percent(share: float, digits: int = 0) -> str:
+    return f"{100.0 * share:.{digits}f} %"
+
+
+def _specific(point: Point) -> float:
+    return point.result.performance[SPECIFIC] / (KW * MINUTE)
+
+
+def _row(point: Point, full: Point) -> list[str]:
+    speed = f"{point.speed / RPM:.0f}"
+    if not point.flow > 0.0:
+        return [speed, point.result.status.replace("_", " "), *[""] * (len(HEADS) - 2)]
+    found = point.result.performance
+    share, specific = 100.0 * point.flow / full.flow if full.flow > 0.0 else 0.0, _specific(point)
+    efficiency = found.get(EFFICIENCY)
+    cells = [speed, f"{MINUTE * point.flow:.2f}", f"{point.flow / CFM:.1f}", f"{share:.0f}" if share else ""]
+    cells += [f"{found[POWER] / KW:.1f}", f"{specific:.2f}", f"{specific * 100.0 * CFM * MINUTE:.1f}"]
+    return [*cells, "" if efficiency is None else f"{100.0 * efficiency:.1f}"]
+
+
+def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
+    at, effects = lines(scene), scene.effects
+    package, motor, full = effects["air_package"].parameters, effects["motor"].parameters, rated.full
+    speed = "fixed speed" if not rated.variable else f"variable speed, {len(rated.points)} points"
+    yield "package", f"rotary, lubricated, {rated.coolant}-cooled, {speed}"
+    yield "inlet", f"{quantity('Pa', at.p_s)}, {at.T_s - ZERO_CELSIUS:.1f} °C, {scene.gas.name}"
+    gauge = at.p_d - at.p_s
+    yield "discharge", f"{quantity('Pa', at.p_d)}, {1e-5 * gauge:.4g} bar ({gauge / PSI:.0f} psi) over the inlet"
+    found = full.result.performance if full.ok else {}
+    load = f", {_percent(found['shaft_power'] / motor.rated_power)} of it at full flow" if found else ""
+    inverter = "" if motor.drive_efficiency == 1.0 else " with its inverter"
+    eta = f", efficiency{inverter} {_percent(found['motor_efficiency'], 1)}" if found else ""
+    yield "motor", f"{quantity('W', motor.rated_power)} rated{load}{eta}"
+    if package.fan is not None:
+        yield "fan", f"{quantity('W', package.fan.power)}, {_CONTROL[package.fan.control]}"
+    if found:
+        behind = f"{1e-2 * found['package_pressure_loss']:.0f} mbar behind the machine"
+        before = found.get("intake_pressure_loss")
+        before = "" if before is None else f"{1e-2 * before:.0f} mbar before and "
+        yield "losses", f"{before}{behind}, at full flow"
+        if found.get("package_heat") is not None:
+            oil = f"{found['oil_cooler_duty'] / KW:.1f} kW of it in the oil cooler"
+            yield "heat", f"{found['package_heat'] / KW:.1f} kW at full flow, {oil}"
+            outlet = found["package_discharge_temperature"] - ZERO_CELSIUS
+            yield "outlet", f"air at {outlet:.1f} °C"
+    yield "zero flow", _unloaded(rated)
+
+
+_CONTROL = {"constant": "at every flow", "flow": "at full flow, in proportion to the flow"}
+
+
+def _unloaded(rated: Rating) -> str:
+    idle = rated.unloaded
+    if idle is None:
+        return "not simulated (effects.air_package.unloaded says at which pressures)"
+    if not idle.ok:
+        return idle.result.told
+    power = idle.result.performance[POWER]
+    share = f", {_percent(power / rated.full.result.performance[POWER])} of that at full flow" if rated.full.ok else ""
+    return f"{power / KW:.1f} kW unloaded{share}"
+
+
+def _verdict(found: Regulation | None) -> tuple[str, str, bool | None] | None:
+    if found is None:
+        return None
+    what = f"10 CFR 431.345, {found.coolant}-cooled, {found.speed} speed"
+    asked = f"asked is a package isentropic efficiency of at least {_percent(found.least, 1)}"
+    if found.efficiency is None:
+        return what, f"{asked}; no verdict: {found.why}", None
+    if found.speed == "variable":
+        loads = ", ".join(
+            f"{_percent(value, 1)} at {_percent(load)} of full flow with the weight {WEIGHTS[load]:g}"
+            for load, value in found.loads
+        )
+        text = f"part load {_percent(found.efficiency, 1)}: {loads}"
+    else:
+        text = f"full load {_percent(found.efficiency, 1)}"
+    if not found.covered:
+        return what, f"{text}; not covered: {found.why}", None
+    return what, f"{text}; {asked}: {'met' if found.met else 'not met'}", found.met
+
+
+def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
+    at = lines(scene)
+    if abs(at.p_s - INLET[0]) > 1e-3 * INLET[0] or abs(at.T_s - INLET[1]) > 0.1:
+        yield "rated at another inlet than the 1 bar and 20 °C at which sheets are compared"
+    for point in points:
+        if not point.ok:
+            yield f"{point.speed / RPM:.0f} rpm: {point.result.told}"
+    yield from dict.fromkeys(warning for point in points for warning in point.result.warnings)
+    yield MEANT
+
+
+def _figures(point: Point) -> dict[str, Any]:
+    found = point.result.performance
+    kept = {name: found[name] for name in KEPT if name in found}
+    return {"speed": point.speed, "status": point.result.status, "message": point.result.message, **kept}
+
+
+def _document(scene: Scene, rated: Rating) -> dict[str, Any]:
+    at, regulation = lines(scene), rated.regulation
+    return {
+        "kind": "air_package",
+        "title": scene.title,
+        "speed": "variable" if rated.variable else "fixed",
+        "coolant": rated.coolant,
+        "inlet_pressure": at.p_s,
+        "inlet_temperature": at.T_s,
+        "discharge_pressure": at.p_d,
+        "points": [_figures(point) for point in rated.points],
+        "unloaded": None if rated.unloaded is None else _figures(rated.unloaded),
+        "regulation": None
+        if regulation is None
+        else {
+            "name": "10 CFR 431.345",
+            "least_efficiency": regulation.least,
+            "efficiency": regulation.efficiency,
+            "loads": [{"share": load, EFFICIENCY: value} for load, value in regulation.loads],
+            "covered": regulation.covered,
+            "met": regulation.met,
+            "message": regulation.why,
+        },
+        "warnings": list(dict.fromkeys(each for point in rated.points for each in point.result.warnings)),
+    }

@@ -1,0 +1,170 @@
+"""The air package: ISO 1217's figures, losses that follow from the flow, heat and power in balance, what is refused."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+import screwsim
+from screwsim.effects.air_package import Fan, Loss, MinimumPressureValve, Parameters, Unloaded, read
+from screwsim.effects.base import PressureLosses
+from screwsim.simulate import simulate_many
+
+SCENE = Path(__file__).parents[2] / "configs" / "air" / "fixed_speed_7.yaml"
+R, K = 8.31446261815324 / 28.96546e-3, 1.4  # of air
+CLOSED = 3e-5  # of a pressure: what the losses may leave open, a tenth of the wanted accuracy
+ACCURACY = 3e-4
+PACKAGE = "effects.air_package"
+TIGHT = f"{PACKAGE}.rated_flow=6 m^3/min"  # filter and valve take nine times as much
+PLAIN = "numerics.error=none"
+
+
+def solved(*changes):
+    result = screwsim.simulate(screwsim.load(SCENE, changes))
+    assert result.status == "ok", result.message
+    return result
+
+
+@pytest.fixture(scope="module")
+def shipped():
+    return solved()
+
+
+@pytest.fixture(scope="module")
+def unloaded():
+    return solved(f"{PACKAGE}.state=unloaded")
+
+
+def test_figures_are_those_of_iso_1217(shipped):
+    found = shipped.performance
+    p_1, T_1, p_2 = 1e5, 293.15, 8.5e5
+    flow = found.gas_mass_flow * R * T_1 / p_1
+    assert found.free_air_delivered == pytest.approx(flow, rel=1e-5)  # R as CoolProp has it
+    loss = (1.0 / 0.963 - 1.0) * 110e3 * (0.4 + 0.6 * (found.shaft_power / 110e3) ** 2)
+    assert found.package_input_power == pytest.approx(found.shaft_power + loss + 4400.0, rel=1e-12)
+    assert found.package_specific_power == pytest.approx(found.package_input_power / flow, rel=1e-5)
+    ideal = 3.5 * p_1 * flow * ((p_2 / p_1) ** (1.0 / 3.5) - 1.0)
+    assert found.package_isentropic_efficiency == pytest.approx(ideal / found.package_input_power, rel=1e-5)
+
+
+@pytest.mark.parametrize("changes", [(), (TIGHT, PLAIN)])
+def test_losses_go_with_the_square_of_the_flow_that_they_leave(shipped, changes):
+    found = solved(*changes).performance if changes else shipped.performance
+    share = (found.free_air_delivered / (6.0 / 60.0 if changes else 18.4 / 60.0)) ** 2
+    assert found.intake_pressure == pytest.approx(1e5 - share * 35e2, abs=CLOSED * 1e5)
+    assert found.discharge_pressure == pytest.approx(8.5e5 + share * 360e2, abs=CLOSED * 8.5e5)
+    assert found.intake_pressure_loss == pytest.approx(1e5 - found.intake_pressure, abs=1e-6)
+    assert found.package_pressure_loss == pytest.approx(found.discharge_pressure - 8.5e5, abs=1e-6)
+    assert found.package_discharge_pressure == pytest.approx(8.5e5, rel=1e-12)
+
+
+@pytest.mark.parametrize("changes", [(), (TIGHT, PLAIN)])
+def test_the_machine_is_one_between_throttle_and_higher_discharge(shipped, changes):
+    found = solved(*changes).performance if changes else shipped.performance
+    throttle = f"effects.suction_throttle={{pressure_ratio: {found.intake_pressure / 1e5!r}}}"
+    alone = solved(
+        f"{PACKAGE}=off", throttle, f"operation.discharge.pressure={found.discharge_pressure!r} Pa", *changes[1:]
+    )
+    for name in ("gas_mass_flow", "shaft_power", "oil_mass_flow", "oil_cooler_duty", "isentropic_efficiency"):
+        assert found[name] == pytest.approx(alone.performance[name], rel=2.0 * ACCURACY), name
+
+
+@pytest.mark.parametrize("changes", [(), (f"{PACKAGE}.fan.control=flow", "effects.separator.ambient_loss=2 kW", PLAIN)])
+def test_electrical_power_is_heat_and_the_enthalpy_of_the_air(shipped, changes):
+    found = solved(*changes).performance if changes else shipped.performance
+    c_p, lost = K / (K - 1.0) * R, 2000.0 if changes else 0.0
+    rise = found.gas_mass_flow * c_p * (found.package_discharge_temperature - 293.15)
+    heats = found.oil_cooler_duty + found.aftercooler_duty + found.motor_loss + found.fan_power + lost
+    assert found.package_input_power == pytest.approx(heats + rise, rel=ACCURACY)
+    assert found.package_heat == pytest.approx(heats, rel=ACCURACY)
+    assert found.package_discharge_temperature == pytest.approx(303.15)
+
+
+def test_a_minimum_pressure_valve_keeps_the_separator_up():
+    found = solved("operation.discharge.pressure=3 bar", PLAIN).performance
+    share = (found.free_air_delivered / (18.4 / 60.0)) ** 2
+    assert found.discharge_pressure == pytest.approx(5e5 + share * 172e2, abs=CLOSED * 5e5)
+    assert found.package_discharge_pressure == pytest.approx(3e5)
+
+
+def test_an_unloaded_package_takes_power_and_delivers_nothing(unloaded):
+    found = unloaded.performance
+    assert found.free_air_delivered == 0.0
+    assert (found.intake_pressure, found.discharge_pressure) == pytest.approx((0.12e5, 2.5e5))
+    assert found.gas_mass_flow > 0.0  # which is blown off
+    for name in ("package_specific_power", "package_isentropic_efficiency", "package_discharge_temperature"):
+        assert found[name] is None
+        assert "unloaded" in unloaded.notes[name]
+    blown = found.gas_mass_flow * K / (K - 1.0) * R * (found.separator_temperature - 293.15)
+    heats = found.oil_cooler_duty + found.motor_loss + found.fan_power
+    assert found.package_input_power == pytest.approx(heats + blown, rel=ACCURACY)
+
+
+def test_a_course_of_speeds_finds_what_each_finds_alone(shipped):
+    before = [f"operation.speed={speed} rpm" for speed in (1500, 2200)]
+    scenes = [
+        screwsim.load(SCENE, [each]) for each in (*before, f"{PACKAGE}.state=unloaded", "operation.speed=2950 rpm")
+    ]
+    last = list(simulate_many(scenes, trace=False))[-1].performance
+    for name in ("free_air_delivered", "package_input_power", "discharge_pressure", "intake_pressure"):
+        assert last[name] == pytest.approx(shipped.performance[name], rel=2.0 * ACCURACY), name
+
+
+def test_throttle_and_package_share_one_entry_of_the_ledger_each():
+    both = solved("effects.suction_throttle={pressure_ratio: 0.9}")
+    one, other = (both.ledger[f"exergy_destroyed_{name}"] for name in ("air_package", "suction_throttle"))
+    assert 0.0 < one < other
+    assert both.balance.entropy <= both.balance.bound
+    assert both.performance.intake_pressure == pytest.approx(0.9 * (1e5 - both.performance.intake_pressure_loss))
+
+
+def test_parts_add_up_in_the_order_of_the_flow():
+    parts = Parameters(
+        rated_flow=0.3,
+        inlet_filter=Loss(pressure_loss=20e2),
+        separator_element=Loss(pressure_loss=170e2),
+        minimum_pressure_valve=MinimumPressureValve(pressure_loss=50e2, pressure=5e5),
+        unloaded=Unloaded(intake_pressure=0.1e5, separator_pressure=2e5),
+    )
+    assert parts.losses(0.6, 1e5, 8e5) == pytest.approx((80e2, 880e2))
+    assert parts.losses(0.15, 1e5, 4e5) == pytest.approx((5e2, 1e5 + 42.5e2))
+    assert Parameters(rated_flow=0.3).losses(0.6, 1e5, 8e5) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("fluid", "flow", "power", "words"),
+    [("R134a", 0.3, 1e5, "that of air"), ("Air", -0.1, 1e5, "no net gas"), ("Air", 0.3, -1e5, "not positive")],
+)
+def test_figures_that_mean_nothing_say_why(fluid, flow, power, words):
+    found = {"gas_mass_flow": flow, "suction_pressure": 1e5, "discharge_pressure": 8e5, "suction_temperature": 293.15}
+    losses = PressureLosses(0.0, 0.0)
+    known = SimpleNamespace(found=found | {"electrical_power": power}, package=losses, fluid=fluid, suction_density=1.2)
+    given = read(Parameters(rated_flow=0.3, fan=Fan(power=1e3)), known)
+    assert words in given["package_isentropic_efficiency"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "path", "words"),
+    [
+        (["effects.motor=off"], PACKAGE, "needs effects.motor"),
+        (["machine.mode=expander"], PACKAGE, "compressor"),
+        (["effects.separator=off", "oil_supply.temperature=325 K"], f"{PACKAGE}.aftercooler", "effects.separator"),
+        ([f"{PACKAGE}.rated_flow=0 m^3/min"], f"{PACKAGE}.rated_flow", "greater than 0"),
+        ([f"{PACKAGE}.rated_flow=18"], f"{PACKAGE}.rated_flow", "20 m^3/min"),
+        ([f"{PACKAGE}.inlet_filter.pressure_loss=0.6 bar"], f"{PACKAGE}.inlet_filter.pressure_loss", "less than half"),
+        ([f"{PACKAGE}.state=unloaded", f"{PACKAGE}.unloaded=null"], f"{PACKAGE}.unloaded", "intake_pressure: 0.12 bar"),
+        ([f"{PACKAGE}.unloaded.intake_pressure=1.2 bar"], f"{PACKAGE}.unloaded.intake_pressure", "only takes"),
+        ([f"{PACKAGE}.unloaded.separator_pressure=0.1 bar"], f"{PACKAGE}.unloaded.separator_pressure", "above"),
+        (
+            [f"{PACKAGE}.seperator_element={{pressure_loss: 1 bar}}"],
+            f"{PACKAGE}.seperator_element",
+            "separator_element",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused_at_its_line(changes, path, words):
+    with pytest.raises(screwsim.SceneError) as caught:
+        screwsim.load(SCENE, changes)
+    lines = [line for line in caught.value.lines if f"{path}:" in line]
+    assert len(lines) == 1, caught.value.lines
+    assert words in lines[0]

@@ -1,0 +1,209 @@
+"""The data sheet of an air package: points, regulation, zero flow, what it prints and draws, what it refuses."""
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.cli import exit_code
+from screwsim.rating import CFM, STANDARDS, isentropic_power
+from screwsim.report.datasheet import page, ticks
+from screwsim.study.datasheet import Sheet
+from screwsim.study.datasheet.air_rating import rating
+from screwsim.study.datasheet.air_sheet import air_sheet
+
+ROOT = Path(__file__).parents[2]
+AIR = ROOT / "configs" / "air"
+FIXED, VARIABLE = ("fixed_speed_7", "fixed_speed_10"), ("variable_speed_7", "variable_speed_10")
+IDLE = 0.2, 0.45  # of the power at full flow, that unloaded packages take: 25 to 35 % typical, no source
+
+
+def rated(name, *changes):
+    scene = screwsim.load(AIR / f"{name}.yaml", changes)
+    return scene, rating(scene)
+
+
+@pytest.fixture(scope="module")
+def sheets():
+    found = {name: rated(name) for name in (*FIXED, *VARIABLE)}
+    return {name: (of, air_sheet(scene, of)) for name, (scene, of) in found.items()}
+
+
+def efficiency_of_the_public_sheet():
+    """Return the package isentropic efficiency of a package of that size that is sold, at full flow and 125 psi."""
+    text = (ROOT / "validation" / "cagi" / "sheet.csv").read_text(encoding="utf-8")
+    row = next(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    return isentropic_power(float(row["flow_acfm"]) * CFM, 1e5, 9.62e5) / (1e3 * float(row["power_kW"]))
+
+
+@pytest.mark.parametrize("name", (*FIXED, *VARIABLE))
+def test_shipped_packages_lie_between_what_may_be_sold_and_a_good_one(sheets, name):
+    of, sheet = sheets[name]
+    assert sheet.ok
+    assert of.regulation.met is True
+    found = of.full.result.performance
+    assert of.regulation.least < found.package_isentropic_efficiency < efficiency_of_the_public_sheet()
+    assert 0.95 < found.shaft_power / 110e3 < 1.05  # the class that its title says
+    assert not of.full.result.warnings
+
+
+@pytest.mark.parametrize("name", FIXED)
+def test_fixed_speed_is_judged_at_full_load_and_idles(sheets, name):
+    of, sheet = sheets[name]
+    assert len(sheet.rows) == 1
+    assert of.regulation.efficiency == of.full.result.performance.package_isentropic_efficiency
+    assert of.regulation.least == STANDARDS["fixed", "air"].least(of.full.flow)
+    share = of.unloaded.result.performance.package_input_power / of.full.result.performance.package_input_power
+    assert IDLE[0] < share < IDLE[1]
+
+
+@pytest.mark.parametrize("name", VARIABLE)
+def test_variable_speed_is_judged_at_three_loads_of_its_own(sheets, name):
+    of, sheet = sheets[name]
+    flows = [point.flow for point in of.points]
+    assert flows == sorted(flows, reverse=True)
+    assert len(sheet.rows) == len(flows) == 6
+    loads = dict(of.regulation.loads)
+    assert of.regulation.efficiency == pytest.approx(0.25 * loads[0.4] + 0.5 * loads[0.7] + 0.25 * loads[1.0])
+    assert loads[1.0] == of.full.result.performance.package_isentropic_efficiency
+    near = {load: min(of.points, key=lambda point: abs(point.flow - load * flows[0])) for load in (0.4, 0.7)}
+    for load, point in near.items():  # next to the point of the sheet beside it
+        assert loads[load] == pytest.approx(point.result.performance.package_isentropic_efficiency, abs=0.02)
+    assert of.regulation.least == STANDARDS["variable", "air"].least(of.full.flow)
+
+
+def test_figures_of_a_row_are_those_of_its_point_in_the_trades_units(sheets):
+    of, sheet = sheets["variable_speed_7"]
+    found, cells = of.points[2].result.performance, dict(zip(sheet.heads, sheet.rows[2], strict=True))
+    assert float(cells["m³/min"]) == pytest.approx(60.0 * found.free_air_delivered, abs=0.005)
+    assert float(cells["acfm"]) == pytest.approx(found.free_air_delivered / CFM, abs=0.05)
+    assert float(cells["kW"]) == pytest.approx(1e-3 * found.package_input_power, abs=0.05)
+    specific = 1e-3 * found.package_input_power / (60.0 * found.free_air_delivered)
+    assert float(cells["kW/ (m³/min)"]) == pytest.approx(specific, abs=0.005)
+    hundred = 1e-3 * found.package_input_power / (found.free_air_delivered / CFM) * 100.0
+    assert float(cells["kW/ 100 acfm"]) == pytest.approx(hundred, abs=0.05)
+    assert float(cells["% of full"]) == pytest.approx(100.0 * of.points[2].flow / of.full.flow, abs=0.5)
+
+
+def test_a_sheet_whose_lowest_flow_is_too_high_has_no_verdict():
+    _, of = rated("variable_speed_7", "sweep.operation.speed=[2950 rpm, 2000 rpm]")
+    assert of.regulation.met is None
+    assert "40 %" in of.regulation.why
+
+
+def test_a_package_without_a_fan_is_liquid_cooled_and_small_ones_are_not_covered():
+    scene, of = rated("fixed_speed_7", "effects.air_package.fan=null")
+    assert (of.coolant, of.regulation.least) == ("liquid", STANDARDS["fixed", "liquid"].least(of.full.flow))
+    assert "liquid-cooled" in dict(air_sheet(scene, of).lines)["package"]
+    _, of = rated("fixed_speed_7", "operation.discharge.pressure=5.5 bar")
+    assert (of.regulation.covered, of.regulation.met) == (False, None)
+    assert "75 to 200 psi" in of.regulation.why
+
+
+def test_loads_between_coarse_speeds_are_met():
+    """Two speeds alone bend the interpolation most; flow is all but proportional to speed."""
+    _, of = rated("variable_speed_10", "sweep.operation.speed=[2650 rpm, 800 rpm]")
+    assert of.regulation.why == ""
+    assert [load for load, _ in of.regulation.loads] == [1.0, 0.7, 0.4]
+
+
+def test_it_prints_a_sheet_for_a_terminal_and_a_page_without_scripts(tmp_path, capsys):
+    file = tmp_path / "sheet.html"
+    assert exit_code(["datasheet", str(AIR / "variable_speed_7.yaml"), "-o", str(file)]) == 0
+    out = capsys.readouterr().out
+    assert "10 CFR 431.345, air-cooled, variable speed: part load" in out
+    assert "7.5 bar (109 psi) over the inlet" in out
+    assert max(len(line) for line in out.splitlines() if str(tmp_path) not in line) <= 80
+    text = file.read_text(encoding="utf-8")
+    assert text.startswith("<!doctype html>")
+    for foreign in ("<script", "http://", "https://", "@STYLE@"):
+        assert foreign not in text
+    assert text.count("<circle") == 6
+
+
+def test_its_json_is_pure_and_in_si(capsys):
+    assert exit_code(["datasheet", str(AIR / "fixed_speed_7.yaml"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["kind"], found["speed"], found["coolant"]) == ("air_package", "fixed", "air")
+    assert found["discharge_pressure"] == pytest.approx(8.5e5)
+    point = found["points"][0]
+    assert point["status"] == "ok"
+    assert point["package_specific_power"] == pytest.approx(point["package_input_power"] / point["free_air_delivered"])
+    assert found["unloaded"]["free_air_delivered"] == 0.0
+    assert found["regulation"]["met"] is True
+
+
+def test_another_inlet_than_the_usual_is_noted():
+    scene, of = rated("fixed_speed_7", "operation.suction.pressure=0.9 bar")
+    assert any("another inlet" in note for note in air_sheet(scene, of).notes)
+    assert not any("another inlet" in note for note in air_sheet(*rated("fixed_speed_7")).notes)
+
+
+def test_points_that_fail_are_told_and_counted(capsys):
+    arguments = ["datasheet", str(AIR / "fixed_speed_7.yaml"), "--set", "effects.motor.rated_power=11 kW"]
+    assert exit_code(arguments) == 4
+    told = " ".join(capsys.readouterr().out.split())
+    assert "2950 failed" in told
+    assert "no motor turns beyond" in told
+
+
+@pytest.mark.parametrize(
+    ("scene", "more", "code", "words"),
+    [
+        ("configs/r134a/compact.yaml", [], 2, "no sheet of a refrigeration machine yet"),
+        ("configs/paper/point.yaml", ["--set", "operation.suction.pressure=1 bar"], 2, "name effects.air_package"),
+        (
+            "configs/air/fixed_speed_7.yaml",
+            ["--set", "sweep.oil_supply.orifice_diameter=[8 mm, 9 mm]"],
+            2,
+            "varies oil",
+        ),
+        (
+            "configs/air/fixed_speed_7.yaml",
+            ["--set", "effects.air_package.state=unloaded"],
+            2,
+            "delivers nothing (write loaded)",
+        ),
+        ("configs/air/fixed_speed_7.yaml", ["-o", "sheet.pdf"], 2, "sheet.html"),
+        ("configs/air/fixed_speed_7.yaml", ["--without", "motor"], 3, "needs effects.motor"),
+    ],
+)
+def test_what_it_cannot_rate_is_told_in_one_line(scene, more, code, words, capsys):
+    assert exit_code(["datasheet", str(ROOT / scene), *more]) == code
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert words in err
+    assert "Traceback" not in err
+
+
+def test_a_page_shows_any_sheet_and_escapes_what_it_says():
+    sheet = Sheet("heading", "a < b & @STYLE@", [("<i>", "1 & 2")], ["x<"], [["<b>"]], ("c", "d", False), ["<note>"])
+    text = page(sheet)
+    for raw in ("<i>", "<b>", "<note>", "a < b"):
+        assert raw not in text
+    assert "not met" in text
+    assert text.count("@STYLE@") == 2  # in the title and its heading, as it was written
+    assert "<h2>c</h2>" not in page(replace(sheet, verdict=None))
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.0, 20.0), (7.46, 8.31), (0.0, 0.013)])
+def test_ticks_are_round_and_within(low, high):
+    found = ticks(low, high)
+    assert 3 <= len(found) <= 7
+    assert low - 1e-9 <= found[0] < found[-1] <= high + 1e-9
+
+
+def test_the_how_to_shows_what_the_command_prints(sheets):
+    """To one in the last digit, which another machine may round otherwise."""
+    text = (ROOT / "docs" / "how-to" / "air-package.md").read_text(encoding="utf-8")
+    _, sheet = sheets["variable_speed_7"]
+    shown = {line.split()[0]: line.split() for line in text.splitlines() if len(line.split()) == len(sheet.heads)}
+    for row in sheet.rows:
+        for cell, theirs in zip(row, shown[row[0]], strict=True):
+            digit = 10.0 ** -len(cell.partition(".")[2])
+            assert float(theirs) == pytest.approx(float(cell), abs=1.01 * digit)
+    for name, value in sheet.lines:
+        assert value.split(",")[0] in " ".join(text.split()), name
