@@ -1,0 +1,37 @@
+"""Checks of what a scene says of the humidity of its air."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from screwsim.declare import KINDS
+from screwsim.faults import Fault
+from screwsim.fluid import water
+from screwsim.fluid.settings import GasSettings
+from screwsim.scene.lines import Lines
+from screwsim.scene.units import readable_quantity
+
+HUMIDITY, MARGIN = "gas.relative_humidity", "gas.dew_point_margin"
+AIR = "air"
+
+
+def humidity_faults(gas: GasSettings) -> Iterator[Fault]:
+    """Yield what does not go together with a relative humidity, whatever the lines are."""
+    if gas.relative_humidity is None:
+        if gas.dew_point_margin is not None:
+            yield Fault(MARGIN, "needs gas.relative_humidity (write e.g. relative_humidity: 0.6, or remove it)")
+        return
+    if gas.name.lower() != AIR:
+        what = f"belongs to air, and the gas is {gas.name}"
+        yield Fault(HUMIDITY, f"{what} (remove it, null in place of a base's, or write fluid: air)")
+    elif gas.two_phase == "equilibrium":
+        what = "belongs to a pure fluid; water of moist air condenses in equilibrium by itself"
+        yield Fault("gas.two_phase", f"{what} (remove it, or write refuse)")
+
+
+def boiling_faults(gas: GasSettings, lines: Lines) -> Iterator[Fault]:
+    """Yield that water boils where a relative humidity is stated."""
+    if gas.relative_humidity and (lines.T_s >= water.T_MOST or lines.p_s <= water.saturation(lines.T_s)[0]):
+        p, T = (readable_quantity(KINDS[name], x) for name, x in (("pressure", lines.p_s), ("temperature", lines.T_s)))
+        what = f"has no meaning at {p} and {T}, where water boils"
+        yield Fault(HUMIDITY, f"{what} (a lower operation.suction.temperature, or a higher pressure)")
