@@ -76,9 +76,13 @@ class MoistAir:
         """Kernel (T, rho, …) → s [J/(kg K)]."""
         return self._text["specific_entropy"]
 
-    @cached_property
+    @property
     def values(self) -> Mapping[str, float]:
         """Numbers behind the kernels' argument names; liquid water of 273.16 K has neither enthalpy nor entropy."""
+        return self._values
+
+    @cached_property
+    def _values(self) -> Mapping[str, float]:
         own = {} if self.c_water is None else {"c_water": self.c_water}
         _rho, h, s, _c = self._text["liquid"](water.T_TRIPLE, *own.values())
         return {**self.dry.values, "y_water": self.share, "u_water": -h, "s_water": -s, **own}
@@ -218,7 +222,7 @@ class MoistAir:
         if self.c_water is None:
             p = float(self._compiled("state", T, rho)[0])
             if p > P_MOST:
-                what = f"moist air at {p:.6g} Pa is above {P_MOST:.6g} Pa, up to which vapour's second virial terms hold"
+                what = f"moist air at {p:.6g} Pa is above {P_MOST:.6g} Pa, up to which its virial terms hold"
                 return Outside(Limit.PRESSED, what)
         return None
 
@@ -253,7 +257,7 @@ def _caller(gas: MoistAir) -> Callable[..., Any]:
 
 
 def saturated_ratio(gas: MoistAir, p: float, T: float) -> float:
-    """Return vapour per dry air [kg/kg] at which air at p [Pa], T [K] is saturated; infinite where water boils (M325)."""
+    """Return vapour per dry air [kg/kg] that saturates it at p [Pa], T [K]; infinite where water boils (M325)."""
     if T >= water.T_MOST or p <= water.saturation(T)[0]:
         return math.inf
     return float(gas._compiled("saturated_ratio", p, T))

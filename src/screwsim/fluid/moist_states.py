@@ -120,9 +120,13 @@ ENTROPY = '''def specific_entropy(T, rho{dry_s}, y_water, s_water{own}):
 '''
 
 DENSITY = '''def density(p, T, R{values}):
-    """Return the density [kg/m3] at p [Pa], T [K]; p grows with it, and bends where water begins to condense."""
+    """Return the density [kg/m3] at p [Pa], T [K]; p grows with it, and bends where water begins to condense.
+
+    A step that is not half as long as the one before halves the bracket: Newton's go to and fro about a bend.
+    """
     rho = p / (R * T)
     low, high = 0.0, 4.0 * rho / (1.0 - y_water)
+    step = high
     for _ in range(100):
         found, _h, c_v, tpt, a, _choke, _choked = state(T, rho{state})
         slope = found / (a * rho) - tpt * tpt / (T * rho * rho * c_v)
@@ -131,9 +135,10 @@ DENSITY = '''def density(p, T, R{values}):
         else:
             high = rho
         new = rho + (p - found) / slope
-        if not low <= new <= high:
+        if not low <= new <= high or abs(new - rho) > 0.5 * step:
             new = 0.5 * (low + high)
-        if abs(new - rho) <= CLOSE * rho or high - low <= CLOSE * high:
+        step = abs(new - rho)
+        if step <= CLOSE * rho or high - low <= CLOSE * high:
             return new
         rho = new
     return rho
@@ -144,7 +149,7 @@ AT_PRESSURE = '''def at_pressure(p, wanted, of_entropy, low, high, R{values}):
 
     The density is -1 where there is none.
     """
-    T, least = min(max(300.0, low), high), low
+    T, least, step = min(max(300.0, low), high), low, high - low
     for _ in range(200):
         rho = density(p, T, R{values})
         _p, value, c_v, tpt, a, _choke, _choked = state(T, rho{state})
@@ -158,9 +163,10 @@ AT_PRESSURE = '''def at_pressure(p, wanted, of_entropy, low, high, R{values}):
         else:
             high = T
         new = T + (wanted - value) / slope
-        if not low <= new <= high:
+        if not low <= new <= high or abs(new - T) > 0.5 * step:
             new = 0.5 * (low + high)
-        if abs(new - T) <= CLOSE * T or high - low <= CLOSE * high:
+        step = abs(new - T)
+        if step <= CLOSE * T or high - low <= CLOSE * high:
             return (new, density(p, new, R{values})) if new > least else (least, -1.0)
         T = new
     return T, density(p, T, R{values})
@@ -181,7 +187,7 @@ def kernels(dry_state: Kernel, dry_entropy: Kernel, real: bool) -> dict[str, Ker
     found: dict[str, Kernel] = {}
     for text in (LIQUID, SATURATED, RATIO, PHASE, PHASED, STATE, ENTROPY, DENSITY, AT_PRESSURE):
         source = text.format(**named)
-        uses = {name: item for name, item in (known | found).items() if re.search(rf"\b{name}\(|\b{name.upper()}\b", source)}
+        uses = {name: item for name, item in (known | found).items() if re.search(rf"\b{name}\b", source)}
         made = written(source, of, uses)
         found[made.__name__] = made
     return found

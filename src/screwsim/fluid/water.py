@@ -3,7 +3,8 @@
 Source: saturation pressure W. Wagner, A. Pruss, J. Phys. Chem. Ref. Data 22 (1993) 783, IAPWS SR1-86; heat capacity of
 the dilute vapour W. Wagner, A. Pruss, J. Phys. Chem. Ref. Data 31 (2002) 387, Table 6.1; B_ww A. Harvey, E. Lemmon, J.
 Phys. Chem. Ref. Data 33 (2004) 369; B_aw of water with air A. Harvey, P. Huang, Int. J. Thermophys. 28 (2007) 556.
-Derivatives come multiplied by powers of T. Of an ideal gas: no virial terms, a constant heat capacity. Nothing here asks CoolProp; tests/fluid/test_moist_air.py does.
+Derivatives come multiplied by powers of T. Of an ideal gas: no virial terms, a constant heat capacity. Nothing here
+asks CoolProp; tests/fluid/test_moist_air.py does.
 """
 
 from __future__ import annotations

@@ -12,14 +12,16 @@ from screwsim.scene.lines import Lines
 from screwsim.scene.units import readable_quantity
 
 HUMIDITY, MARGIN = "gas.relative_humidity", "gas.dew_point_margin"
+AFTERCOOLER = "operation.aftercooler_temperature"
 AIR = "air"
 
 
-def humidity_faults(gas: GasSettings) -> Iterator[Fault]:
+def humidity_faults(gas: GasSettings, aftercooler: float | None) -> Iterator[Fault]:
     """Yield what does not go together with a relative humidity, whatever the lines are."""
     if gas.relative_humidity is None:
-        if gas.dew_point_margin is not None:
-            yield Fault(MARGIN, "needs gas.relative_humidity (write e.g. relative_humidity: 0.6, or remove it)")
+        for path, value in ((MARGIN, gas.dew_point_margin), (AFTERCOOLER, aftercooler)):
+            if value is not None:
+                yield Fault(path, f"needs {HUMIDITY} (write e.g. relative_humidity: 0.6 there, or remove this)")
         return
     if gas.name.lower() != AIR:
         what = f"belongs to air, and the gas is {gas.name}"

@@ -51,7 +51,7 @@ def _given(scene: Scene, paths: tuple[str, ...]) -> list[str]:
 def _gas(scene: Scene) -> Iterator[Fault]:
     gas = scene.gas
     yield from fluid_faults(gas)
-    yield from humidity_faults(gas)
+    yield from humidity_faults(gas, scene.operation.aftercooler_temperature)
     if gas.model == "real" and gas.isentropic_exponent is not None:
         yield Fault("gas.isentropic_exponent", "belongs to model: ideal (remove it, or write model: ideal)")
     if gas.two_phase == "equilibrium" and is_blend(gas.name):
