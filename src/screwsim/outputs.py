@@ -170,7 +170,14 @@ _CORE = (
     _humid("humidity_ratio", "1", "water vapour per dry air in the suction line"),
     _humid("pressure_dew_point", "K", "dew point of the delivered air at discharge pressure"),
     _humid("lowest_safe_oil_temperature", "K", "pressure dew point and gas.dew_point_margin: of gas and oil, at least"),
-    _humid("water_flow", "kg s-1", "water that the net gas flow brings", Scale(times="filling"), by_flow=True),
+    _humid(
+        "water_flow",
+        "kg s-1",
+        "water that the net gas flow brings",
+        Scale(times="filling"),
+        by_flow=True,
+        shown="kg h-1",
+    ),
     _humid(
         "condensate_flow",
         "kg s-1",
