@@ -181,7 +181,7 @@ _CORE = (
     _humid(
         "condensate_flow",
         "kg s-1",
-        "water that condenses in the separator (without one: where gas has its discharge temperature)",
+        "water that condenses where gas and oil have mixed, in the separator (dry machine: at discharge temperature)",
         CONDENSED,
         shown="kg h-1",
     ),

@@ -42,7 +42,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
     yield from _unfitted_bore(of)
     yield from _lost_to_suction(of)
     yield from _separated(of)
-    yield from humidity.warnings(problem, of.life, found)
+    yield from humidity.warnings(problem, of.life, found, of.circuit)
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()
     idle = [part.idle for part in parts.pulsations if part.shut is not None]

@@ -47,7 +47,7 @@ def figures(
     dew = own["pressure_dew_point"]
     margin = MARGIN if scene.gas.dew_point_margin is None else scene.gas.dew_point_margin
     own["lowest_safe_oil_temperature"] = None if dew is None else dew + margin
-    T, out = leaving(found), _out(problem, life, streams, circuit)
+    T, out = leaving(found, circuit), _out(problem, life, streams, circuit)
     names = ("condensate_flow", "vapour_flow", "water_residual", AFTERCOOLER)
     if T is None:
         return own | dict.fromkeys(names), notes | dict.fromkeys(names, NOTHING_OUT)
@@ -62,10 +62,9 @@ def figures(
     return own, notes
 
 
-def leaving(found: Mapping[str, Any]) -> float | None:
-    """Return the temperature [K] at which gas parts from oil: of the separator, without one of the gas at discharge."""
-    T = found.get("separator_temperature")
-    return found.get("discharge_temperature") if T is None else T
+def leaving(found: Mapping[str, Any], circuit: Circuit | str | None) -> float | None:
+    """Return the temperature [K] at which gas parts from the oil with which it mixed; that of dry machines' gas."""
+    return circuit.parted.T_separator if isinstance(circuit, Circuit) else found.get("discharge_temperature")
 
 
 def _out(problem: Problem, life: Trajectory, streams: Array, circuit: Circuit | str | None) -> float:
@@ -94,15 +93,18 @@ def chamber_share(problem: Problem, gas: MoistAir, life: Trajectory, below: floa
     return min(most / (gas.share * trapped), 1.0) if trapped > 0.0 else 0.0
 
 
-def warnings(problem: Problem, life: Trajectory, found: Mapping[str, Any]) -> Iterator[str]:
+def warnings(
+    problem: Problem, life: Trajectory, found: Mapping[str, Any], circuit: Circuit | str | None
+) -> Iterator[str]:
     """Yield where water condenses, and where it nearly does (M328)."""
-    gas, T, dew = problem.parts.gas, leaving(found), found.get("pressure_dew_point")
+    gas, T, dew = problem.parts.gas, leaving(found, circuit), found.get("pressure_dew_point")
     if not isinstance(gas, MoistAir) or dew is None:
         return
     safe, flow = found["lowest_safe_oil_temperature"], found.get("condensate_flow")
     if T is not None and T < safe:
-        at = f"gas and oil part at {_celsius(T)}"
-        remedy = f"keep them at {_celsius(safe)} or above by warmer oil"
+        oil = problem.parts.oil is not None
+        at = f"gas and oil part at {_celsius(T)}" if oil else f"the gas leaves at {_celsius(T)}"
+        remedy = f"keep them at {_celsius(safe)} or above by warmer oil" if oil else "drier or warmer air"
         if flow:
             what = f"{at}, below the pressure dew point of {_celsius(dew)}: {HOUR * flow:.3g} kg/h of water condense"
         else:
@@ -110,7 +112,8 @@ def warnings(problem: Problem, life: Trajectory, found: Mapping[str, Any]) -> It
         yield f"{what} ({remedy})"
     share = found["chamber_condensate_share"]
     if share > WET:
-        yield f"up to {share:.2g} of the water in a chamber is liquid, among its oil (warmer oil)"
+        remedy = "among its oil (warmer oil)" if problem.parts.oil is not None else "(drier or warmer air)"
+        yield f"up to {share:.2g} of the water in a chamber is liquid {remedy}"
         ice = chamber_share(problem, gas, life, water.T_TRIPLE)
         if ice > WET:
             yield f"up to {ice:.2g} of the water in a chamber condenses below 0 degC, and is taken as liquid, no ice"
