@@ -25,14 +25,14 @@ HEATED = (323.15, 353.15, 383.15, 413.15)  # [K], none of them wet at these pres
 HEAD = """\
 # Moist air beside HAPropsSI
 
-Made by `python benchmarks/moist_air.py -o docs/reference/moist-air.md`: what `gas.relative_humidity` makes of air (M320 to
-M326), ideal and real, beside CoolProp {version}'s `HAPropsSI`. *Saturated*: vapour per dry air of saturated air, relative
-difference. *Dew point*: of air of 25 °C, 1 bar, relative humidity 0.6, compressed; difference. *Heat*: enthalpy of the same
-air above that at 25 °C and 1 bar, per dry air, relative difference; – where water has condensed. *Density*: of the same, per
-dry air.
+Made by `python benchmarks/moist_air.py -o docs/reference/moist-air.md`: what `gas.relative_humidity` makes of air (M320
+to M326), ideal and real, beside CoolProp {version}'s `HAPropsSI`. *Saturated*: vapour per dry air of saturated air,
+relative difference. *Dew point*: of air of 25 °C, 1 bar, relative humidity 0.6, compressed; difference. *Heat*:
+enthalpy of the same air above that at 25 °C and 1 bar, per dry air, relative difference; – where water has condensed.
+*Density*: of the same, per dry air.
 
-The ideal gas has no enhancement factor: its dew point lies too high, on the safe side. The real one has that of the second
-virial coefficients; what it lacks is the pressure upon the liquid (Poynting's factor), on the same side.
+The ideal gas has no enhancement factor: its dew point lies too high, on the safe side. The real one has that of the
+second virial coefficients; what it lacks is the pressure upon the liquid (Poynting's factor), on the same side.
 """
 
 

@@ -34,7 +34,7 @@ def test_water_is_coolprops(T):
     assert bend == pytest.approx((near[1] - 2.0 * p_s + near[0]) / 1e-8, rel=1e-5)
     assert water.energy(T)[0] + water.R_WATER == pytest.approx(state.cp0mass(), rel=2e-5)  # R of the equation is older
     own = water.virials(T)[3] * water.M_WATER
-    assert own == pytest.approx(state.Bvirial(), rel=0.06)  # that of the whole equation misses the measured one when cold
+    assert own == pytest.approx(state.Bvirial(), rel=0.06)  # the whole equation misses it when cold
 
 
 @by_pressure

@@ -1,4 +1,4 @@
-"""A machine on moist air: its water, its heat, its dry limit, and a condensing chamber against one written with scipy."""
+"""A machine on moist air: its water, its heat, its dry limit; a condensing chamber against one written with scipy."""
 
 from math import radians
 

@@ -21,8 +21,8 @@ CONFIG = CONFIGS / "air" / "moist.yaml"
         (("gas.relative_humidity=-0.1",), "-0.1 is out of range (it must be at least 0 and at most 1)"),
         (
             ("gas.fluid=R134a",),
-            "gas.relative_humidity: belongs to air, and the gas is R134a (remove it, null in place of a base's, or write "
-            "fluid: air)",
+            "gas.relative_humidity: belongs to air, and the gas is R134a (remove it, null in place of a base's, or "
+            "write fluid: air)",
         ),
         (
             ("gas.fluid=Air.mix",),
@@ -31,8 +31,8 @@ CONFIG = CONFIGS / "air" / "moist.yaml"
         ),
         (
             ("gas.model=real", "gas.two_phase=equilibrium"),
-            "gas.two_phase: belongs to a pure fluid; water of moist air condenses in equilibrium by itself (remove it, or "
-            "write refuse)",
+            "gas.two_phase: belongs to a pure fluid; water of moist air condenses in equilibrium by itself (remove it, "
+            "or write refuse)",
         ),
         (
             ("operation.suction.temperature=105degC",),
@@ -41,12 +41,13 @@ CONFIG = CONFIGS / "air" / "moist.yaml"
         ),
         (
             ("gas.relative_humidity=null",),
-            "operation.aftercooler_temperature: needs gas.relative_humidity (write e.g. relative_humidity: 0.6 there, or "
-            "remove this)",
+            "operation.aftercooler_temperature: needs gas.relative_humidity (write e.g. relative_humidity: 0.6 there, "
+            "or remove this)",
         ),
         (
             ("gas.relative_humidity=null", "operation.aftercooler_temperature=null", "gas.dew_point_margin=3 K"),
-            "gas.dew_point_margin: needs gas.relative_humidity (write e.g. relative_humidity: 0.6 there, or remove this)",
+            "gas.dew_point_margin: needs gas.relative_humidity (write e.g. relative_humidity: 0.6 there, "
+            "or remove this)",
         ),
         (("operation.aftercooler_temperature=-3 degC",), "is out of range"),
     ],
@@ -66,7 +67,7 @@ def test_the_shipped_scene_states_moist_air_and_writes_it_back():
 
 
 def test_the_gas_follows_the_suction_line():
-    states = ("operation.suction.temperature=35 degC", "operation.suction.pressure=0.9 bar", "gas.relative_humidity=0.7")
+    states = "operation.suction.temperature=35 degC", "operation.suction.pressure=0.9 bar", "gas.relative_humidity=0.7"
     ratios = [build_gas(load(CONFIG, overrides=[each])).humidity_ratio for each in states]
     assert all(ratio > build_gas(load(CONFIG)).humidity_ratio for ratio in ratios)
 
