@@ -50,6 +50,10 @@ CONFIG = CONFIGS / "air" / "moist.yaml"
             "or remove this)",
         ),
         (("operation.aftercooler_temperature=-3 degC",), "is out of range"),
+        (
+            ("operation.discharge.pressure=120 bar",),
+            "gas.relative_humidity: is followed up to 100 bar, not at 120 bar (remove it, or lower the pressure)",
+        ),
     ],
 )
 def test_what_cannot_be_is_told_in_one_line(overrides, what):

@@ -22,14 +22,13 @@ from screwsim.faults import UsageError
 from screwsim.fluid import moist_states as states
 from screwsim.fluid import water
 from screwsim.fluid.ideal_gas import IdealGas
-from screwsim.fluid.limits import Limit, Outside
+from screwsim.fluid.limits import Outside
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 from screwsim.numerics.roots import brentq
 
 T_LOW, T_HIGH = 100.0, 2000.0  # [K] between which a state is looked for
-P_MOST = 1e7  # [Pa] up to which second virial terms are taken for the whole
 TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
 
@@ -215,16 +214,8 @@ class MoistAir:
         return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
 
     def why_outside(self, T: float, rho: float) -> Outside | None:
-        """Return which limit a state violates, or None: those of dry air, and of a real gas its virial terms."""
-        found = self.dry.why_outside(T, (1.0 - self.share) * rho)
-        if found is not None:
-            return found
-        if self.c_water is None:
-            p = float(self._compiled("state", T, rho)[0])
-            if p > P_MOST:
-                what = f"moist air at {p:.6g} Pa is above {P_MOST:.6g} Pa, up to which its virial terms hold"
-                return Outside(Limit.PRESSED, what)
-        return None
+        """Return which limit of its dry air a state violates, or None."""
+        return self.dry.why_outside(T, (1.0 - self.share) * rho)
 
 
 # ---- made once -----------------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from screwsim.scene.units import readable_quantity
 HUMIDITY, MARGIN = "gas.relative_humidity", "gas.dew_point_margin"
 AFTERCOOLER = "operation.aftercooler_temperature"
 AIR = "air"
+P_MOST = 1e7  # [Pa] of the lines: beyond, third virial coefficients count (M324)
 
 
 def humidity_faults(gas: GasSettings, aftercooler: float | None) -> Iterator[Fault]:
@@ -31,9 +32,14 @@ def humidity_faults(gas: GasSettings, aftercooler: float | None) -> Iterator[Fau
         yield Fault("gas.two_phase", f"{what} (remove it, or write refuse)")
 
 
-def boiling_faults(gas: GasSettings, lines: Lines) -> Iterator[Fault]:
-    """Yield that water boils where a relative humidity is stated."""
-    if gas.relative_humidity and (lines.T_s >= water.T_MOST or lines.p_s <= water.saturation(lines.T_s)[0]):
+def line_faults(gas: GasSettings, lines: Lines) -> Iterator[Fault]:
+    """Yield that water boils where a relative humidity is stated, and a pressure beyond that of its virial terms."""
+    if not gas.relative_humidity:
+        return
+    if lines.T_s >= water.T_MOST or lines.p_s <= water.saturation(lines.T_s)[0]:
         p, T = (readable_quantity(KINDS[name], x) for name, x in (("pressure", lines.p_s), ("temperature", lines.T_s)))
         what = f"has no meaning at {p} and {T}, where water boils"
         yield Fault(HUMIDITY, f"{what} (a lower operation.suction.temperature, or a higher pressure)")
+    elif max(lines.p_s, lines.p_d) > P_MOST:
+        p = readable_quantity(KINDS["pressure"], max(lines.p_s, lines.p_d))
+        yield Fault(HUMIDITY, f"is followed up to {1e-5 * P_MOST:g} bar, not at {p} (remove it, or lower the pressure)")

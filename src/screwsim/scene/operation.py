@@ -11,7 +11,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.constants import Limits
 from screwsim.scene.fluids import fluid_faults
-from screwsim.scene.humidity import boiling_faults, humidity_faults
+from screwsim.scene.humidity import line_faults, humidity_faults
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
 from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
@@ -132,7 +132,7 @@ def _states(scene: Scene) -> list[Fault]:
             faults = [Fault(EVAPORATING if by_temperature else P_S, f"{error} (choose another state)")]
     if not faults and by_temperature:  # the glide of a pseudo-pure fluid may turn the order of temperatures round
         faults = list(_order(scene, lines(scene).p_s, lines(scene).p_d, CONDENSING))
-    return faults or list(boiling_faults(scene.gas, lines(scene)))
+    return faults or list(line_faults(scene.gas, lines(scene)))
 
 
 def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:
