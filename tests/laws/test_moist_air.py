@@ -12,6 +12,8 @@ from scipy.optimize import brentq
 from screwsim.build import build_gas
 from screwsim.errors import relative_errors, worst
 from screwsim.scene.lines import lines
+from screwsim.study.accuracy.cases import QUICK, back_ends
+from screwsim.study.coolprop_back_end import machinery_with_coolprop
 
 AIR = {
     "gas": {"fluid": "air", "model": "ideal", "relative_humidity": 0.6},
@@ -110,6 +112,13 @@ def test_without_the_key_there_is_no_figure_of_it(warm):
     about = {name for name, each in warm.performance.about.items() if each.needs == ("gas.relative_humidity",)}
     dry = machine(85, **{"gas.relative_humidity": DROP})
     assert len(about) == 8 and not about & set(dry.performance)
+
+
+def test_coolprop_is_not_asked_for_its_states():
+    scene = make({**AIR, "gas.model": "real"})
+    with pytest.raises(ValueError, match="no moist air"):
+        machinery_with_coolprop(scene)
+    assert not any(case.back_end == "coolprop" for case in back_ends(scene, QUICK))
 
 
 # ---- a closed chamber, written anew ------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.constants import Limits
 from screwsim.scene.fluids import fluid_faults
-from screwsim.scene.humidity import line_faults, humidity_faults
+from screwsim.scene.humidity import humidity_faults, line_faults
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
 from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
