@@ -12,6 +12,7 @@ import numpy as np
 
 from screwsim.cycle import suction_line
 from screwsim.cycle.problem import Problem
+from screwsim.evaluate.performance import NONE_DELIVERED
 from screwsim.evaluate.separator import Circuit
 from screwsim.fluid import water
 from screwsim.fluid.moist_air import MoistAir
@@ -49,12 +50,13 @@ def figures(
     own["lowest_safe_oil_temperature"] = None if dew is None else dew + margin
     T, out = leaving(found, circuit), _out(problem, life, streams, circuit)
     names = ("condensate_flow", "vapour_flow", "water_residual", AFTERCOOLER)
-    if T is None:
-        return own | dict.fromkeys(names), notes | dict.fromkeys(names, NOTHING_OUT)
+    if T is None or not (out > 0.0 and found["gas_mass_flow"] > 0.0):
+        why = NOTHING_OUT if T is None else NONE_DELIVERED
+        return own | dict.fromkeys(names), notes | dict.fromkeys(names, why)
     liquid = 0.0 if wet is None else out * wet.condensed(p_d, T)
     vapour = 0.0 if wet is None else out * wet.share - liquid
     own["condensate_flow"], own["vapour_flow"] = liquid, vapour
-    own["water_residual"] = (brought - liquid - vapour) / brought if brought > 0.0 else 0.0
+    own["water_residual"] = 0.0 if wet is None else (brought - liquid - vapour) / brought
     T_after = scene.operation.aftercooler_temperature
     if T_after is not None:
         all_of_it = 0.0 if wet is None else out * wet.condensed(p_d, min(T, T_after))
