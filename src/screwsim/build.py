@@ -31,6 +31,7 @@ from screwsim.faults import Fault, Unfound, UsageError, own_number
 from screwsim.fluid import constants
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.moist_air import moist_air
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.reservoir import Reservoir
@@ -79,6 +80,14 @@ MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
 def build_gas(scene: Scene) -> Gas:
     """Return the gas of a scene; k of an ideal one from CoolProp at suction temperature where none is given (M6)."""
+    dry, humidity = _dry_gas(scene), scene.gas.relative_humidity
+    if humidity is None:
+        return dry
+    at = lines(scene)
+    return moist_air(dry, at.p_s, at.T_s, humidity)
+
+
+def _dry_gas(scene: Scene) -> IdealGas | RealGas:
     fluid, k = scene.gas.name, scene.gas.isentropic_exponent
     if scene.gas.model == "real":
         return RealGas(fluid, scene.gas.two_phase)
@@ -250,7 +259,7 @@ class Stock:
     def gas(self, scene: Scene) -> Gas:
         """Return the gas of a scene; the same one where nothing but the scene's gas tells it."""
         settings = scene.gas
-        if settings.model != "real" and settings.isentropic_exponent is None:
+        if (settings.model != "real" and settings.isentropic_exponent is None) or settings.relative_humidity:
             return build_gas(scene)
         if self._gas is None or self._gas[0] is not settings:
             self._gas = settings, build_gas(scene)

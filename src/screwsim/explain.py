@@ -31,6 +31,7 @@ from screwsim.effects.base import (
 from screwsim.figures import called_for
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.moist_air import MoistAir
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
 from screwsim.machine.settings import TwinScrew
@@ -308,10 +309,15 @@ def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     gas = parts.gas
     equations = ", ".join(gas.equations)
     yield _row(scene.gas.name, f"{scene.gas.model} gas ({equations})")
-    if isinstance(gas, IdealGas):
+    dry = gas.dry if isinstance(gas, MoistAir) else gas
+    if isinstance(dry, IdealGas):
         given = "given" if scene.gas.isentropic_exponent is not None else "cp0/(cp0 - R) at suction temperature"
-        yield _row("", f"R = {gas.R:.6g} J/(kg K), k = {gas.k:.6g} ({given})")
+        yield _row("", f"R = {dry.R:.6g} J/(kg K), k = {dry.k:.6g} ({given})")
     at, operation = lines(scene), scene.operation
+    if isinstance(gas, MoistAir):
+        humid = f"relative humidity {scene.gas.relative_humidity:g} of the suction line"
+        yield _row("water", f"{gas.humidity_ratio:.5g} per dry air ({humid}, M320)")
+        yield _row("dew point", f"{gas.dew_point(at.p_d):.5g} K at discharge pressure (M327)")
     condensing = "dew" if is_blend(scene.gas.name) else "bubble"
     dew = _stated(operation.evaporating_temperature, "dew")
     bubble = _stated(operation.condensing_temperature, condensing)

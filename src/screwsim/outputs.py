@@ -106,7 +106,12 @@ CHANGED = ("effects.suction_line", "effects.suction_throttle", "effects.bypass.s
 WALLED = ("effects.wall_heat", "effects.cylinder_heat", "another effect with a Wall")
 HELD = ("oil that gives its gas off over time, as effects.refrigerant_solubility.flash_time says",)
 
+HUMID = ("gas.relative_humidity",)
+# of what condenses: saturation changes by 15 and more times what the temperature does
+CONDENSED = Scale(15.0, ("water_flow",))
+
 _oiled, _cooled, _changed = (partial(Figure, needs=needs) for needs in (OILED, COOLED, CHANGED))
+_humid = partial(Figure, needs=HUMID)
 _CORE = (
     efficiency("isothermal_efficiency", "isothermal efficiency of the shaft power", by_flow=True),
     efficiency(
@@ -162,6 +167,45 @@ _CORE = (
     _cooled("volumetric_cooling_capacity", "J m-3", "cooling capacity over the volume flow of suction gas"),
     _changed("intake_pressure", "Pa", "pressure of what the machine sucks, behind filter, valve, throttle and bypass"),
     _changed("intake_temperature", "K", "temperature of what the machine sucks, with all that is mixed in"),
+    _humid("humidity_ratio", "1", "water vapour per dry air in the suction line"),
+    _humid("pressure_dew_point", "K", "dew point of the delivered air at discharge pressure"),
+    _humid("lowest_safe_oil_temperature", "K", "pressure dew point and gas.dew_point_margin: of gas and oil, at least"),
+    _humid(
+        "water_flow",
+        "kg s-1",
+        "water that the net gas flow brings",
+        Scale(times="filling"),
+        by_flow=True,
+        shown="kg h-1",
+    ),
+    _humid(
+        "condensate_flow",
+        "kg s-1",
+        "water that condenses where gas and oil have mixed, in the separator (dry machine: at discharge temperature)",
+        CONDENSED,
+        shown="kg h-1",
+    ),
+    _humid("vapour_flow", "kg s-1", "water that leaves as vapour behind the separator", CONDENSED, shown="kg h-1"),
+    Figure(
+        "aftercooler_condensate_flow",
+        "kg s-1",
+        "water that condenses in the aftercooler",
+        CONDENSED,
+        ("operation.aftercooler_temperature",),
+        shown="kg h-1",
+    ),
+    _humid(
+        "chamber_condensate_share",
+        "1",
+        "largest share of the water trapped in a chamber that is liquid",
+        Scale(1.0, alone=True, unasked=True),
+    ),
+    _humid(
+        "water_residual",
+        "1",
+        "water that comes less what leaves as vapour and condensate, over what comes",
+        Scale(1.0, alone=True, unasked=True),
+    ),
     power_figure("output_power", "power that an expander gives at its shaft", needs=EXPANDED),
     Figure(
         "filling_factor",

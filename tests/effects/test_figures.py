@@ -95,7 +95,8 @@ def test_every_figure_that_the_core_gives_on_a_condition_is_called_for_by_it():
     everything = load(ROOT / "configs" / "everything.yaml")
     throttled = load(ROOT / "configs" / "control" / "throttle.yaml")
     over_time = each.with_it("refrigerant_solubility", ("effects.refrigerant_solubility.flash_time=5 ms",))
-    scenes = expander, everything, throttled, over_time, load(PISTON)
+    moist = load(ROOT / "configs" / "air" / "moist.yaml")
+    scenes = expander, everything, throttled, over_time, moist, load(PISTON)
     every = [set(called(scene)) & set(PERFORMANCE) for scene in scenes]
     assert set.union(*every) == set(PERFORMANCE)
     assert {name for name, figure in PERFORMANCE.items() if not figure.needs} == set.intersection(*every)

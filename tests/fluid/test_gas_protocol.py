@@ -15,6 +15,7 @@ from screwsim.fluid.constants import gas_constant
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Outside
+from screwsim.fluid.moist_air import MoistAir
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.real_gas import RealGas
 from screwsim.numerics.kernel import Kernel
@@ -27,6 +28,10 @@ GASES = {
     "in equilibrium": RealGas("R134a", "equilibrium"),
     "pseudo-pure": RealGas("R410A"),
     "blend": RealGas("R454B"),
+    "moist": MoistAir(IdealGas(287.05, 1.4), 0.005, 1400.0),
+    "wet": MoistAir(IdealGas(287.05, 1.4), 0.06, 1400.0),
+    "real, moist": MoistAir(RealGas("Air"), 0.005),
+    "real, wet": MoistAir(RealGas("Air"), 0.06),
     "covolume": CovolumeGas(81.49, 1.12, 1e-3),
 }
 STATES = ((1.2e5, 290.0), (6e5, 330.0), (12e5, 360.0))  # Pa, K: vapour of each of them

@@ -28,6 +28,14 @@ WET = {
     "effects.oil_heat": {"droplet_radius": "20 um", "heat_transfer_coefficient": "1000 W/(m^2 K)"},
     "operation.discharge.temperature": "330 K",
 }
+MOIST = {
+    **CARRIED,
+    "gas": {"fluid": "air", "model": "ideal", "relative_humidity": 1},
+    "operation.suction": {"pressure": "1 bar", "temperature": "40 degC"},
+    "operation.discharge": {"pressure": "9 bar"},
+    "oil_supply.ratio": 6,
+    "effects.oil_heat": {"droplet_radius": "25 um", "heat_transfer_coefficient": "1000 W/(m^2 K)"},
+}
 BARE = {"effects": {"suction_port": {}, "discharge_port": {}}, "oil": DROP, "oil_supply": DROP}
 FINE = {"numerics.accuracy": 1e-6}
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from case import BARE, CARRIED, CO2, FINE, WARM, WET, Case, droplet, gaps, lines, ports, speed
+from case import BARE, CARRIED, CO2, FINE, MOIST, WARM, WET, Case, droplet, gaps, lines, ports, speed
 from found_cases import found_cases
 
 CSV = {
@@ -247,6 +247,20 @@ def _gases() -> list[Case]:
         Case("real, 250 rpm", {**WARM, **speed(250)}, "slow, and the equation of state"),
         Case("two phases", WET, "p follows T by 7:1 in the dome"),
         Case("two phases, 1e-5", {**WET, "numerics.accuracy": 1e-5}, "p follows T by 7:1 in the dome"),
+        Case(
+            "moist air, condensing",
+            MOIST,
+            "saturated air on cold oil: most of its water condenses in the chamber, and c_v and k jump where it begins",
+            says=("of the water in a chamber is liquid",),
+            radau=True,
+        ),
+        Case(
+            "moist air, 0.9 of its moles",
+            {**MOIST, "operation.suction": {"pressure": "1 bar", "temperature": "97 degC"}},
+            "next to steam: what condenses leaves a tenth of the volume",
+            most=80_000,
+            says=("of the water in a chamber is liquid",),
+        ),
     ]
 
 

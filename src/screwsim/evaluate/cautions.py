@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects.base import InSeparator
 from screwsim.errors import worst
-from screwsim.evaluate import plausible
+from screwsim.evaluate import humidity, plausible
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
 from screwsim.faults import UsageError
@@ -42,6 +42,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
     yield from _unfitted_bore(of)
     yield from _lost_to_suction(of)
     yield from _separated(of)
+    yield from humidity.warnings(problem, of.life, found, of.circuit)
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()
     idle = [part.idle for part in parts.pulsations if part.shut is not None]

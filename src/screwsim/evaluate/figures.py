@@ -13,7 +13,7 @@ from screwsim.cycle.balances import crossed, discharge_enthalpy, discharge_held,
 from screwsim.cycle.known import CycleFigures
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Drawn, Plenum, Separator, Turn
-from screwsim.evaluate import expander, performance
+from screwsim.evaluate import expander, humidity, performance
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, borrowed
 from screwsim.machine.built_in import built_in_volume_ratio
@@ -85,7 +85,10 @@ def figures_of(
     own, reasons = _of_plenums(problem, sucked, streams, about)
     found |= own
     notes |= reasons
-    gain = sum(own.get(part.gain) or 0.0 for _, part in parts.all(Plenum))
+    own, reasons = humidity.figures(problem, life, streams, found, circuit)
+    found |= own
+    notes |= reasons
+    gain = sum(found.get(part.gain) or 0.0 for _, part in parts.all(Plenum))
     effect = refrigerating_effect(problem.scene)
     effect = None if effect is None else effect * (1.0 + gain)
     cooling, reasons = performance.refrigeration(found, problem.inlet.density, effect)

@@ -15,6 +15,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.effects.base import InSeparator, OilSolution, PowerLoss
 from screwsim.effects.base import Separator as SeparatorPart
 from screwsim.faults import UsageError
+from screwsim.fluid.moist_air import MoistAir
 from screwsim.fluid.separator import Outflow, Separated, separated
 from screwsim.model.numbers import oil_places
 from screwsim.model.slots import (
@@ -56,12 +57,13 @@ def circuit_of(
 ) -> Circuit | str | None:
     """Return the oil's circuit of a life of these quadratures; None where no scene asks for it, a text for why not.
 
-    A scene that states the separator's temperature without effects.separator is asked what its balance says of it.
+    A scene that states the separator's temperature without effects.separator is asked what its balance says of it, and
+    one of moist air where its water parts from the oil.
     """
     parts, scene = problem.parts, problem.scene
     part = next((part for _, part in parts.all(SeparatorPart)), None)
     asking = [one.parameters for one in scene.effects.values() if isinstance(one.parameters, InSeparator)]
-    if parts.oil is None or not (part or asking):
+    if parts.oil is None or not (part or asking or isinstance(parts.gas, MoistAir)):
         return None
     outflow = _outflow(problem, life, q, losses, lift)
     if not outflow.gas_flow > 0.0:

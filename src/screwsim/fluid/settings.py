@@ -36,6 +36,19 @@ class GasSettings:
         le=2.0,
         hardly=(1.01, 5.0 / 3.0),
     )
+    relative_humidity: float | None = number(
+        "of air in the suction line, at its pressure and temperature (M320): vapour in the gas, which may condense",
+        None,
+        ge=0.0,
+        le=1.0,
+    )
+    dew_point_margin: float | None = quantity(
+        "temperature_difference",
+        "above the pressure dew point, of the lowest safe oil temperature (default: 5 K; with relative_humidity)",
+        None,
+        ge=0.0,
+        hardly=(0.0, 30.0),
+    )
 
     @property
     def name(self) -> str:

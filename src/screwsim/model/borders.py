@@ -40,13 +40,13 @@ def share_before_switch(one_way, line, width, held, most, y, y1, u, P, TAB):
 
 
 @kernel
-def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol):
+def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol, P, TAB):
     """Return the share of a step after which a chamber leaves the phase held; 1 where it does not, or hardly.
 
     The state's derivatives jump there, so a step must end there. Beyond it, within the tolerance, the phase's own
     equation goes on smoothly.
     """
-    if gas_phase(y1[at], y1[at + S_RHO]) == int(held):
+    if gas_phase(y1[at], y1[at + S_RHO], P, TAB) == int(held):
         return 1.0
     T3, T4 = dense_coefficients(u, at)
     rho3, rho4 = dense_coefficients(u, at + 1)
@@ -56,7 +56,7 @@ def share_before_border(held, y0, y1, u, at, tpt_over_p, rtol):
         middle = 0.5 * (low + high)
         T = dense_value(middle, y0[at], y1[at], T3, T4)
         rho = dense_value(middle, y0[at + S_RHO], y1[at + S_RHO], rho3, rho4)
-        if gas_phase(T, rho) == int(held):
+        if gas_phase(T, rho, P, TAB) == int(held):
             low = middle
         else:
             high = middle

@@ -66,7 +66,7 @@ def locked(y, at, P):
 @kernel
 def entropic_slope(T, rho, P, TAB):
     """Return dT/d(ln ρ) [K] along an isentrope, and the pressure [Pa]."""
-    p, _h, c_v, tpt, _a, _x, _f = phased_state(gas_phase(T, rho), T, rho, P, TAB)
+    p, _h, c_v, tpt, _a, _x, _f = phased_state(gas_phase(T, rho, P, TAB), T, rho, P, TAB)
     return tpt / (rho * c_v), p
 
 
@@ -85,7 +85,7 @@ def displaced(y, at, m, V, before, injected, P, TAB, R):
     R[R_LOCK] = 0.0
     T = y[at]
     rho = y[at + S_RHO]
-    p, h, _c, _t, _a, _x, _f = phased_state(gas_phase(T, rho), T, rho, P, TAB)
+    p, h, _c, _t, _a, _x, _f = phased_state(gas_phase(T, rho, P, TAB), T, rho, P, TAB)
     energy = h - p / rho
     step = math.log(m / (free * rho)) / PARTS
     for _ in range(PARTS):
@@ -96,7 +96,7 @@ def displaced(y, at, m, V, before, injected, P, TAB, R):
         e, _p = entropic_slope(T + step * c, rho, P, TAB)
         T += step * (a + 2.0 * b + 2.0 * c + e) / 6.0
     rho = m / free
-    end, h, _c, _t, _a, _x, _f = phased_state(gas_phase(T, rho), T, rho, P, TAB)
+    end, h, _c, _t, _a, _x, _f = phased_state(gas_phase(T, rho, P, TAB), T, rho, P, TAB)
     work = m * (h - end / rho - energy)
     volume = injected * P[P_ROOM]
     R[R_PRESSURE] = work / volume if volume > 1e-9 * V else p

@@ -1,7 +1,7 @@
 """The names that a composition defines in its generated module; the kernels of this package are written with them.
 
-Functions: `gas_state(T, rho, P, TAB)`, `gas_phase(T, rho)` → 0 or 1, `phased_state(phase, T, rho, P, TAB)` (the state
-in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
+Functions: `gas_state(T, rho, P, TAB)`, `gas_phase(T, rho, P, TAB)` → 0 or 1, `phased_state(phase, T, rho, P, TAB)`
+(the state in a given phase, beyond its border, too), `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
 `volume_slope_at(phi, P, TAB)`, `plenum_area(i, phi, P, TAB)`, `gap_area(i, phi, P, TAB)` (coefficient included),
 `line_pulse(i, phi, P)` → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself,
 `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],

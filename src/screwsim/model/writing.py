@@ -173,9 +173,9 @@ def write_gas(writer: Writer, gas: Any) -> None:
     else:
         phase, state = (writer.call(kernel, gas.values, {}, free) for kernel in gas.phased_state)
     writer.network.gas, writer.network.phases = state, gas.phased_state is not None
-    writer.function("gas_phase(T, rho)", [f"return {phase}"])
+    writer.function("gas_phase(T, rho, P, TAB)", [f"return {phase}"])
     writer.function("phased_state(phase, T, rho, P, TAB)", [f"return {state}"])
-    writer.function("gas_state(T, rho, P, TAB)", ["return phased_state(gas_phase(T, rho), T, rho, P, TAB)"])
+    writer.function("gas_state(T, rho, P, TAB)", ["return phased_state(gas_phase(T, rho, P, TAB), T, rho, P, TAB)"])
     entropy = writer.network.entropy = writer.call(gas.specific_entropy, gas.values, {}, free)
     writer.function("gas_entropy(T, rho, P, TAB)", [f"return {entropy}"])
 

@@ -11,6 +11,7 @@ from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.constants import Limits
 from screwsim.scene.fluids import fluid_faults
+from screwsim.scene.humidity import humidity_faults, line_faults
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
 from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
@@ -50,6 +51,7 @@ def _given(scene: Scene, paths: tuple[str, ...]) -> list[str]:
 def _gas(scene: Scene) -> Iterator[Fault]:
     gas = scene.gas
     yield from fluid_faults(gas)
+    yield from humidity_faults(gas, scene.operation.aftercooler_temperature)
     if gas.model == "real" and gas.isentropic_exponent is not None:
         yield Fault("gas.isentropic_exponent", "belongs to model: ideal (remove it, or write model: ideal)")
     if gas.two_phase == "equilibrium" and is_blend(gas.name):
@@ -130,7 +132,7 @@ def _states(scene: Scene) -> list[Fault]:
             faults = [Fault(EVAPORATING if by_temperature else P_S, f"{error} (choose another state)")]
     if not faults and by_temperature:  # the glide of a pseudo-pure fluid may turn the order of temperatures round
         faults = list(_order(scene, lines(scene).p_s, lines(scene).p_d, CONDENSING))
-    return faults
+    return faults or list(line_faults(scene.gas, lines(scene)))
 
 
 def _pressures(scene: Scene, limits: Limits) -> Iterator[Fault]:

@@ -98,6 +98,14 @@ class Operation:
         ge=0.0,
         hardly=(None, 60.0),
     )
+    aftercooler_temperature: float | None = quantity(
+        "temperature",
+        "to which an aftercooler brings the delivered air, whose water condenses there (with gas.relative_humidity)",
+        None,
+        ge=273.16,
+        le=700.0,
+        hardly=(275.0, 350.0),
+    )
 
 
 @dataclass(frozen=True)

@@ -72,8 +72,8 @@ def machinery_with_coolprop(scene: Scene) -> Machinery:
 
     Raises ValueError for an ideal gas.
     """
-    if scene.gas.model != "real":
-        raise ValueError("gas.model: only a real gas can be asked of CoolProp")
+    if scene.gas.model != "real" or scene.gas.relative_humidity:
+        raise ValueError("gas.model: only a real gas can be asked of CoolProp, and no moist air")
     problem = problem_of(scene)
     gas, text = problem.parts.gas, problem.composition.text
     kernel = gas.state if gas.phased_state is None else gas.phased_state[1]

@@ -111,7 +111,7 @@ class Chamber(Cell):
 
     def rates(self) -> str:
         """Return the text of dy/dφ of one chamber, and of the rates of its quadratures."""
-        held = "gas_phase(T, rho) if own[PLACE] == FREE else int(own[PLACE])"
+        held = "gas_phase(T, rho, P, TAB) if own[PLACE] == FREE else int(own[PLACE])"
         return function(
             "chamber__rates(y, E, context, f, g)",
             ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', CONTEXT],
@@ -132,7 +132,7 @@ class Chamber(Cell):
                 stores += [f"J{array}[{i}, {j}] = {tangent.slope(name, state)}" for j, state in enumerate(states)]
                 stores.append(f"{'g' if array else 'f'}_phi[{i}] = {tangent.slope(name, 'phi')}")
         before = ["per_delta = 1.0 / delta"]
-        before += ["phase = gas_phase(T, rho)", "own[PLACE] = phase"] if network.phases else ["phase = 0"]
+        before += ["phase = gas_phase(T, rho, P, TAB)", "own[PLACE] = phase"] if network.phases else ["phase = 0"]
         before += [f"{slope_name(name, 'phi')} = {given[name, 'phi']}" for name in ("V", "dV")]
         after = [
             f"own[OPENING + {len(network.ports) + port.index}] = held_{port.index}"

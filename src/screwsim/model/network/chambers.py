@@ -255,7 +255,7 @@ class Chambers(Cell):
         with to.within(f"for j in range({network.chambers})"):
             to.add(f"T = y[j * {self.n}]", f"rho = y[j * {self.n} + 1]")
             phase = held_phase(network, "j")
-            to.add(*(["phase = gas_phase(T, rho)", f"{phase} = phase"] if network.phases else ["phase = 0"]))
+            to.add(*(["phase = gas_phase(T, rho, P, TAB)", f"{phase} = phase"] if network.phases else ["phase = 0"]))
             to.add(*tangent.lines)
             to.add(*(f"places[j * PLACE + {at}] = {name}" for name, at in (GAS | NOZZLE).items()))
             for i, (name, seed) in enumerate((name, seed) for name in GAS for seed in BOTH):

@@ -32,7 +32,7 @@ def _of_chamber(network: Network) -> str:
     """Return the text of the place of a chamber whose states begin at y[at], in the phase that is held, or its own."""
     to = Statements()
     to.add(*(f"{name} = y[at + {i}]" for i, name in enumerate(network.states) if name not in network.own_states))
-    to.add("phase = gas_phase(T, rho) if held == FREE else int(held)" if network.phases else "phase = 0")
+    to.add("phase = gas_phase(T, rho, P, TAB) if held == FREE else int(held)" if network.phases else "phase = 0")
     balances.gas_state(to, network)
     _fill(to, network, {"p": "PRESSURE", "h": "ENTHALPY", "c_v": "C_V", "TpT": "TPT"} | VARYING, "place[row + {}]")
     return function(

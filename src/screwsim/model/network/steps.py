@@ -153,7 +153,7 @@ def _share_in_phase(network: Network) -> str:
     tests = ["impacts__share_before_event(y, y1, u, rtol, own, R, P, TAB)"] if network.stops else []
     if network.phases:
         steep = "own[TPT] / own[PRESSURE]"
-        tests.append(f"borders__share_before_border(own[PLACE], y, y1, u, 0, {steep}, rtol)")
+        tests.append(f"borders__share_before_border(own[PLACE], y, y1, u, 0, {steep}, rtol, P, TAB)")
     for test in tests:
         with to.within("if share == 1.0"):
             to.add(f"share = {test}")

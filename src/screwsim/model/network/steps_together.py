@@ -51,7 +51,7 @@ def _share_in_phase(network: Network) -> str:
         with to.within(f"for j in range({network.chambers})"):
             to.add("steep = places[j * PLACE + TPT] / places[j * PLACE + PRESSURE]")
             to.add(f"held = {held_phase(network, 'j')}")
-            to.add(f"share = min(share, borders__share_before_border(held, y, y1, u, j * {n}, steep, rtol))")
+            to.add(f"share = min(share, borders__share_before_border(held, y, y1, u, j * {n}, steep, rtol, P, TAB))")
     to.add("return share")
     return function("chambers__share_in_phase(y, y1, u, rtol, context)", [CONTEXT], to.lines)
 

@@ -96,7 +96,7 @@ def back_ends(scene: Scene, extent: Extent) -> Iterator[Case]:
     k = None if model == "real" else scene.gas.isentropic_exponent
     changed = replace(scene, gas=replace(scene.gas, model=model, isentropic_exponent=k), text="")
     tries: list[tuple[str, Scene]] = [(other, changed)]
-    if scene.gas.model == "real":
+    if scene.gas.model == "real" and not scene.gas.relative_humidity:
         tries.append(("coolprop", scene))
     for gas, base in tries:
         for name, closing in ((DEFAULT, "histories"), ("scipy-lsoda", "coupled")):
@@ -143,6 +143,8 @@ def omitted(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "regularisation x 0", "taken as 1e-12 of the pressure: with none the model divides 0 by 0 at equal pressures"
     if scene.gas.model == "ideal":
         yield "CoolProp called directly", "the scene's gas is ideal, and CoolProp has none"
+    elif scene.gas.relative_humidity:
+        yield "CoolProp called directly", "its equations of moist air have no liquid in them"
     else:
         yield "scipy on CoolProp", "thousands of calls back into Python, each for eight chambers: minutes a cycle"
     kind = kind_of(scene.machine)

@@ -152,6 +152,9 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
         problems.append(Problem(place, KEY, "have different gases (write the same section gas in both)"))
     if "expander" in (first.machine.mode, second.machine.mode):
         problems.append(Problem(place, KEY, "compress: machine.mode: expander is none (choose compressors)"))
+    if second.gas.relative_humidity is not None:
+        what = "states a relative_humidity, and nothing follows the water that the gas loses between the stages"
+        problems.append(Problem(place, KEY, f"{what} (remove it from both scenes, or run them one by one)"))
     if between.kind == "economizer" and is_blend(second.gas.name):
         what = f"the vapour that boils off {second.gas.name}, a blend, has another composition than the blend"
         remedy = "write kind: cooler, or name a pure fluid"

@@ -1,0 +1,125 @@
+"""What becomes of the water that moist air brings: dew point, what condenses where, and what of it is to be feared.
+
+Source: docs/model.md M327, M328.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from screwsim.cycle import suction_line
+from screwsim.cycle.problem import Problem
+from screwsim.evaluate.performance import NONE_DELIVERED
+from screwsim.evaluate.separator import Circuit
+from screwsim.fluid import water
+from screwsim.fluid.moist_air import MoistAir
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, R_TRAPPED
+from screwsim.model.trajectory import Array, Trajectory
+from screwsim.scene.units import ZERO_CELSIUS
+
+MARGIN = 5.0  # [K] above the pressure dew point, where a scene states none
+STEP = np.radians(2.0)  # of the angles at which a chamber is asked for liquid
+WET = 0.01  # of a chamber's water, above which liquid deserves a word: in a dead volume less than that condenses
+HOUR = 3600.0
+AFTERCOOLER = "aftercooler_condensate_flow"
+DRY = "there is no water in dry air"
+NOTHING_OUT = "nothing flows out to the discharge line"
+
+
+def figures(
+    problem: Problem, life: Trajectory, streams: Array, found: Mapping[str, Any], circuit: Circuit | str | None
+) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Return the figures of moist air, and why some are None; nothing of a scene that states no humidity."""
+    gas, scene = problem.parts.gas, problem.scene
+    if scene.gas.relative_humidity is None:
+        return {}, {}
+    wet = gas if isinstance(gas, MoistAir) else None
+    p_d, brought = problem.lines.p_d, found["gas_mass_flow"] * (0.0 if wet is None else wet.share)
+    own: dict[str, float | None] = {
+        "humidity_ratio": 0.0 if wet is None else wet.humidity_ratio,
+        "water_flow": brought,
+        "pressure_dew_point": None if wet is None else wet.dew_point(p_d),
+        "chamber_condensate_share": 0.0 if wet is None else chamber_share(problem, wet, life),
+    }
+    notes = {"pressure_dew_point": DRY, "lowest_safe_oil_temperature": DRY}
+    dew = own["pressure_dew_point"]
+    margin = MARGIN if scene.gas.dew_point_margin is None else scene.gas.dew_point_margin
+    own["lowest_safe_oil_temperature"] = None if dew is None else dew + margin
+    T, out = leaving(found, circuit), _out(problem, life, streams, circuit)
+    names = ("condensate_flow", "vapour_flow", "water_residual", AFTERCOOLER)
+    if T is None or not (out > 0.0 and found["gas_mass_flow"] > 0.0):
+        why = NOTHING_OUT if T is None else NONE_DELIVERED
+        return own | dict.fromkeys(names), notes | dict.fromkeys(names, why)
+    liquid = 0.0 if wet is None else out * wet.condensed(p_d, T)
+    vapour = 0.0 if wet is None else out * wet.share - liquid
+    own["condensate_flow"], own["vapour_flow"] = liquid, vapour
+    own["water_residual"] = 0.0 if wet is None else (brought - liquid - vapour) / brought
+    T_after = scene.operation.aftercooler_temperature
+    if T_after is not None:
+        all_of_it = 0.0 if wet is None else out * wet.condensed(p_d, min(T, T_after))
+        own[AFTERCOOLER] = max(all_of_it - liquid, 0.0)
+    return own, notes
+
+
+def leaving(found: Mapping[str, Any], circuit: Circuit | str | None) -> float | None:
+    """Return the temperature [K] at which gas parts from the oil with which it mixed; that of dry machines' gas."""
+    return circuit.parted.T_separator if isinstance(circuit, Circuit) else found.get("discharge_temperature")
+
+
+def _out(problem: Problem, life: Trajectory, streams: Array, circuit: Circuit | str | None) -> float:
+    """Return what leaves to the discharge line for good [kg/s], by the flows through its ports."""
+    if isinstance(circuit, Circuit):
+        return circuit.outflow.gas_flow
+    leak = suction_line.leak(problem, life.R).gas
+    returned = problem.suction.returned * suction_line.fresh(problem, life.R, streams)
+    return problem.rate * (-float(streams[DISCHARGE_IN, 0] + streams[DISCHARGE_OUT, 0]) - leak - returned)
+
+
+def chamber_share(problem: Problem, gas: MoistAir, life: Trajectory, below: float = np.inf) -> float:
+    """Return which share of a chamber's trapped water is liquid at most, where it is colder than `below` [K] (M327)."""
+    angles = np.arange(0.0, problem.parts.geometry.life, STEP)
+    states, oil, trapped = life.states_at(angles), problem.parts.oil, float(life.R[R_TRAPPED])
+    most = 0.0
+    for angle, state in zip(angles.tolist(), states, strict=True):
+        T, rho = float(state[0]), float(state[1])
+        if T >= below:
+            continue
+        liquid = gas.liquid_share(T, rho)
+        if liquid > 0.0:
+            roomed = problem.composition.oil_room and oil is not None
+            room = 1.0 + float(state[3]) * rho / oil.density if roomed and oil is not None else 1.0
+            most = max(most, liquid * rho * life.volume(angle) / room)
+    return min(most / (gas.share * trapped), 1.0) if trapped > 0.0 else 0.0
+
+
+def warnings(
+    problem: Problem, life: Trajectory, found: Mapping[str, Any], circuit: Circuit | str | None
+) -> Iterator[str]:
+    """Yield where water condenses, and where it nearly does (M328)."""
+    gas, T, dew = problem.parts.gas, leaving(found, circuit), found.get("pressure_dew_point")
+    if not isinstance(gas, MoistAir) or dew is None:
+        return
+    safe, flow = found["lowest_safe_oil_temperature"], found.get("condensate_flow")
+    if T is not None and T < safe:
+        oil = problem.parts.oil is not None
+        at = f"gas and oil part at {_celsius(T)}" if oil else f"the gas leaves at {_celsius(T)}"
+        remedy = f"keep them at {_celsius(safe)} or above by warmer oil" if oil else "drier or warmer air"
+        if flow:
+            what = f"{at}, below the pressure dew point of {_celsius(dew)}: {HOUR * flow:.3g} kg/h of water condense"
+        else:
+            what = f"{at}, only {T - dew:.2g} K above the pressure dew point of {_celsius(dew)}"
+        yield f"{what} ({remedy})"
+    share = found["chamber_condensate_share"]
+    if share > WET:
+        remedy = "among its oil (warmer oil)" if problem.parts.oil is not None else "(drier or warmer air)"
+        yield f"up to {share:.2g} of the water in a chamber is liquid {remedy}"
+        ice = chamber_share(problem, gas, life, water.T_TRIPLE)
+        if ice > WET:
+            yield f"up to {ice:.2g} of the water in a chamber condenses below 0 degC, and is taken as liquid, no ice"
+
+
+def _celsius(T: float) -> str:
+    return f"{T - ZERO_CELSIUS:.1f} degC"

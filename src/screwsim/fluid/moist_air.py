@@ -1,0 +1,271 @@
+"""Air with water in it: vapour beside dry air, and where it is saturated liquid in equilibrium (M320, M324–M327).
+
+Of every kilogram of the mixture `share` is water, vapour and liquid together: what condenses stays with its gas. The
+Helmholtz energy per volume is that of dry air, ideal or by its equation of state, that of dilute vapour, and of a real
+gas the second virial terms of vapour with air and with itself; all else is derived of it, so that it is consistent with
+and without liquid. The liquid takes no room, and has the chemical potential of vapour that saturates without air.
+What every gas has: `fluid.gas`. `dry` is an `IdealGas` or the `RealGas` of air.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+
+from screwsim.codegen.modules import load
+from screwsim.faults import UsageError
+from screwsim.fluid import moist_states as states
+from screwsim.fluid import water
+from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.limits import Outside
+from screwsim.fluid.real_gas import RealGas
+from screwsim.fluid.reservoir import Reservoir
+from screwsim.numerics.kernel import HEADER, Kernel, flatten
+from screwsim.numerics.roots import brentq
+
+T_LOW, T_HIGH = 100.0, 2000.0  # [K] between which a state is looked for
+TYPICAL = 300.0  # [K] temperature of the representative heat capacities
+
+
+@dataclass(frozen=True)
+class MoistAir:
+    """Dry air and its `share` of water [kg per kg of both]; `c_water` is c_v [J/(kg K)] of ideal vapour, None if real.
+
+    The kilogram of every property is one of the mixture.
+    """
+
+    dry: IdealGas | RealGas
+    share: float
+    c_water: float | None = None
+    varies = True  # exponent and choking vary with what condenses
+
+    # ---- kernels ---------------------------------------------------------------------------------------------
+
+    @property
+    def name(self) -> str:
+        """The model of the gas."""
+        return self.dry.name
+
+    @property
+    def equations(self) -> tuple[str, ...]:
+        """Numbers of its equations in docs/model.md."""
+        return (*self.dry.equations, "M320", "M321", "M322", "M323", "M324", "M325", "M326")
+
+    @property
+    def _text(self) -> Mapping[str, Kernel]:
+        return _kernels(self.dry.state, self.dry.specific_entropy, self.c_water is None)
+
+    @property
+    def state(self) -> Kernel:
+        """Kernel (T, rho, …) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
+        return self._text["state"]
+
+    @property
+    def phased_state(self) -> tuple[Kernel, Kernel]:
+        """Kernels (T, rho, …) → phase and (phase, T, rho, …) → state."""
+        return self._text["phase"], self._text["phased_state"]
+
+    @property
+    def specific_entropy(self) -> Kernel:
+        """Kernel (T, rho, …) → s [J/(kg K)]."""
+        return self._text["specific_entropy"]
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """Numbers behind the kernels' argument names; liquid water of 273.16 K has neither enthalpy nor entropy."""
+        return self._values
+
+    @cached_property
+    def _values(self) -> Mapping[str, float]:
+        own = {} if self.c_water is None else {"c_water": self.c_water}
+        _rho, h, s, _c = self._text["liquid"](water.T_TRIPLE, *own.values())
+        return {**self.dry.values, "y_water": self.share, "u_water": -h, "s_water": -s, **own}
+
+    @cached_property
+    def _compiled(self) -> Callable[..., Any]:
+        return _caller(self)
+
+    # ---- constants -------------------------------------------------------------------------------------------
+
+    @property
+    def humidity_ratio(self) -> float:
+        """Water per dry air [kg/kg]."""
+        return self.share / (1.0 - self.share)
+
+    @property
+    def R(self) -> float:
+        """Specific gas constant [J/(kg K)], with all water as vapour."""
+        return (1.0 - self.share) * self.dry.R + self.share * water.R_WATER
+
+    @property
+    def c_v(self) -> float:
+        """Heat capacity at constant volume [J/(kg K)], of the dilute gas: for first guesses."""
+        own = water.energy(TYPICAL)[0] if self.c_water is None else self.c_water
+        return (1.0 - self.share) * self.dry.c_v + self.share * own
+
+    @property
+    def c_p(self) -> float:
+        """Heat capacity at constant pressure [J/(kg K)], of the dilute gas: for first guesses."""
+        return self.c_v + self.R
+
+    # ---- states ----------------------------------------------------------------------------------------------
+
+    def density(self, p: float, T: float) -> float:
+        """Return density [kg/m³] of gas, with what is condensed, at p [Pa], T [K]."""
+        return float(self._compiled("density", p, T, self.R))
+
+    def enthalpy(self, p: float, T: float) -> float:
+        """Return specific enthalpy [J/kg] at p [Pa], T [K]."""
+        return float(self._compiled("state", T, self.density(p, T))[1])
+
+    def entropy(self, p: float, T: float) -> float:
+        """Return specific entropy [J/(kg K)] at p [Pa], T [K]."""
+        return float(self._compiled("specific_entropy", T, self.density(p, T)))
+
+    def _at(self, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
+        """Return (T, ρ) at p and a given enthalpy or entropy."""
+        T, rho = self._compiled("at_pressure", p, wanted, entropy, T_LOW, T_HIGH, self.R)
+        if not rho > 0.0:
+            what = f"s = {wanted:.6g} J/(kg K)" if entropy else f"h = {wanted:.6g} J/kg"
+            raise UsageError(f"moist air at {p:.6g} Pa, {what} is below what the equation covers; give a warmer state")
+        return T, rho
+
+    def temperature(self, p: float, h: float) -> float:
+        """Return temperature [K] at p [Pa] and specific enthalpy h [J/kg]."""
+        return float(self._at(p, h, False)[0])
+
+    def _place(self, p: float, T: float, rho: float) -> tuple[float, ...]:
+        _p, h, _c_v, _tpt, a, choke, choked = self._compiled("state", T, rho)
+        return p, rho, h, a, choke, choked
+
+    def place(self, p: float, T: float) -> tuple[float, ...]:
+        """Return (p, ρ, h, 1/k, drop and ψ² of choking) of a plenum at p [Pa], T [K]."""
+        return self._place(p, T, self.density(p, T))
+
+    def place_of_enthalpy(self, p: float, h: float) -> tuple[float, ...]:
+        """Return what `place` does, at p [Pa] and specific enthalpy h [J/kg]."""
+        return self._place(p, *self._at(p, h, False))
+
+    def vapour(self, p: float, T: float) -> Reservoir:
+        """Return a reservoir at p [Pa] and T [K]."""
+        p, rho, h, exponent, choke, choked = self.place(p, T)
+        return Reservoir(p, T, rho, h, self.entropy(p, T), exponent, choke, choked)
+
+    def nearest_vapour(self, p: float, T: float) -> float:
+        """Return T: there is gas everywhere, beside the liquid."""
+        return T
+
+    # ---- water -----------------------------------------------------------------------------------------------
+
+    def liquid_share(self, T: float, rho: float) -> float:
+        """Return which share of the mixture is liquid at T [K], ρ [kg/m³] (M325)."""
+        if self._compiled("phase", T, rho) == 0:
+            return 0.0
+        return max(self.share - float(self._compiled("saturated_density", T, (1.0 - self.share) * rho)) / rho, 0.0)
+
+    def condensed(self, p: float, T: float) -> float:
+        """Return which share of the mixture is liquid at p [Pa], T [K] (M325)."""
+        return self.liquid_share(T, self.density(p, T))
+
+    def dew_point(self, p: float) -> float:
+        """Return the temperature [K] below which water condenses at p [Pa]; over supercooled water below 273.16 K."""
+
+        def beyond(T: float) -> float:
+            return math.log(saturated_ratio(self, p, T) / self.humidity_ratio)
+
+        return float(brentq(beyond, 150.0, water.T_MOST - 1e-6))
+
+    # ---- work ------------------------------------------------------------------------------------------------
+
+    def isentropic_work(self, p_1: float, p_2: float, T: float) -> float:
+        """Return the isentropic enthalpy rise [J/kg] from (p_1, T) to p_2; what condenses is in equilibrium."""
+        return self._rise(p_2, self.entropy(p_1, T), self.enthalpy(p_1, T))
+
+    def isentropic_work_of_enthalpy(self, p_1: float, p_2: float, h: float) -> float:
+        """Return the isentropic enthalpy rise [J/kg] from p_1 and specific enthalpy h to p_2."""
+        return self._rise(p_2, float(self._compiled("specific_entropy", *self._at(p_1, h, False))), h)
+
+    def _rise(self, p: float, s: float, h: float) -> float:
+        return float(self._compiled("state", *self._at(p, s, True))[1]) - h
+
+    def isothermal_obstacle(self, p_1: float, p_2: float, T: float) -> str | None:
+        """Return None: what condenses on the way is in equilibrium, and Δ(h − T s) holds."""
+        return None
+
+    def isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
+        """Return the reversible isothermal work Δ(h − T s) [J/kg]."""
+        g_1, g_2 = (self.enthalpy(p, T) - T * self.entropy(p, T) for p in (p_1, p_2))
+        return g_2 - g_1
+
+    def ideal_isothermal_work(self, p_1: float, p_2: float, T: float) -> float:
+        """Return R T ln(p_2/p_1) [J/kg]."""
+        return self.R * T * math.log(p_2 / p_1)
+
+    # ---- limits ----------------------------------------------------------------------------------------------
+
+    def first_outside(self, T: np.ndarray, rho: np.ndarray) -> int | None:
+        """Return the index of the first state (T [K], ρ [kg/m³]) that `why_outside` complains of, or None."""
+        extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
+        return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
+
+    def why_outside(self, T: float, rho: float) -> Outside | None:
+        """Return which limit of its dry air a state violates, or None."""
+        return self.dry.why_outside(T, (1.0 - self.share) * rho)
+
+
+# ---- made once -----------------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=8)
+def _kernels(dry: Kernel, dry_entropy: Kernel, real: bool) -> Mapping[str, Kernel]:
+    return states.kernels(dry, dry_entropy, real)
+
+
+@lru_cache(maxsize=8)
+def _module(dry: Kernel, dry_entropy: Kernel, real: bool) -> Any:
+    flat = flatten(_kernels(dry, dry_entropy, real).values())
+    return load("\n\n".join([HEADER, *flat.values()]) + "\n", "fluid")
+
+
+def _caller(gas: MoistAir) -> Callable[..., Any]:
+    """Return a function that asks a compiled kernel by its name, the values of the gas behind what it is given."""
+    module, values = _module(gas.dry.state, gas.dry.specific_entropy, gas.c_water is None), gas.values
+    asked = {
+        name: (getattr(module, kernel.flat_name), [values[each] for each in kernel.arguments if each in values])
+        for name, kernel in gas._text.items()
+    }
+
+    def call(name: str, *given: float) -> Any:
+        function, rest = asked[name]
+        return function(*given, *rest)
+
+    return call
+
+
+def saturated_ratio(gas: MoistAir, p: float, T: float) -> float:
+    """Return vapour per dry air [kg/kg] that saturates it at p [Pa], T [K]; infinite where water boils (M325)."""
+    if T >= water.T_MOST or p <= water.saturation(T)[0]:
+        return math.inf
+    return float(gas._compiled("saturated_ratio", p, T))
+
+
+def moist_air(dry: IdealGas | RealGas, p: float, T: float, humidity: float) -> IdealGas | RealGas | MoistAir:
+    """Return air of a relative humidity at p [Pa], T [K]: of its vapour's mole fraction over the saturated one (M320).
+
+    Without humidity that is dry air itself. Raises UsageError where water boils there.
+    """
+    if humidity == 0.0:
+        return dry
+    c_water = None if isinstance(dry, RealGas) else water.energy(T)[0]
+    ratio = saturated_ratio(MoistAir(dry, 0.5, c_water), p, T)
+    if not math.isfinite(ratio):
+        raise UsageError(f"water boils at {p:.6g} Pa, {T:.6g} K: air has no relative humidity there")
+    moles = ratio * water.R_WATER / dry.R  # vapour per dry air
+    fraction = humidity * moles / (1.0 + moles)
+    ratio = fraction / (1.0 - fraction) * dry.R / water.R_WATER
+    return MoistAir(dry, ratio / (1.0 + ratio), c_water)

@@ -1,0 +1,45 @@
+"""Checks of what a scene says of the humidity of its air."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from screwsim.declare import KINDS
+from screwsim.faults import Fault
+from screwsim.fluid import water
+from screwsim.fluid.settings import GasSettings
+from screwsim.scene.lines import Lines
+from screwsim.scene.units import readable_quantity
+
+HUMIDITY, MARGIN = "gas.relative_humidity", "gas.dew_point_margin"
+AFTERCOOLER = "operation.aftercooler_temperature"
+AIR = "air"
+P_MOST = 1e7  # [Pa] of the lines: beyond, third virial coefficients count (M324)
+
+
+def humidity_faults(gas: GasSettings, aftercooler: float | None) -> Iterator[Fault]:
+    """Yield what does not go together with a relative humidity, whatever the lines are."""
+    if gas.relative_humidity is None:
+        for path, value in ((MARGIN, gas.dew_point_margin), (AFTERCOOLER, aftercooler)):
+            if value is not None:
+                yield Fault(path, f"needs {HUMIDITY} (write e.g. relative_humidity: 0.6 there, or remove this)")
+        return
+    if gas.name.lower() != AIR:
+        what = f"belongs to air, and the gas is {gas.name}"
+        yield Fault(HUMIDITY, f"{what} (remove it, null in place of a base's, or write fluid: air)")
+    elif gas.two_phase == "equilibrium":
+        what = "belongs to a pure fluid; water of moist air condenses in equilibrium by itself"
+        yield Fault("gas.two_phase", f"{what} (remove it, or write refuse)")
+
+
+def line_faults(gas: GasSettings, lines: Lines) -> Iterator[Fault]:
+    """Yield that water boils where a relative humidity is stated, and a pressure beyond that of its virial terms."""
+    if not gas.relative_humidity:
+        return
+    if lines.T_s >= water.T_MOST or lines.p_s <= water.saturation(lines.T_s)[0]:
+        p, T = (readable_quantity(KINDS[name], x) for name, x in (("pressure", lines.p_s), ("temperature", lines.T_s)))
+        what = f"has no meaning at {p} and {T}, where water boils"
+        yield Fault(HUMIDITY, f"{what} (a lower operation.suction.temperature, or a higher pressure)")
+    elif max(lines.p_s, lines.p_d) > P_MOST:
+        p = readable_quantity(KINDS["pressure"], max(lines.p_s, lines.p_d))
+        yield Fault(HUMIDITY, f"is followed up to {1e-5 * P_MOST:g} bar, not at {p} (remove it, or lower the pressure)")
