@@ -10,7 +10,7 @@ from typing import Any
 import llvmlite.binding as llvm
 
 PASSES, CODE = 1, 3  # of LLVM's levels 0 to 3: more passes take twice the time, and what they make is no faster
-SELDOM = 0  # level of code that runs once a solution: written in a quarter of the time, with the same results
+SELDOM = 0  # level of code that runs some times a solution: written in a sixth of the time, with the same results
 _alone = threading.RLock()
 _own = threading.local()  # a thread's targets
 
@@ -37,15 +37,25 @@ def processor() -> str:
 
 
 def compiled(text: str, seldom: bool = False) -> bytes:
-    """Return the object code of a text; of one that runs seldom, code that is written sooner."""
-    machine = _target(SELDOM if seldom else CODE)
+    """Return the object code of a text; of one that runs seldom, code that is written sooner.
+
+    No pass may change a bit of a result: what is seldom gives those of the same text written for speed.
+    """
+    level = SELDOM if seldom else CODE
+    machine = _target(level)
     module = llvm.parse_assembly(text, llvm.create_context())
     module.triple = llvm.get_process_triple()
     module.data_layout = str(machine.target_data)
     tuning = llvm.create_pipeline_tuning_options(speed_level=PASSES)
     tuning.slp_vectorization = False
     builder = llvm.create_pass_builder(machine, tuning)
-    builder.getModulePassManager().run(module, builder)
+    if level == SELDOM:  # variables into registers, and no more
+        passes = llvm.create_new_module_pass_manager()
+        passes.add_sroa_pass()
+        passes.add_simplify_cfg_pass()
+    else:
+        passes = builder.getModulePassManager()
+    passes.run(module, builder)
     return machine.emit_object(module)
 
 

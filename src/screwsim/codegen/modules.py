@@ -44,7 +44,7 @@ def module_name(text: str, of: str) -> str:
 def load(text: str, of: str, seldom: tuple[str, ...] = ()) -> Module:
     """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder.
 
-    What names of functions begin with that run once a solution is `seldom`.
+    What names of functions begin with that run some times a solution is `seldom`.
     """
     name = module_name(text, of)
     with _alone:

@@ -17,7 +17,8 @@ COMPILED = {  # what each driver is, and about how long its compilation takes
     "ledger": ("the ledger of this combination", "a second"),
 }
 
-SELDOM = ("trace__", "ledger__")  # functions by which a cycle that is closed is read
+# what names of functions begin with by which a cycle that is closed is read, or a pitch linearised
+SELDOM = ("trace__", "ledger__", "gas_entropy", "chambers__jacobian")
 
 alone = threading.RLock()  # held while compiling: another thread that needs the same finds it ready
 
