@@ -15,6 +15,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from screwsim.codegen.modules import for_speed
 from screwsim.effects import catalogue
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate, simulate_many
@@ -47,6 +48,7 @@ def near(scene: Scene, count: int) -> Iterator[Scene]:
         yield with_values(scene, {"operation.speed": scene.operation.speed * (1.0 + SPEEDS * i)})
 
 
+@for_speed()
 def main() -> None:
     """Print both."""
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else REPEATS

@@ -15,6 +15,7 @@ from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
 
+from screwsim.codegen.modules import for_speed
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import simulate
@@ -67,6 +68,7 @@ def repeat(result: Result, scenes: Iterable[Scene]) -> Iterator[Result]:
     return (result for _ in scenes)
 
 
+@for_speed()
 def main() -> None:
     """Sweep, and print the figures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)

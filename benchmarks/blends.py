@@ -19,6 +19,7 @@ import CoolProp.CoolProp as coolprop
 import numpy as np
 from properties import loop_cost
 
+from screwsim.codegen.modules import for_speed
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import problem_of
@@ -140,6 +141,7 @@ def points() -> None:
         print(f"{name:<12}{min(times):>8.2f} ms {min(times) / base:>6.2f} times {evaluations:>8} evaluations")
 
 
+@for_speed()
 def main() -> None:
     """Print, or write, the table."""
     words = sys.argv[1:]

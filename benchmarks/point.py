@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from screwsim.codegen.modules import for_speed
 from screwsim.cycle.guess import rehearse
 from screwsim.cycle.problem import problem_of
 from screwsim.scene import Scene, load, with_values
@@ -170,6 +171,7 @@ def command_times(scene_path: Path) -> None:
             print(f"{label:>20} {statistics.median(times):>7.2f} s")
 
 
+@for_speed()
 def main() -> None:
     """Print all tables for one scene."""
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else POINT

@@ -18,7 +18,7 @@ import CoolProp.CoolProp as coolprop
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from screwsim.codegen.modules import load
+from screwsim.codegen.modules import for_speed, load
 from screwsim.fluid.nozzle import flow
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.saturation import saturation
@@ -153,5 +153,6 @@ def nozzle_table() -> None:
 
 
 if __name__ == "__main__":
-    property_table(sys.argv[1:] or list(FLUIDS))
-    nozzle_table()
+    with for_speed():
+        property_table(sys.argv[1:] or list(FLUIDS))
+        nozzle_table()

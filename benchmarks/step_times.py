@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from screwsim.codegen.modules import for_speed
 from screwsim.codegen.modules import load as compiled
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
@@ -125,6 +126,7 @@ def timers(machinery: Machinery) -> dict[str, Callable[[int], object]]:
     }
 
 
+@for_speed()
 def main() -> None:
     """Print the parts of a step, the nozzle flow among them, which is part of rates and Jacobian."""
     machinery, turns = closed(load(sys.argv[1] if len(sys.argv) > 1 else str(POINT)))

@@ -17,6 +17,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+from screwsim.codegen.modules import for_speed
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import warm_up
 from screwsim.study.blocks import blocks_of
@@ -99,6 +100,7 @@ def swept(scene: Scene, jobs: int) -> tuple[float, float]:
         return watch.computed - began - ahead, time.process_time() - watch.computed + ahead
 
 
+@for_speed()
 def main() -> None:
     """Measure one scene, and real-gas points over the condensing temperature."""
     scene = load(sys.argv[1] if len(sys.argv) > 1 else str(FIG1))

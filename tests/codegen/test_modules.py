@@ -69,6 +69,27 @@ open(r"{elsewhere}", "wb").write(str(returned).encode() + b"\\n" + machine.compi
     assert python(RUN, SCREWSIM_CACHE=str(cache)).stdout == "121.0 0\n"
 
 
+LONG = (
+    RUN
+    + """
+from screwsim.codegen import modules
+modules._patience = 0.001
+values = {module.twice(0.1 * k) == 0.2 * k for k in range(5000)}
+print(values, len(module.made), module.twice(21.0))
+"""
+)
+
+
+def test_what_has_run_for_a_while_is_written_for_speed_once(python, tmp_path):
+    """And taken from there by the next process, which writes nothing."""
+    cache = tmp_path / "cache"
+    assert python(LONG, SCREWSIM_CACHE=str(cache)).stdout == f"{MADE}{{True}} 2 42.0\n"
+    assert {path.suffix for path in cache.iterdir()} == {".code", ".fast", ".json", ".py"}
+    next(cache.glob("*.code")).unlink()
+    again = python(LONG, SCREWSIM_CACHE=str(cache))
+    assert (again.stdout, again.stderr) == (f"{TAKEN}{{True}} 0 42.0\n", "")
+
+
 FULL = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))\n"
 
 

@@ -64,17 +64,32 @@ def test_one_run_after_another_changes_no_bit(tmp_path):
     assert arrays(tmp_path / "first.h5") == arrays(tmp_path / "second.h5")
 
 
+FOR_SPEED = """
+import sys
+from screwsim.codegen.modules import for_speed
+with for_speed():
+    from screwsim.__main__ import main
+    main()
+"""
+
+
 @pytest.mark.slow
 def test_a_module_compiled_now_gives_the_bits_of_one_that_was_loaded(tmp_path):
+    """And that which was written soon those of one that was written for speed."""
     scene = scene_dict({"gas.model": "real", "oil.transport": "carried", "oil_supply.temperature": "328 K"})
     (tmp_path / "scene.yaml").write_text(json.dumps(scene), encoding="utf-8")
     place = {**os.environ, "SCREWSIM_CACHE": str(tmp_path / "cache")}
     found = []
-    for name in ("compiled.h5", "loaded.h5"):
+    for name, how in (
+        ("soon.h5", ["-m", "screwsim"]),
+        ("loaded.h5", ["-m", "screwsim"]),
+        ("fast.h5", ["-c", FOR_SPEED]),
+    ):
         asked = ["run", str(tmp_path / "scene.yaml"), "-o", str(tmp_path / name)]
-        done = subprocess.run([sys.executable, "-m", "screwsim", *asked], env=place, capture_output=True, text=True)
+        done = subprocess.run([sys.executable, *how, *asked], env=place, capture_output=True, text=True)
         said = [line.partition(" ")[2].partition(",")[0] for line in done.stderr.splitlines() if "once (" in line]
         found.append((done.returncode, said[:2], arrays(tmp_path / name)))
     told = ["compiling the equation of state of R134a", "compiling this combination of effects"]
-    assert [each[:2] for each in found] == [(0, told), (0, [])]
-    assert found[0][2] == found[1][2]
+    assert [each[:2] for each in found] == [(0, told), (0, []), (0, told)]
+    assert found[0][2] == found[1][2] == found[2][2]
+    assert len(list((tmp_path / "cache").glob("*.rodas__integrate_one.*.fast"))) == 1

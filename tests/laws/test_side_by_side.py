@@ -36,7 +36,8 @@ PLENUMS = {
     "effects.plenums": {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2"},
 }
 THREADS, EACH = 8, 200
-FEWER = 60  # where the scenes are a part of those of two gases
+FEWER = 25  # where the scenes are a part of those of two gases, each with the estimate of its errors
+QUICK = {"numerics.accuracy": 1e-2, "numerics.error": "none"}  # many short solutions meet as often as long ones
 
 
 def scenes(changes: dict | None = None) -> list[Scene]:
@@ -55,7 +56,7 @@ def answers(asked: list[Scene], thread: int, each: int) -> list[tuple[int, tuple
 
 def differing(asked: list[Scene], each: int = EACH) -> int:
     """Return how many answers of threads are not those of the scene alone."""
-    alone = [figures(simulate(scene)) for scene in asked]
+    alone = [figures(simulate(scene, trace=place == 0)) for place, scene in enumerate(asked)]
     assert len({repr(one) for one in alone}) == len(asked)
     with ThreadPoolExecutor(THREADS) as pool:
         found = pool.map(answers, [asked] * THREADS, range(THREADS), [each] * THREADS)
@@ -67,12 +68,12 @@ def test_threads_give_each_scene_its_own_answer():
 
 
 def test_threads_give_scenes_of_two_gases_their_own_answers():
-    assert differing([*scenes(), *scenes(REAL)]) == 0
+    assert differing([*scenes(QUICK), *scenes({**REAL, **QUICK})]) == 0
 
 
 def test_a_series_in_each_thread_is_that_series_alone():
     def run(thread: int) -> list[tuple]:
-        ratios = np.linspace(1.0 + 0.1 * thread, 3.0, 25)
+        ratios = np.linspace(1.0 + 0.1 * thread, 3.0, 10)
         return [figures(one) for one in simulate_many([make({"oil_supply.ratio": float(x)}) for x in ratios])]
 
     alone = [run(thread) for thread in range(THREADS)]

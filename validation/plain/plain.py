@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import exp, expm1, log, log1p, pi, sqrt
 
 import numpy as np
@@ -154,10 +155,36 @@ def end_face_area(a: Machine, phi: float, ahead: int) -> float:
     return a.h_end_face * a.l_end_face * share * ramp(phi + ahead * a.pitch, 360.0, 380.0, 700.0, 720.0)
 
 
+@dataclass(frozen=True, slots=True)
+class Laws:
+    """What the angle of one chamber gives: volume [m³], its slope [m³/rad], areas [m²]."""
+
+    V: float
+    dV: float
+    suction: float
+    discharge: float
+    tip: float
+    other: float  # blow hole and end face, to the chamber a pitch ahead
+    across: float  # interlobe gap and end face, to the chamber 360° ahead
+
+
+@lru_cache(maxsize=1)  # an implicit integrator asks at one angle for many states
+def laws(a: Machine, phi: float) -> list[Laws]:
+    """Return the laws at all chambers, the youngest standing at φ [degree]."""
+    found = []
+    for j in range(a.alive):
+        at = phi + j * a.pitch
+        across = interlobe_area(a, at) + end_face_area(a, at, a.lobes) if j < a.lobes else 0.0
+        other = blow_hole_area(a, at) + end_face_area(a, at, 1)
+        ports = suction_area(a, at), discharge_area(a, at)
+        found.append(Laws(volume(a, at), dV_dphi(a, at), *ports, tip_area(a, at), other, across))
+    return found
+
+
 # Flow.
 
 
-@dataclass
+@dataclass(slots=True)
 class Place:
     """A chamber or a line, as a nozzle sees it, and the sums of what flows into it [kg/s], [K kg/s]."""
 
@@ -221,22 +248,19 @@ STATES = 4  # of a chamber: m, T, T_oil, m_oil
 SUMS = ("work", "net_suction", "out", "out_T", "oil_out", "oil_out_T")
 
 
-def all_flows(a: Machine, phi: float, places: Sequence[Place], suction: Place, line: Place) -> float:
-    """Let all flows at once happen, the youngest chamber standing at φ [degree]; return the net one from suction."""
+def all_flows(a: Machine, found: Sequence[Laws], places: Sequence[Place], suction: Place, line: Place) -> float:
+    """Let all flows at once happen, with the laws of all chambers; return the net one from suction."""
     eps_s, eps_d = a.width * a.p_s, a.width * a.p_d
     eps_gap = max(eps_s, eps_d)
     net = 0.0
-    for j, here in enumerate(places):
-        at = phi + j * a.pitch
-        net += exchange(a, a.mu_port * suction_area(a, at), here, suction, eps_s)
-        exchange(a, a.mu_port * discharge_area(a, at), here, line, eps_d)
+    for j, (here, area) in enumerate(zip(places, found, strict=True)):
+        net += exchange(a, a.mu_port * area.suction, here, suction, eps_s)
+        exchange(a, a.mu_port * area.discharge, here, line, eps_d)
         ahead = places[j + 1] if j + 1 < a.alive else line  # beyond 720° lies the discharge line
-        exchange(a, a.mu_gap * tip_area(a, at), here, ahead, eps_gap)
-        exchange(a, a.mu_gap * (blow_hole_area(a, at) + end_face_area(a, at, 1)), here, ahead, eps_gap)
+        exchange(a, a.mu_gap * area.tip, here, ahead, eps_gap)
+        exchange(a, a.mu_gap * area.other, here, ahead, eps_gap)
         if j < a.lobes:
-            across = places[j + a.lobes]
-            gaps = interlobe_area(a, at) + end_face_area(a, at, a.lobes)
-            exchange(a, a.mu_gap * gaps, here, across, eps_gap)
+            exchange(a, a.mu_gap * area.across, here, places[j + a.lobes], eps_gap)
     return net
 
 
@@ -248,19 +272,17 @@ def rates(a: Machine, phi: float, y: Sequence[float], known: Line) -> list[float
     omega, k, c_v = a.omega, a.k, a.R / (a.k - 1.0)
     heat = 3.0 * a.alpha / (a.r * a.rho_oil)
     suction, line = Place(a.p_s, a.T_s), Place(a.p_d, known.T, known.oil_ratio, known.T_oil)
-    places, volumes = [], []
-    for j in range(a.alive):
+    places, at_phi = [], laws(a, phi)
+    for j, law in enumerate(at_phi):
         m, T, T_oil, m_oil = y[STATES * j : STATES * (j + 1)]
-        V = volume(a, phi + j * a.pitch)
-        volumes.append(V)
-        places.append(Place(m * a.R * T / V, T, m_oil / m if a.carried else 0.0, T_oil))
-    net_suction = all_flows(a, phi, places, suction, line)
+        places.append(Place(m * a.R * T / law.V, T, m_oil / m if a.carried else 0.0, T_oil))
+    net_suction = all_flows(a, at_phi, places, suction, line)
 
     found, work = [], 0.0
-    for j, (here, V) in enumerate(zip(places, volumes, strict=True)):
+    for j, (here, law) in enumerate(zip(places, at_phi, strict=True)):
         at = phi + j * a.pitch
         m, T, T_oil, m_oil = y[STATES * j : STATES * (j + 1)]
-        dV = dV_dphi(a, at)
+        V, dV = law.V, law.dV
         oiled = a.carried or at >= INJECTION
         d = (m_oil / m if a.carried else a.d) if oiled else 0.0
         dm = (here.come + here.out) / omega  # (8), (14)

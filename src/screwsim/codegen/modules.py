@@ -3,13 +3,18 @@
 A module's name is the hash of all its text and of what compiles it, so that an edit anywhere makes another one and a
 stale one cannot be run. What is compiled of it, one file for each function and kinds of arguments, is kept in the cache
 folder; a text that is not asked to compile anything is not even read.
+
+A function is written soon at first. Once that has run for a while it is written again for speed, with the same bits:
+who waits for a first result need not wait for what only many results pay for.
 """
 
 from __future__ import annotations
 
 import hashlib
 import threading
-from collections.abc import Mapping
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -24,6 +29,8 @@ _alone = threading.RLock()  # two threads would make two modules of one text
 _libraries: dict[int, tuple[Module, Any]] = {}  # of the modules that were compiled last: a text read takes megabytes
 _writing = threading.RLock()
 MOST_LIBRARIES = 3
+PATIENCE = 0.5  # [s] that code which was written soon runs before it is written for speed: about what that takes
+_patience = PATIENCE
 
 
 @cache
@@ -41,17 +48,24 @@ def module_name(text: str, of: str) -> str:
     return f"screwsim_{of}_{digest[:24]}"
 
 
-def load(text: str, of: str, seldom: tuple[str, ...] = ()) -> Module:
-    """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder.
+@contextmanager
+def for_speed() -> Iterator[None]:
+    """Write code for speed at once, in all threads: where times are measured."""
+    global _patience
+    before, _patience = _patience, 0.0
+    try:
+        yield
+    finally:
+        _patience = before
 
-    What names of functions begin with that run once a solution is `seldom`.
-    """
+
+def load(text: str, of: str) -> Module:
+    """Return the module of a text; `of` begins its name. What is compiled of it is kept in the cache folder."""
     name = module_name(text, of)
     with _alone:
         if name not in _loaded:
             store.keep_text(f"{name}.py", text)  # to be read by people; nothing is taken from there
             _loaded[name] = Module(name, text)
-            _loaded[name].seldom = seldom
         return _loaded[name]
 
 
@@ -61,7 +75,6 @@ class Module(ModuleType):
     def __init__(self, name: str, text: str, outside: Mapping[str, int] | None = None, checks: bool = False) -> None:
         super().__init__(name)
         self.text, self._outside, self._checks = text, dict(outside or {}), checks
-        self.seldom: tuple[str, ...] = ()
         self.made: list[str] = []  # functions that were compiled in this process, not found in the cache
 
     def __getattr__(self, name: str) -> Function:
@@ -69,24 +82,26 @@ class Module(ModuleType):
             raise AttributeError(f"{self.__name__} has no function {name!r}")
         return self.__dict__.setdefault(name, Function(self, name))
 
-    def compiled(self, name: str, kinds: tuple[Kind, ...]) -> Variant:
-        """Return a function for kinds of arguments: as it was kept, or compiled now."""
+    def compiled(self, name: str, kinds: tuple[Kind, ...], fast: bool = False) -> tuple[Variant, bool]:
+        """Return a function for kinds of arguments, as it was kept or compiled now, and whether it is a fast one."""
         from screwsim.codegen import machine
 
         of = hashlib.sha256(" ".join(map(str, kinds)).encode()).hexdigest()[:8]
         symbol, kept = f"{self.__name__}.{name}.{of}", None
         lasting = not (self._outside or self._checks)
         if lasting:
-            kept = store.read(f"{symbol}.code")
+            kept = store.read(f"{symbol}.fast")
+            soon = None if kept or fast else store.read(f"{symbol}.code")
+            kept, fast = kept or soon, kept is not None or fast
         if kept is None:
             compiling.begins()
             returned, text = self._written(name, kinds, symbol)
-            kept = b"\n".join([str(returned).encode(), machine.compiled(text, name.startswith(self.seldom))])
+            kept = b"\n".join([str(returned).encode(), machine.compiled(text, fast)])
             self.made.append(name)
             if lasting:
-                store.keep(f"{symbol}.code", kept)
+                store.keep(f"{symbol}.{'fast' if fast else 'code'}", kept)
         returned, _, code = kept.partition(b"\n")
-        return Variant(machine.loaded(code, symbol), kinds, returned.decode())
+        return Variant(machine.loaded(code, symbol), kinds, returned.decode()), fast
 
     def _written(self, name: str, kinds: tuple[Kind, ...], symbol: str) -> tuple[Kind, str]:
         from screwsim.codegen import library, program
@@ -106,7 +121,7 @@ class Function:
 
     def __init__(self, module: Module, name: str) -> None:
         self._module, self._name = module, name
-        self._variants: dict[tuple[int, ...], Variant] = {}
+        self._variants: dict[tuple[int, ...], _Calls] = {}
         self._alone = threading.Lock()
 
     def __call__(self, *arguments: Any) -> Any:
@@ -123,8 +138,38 @@ class Function:
         variant = self._variants.get(key)
         return (variant or self._made(key))(words)
 
-    def _made(self, key: tuple[int, ...]) -> Variant:
+    def _made(self, key: tuple[int, ...]) -> _Calls:
         with self._alone:
             if key not in self._variants:
-                self._variants[key] = self._module.compiled(self._name, tuple(KINDS[kind] for kind in key))
+                variant, fast = self._compiled(key, _patience == 0.0)
+                self._variants[key] = variant if fast else _Tried(variant, self, key)
             return self._variants[key]
+
+    def hasten(self, key: tuple[int, ...]) -> None:
+        """Write for speed what was written soon."""
+        with self._alone:
+            if isinstance(self._variants[key], _Tried):
+                with compiling.again():
+                    self._variants[key] = self._compiled(key, True)[0]
+
+    def _compiled(self, key: tuple[int, ...], fast: bool) -> tuple[Variant, bool]:
+        return self._module.compiled(self._name, tuple(KINDS[kind] for kind in key), fast)
+
+
+class _Tried:
+    """A variant that was written soon, and how long it has run."""
+
+    def __init__(self, variant: Variant, function: Function, key: tuple[int, ...]) -> None:
+        self._variant, self._function, self._key = variant, function, key
+        self._ran = 0.0
+
+    def __call__(self, words: Sequence[float]) -> Any:
+        started = time.perf_counter()
+        found = self._variant(words)
+        self._ran += time.perf_counter() - started
+        if self._ran > _patience:
+            self._function.hasten(self._key)
+        return found
+
+
+_Calls = Variant | _Tried

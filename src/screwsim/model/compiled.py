@@ -17,8 +17,6 @@ COMPILED = {  # what each driver is, and about how long its compilation takes
     "ledger": ("the ledger of this combination", "a second"),
 }
 
-SELDOM = ("trace__", "ledger__")  # functions by which a cycle that is closed is read
-
 alone = threading.RLock()  # held while compiling: another thread that needs the same finds it ready
 
 
@@ -29,7 +27,7 @@ def module_name(text: str) -> str:
 
 def load(text: str) -> ModuleType:
     """Return the module of a composition's text."""
-    return modules.load(text, "model", SELDOM)
+    return modules.load(text, "model")
 
 
 def warm(module: ModuleType) -> set[str]:

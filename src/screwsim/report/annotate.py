@@ -42,15 +42,24 @@ def spread(wanted: np.ndarray, gap: float, low: float, high: float) -> np.ndarra
     return places
 
 
-def label_ends(axes: Any, ends: Sequence[tuple[float, float]], texts: Sequence[str], heading: str) -> None:
-    """Label curves right of the axes at the height of their ends (data coordinates), the heading above.
+def label_ends(panels: Sequence[tuple[Any, Sequence[Point], Sequence[str]]], heading: str) -> None:
+    """Label curves right of their axes at the height of their ends (data coordinates), the heading above.
 
-    Of more labels than a reader can follow, or than there are lines of text, every second, third … is drawn.
+    `panels` are axes of one figure, with ends and texts: the figure is laid out once for all of them. Of more labels
+    than a reader can follow, or than there are lines of text, every second, third … is drawn.
     """
+    for axes, _, _ in panels:
+        if heading:
+            axes.annotate(heading, (1.045, 1.02), xycoords="axes fraction", va="bottom", fontsize=SMALL)
+    for axes, _, _ in panels[:1]:
+        axes.figure.get_layout_engine().execute(axes.figure)  # as when it is drawn, without its lines
+    for axes, ends, texts in panels:
+        _label_ends(axes, ends, texts)
+
+
+def _label_ends(axes: Any, ends: Sequence[Point], texts: Sequence[str]) -> None:
+    """Label curves of axes that are laid out."""
     figure = axes.figure
-    if heading:
-        axes.annotate(heading, (1.045, 1.02), xycoords="axes fraction", va="bottom", fontsize=SMALL)
-    figure.get_layout_engine().execute(figure)  # as when it is drawn, without its lines
     box = axes.get_window_extent()
     gap = _GAP * SMALL * figure.dpi / 72.0 / box.height
     low, high = 0.4 * gap, 1.0 - 0.4 * gap

@@ -46,6 +46,6 @@ def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: st
     if layout.curves is None:
         label_along(main, over_ratio[0].x, over_ratio[0].y, [f"{speed:.0f} rpm" for speed in over_ratio[0].at])
         return figure
-    for axes, figure_name in ((upper, name), (lower, "oil_ratio")):
-        label_curves(axes, family(results, layout, chosen, None, figure_name), heading)
+    names = ((upper, name), (lower, "oil_ratio"))
+    label_curves(((axes, family(results, layout, chosen, None, shown)) for axes, shown in names), heading)
     return figure

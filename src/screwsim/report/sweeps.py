@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any
 
@@ -45,7 +45,7 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
     heading, words = families.curves_heading(results, layout)
     note(figure, constant, words, *remarks(curves, found), left_out(results, layout, chosen, curves))
     if layout.curves is not None:
-        label_curves(axes, curves, heading)
+        label_curves([(axes, curves)], heading)
     return figure
 
 
@@ -61,9 +61,8 @@ def _performance(results: Results, layout: Layout, chosen: dict[int, int], const
     widest = max(shown.values(), key=len)
     heading, words = families.curves_heading(results, layout)
     note(figure, constant, words, *remarks(widest, 0), left_out(results, layout, chosen, widest))
-    for axes, curves in zip(panels, shown.values(), strict=True):
-        if layout.curves is not None:
-            label_curves(axes, curves, heading)
+    if layout.curves is not None:
+        label_curves(zip(panels, shown.values(), strict=True), heading)
     return figure
 
 
@@ -96,9 +95,10 @@ def _mark(axes: Any, x: np.ndarray, y: np.ndarray, marker: str, colour: Any) -> 
     axes.plot(x, y, marker=marker, color=colour, linestyle="", clip_on=False, in_layout=False, **size)
 
 
-def label_curves(axes: Any, curves: list[Curve], heading: str) -> None:
-    """Label curves beside their ends."""
-    label_ends(axes, [(curve.x[-1], curve.y[-1]) for curve in curves], [curve.text for curve in curves], heading)
+def label_curves(panels: Iterable[tuple[Any, list[Curve]]], heading: str) -> None:
+    """Label the curves of all axes of a figure beside their ends."""
+    ends = [(axes, [(c.x[-1], c.y[-1]) for c in curves], [c.text for c in curves]) for axes, curves in panels]
+    label_ends(ends, heading)
 
 
 def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray]) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 from ruamel.yaml import YAML
@@ -89,9 +90,7 @@ def join(path: str, name: str) -> str:
 def compose(text: str, start: Place, problems: list[Problem], path: str = "") -> Node | None:
     """Return the tree of a YAML text that begins at `start`, or None when it is not YAML or empty."""
     try:
-        yaml = YAML(typ="safe", pure=True)
-        yaml.composer.warn_double_anchors = False  # the later one holds from there on, as in YAML
-        root = yaml.compose(text)
+        root = _tree(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = start if mark is None else start.at(mark.line + 1, mark.column + 1)
@@ -111,6 +110,14 @@ def compose(text: str, start: Place, problems: list[Problem], path: str = "") ->
         problems.append(Problem(start, path, what))
         return None
     return _Converter(start, problems).convert(root, path)
+
+
+@lru_cache(maxsize=64)  # bases are read again with each scene on them, and ruamel takes some milliseconds a page
+def _tree(text: str) -> Any:
+    """Return ruamel's tree of a text, not to be written to."""
+    yaml = YAML(typ="safe", pure=True)
+    yaml.composer.warn_double_anchors = False  # the later one holds from there on, as in YAML
+    return yaml.compose(text)
 
 
 _TOO_DEEP = f"is nested deeper than {MOST_LEVELS} levels (a scene has about five)"

@@ -18,6 +18,7 @@ from screwsim.errors import worst
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.model import speed
 from screwsim.model.run import Machinery
+from screwsim.numerics.compiling import seconds_again
 from screwsim.outputs import Figures
 from screwsim.solve.drive import settled
 from screwsim.solve.estimate import estimated_errors
@@ -151,4 +152,4 @@ class Watch:
 
 
 def _now(machinery: Machinery) -> tuple[float, Array]:
-    return time.perf_counter() - machinery.compile_time, machinery.counts.copy()
+    return time.perf_counter() - machinery.compile_time - seconds_again(), machinery.counts.copy()

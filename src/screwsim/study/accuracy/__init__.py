@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from screwsim.codegen.modules import for_speed
 from screwsim.faults import SceneError, UsageError
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
@@ -35,6 +36,7 @@ class Study:
     left_out: list[tuple[str, str]] = field(default_factory=list)
 
 
+@for_speed()  # times are measured
 def study(scene: Scene, extent: Extent | None = None, progress: Progress | None = None) -> Study:
     """Return the study of a scene. Raises NoReference where no reference closes."""
     extent, progress = extent or Extent(), progress or Silent()

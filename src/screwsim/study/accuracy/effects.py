@@ -35,20 +35,24 @@ class EffectCost:
 
 
 def effect_costs(scene: Scene, name: str, extent: Extent) -> EffectCost:
-    """Return what one effect costs and changes: runs with it and without it in turn, medians of both."""
+    """Return what one effect costs and changes: runs with it and without it in turn, medians of both.
+
+    The first two compile what is missing and are not counted; where one of them does not close, there are no more.
+    """
     rest = {key: active for key, active in scene.effects.items() if key != name}
     without = replace(scene, effects=rest, text="")
     faults = cross_check(without)
     if faults:
         return EffectCost(name, "needed", reason=str(faults[0]))
     try:
-        pairs = [(simulate(scene, trace=False), simulate(without, trace=False)) for _ in range(extent.pairs + 1)][1:]
+        full, less = simulate(scene, trace=False), simulate(without, trace=False)
     except (SceneError, UsageError) as error:
         return EffectCost(name, "needed", reason=" ".join(str(error).split()))
-    full, less = pairs[-1]
     if less.status != "ok" or full.status != "ok":
         bad = less if less.status != "ok" else full
         return EffectCost(name, bad.status, reason=f"without it: {bad.message}")
+    pairs = [(simulate(scene, trace=False), simulate(without, trace=False)) for _ in range(extent.pairs)]
+    full, less = pairs[-1]
     ratio = statistics.median(_time(full) / _time(less) for full, less in pairs) - 1.0
     evaluations = full.numerics.rhs_evaluations / less.numerics.rhs_evaluations - 1.0
     relative = {each: _relative(full, less, each) for each in ("shaft_power", "gas_mass_flow", "cooling_capacity")}

@@ -27,6 +27,7 @@ from screwsim.model import leases
 from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_LIFE, P_PITCH
+from screwsim.numerics.compiling import seconds_again
 from screwsim.numerics.integrators import DEFAULT, check_of
 from screwsim.scene import Scene
 from screwsim.solve.accurately import Watch
@@ -79,10 +80,10 @@ class Solved:
 @contextmanager
 def limited(machinery: Machinery, seconds: float) -> Iterator[None]:
     """Raise WorkLimit inside this block when the processor time [s] is used up; compilation does not count."""
-    end = time.process_time() + seconds - machinery.compile_time
+    end = time.process_time() + seconds - machinery.compile_time - seconds_again()
 
     def watch() -> None:
-        if time.process_time() > end + machinery.compile_time:
+        if time.process_time() > end + machinery.compile_time + seconds_again():
             raise WorkLimit(f"not closed within its limit of {seconds:g} s of processor time")
 
     machinery.watch = watch
