@@ -340,8 +340,8 @@ NEWCOMERS = [
     ),
     (
         "title: example",
-        "sweep: {gas.fluid: [R134a, R22]}",
-        "x.yaml:1:9: sweep.gas.fluid: cannot be varied (only quantities, numbers and choices can)",
+        "sweep: {gas.mass_fractions: [0.3, 0.7]}",
+        "x.yaml:1:9: sweep.gas.mass_fractions: cannot be varied (only quantities, numbers, choices and the fluid can)",
     ),
     # ---- other files ----
     (
