@@ -39,7 +39,7 @@ from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
 from screwsim.scene.fields import Leaf, Section, section_of
-from screwsim.scene.grid import case_count, dimensions
+from screwsim.scene.grid import FLUID, case_count, dimensions
 from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
@@ -381,7 +381,8 @@ def _sweep(scene: Scene) -> Iterator[str]:
     for dimension in dimensions(scene):
         kinds = f"{dimension.size} values" if dimension.size != 1 else "1 value"
         if dimension.joint is None:
-            yield f"  {dimension.name}: {kinds}"
+            words = f": {', '.join(scene.sweep[FLUID])}" if dimension.name == FLUID else ""
+            yield _row(f"{dimension.name}", f"{kinds}{words}") if words else f"  {dimension.name}: {kinds}"
             continue
         sample = dimension.joint.sample
         how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "side by side"

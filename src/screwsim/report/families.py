@@ -13,7 +13,7 @@ from screwsim.results import Results
 from screwsim.results.schema import Axis
 from screwsim.results.warned import warns
 
-SPEED, RATIO = "operation.speed", "oil_supply.ratio"
+SPEED, RATIO, FLUID = "operation.speed", "oil_supply.ratio", "gas.fluid"
 FEWEST = 2  # points that make a curve
 _ARC = 41  # points that draw a parabola
 _SHORT_HEADING = 12  # letters that fit above labels of numbers
@@ -86,7 +86,8 @@ def outcome_layout(results: Results) -> Layout | None:
 def _layout(axes: tuple[Axis, ...], x: int) -> Layout:
     others = [i for i, axis in enumerate(axes) if i != x and len(axis.values) > 1]
     lengths = [len(axis.values) if i in others else 0 for i, axis in enumerate(axes)]
-    curves = _preferred(axes, lengths, SPEED) if others else None
+    told_apart = next((i for i in others if axes[i].path == FLUID), None)  # all fluids in one figure
+    curves = told_apart if told_apart is not None else _preferred(axes, lengths, SPEED) if others else None
     rest = tuple(i for i in range(len(axes)) if i not in (x, curves))
     return Layout(x, curves, rest)
 
