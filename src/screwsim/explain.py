@@ -324,6 +324,10 @@ def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     if operation.condensing_temperature is not None:
         subcooling = readable_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
         yield _row("cooling", f"liquid subcooled by {subcooling}; enthalpies of the real fluid (M43)")
+    cooler = operation.gas_cooler
+    if cooler is not None:
+        T = readable_quantity(KINDS["temperature"], cooler.outlet_temperature)
+        yield _row("cooling", f"the gas cooler leaves it at {T}; enthalpies of the real fluid (M330)")
 
 
 def _stated(T: float | None, point: str) -> str:

@@ -289,6 +289,20 @@ def liquid_enthalpy(fluid: str, p: float, T: float) -> float:
     return _single_phase(fluid, p, T, "iphase_liquid")
 
 
+def enthalpy(fluid: str, p: float, T: float) -> float:
+    """Return the enthalpy [J/kg] at p [Pa] and T [K] in whatever single phase the fluid has there (M330)."""
+    known = limits(fluid)
+    assert known is not None
+    if known.p_triple <= p < known.p_critical:
+        mixed = _blend(fluid)
+        boiling = saturation_temperature(fluid, p) if mixed is None else mixed.bubble_temperature(p)
+        return (liquid_enthalpy if boiling >= T else vapour_enthalpy)(fluid, p, T)
+    mixed = _blend(fluid)
+    if mixed is not None:
+        return (mixed.liquid_enthalpy if T < known.T_critical else mixed.vapour_enthalpy)(p, T)
+    return _single_phase(fluid, p, T, "iphase_supercritical" if T >= known.T_critical else "iphase_supercritical_liquid")
+
+
 def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
     def question() -> float:
         state, coolprop = _abstract_state(fluid)

@@ -30,9 +30,9 @@ def lines(scene: Scene) -> Lines:
 @lru_cache(maxsize=64)
 def _lines(operation: Operation, fluid: str) -> Lines:
     suction, p_d = operation.suction, operation.discharge.pressure
-    if operation.evaporating_temperature is not None and operation.condensing_temperature is not None:
-        T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
-        p_d = constants.condensing_pressure(fluid, T_c)
+    T_e, T_c, cooler = operation.evaporating_temperature, operation.condensing_temperature, operation.gas_cooler
+    if T_e is not None and (T_c is not None or cooler is not None):
+        p_d = cooler.pressure if cooler is not None else constants.condensing_pressure(fluid, T_c or 0.0)
         return Lines(constants.dew_pressure(fluid, T_e), T_e + (operation.superheat or 0.0), p_d, suction.quality)
     if suction.pressure is None or p_d is None:
         raise ValueError("the scene states no pressures; ask cross_check first")
@@ -55,16 +55,29 @@ def _suction_enthalpy(operation: Operation, fluid: str) -> float:
     return constants.vapour_enthalpy(fluid, found.p_s, found.T_s)
 
 
-def refrigerating_effect(scene: Scene) -> float | None:
-    """Return what a kilogram of refrigerant takes up in the evaporator [J/kg] (M43).
+def condensate_enthalpy(scene: Scene) -> float | None:
+    """Return the real fluid's enthalpy [J/kg] behind the condenser (M43) or the gas cooler (M330).
 
-    None where the scene states no condensing temperature, and for an expander.
+    None where the scene states neither, and for an expander.
     """
     T_c, subcooling = scene.operation.condensing_temperature, scene.operation.subcooling
-    if T_c is None or scene.machine.mode == "expander":
+    fluid, cooler = scene.gas.name, scene.operation.gas_cooler
+    if scene.machine.mode == "expander":
         return None
-    fluid, p_d = scene.gas.name, lines(scene).p_d
+    if cooler is not None:
+        return constants.enthalpy(fluid, cooler.pressure, cooler.outlet_temperature)
+    if T_c is None:
+        return None
     T = constants.condensed(fluid, T_c)
     if subcooling:
-        return suction_enthalpy(scene) - constants.liquid_enthalpy(fluid, p_d, T - subcooling)
-    return suction_enthalpy(scene) - constants.saturated_liquid_enthalpy(fluid, T)
+        return constants.liquid_enthalpy(fluid, lines(scene).p_d, T - subcooling)
+    return constants.saturated_liquid_enthalpy(fluid, T)
+
+
+def refrigerating_effect(scene: Scene) -> float | None:
+    """Return what a kilogram of refrigerant takes up in the evaporator [J/kg] (M43, M330).
+
+    None where the scene states neither condenser nor gas cooler, and for an expander.
+    """
+    behind = condensate_enthalpy(scene)
+    return None if behind is None else suction_enthalpy(scene) - behind

@@ -63,6 +63,22 @@ class DischargeState:
 
 
 @dataclass(frozen=True)
+class GasCooler:
+    """A gas cooler in place of a condenser: above the critical pressure nothing condenses, two numbers state it."""
+
+    pressure: float = quantity(
+        "pressure", "absolute pressure p_d in the gas cooler", ge=1.0, le=1e9, hardly=(1e3, 2e7)
+    )
+    outlet_temperature: float = quantity(
+        "temperature",
+        "of the fluid behind the gas cooler, for the cooling capacity",
+        gt=0.0,
+        le=2500.0,
+        hardly=(200.0, 400.0),
+    )
+
+
+@dataclass(frozen=True)
 class Operation:
     """Speed, the surroundings, and the states of both lines: as pressures, or by saturation temperatures."""
 
@@ -98,6 +114,7 @@ class Operation:
         ge=0.0,
         hardly=(None, 60.0),
     )
+    gas_cooler: GasCooler | None = None
 
 
 @dataclass(frozen=True)
