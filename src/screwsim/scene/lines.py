@@ -11,6 +11,8 @@ from functools import lru_cache
 from screwsim.fluid import constants
 from screwsim.scene.types import Operation, Scene
 
+LEAST_SUPERHEAT = 1e-6  # [K] of saturated vapour: more than the round-off of saturation, which makes a liquid of it
+
 
 @dataclass(frozen=True)
 class Lines:
@@ -33,13 +35,18 @@ def _lines(operation: Operation, fluid: str) -> Lines:
     T_e, T_c, cooler = operation.evaporating_temperature, operation.condensing_temperature, operation.gas_cooler
     if T_e is not None and (T_c is not None or cooler is not None):
         p_d = cooler.pressure if cooler is not None else constants.condensing_pressure(fluid, T_c or 0.0)
-        return Lines(constants.dew_pressure(fluid, T_e), T_e + (operation.superheat or 0.0), p_d, suction.quality)
+        return Lines(constants.dew_pressure(fluid, T_e), _superheated(T_e, operation.superheat), p_d, suction.quality)
     if suction.pressure is None or p_d is None:
         raise ValueError("the scene states no pressures; ask cross_check first")
     T_s = suction.temperature
     if T_s is None:
-        T_s = constants.saturation_temperature(fluid, suction.pressure) + (suction.superheat or 0.0)
+        T_s = _superheated(constants.saturation_temperature(fluid, suction.pressure), suction.superheat)
     return Lines(suction.pressure, T_s, p_d, suction.quality)
+
+
+def _superheated(T: float, superheat: float | None) -> float:
+    """Return the temperature [K] of suction gas over saturation at T [K]; that of wet gas where none is stated."""
+    return T if superheat is None else T + max(superheat, LEAST_SUPERHEAT)
 
 
 def suction_enthalpy(scene: Scene) -> float:

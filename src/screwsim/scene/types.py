@@ -12,7 +12,7 @@ from screwsim.fluid.settings import GasSettings, OilSettings
 from screwsim.numerics.settings import NumericsSettings
 
 NO_SUPERHEAT = (
-    "saturated or wet gas is stated by operation.suction.quality in its place, 1 for saturated vapour, "
+    "0 K is saturated vapour; wet gas is stated by operation.suction.quality in its place, "
     "with gas.model: real and gas.two_phase: equilibrium"
 )
 
@@ -34,7 +34,7 @@ class SuctionState:
         "temperature_difference",
         "superheat over saturation, instead of temperature",
         None,
-        gt=0.0,
+        ge=0.0,
         hardly=(None, 150.0),
         remedy=NO_SUPERHEAT,
     )
@@ -103,7 +103,7 @@ class Operation:
         "temperature_difference",
         "of the suction gas over evaporating_temperature (needed with it, but for wet suction: suction.quality)",
         None,
-        gt=0.0,
+        ge=0.0,
         hardly=(None, 150.0),
         remedy=NO_SUPERHEAT,
     )
