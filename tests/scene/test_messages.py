@@ -386,7 +386,7 @@ def test_off_no_and_false_leave_an_effect_out(example, word):
             "operation=3000 rpm",
             "operation: '3000 rpm' is not a mapping (write lines NAME: value; known: speed, "
             "ambient_temperature, suction, discharge, evaporating_temperature, condensing_temperature, superheat, "
-            "subcooling)",
+            "subcooling, gas_cooler)",
         ),
         ("effects={}", "effects: {} changes nothing, as it merges into what is there (write null to take that out)"),
         (

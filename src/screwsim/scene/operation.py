@@ -214,7 +214,7 @@ def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     if T_liquid < limits.T_triple:
         what = f"{fluid} freezes at {_shown(limits.T_triple)} (choose a smaller one)"
         yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}; {what}")
-    elif scene.machine.mode == "compressor" and T_liquid < T_e < T_c:
+    elif scene.machine.mode == "compressor" and operation.subcooling and T_liquid < T_e < T_c:
         what = f"colder than the evaporator of {_shown(T_e)}, and nothing of the plant cools it so far"
         yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}: {what} (choose a smaller one)")
     compressor, shown = scene.machine.mode == "compressor", f"the evaporating temperature {_shown(T_e)}"
