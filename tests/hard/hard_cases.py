@@ -263,8 +263,8 @@ def _fluids() -> list[Case]:
         Case(
             "a blend, narrow port",
             {**DEW, "gas.fluid": "R454B"},
-            "the equation ends at 410 K: what the closing port keeps is squeezed beyond, as of R134a next to its critical "
-            "point (the row below)",
+            "the equation ends at 410 K: what the closing port keeps is squeezed beyond, as of R134a next to its "
+            "critical point (the row below)",
             "failed",
             says=("deg", "above the equation's highest temperature", "a wider discharge port", "machine.volume.min"),
         ),

@@ -241,4 +241,5 @@ def page() -> str:
         f"{case.most if case.status != 'refused' else '–'} | {'yes' if case.radau else ''} | {case.why} |"
         for case in CASES
     ]
-    return HEAD + "\n".join(rows) + "\n" + _tight() + _random(OUTCOME, RANDOM) + _random(OF_FLUIDS, FLUIDS) + _with_effects()
+    searched = _random(OUTCOME, RANDOM) + _random(OF_FLUIDS, FLUIDS) + _with_effects()
+    return HEAD + "\n".join(rows) + "\n" + _tight() + searched

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from CoolProp.CoolProp import AbstractState, PropsSI, PT_INPUTS, iphase_supercritical
+from CoolProp.CoolProp import PT_INPUTS, AbstractState, PropsSI, iphase_supercritical
 
 from screwsim.faults import SceneError
 from screwsim.fluid import constants

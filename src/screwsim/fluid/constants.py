@@ -300,7 +300,8 @@ def enthalpy(fluid: str, p: float, T: float) -> float:
     mixed = _blend(fluid)
     if mixed is not None:
         return (mixed.liquid_enthalpy if T < known.T_critical else mixed.vapour_enthalpy)(p, T)
-    return _single_phase(fluid, p, T, "iphase_supercritical" if T >= known.T_critical else "iphase_supercritical_liquid")
+    phase = "iphase_supercritical" if known.T_critical <= T else "iphase_supercritical_liquid"
+    return _single_phase(fluid, p, T, phase)
 
 
 def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:

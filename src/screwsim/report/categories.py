@@ -30,7 +30,8 @@ def plans(results: Results) -> Iterator[Plan]:
     for suffix, constant, chosen in slices(results, layout):
         shown = [name for name in (efficiency_name(results), *OTHERS) if name and _there(results, chosen, name).any()]
         if shown and len(axes[place].values) >= _FEWEST:
-            yield f"{axes[place].path.rpartition('.')[2]}{suffix}", partial(_draw, results, place, chosen, constant, shown)
+            name = axes[place].path.rpartition(".")[2]
+            yield f"{name}{suffix}", partial(_draw, results, place, chosen, constant, shown)
 
 
 def _row(values: np.ndarray, chosen: dict[int, int]) -> np.ndarray:

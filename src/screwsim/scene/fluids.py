@@ -59,8 +59,8 @@ def _stated(gas: GasSettings) -> Iterator[Fault]:
     yield from _one_fluid(gas)
     own = stated(gas.fluid)
     if own is not None:
-        fractions = {_FRACTIONS[own.by_mole]: own.fractions}
-        blend = GasSettings(fluid=own.components, **fractions)
+        by_mass, by_mole = (None, own.fractions) if own.by_mole else (own.fractions, None)
+        blend = GasSettings(fluid=own.components, mass_fractions=by_mass, mole_fractions=by_mole)
         yield from (Fault("gas.fluid", f"{gas.fluid!r}: {fault.what}") for fault in _own_blend(blend, own.components))
 
 

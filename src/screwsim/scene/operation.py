@@ -151,7 +151,7 @@ def _states(scene: Scene) -> list[Fault]:
             faults = [Fault(EVAPORATING if by_temperature else P_S, f"{error} (choose another state)")]
         else:
             faults = list(_no_cooling(scene, effect))
-    if not faults and by_temperature and scene.operation.gas_cooler is None:  # the glide of a pseudo-pure fluid may turn the order of temperatures round
+    if not faults and stated is _temperatures:  # the glide of a pseudo-pure fluid may turn the order round
         faults = list(_order(scene, lines(scene).p_s, lines(scene).p_d, CONDENSING))
     return faults
 

@@ -131,7 +131,8 @@ def _leaf(scene: Scene, path: str, place: Place, where: str, problems: list[Prob
         problems.append(Problem(place, where, str(error).removeprefix(f"{path}: ")))
         return None
     if leaf.kind in STEPS:
-        problems.append(Problem(place, where, f"is {STEPS[leaf.kind]}; only continuous quantities can be fitted (remove it)"))
+        what = f"is {STEPS[leaf.kind]}; only continuous quantities can be fitted (remove it)"
+        problems.append(Problem(place, where, what))
         return None
     return leaf
 

@@ -158,5 +158,6 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
         remedy = "write kind: cooler, or name a pure fluid"
         problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})"))
     if between.kind == "economizer" and condensate_enthalpy(second) is None:
-        what = "economizer needs operation.condensing_temperature or gas_cooler in the second scene: its liquid feeds the tank"
+        what = "economizer needs operation.condensing_temperature or gas_cooler in the second scene"
+        what = f"{what}: its liquid feeds the tank"
         problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)"))
