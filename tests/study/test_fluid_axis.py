@@ -8,7 +8,8 @@ import pytest
 import xarray
 from result_fakes import SCENE, fake_simulate
 
-from screwsim.report import plot
+from screwsim.report import families, maps, plot, sweeps
+from screwsim.report.page.data import document, selection
 from screwsim.results import open_results
 from screwsim.results.schema import axis_of
 from screwsim.results.table import InMemory, table_of
@@ -58,9 +59,11 @@ def test_the_names_are_read_by_others(swept):
     assert float(ours.sel(gas_fluid="R454B").shaft_power[0]) == swept[2].performance["shaft_power"][0, 3]
 
 
-def test_fluids_are_curves_of_one_figure(swept, tmp_path):
-    drawn = {Path(each).name for each in plot(swept[2].path, tmp_path)}
-    assert {"efficiency.png", "performance.png"} <= drawn
+def test_fluids_are_curves_of_one_figure(swept):
+    results = swept[2]
+    assert [name for name, _ in sweeps.plans(results)] == ["efficiency", "performance"]
+    layout = families.layout_of(results)
+    assert [curve.text for curve in families.family(results, layout, {}, None, "cop")] == ["R134a", "R454B"]
 
 
 def fakes(path, fluids, stop=None):
@@ -102,3 +105,18 @@ def test_words_alone_are_drawn_as_points(tmp_path):
     fakes(tmp_path / "c.h5", ["R134a", "Ammonia", "R32"])
     assert [Path(each).name for each in plot(tmp_path / "c.h5", tmp_path)] == ["fluid.png", "fluid.pdf"]
     assert np.all(open_results(tmp_path / "c.h5").performance["shaft_power"] > 0.0)
+
+
+def test_a_page_begins_over_the_words_where_nothing_else_varies(tmp_path):
+    results = fakes(tmp_path / "e.h5", ["R134a", "Ammonia"])
+    start = document(results, selection(results))["start"]
+    assert (start["x"], start["curves"]) == (0, None)
+
+
+def test_maps_over_two_axes_of_numbers_are_drawn_for_each_fluid(tmp_path):
+    axes = "operation.speed: [1000 rpm, 2000 rpm, 3000 rpm], oil_supply.ratio: [1, 2, 3]"
+    scene = loads(f"{SCENE}sweep: {{gas.fluid: [R134a, Ammonia], {axes}}}\n")
+    run_sweep(scene, tmp_path / "f.h5", jobs=1, simulate=fake_simulate)
+    results = open_results(tmp_path / "f.h5")
+    assert [name for name, _ in maps.plans(results)] == ["map_1", "map_2"]  # a fluid each
+    assert [name for name, _ in sweeps.plans(results) if "eff" in name] == [f"efficiency_{n}" for n in (1, 2, 3)]
