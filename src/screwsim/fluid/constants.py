@@ -290,18 +290,22 @@ def liquid_enthalpy(fluid: str, p: float, T: float) -> float:
 
 
 def enthalpy(fluid: str, p: float, T: float) -> float:
-    """Return the enthalpy [J/kg] at p [Pa] and T [K] in whatever single phase the fluid has there (M330)."""
+    """Return the enthalpy [J/kg] at p [Pa] and T [K] in whatever single phase the fluid has there (M330).
+
+    Raises UsageError between the bubble and the dew point of a fluid with glide.
+    """
     known = limits(fluid)
     assert known is not None
-    if known.p_triple <= p < known.p_critical:
-        mixed = _blend(fluid)
-        boiling = saturation_temperature(fluid, p) if mixed is None else mixed.bubble_temperature(p)
-        return (liquid_enthalpy if boiling >= T else vapour_enthalpy)(fluid, p, T)
-    mixed = _blend(fluid)
-    if mixed is not None:
-        return (mixed.liquid_enthalpy if T < known.T_critical else mixed.vapour_enthalpy)(p, T)
-    phase = "iphase_supercritical" if known.T_critical <= T else "iphase_supercritical_liquid"
-    return _single_phase(fluid, p, T, phase)
+    if T >= known.T_critical:
+        dense = p >= known.p_critical and _blend(fluid) is None
+        return _single_phase(fluid, p, T, "iphase_supercritical") if dense else vapour_enthalpy(fluid, p, T)
+    if p >= bubble_pressure(fluid, T):
+        dense = p >= known.p_critical and _blend(fluid) is None
+        return _single_phase(fluid, p, T, "iphase_supercritical_liquid") if dense else liquid_enthalpy(fluid, p, T)
+    if p > dew_pressure(fluid, T):
+        what = f"{fluid} at {p:.6g} Pa, {T:.6g} K is wet, between its bubble and its dew point"
+        raise UsageError(f"gas.fluid: {what}")
+    return vapour_enthalpy(fluid, p, T)
 
 
 def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:

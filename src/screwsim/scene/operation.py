@@ -148,7 +148,8 @@ def _states(scene: Scene) -> list[Fault]:
             lines(scene)
             effect = refrigerating_effect(scene)
         except UsageError as error:  # CoolProp finds no state, though it lies within the limits
-            faults = [Fault(EVAPORATING if by_temperature else P_S, f"{error} (choose another state)")]
+            where = GAS_COOLER_T if stated is _gas_cooler else EVAPORATING if by_temperature else P_S
+            faults = [Fault(where, f"{error} (choose another state)")]
         else:
             faults = list(_no_cooling(scene, effect))
     if not faults and stated is _temperatures:  # the glide of a pseudo-pure fluid may turn the order round
