@@ -124,9 +124,9 @@ def word(doc: str, default: Any = REQUIRED) -> Any:
     return _field("word", default, doc)
 
 
-def names(doc: str, default: Any = REQUIRED) -> Any:
-    """Declare a name, or a list of names, which becomes a tuple."""
-    return _field("names", default, doc)
+def fluid(doc: str, default: Any = REQUIRED) -> Any:
+    """Declare the name of a fluid, or a list of the names of a blend's components, which becomes a tuple."""
+    return _field("fluid", default, doc)
 
 
 def numbers(doc: str, default: Any = None, **limits: Unpack[Limits]) -> Any:

@@ -40,7 +40,7 @@ from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
 from screwsim.scene.fields import Leaf, Section, section_of
-from screwsim.scene.grid import case_count, dimensions
+from screwsim.scene.grid import FLUID, case_count, dimensions
 from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
@@ -332,6 +332,10 @@ def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     if operation.condensing_temperature is not None:
         subcooling = readable_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
         yield _row("cooling", f"liquid subcooled by {subcooling}; enthalpies of the real fluid (M43)")
+    cooler = operation.gas_cooler
+    if cooler is not None:
+        T = readable_quantity(KINDS["temperature"], cooler.outlet_temperature)
+        yield _row("cooling", f"the gas cooler leaves it at {T}; enthalpies of the real fluid (M330)")
 
 
 def _stated(T: float | None, point: str) -> str:
@@ -389,7 +393,8 @@ def _sweep(scene: Scene) -> Iterator[str]:
     for dimension in dimensions(scene):
         kinds = f"{dimension.size} values" if dimension.size != 1 else "1 value"
         if dimension.joint is None:
-            yield f"  {dimension.name}: {kinds}"
+            words = f": {', '.join(scene.sweep[FLUID])}" if dimension.name == FLUID else ""
+            yield _row(f"{dimension.name}", f"{kinds}{words}") if words else f"  {dimension.name}: {kinds}"
             continue
         sample = dimension.joint.sample
         how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "side by side"

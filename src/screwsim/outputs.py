@@ -101,7 +101,7 @@ def names_of(figures: Iterable[Figure]) -> tuple[str, ...]:
 # what calls for a figure of the core, beside keys of a scene (`figures.called_for`)
 OILED, EXPANDED = ("oil_supply",), ("machine.mode: expander",)
 HEATED = ("an effect that gives the oil a temperature, such as effects.oil_heat",)
-COOLED = ("operation.condensing_temperature and machine.mode: compressor",)
+COOLED = ("operation.condensing_temperature and machine.mode: compressor", "operation.gas_cooler")
 CHANGED = ("effects.suction_line", "effects.suction_throttle", "effects.bypass.share", "another effect with an Intake")
 WALLED = ("effects.wall_heat", "effects.cylinder_heat", "another effect with a Wall")
 HELD = ("oil that gives its gas off over time, as effects.refrigerant_solubility.flash_time says",)

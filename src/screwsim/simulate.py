@@ -20,9 +20,10 @@ from screwsim.faults import Impossible, UsageError
 from screwsim.figures import Performance
 from screwsim.model import compiled, leases
 from screwsim.model.run import Machinery
-from screwsim.numerics import sources
+from screwsim.numerics import compiling, sources
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
+from screwsim.scene.grid import first_by_fluid
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive, stability
@@ -238,6 +239,12 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
 
 
 def warm_up(scene: Scene) -> None:
-    """Compile or load what the scene needs, so that workers find it ready."""
-    simulate(scene, trace=scene.output.keep == "cycle")
+    """Compile or load what the scene needs, so that workers find it ready; each fluid has an equation of its own."""
+    trace = scene.output.keep == "cycle"
+    fluids = first_by_fluid(scene)
+    for number, (fluid, one) in enumerate(fluids, 1):
+        with compiling.one_of("fluid", number, len(fluids), fluid):
+            simulate(one, trace=trace)
+    if not fluids:
+        simulate(scene, trace=trace)
     prepare(scene)

@@ -203,7 +203,7 @@ def test_a_figure_that_the_scene_cannot_have_is_told_before_anything_is_solved(f
     assert answer.code == 2
     assert answer.err.startswith(
         "--figure COP: is not called for in this scene: it needs operation.condensing_temperature and machine.mode: "
-        "compressor (use one of isothermal_efficiency, "
+        "compressor or operation.gas_cooler (use one of isothermal_efficiency, "
     )
 
 

@@ -15,6 +15,16 @@ WARM = {  # a real gas and oil above its saturation at the discharge pressure
     "operation.suction": {"pressure": "3.1462 bar", "superheat": "10 K"},
     "operation.discharge": {"pressure": "11.6 bar"},
 }
+DEW = {  # lines by dew points, oil above saturation
+    **CARRIED,
+    "gas.model": "real",
+    "oil_supply.temperature": "330 K",
+    "operation.suction": DROP,
+    "operation.discharge": DROP,
+    "operation.evaporating_temperature": "2 degC",
+    "operation.condensing_temperature": "45 degC",
+    "operation.superheat": "10 K",
+}
 CO2 = {
     **WARM,
     "gas.fluid": "CO2",

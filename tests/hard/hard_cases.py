@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from case import BARE, CARRIED, CO2, FINE, MOIST, WARM, WET, Case, droplet, gaps, lines, ports, speed
+from case import BARE, CARRIED, CO2, DEW, FINE, MOIST, WARM, WET, Case, droplet, gaps, lines, ports, speed
 from found_cases import found_cases
+from scenes import DROP
 
 CSV = {
     name: str(Path(__file__).parent / f"{name}.csv") for name in ("rough_volume", "rough_suction", "rough_discharge")
@@ -245,6 +247,7 @@ def _gases() -> list[Case]:
             "p_d above the critical pressure",
         ),
         Case("real, 250 rpm", {**WARM, **speed(250)}, "slow, and the equation of state"),
+        *_fluids(),
         Case("two phases", WET, "p follows T by 7:1 in the dome"),
         Case("two phases, 1e-5", {**WET, "numerics.accuracy": 1e-5}, "p follows T by 7:1 in the dome"),
         Case(
@@ -262,6 +265,67 @@ def _gases() -> list[Case]:
             says=("of the water in a chamber is liquid",),
         ),
     ]
+
+
+def _fluids() -> list[Case]:
+    """Return cases of blends, of gas next to its dew line, and of a gas cooler."""
+    own = {"gas.fluid": ["R32", "R1234ze(E)"], "gas.mass_fractions": [0.4, 0.6]}
+    ammonia = {**DEW, "gas.fluid": "Ammonia", "gas.two_phase": "equilibrium", "operation.superheat": DROP}
+    saturated = {"operation.superheat": "0 K"}
+    near = "1e-6 K from where it condenses, which it does not while warm oil meets it"
+    return [
+        Case(
+            "a blend, narrow port",
+            {**DEW, "gas.fluid": "R454B"},
+            "the equation ends at 410 K: what the closing port keeps is squeezed beyond, as of R134a next to its "
+            "critical point (the row below)",
+            "failed",
+            says=("deg", "above the equation's highest temperature", "a wider discharge port", "machine.volume.min"),
+        ),
+        Case(
+            "a blend, wider port",
+            {**DEW, "gas.fluid": "R454B", "machine.discharge_port.area": "40 cm^2"},
+            "the equation of a blend",
+        ),
+        Case("a blend, 250 rpm", {**DEW, "gas.fluid": "R454B", **speed(250)}, "slow, and the equation of a blend"),
+        Case("a blend of wide glide", {**DEW, "gas.fluid": "R407C.mix"}, "6 K between dew and bubble"),
+        Case("a blend of wide glide, saturated", {**DEW, "gas.fluid": "R407C.mix", **saturated}, near),
+        Case("a blend of one's own, saturated", {**DEW, **own, **saturated}, near),
+        Case("real, saturated suction", {**DEW, **saturated}, near),
+        Case("real, superheat 1e-9 K", {**DEW, "operation.superheat": "1e-9 K"}, near),
+        Case(
+            "a blend, dry and saturated",
+            {**DEW, "gas.fluid": "R454B", **saturated, "effects.oil_heat": DROP},
+            "saturated gas condenses as it expands into the chamber; the message names the remedy that a blend has",
+            "failed",
+            says=("deg", "condenses", "use warmer oil or gas"),
+        ),
+        Case("wet ammonia", {**ammonia, "operation.suction": {"quality": 0.95}}, "droplets evaporate on the way"),
+        Case("saturated ammonia", {**ammonia, "operation.suction": {"quality": 1.0}}, "on the dew line"),
+        Case("a gas cooler at the critical pressure", _cooler("73.8 bar", "31 degC"), "p_d next to the critical point"),
+        Case("a gas cooler far above", _cooler("130 bar", "40 degC"), "p_d at 1.8 of the critical pressure"),
+        Case(
+            "a gas cooler that leaves no cooling",
+            _cooler("75 bar", "95 degC"),
+            "the fluid behind it has more enthalpy than the suction gas",
+            "refused",
+            says=("leaves no cooling", "raise operation.gas_cooler.pressure"),
+        ),
+    ]
+
+
+def _cooler(p: str, T: str) -> dict[str, Any]:
+    """Return carbon dioxide between -5 degC and a gas cooler, warm enough not to condense as it expands."""
+    return {
+        **DEW,
+        "gas.fluid": "CO2",
+        "operation.evaporating_temperature": "-5 degC",
+        "operation.condensing_temperature": DROP,
+        "operation.superheat": "40 K",
+        "operation.gas_cooler": {"pressure": p, "outlet_temperature": T},
+        "machine.suction_port.phi_B": "20 deg",
+        "oil_supply.temperature": "360 K",
+    }
 
 
 def _shut() -> list[Case]:
@@ -401,6 +465,7 @@ MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice
     "pressure ratio 20": 20_000,
     "pressure ratio 60": 30_000,
     "real, 250 rpm": 30_000,
+    "a blend, 250 rpm": 300_000,
     "real, near-critical": 20_000,
     "real, superheat 1 K": 20_000,
     "real, transcritical": 20_000,

@@ -10,6 +10,7 @@ from case import Case
 from hard_cases import CASES
 
 OUTCOME = Path(__file__).parent / "fuzz_outcome.json"
+OF_FLUIDS = Path(__file__).parent / "fuzz_fluids_outcome.json"
 OF_EFFECTS = Path(__file__).parent / "fuzz_effects_outcome.json"
 RADAU = Path(__file__).parent / "against_radau.json"
 OF_STEPS = 1e-3  # tolerance of a step over the wanted accuracy
@@ -75,7 +76,17 @@ RANDOM = """
 ({versions}): {ok:.1%} are ok. What it made is in `tests/hard/fuzz_outcome.json`, this section from it; the tests
 draw some 500 others by hypothesis. Of a real gas many scenes fail since it condenses, or gets hotter than its
 equation goes.
+"""
+FLUIDS = """
+## Random scenes of fluids
 
+`{command}` draws {scenes} scenes from the space of `tests/tools/fluid_space.py`
+({versions}): three blends, one of them one's own, a fluid at its dew line (a third of these
+suck saturated vapour, a third gas within a millionth to a kelvin of it), wet ammonia, and carbon dioxide with a gas
+cooler. {ok:.1%} are ok; the others condense where the gas may not, or get hotter than the equation goes, which of the
+blends ends at 410 to 435 K. What it made is in `tests/hard/fuzz_fluids_outcome.json`, this section from it.
+"""
+MADE = """
 | structure | {names} |
 |---|{lines}|
 {rows}
@@ -141,13 +152,13 @@ def _row(*cells: Any) -> str:
     return f"| {' | '.join(str(cell) for cell in cells)} |"
 
 
-def _random() -> str:
+def _random(outcome: Path, head: str) -> str:
     """Return what random scenes made, in words."""
-    made = json.loads(OUTCOME.read_text(encoding="utf-8"))
+    made = json.loads(outcome.read_text(encoding="utf-8"))
     radau, versions = made["radau"], made["versions"]
     shown = [name for name in STATUSES if name in made["status"]]
     counts = {**made["structure"], "all": made["status"]}
-    return RANDOM.format(
+    return (head + MADE).format(
         command=made["command"],
         scenes=made["scenes"],
         versions=", ".join(
@@ -230,4 +241,5 @@ def page() -> str:
         f"{case.most if case.status != 'refused' else '–'} | {'yes' if case.radau else ''} | {case.why} |"
         for case in CASES
     ]
-    return HEAD + "\n".join(rows) + "\n" + _tight() + _random() + _with_effects()
+    searched = _random(OUTCOME, RANDOM) + _random(OF_FLUIDS, FLUIDS) + _with_effects()
+    return HEAD + "\n".join(rows) + "\n" + _tight() + searched

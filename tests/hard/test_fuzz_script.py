@@ -12,7 +12,7 @@ from hard_page import OUTCOME
 DIES, HANGS = 1, 3
 
 
-def fake(index, seed):
+def fake(index, seed, drawn_from):
     """Return a row; one scene kills its process, one does not end."""
     if index == DIES:
         os._exit(3)

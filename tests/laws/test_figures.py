@@ -141,7 +141,8 @@ def test_a_figure_that_the_scene_does_not_call_for_says_what_would_give_it():
         "oil_discharge_temperature": "an effect that gives the oil a temperature, such as effects.oil_heat",
         "electrical_power": "effects.motor",
         "suction_plenum_pressure": "effects.plenums.suction_volume",
-        "electrical_cop": "effects.motor, and operation.condensing_temperature and machine.mode: compressor",
+        "electrical_cop": "effects.motor, and operation.condensing_temperature and machine.mode: compressor or "
+        "operation.gas_cooler",
         "output_power": "machine.mode: expander",
         "tip_gap": "effects.thermal_clearances, and effects.tip_leakage",
         "suction_valve_power": "effects.check_valves or effects.reed_valves",

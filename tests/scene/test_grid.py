@@ -110,7 +110,7 @@ def test_a_choice_is_swept_by_its_words(example):
         ),
         (
             "{title: [a]}",
-            "x.yaml:1:9: sweep.title: cannot be varied (only quantities, numbers and choices can)",
+            "x.yaml:1:9: sweep.title: cannot be varied (only quantities, numbers, choices and the fluid can)",
         ),
         (
             "{operation.speed: [1000 rpm, 2 bar]}",

@@ -340,8 +340,8 @@ NEWCOMERS = [
     ),
     (
         "title: example",
-        "sweep: {gas.fluid: [R134a, R22]}",
-        "x.yaml:1:9: sweep.gas.fluid: cannot be varied (only quantities, numbers and choices can)",
+        "sweep: {gas.mass_fractions: [0.3, 0.7]}",
+        "x.yaml:1:9: sweep.gas.mass_fractions: cannot be varied (only quantities, numbers, choices and the fluid can)",
     ),
     # ---- other files ----
     (
@@ -386,7 +386,7 @@ def test_off_no_and_false_leave_an_effect_out(example, word):
             "operation=3000 rpm",
             "operation: '3000 rpm' is not a mapping (write lines NAME: value; known: speed, "
             "ambient_temperature, suction, discharge, evaporating_temperature, condensing_temperature, superheat, "
-            "subcooling, aftercooler_temperature)",
+            "subcooling, aftercooler_temperature, gas_cooler)",
         ),
         ("effects={}", "effects: {} changes nothing, as it merges into what is there (write null to take that out)"),
         (

@@ -154,7 +154,8 @@ EVAPORATING = "the evaporating temperature 275.15 K (2 degC)"
         (
             ["operation.condensing_temperature=120 degC"],
             "operation.condensing_temperature: 393.15 K (120 degC) is not below the critical temperature of R134a, "
-            "374.212 K (101.062 degC) (lower it, or state the lines by pressures)",
+            "374.212 K (101.062 degC) (lower it, or write operation.gas_cooler: {pressure: …, outlet_temperature: …} "
+            "in its place)",
         ),
         (
             ["operation.evaporating_temperature=-150 degC"],

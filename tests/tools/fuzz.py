@@ -19,8 +19,9 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-SPACE = Path(__file__).with_name("fuzz_space.py")
+HERE = Path(__file__).parent
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
+import fluid_space  # noqa: E402
 import fuzz_space  # noqa: E402
 import scenes  # noqa: E402
 import search  # noqa: E402
@@ -48,6 +49,9 @@ COLUMNS = (
     "seconds",
     "message",
 )
+SPACES: dict[str, Any] = {"fuzz_space": fuzz_space, "fluid_space": fluid_space}
+FILES = {"fuzz_space": ("fuzz_space.py",), "fluid_space": ("fluid_space.py", "fuzz_space.py")}
+FIRST = "fuzz_space"
 NO_ANSWER = "no answer"  # of Radau
 PACKAGES = ("numpy", "scipy", "llvmlite", "coolprop")
 PER_GAS = ("oil_ratio", "oil_flow_ratio")  # oil figures over the gas, which next to no oil leaves open
@@ -66,18 +70,19 @@ def against_radau(scene: Scene, result: Result) -> tuple[str, float | str]:
     return worst(errors)
 
 
-def one(index: int, seed: int) -> tuple[Row, Scene | None, Result | None]:
+def one(index: int, seed: int, drawn_from: str = FIRST) -> tuple[Row, Scene | None, Result | None]:
     """Return the row of one scene, and what it was."""
-    structure, shares = fuzz_space.drawn(seed, index)
+    of = SPACES[drawn_from]
+    structure, shares = of.drawn(seed, index)
     row = dict.fromkeys(COLUMNS) | {"index": index, "structure": structure}
-    return search.solved(row, lambda: scenes.make(fuzz_space.changes(structure, shares)))
+    return search.solved(row, lambda: scenes.make(of.changes(structure, shares)))
 
 
-def work(pipe: Any, indices: list[int], seed: int, check: int) -> None:
+def work(pipe: Any, indices: list[int], seed: int, check: int, drawn_from: str) -> None:
     """Solve scenes and send (index, row) of each, the row None when it is begun."""
     for index in indices:
         pipe.send((index, None))
-        row, scene, result = one(index, seed)
+        row, scene, result = one(index, seed, drawn_from)
         if check and index % check == 0 and row["status"] == "ok" and scene and result:
             pipe.send((index, row | {"radau": NO_ANSWER}))  # what is known, should Radau not come back
             row["radau_figure"], row["radau"] = against_radau(scene, result)
@@ -85,27 +90,32 @@ def work(pipe: Any, indices: list[int], seed: int, check: int) -> None:
     pipe.close()
 
 
-def lost(index: int, status: str, message: str, seed: int) -> Row:
+def lost(index: int, status: str, message: str, seed: int, drawn_from: str) -> Row:
     """Return the row of a scene that ended its process or had no end."""
-    row = {"index": index, "structure": fuzz_space.drawn(seed, index)[0], "status": status, "message": message}
+    row = {"index": index, "structure": SPACES[drawn_from].drawn(seed, index)[0], "status": status, "message": message}
     return dict.fromkeys(COLUMNS) | row
 
 
-def rows_of(indices: list[int], jobs: int, seed: int, check: int, limit: float) -> Iterator[Row]:
+def rows_of(
+    indices: list[int], jobs: int, seed: int, check: int, limit: float, drawn_from: str = FIRST
+) -> Iterator[Row]:
     """Yield the rows of scenes as they come; one that takes longer than `limit` [s] has the status `hung`."""
-    yield from search.rows_of(indices, jobs, limit, partial(work, seed=seed, check=check), partial(lost, seed=seed))
+    begun = partial(work, seed=seed, check=check, drawn_from=drawn_from)
+    yield from search.rows_of(indices, jobs, limit, begun, partial(lost, seed=seed, drawn_from=drawn_from))
 
 
-def outcome(rows: list[Row], seed: int, check: int) -> Row:
+def outcome(rows: list[Row], seed: int, check: int, drawn_from: str = FIRST) -> Row:
     """Return the summary of all rows."""
     closed = [row for row in rows if row["status"] == "ok"]
     compared = [row for row in rows if isinstance(row["radau"], (int, float))]
     shares = [row | {"share": row["radau"] / row["accuracy"]} for row in compared]
     unwarned = [row for row in shares if row["error"] <= row["accuracy"]]
+    of = "" if drawn_from == FIRST else f"--space {drawn_from} "
+    command = f"{of}--seed {seed} --count {len(rows)} --check {check}"
     balances = [row | {"over": max(row["mass"], row["energy"]) / row["accuracy"]} for row in closed]
     return {
-        **search.made(f"fuzz.py --seed {seed} --count {len(rows)} --check {check}", seed, space(), PACKAGES),
-        **search.statuses(rows, fuzz_space.STRUCTURES),
+        **search.made(f"fuzz.py {command}", seed, space(drawn_from), PACKAGES),
+        **search.statuses(rows, SPACES[drawn_from].STRUCTURES),
         "further_tries": dict(Counter(row["needed"] for row in rows if row["needed"])),
         "ok_above_accuracy": sum(row["error"] > row["accuracy"] for row in closed if row["error"] is not None),
         "worst_mass": largest(closed, "mass"),
@@ -127,15 +137,16 @@ def outcome(rows: list[Row], seed: int, check: int) -> Row:
     }
 
 
-def space() -> str:
+def space(drawn_from: str = FIRST) -> str:
     """Return the digest of the scene space, which tells tables of different spaces apart."""
-    return search.digest(SPACE)
+    return search.digest(*(HERE / name for name in FILES[drawn_from]))
 
 
 def asked() -> argparse.Namespace:
     """Return the arguments."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=20_000, help="scenes")
+    parser.add_argument("--space", default=FIRST, choices=sorted(SPACES), help="what scenes are drawn from")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--check", type=int, default=150, help="every n-th scene is checked against Radau; 0: none")
@@ -149,13 +160,13 @@ def main() -> None:
     """Solve the scenes that the table lacks and sum it up."""
     options = asked()
     options.output.mkdir(parents=True, exist_ok=True)
-    table = options.output / f"fuzz-{options.seed}-{space()}.csv"
+    table = options.output / f"fuzz-{options.seed}-{space(options.space)}.csv"
     there = {row["index"] for row in search.read(table)}
     todo = [index for index in range(options.count) if index not in there]
-    found = rows_of(todo, options.jobs, options.seed, options.check, options.limit)
+    found = rows_of(todo, options.jobs, options.seed, options.check, options.limit, options.space)
     search.append(table, COLUMNS, found, begun=bool(there), every=100)
     rows = sorted((row for row in search.read(table) if row["index"] < options.count), key=lambda row: row["index"])
-    summary = outcome(rows, options.seed, options.check)
+    summary = outcome(rows, options.seed, options.check, options.space)
     search.tell(summary, options.outcome, ("scenes", "status", "structure", "radau"))
 
 

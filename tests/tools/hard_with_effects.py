@@ -7,7 +7,8 @@ The numbers of the effects are those of scripts/effects.py, scripts/each_effect.
 cases of tests/hard/hard_cases.py are taken those that deserve `ok`, keep the base's laws and ideal gas, so that all
 share the structure of an effect, and may take at most a million evaluations; `effect` is added to the case's own
 changes, and oil is carried along (a case for which that is said as well as `paper` is taken once). `EFFECT, real gas`
-are the cases of a real gas, and those of `ON_REAL` on R134a between lines of 2 and 45 °C. Each outcome is stored as it
+are the cases of a real gas whose lines are stated by pressures (each other fluid would be another structure), and those
+of `ON_REAL` on R134a between lines of 2 and 45 °C. Each outcome is stored as it
 comes: a run that was ended goes on where it was.
 """
 
@@ -36,6 +37,7 @@ from screwsim.simulate import simulate, warm_up  # noqa: E402
 DEAREST = 1_000_000  # evaluations that a case may take without the effects
 LIMIT = 90  # processor seconds of a case
 REAL = ", real gas"
+BY_DEW_POINTS = {"gas.two_phase", "operation.evaporating_temperature"}
 ON_REAL = (  # cases of an ideal gas that R134a's equation of state covers, too
     "paper, 50 rpm",
     "paper, d = 0.01",
@@ -179,7 +181,7 @@ def chosen(name: str = "none") -> list[Any]:
 def _with_real_gas() -> Iterator[Any]:
     """Yield the cases of one real gas phase, and those of `ON_REAL` with it."""
     for case in CASES:
-        real = case.changes.get("gas.model") == "real" and "gas.two_phase" not in case.changes
+        real = case.changes.get("gas.model") == "real" and not BY_DEW_POINTS & case.changes.keys()
         if (
             real
             and case.status == "ok"

@@ -140,6 +140,8 @@ def _warm_enough(parameters: Parameters, T: float, facts, stated: str) -> Faults
     """Yield a fault where the liquid behind the condenser is colder than the economizer can make it."""
     T_c, subcooling = facts.operation.condensing_temperature, facts.operation.subcooling or 0.0
     T_c = None if T_c is None else constants.condensed(facts.gas.name, T_c)
+    if facts.operation.gas_cooler is not None:
+        T_c = facts.operation.gas_cooler.outlet_temperature
     coldest = T + (parameters.approach if parameters.kind == "heat_exchanger" else 0.0)
     if T_c is not None and T_c - subcooling <= coldest:
         what = f"the liquid, {T_c - subcooling:.6g} K, is not warmer than the {coldest:.6g} K to which it would be"
@@ -154,6 +156,8 @@ def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:
     if low is not None and high is not None and not low < T < high:
         what = f"{T:.6g} K is not between evaporation, {low:.6g} K, and condensation, {high:.6g} K"
     p_s, p_d = operation.suction.pressure, operation.discharge.pressure
+    if operation.gas_cooler is not None and low is not None:
+        p_s, p_d = constants.dew_pressure(facts.gas.name, low), operation.gas_cooler.pressure
     if p_s is not None and p_d is not None:
         p = parameters.pressure or constants.dew_pressure(facts.gas.name, T)
         if not min(p_s, p_d) < p < max(p_s, p_d):

@@ -121,6 +121,7 @@ def _stated(p: float, loss: float, facts) -> Faults:
 def discharge_pressure(facts) -> float | None:
     """Return the pressure [Pa] of the discharge line, stated or of saturation; None where it is not."""
     p_d, T_c = facts.operation.discharge.pressure, facts.operation.condensing_temperature
+    p_d = p_d if facts.operation.gas_cooler is None else facts.operation.gas_cooler.pressure
     return constants.condensing_pressure(facts.gas.name, T_c) if p_d is None and T_c is not None else p_d
 
 

@@ -107,6 +107,9 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
     reason = problem.parts.gas.why_outside(float(cycle.y[0]), float(cycle.y[1]))
     if reason is not None:
         return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg: {_remedied(reason)}"
+    elsewhere = refused(problem.parts.gas, cycle.trajectory)
+    if elsewhere:  # a chamber that gas of such a state reaches through a leak
+        return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg; in its last turn {elsewhere}"
     return (
         f"the integration stopped at {math.degrees(cycle.angle):.2f} deg ({y}); "
         "check port areas, clearances and pressures, or ask for a tighter numerics.accuracy"

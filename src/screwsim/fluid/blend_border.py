@@ -17,7 +17,8 @@ from screwsim.fluid.helmholtz import entropy_kernel, ideal_heat_capacity_kernel,
 from screwsim.fluid.saturation import Saturation, saturation
 from screwsim.numerics.compiling import announced
 
-ENOUGH = 1e-13  # relative, of a density that is found
+ENOUGH, CLOSE = 1e-13, 1e-9  # relative, of a density that is found: where the search ends, what it may leave
+STEPS = 300
 SEEN = 400  # places of a line between which a crossing of a pressure is looked for
 
 
@@ -89,12 +90,15 @@ class BlendBorder:
 
     def _found(self, p: float, T: float, rho: float) -> float:
         """Return the density [kg/m³] at p and T, by Newton's method from rho on the same branch."""
-        for _ in range(100):
+        step = 0.0
+        for _ in range(STEPS):
             found, slope, _ = self._potentials(T, rho)
             step = (p - found) / (rho * slope)
             rho *= float(np.exp(min(max(step, -0.1), 0.1))) if slope > 0.0 else 0.9
             if abs(step) < ENOUGH:
-                break
+                return rho
+        if abs(step) > CLOSE:
+            raise UsageError(f"gas.fluid: no density of {self.known.name} was found at {p:.6g} Pa, {T:.6g} K")
         return rho
 
     def vapour_enthalpy(self, p: float, T: float) -> float:

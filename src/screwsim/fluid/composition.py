@@ -18,6 +18,7 @@ from screwsim.fluid.kept import kept
 ENDING = ".mix"
 REMEDY = "choose another blend, such as R454B, R513A or R448A, or a pure fluid"
 _OWN = re.compile(r"(?P<names>[^ ]+/[^ ]+) \((?P<mole>mole )?(?P<fractions>[0-9.e/+-]+)\)")
+_NUMBER = re.compile(r"[0-9]*\.?[0-9]+(e[+-]?[0-9]{1,3})?|[0-9]+\.")
 
 
 class Composition(NamedTuple):
@@ -33,13 +34,19 @@ def own_blend(components: Sequence[str], fractions: Sequence[float], by_mole: bo
     return f"{'/'.join(components)} ({'mole ' if by_mole else ''}{'/'.join(repr(float(x)) for x in fractions)})"
 
 
-def _own(fluid: str) -> Composition | None:
+def stated(fluid: str) -> Composition | None:
+    """Return what the name of a blend of one's own states, as it states it; None for any other name."""
     found = _OWN.fullmatch(fluid)
-    if found is None:
+    numbers = [] if found is None else found["fractions"].split("/")
+    if found is None or not all(_NUMBER.fullmatch(each) for each in numbers):
         return None
-    fractions = [float(x) for x in found["fractions"].split("/")]
-    total = sum(fractions)
-    return Composition(tuple(found["names"].split("/")), tuple(x / total for x in fractions), found["mole"] is not None)
+    return Composition(tuple(found["names"].split("/")), tuple(map(float, numbers)), found["mole"] is not None)
+
+
+def _own(fluid: str) -> Composition | None:
+    found = stated(fluid)
+    total = sum(found.fractions) if found is not None else 0.0
+    return found._replace(fractions=tuple(x / total for x in found.fractions)) if found and total > 0.0 else None
 
 
 @cache

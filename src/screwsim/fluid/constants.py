@@ -289,6 +289,25 @@ def liquid_enthalpy(fluid: str, p: float, T: float) -> float:
     return _single_phase(fluid, p, T, "iphase_liquid")
 
 
+def enthalpy(fluid: str, p: float, T: float) -> float:
+    """Return the enthalpy [J/kg] at p [Pa] and T [K] in whatever single phase the fluid has there (M330).
+
+    Raises UsageError between the bubble and the dew point of a fluid with glide.
+    """
+    known = limits(fluid)
+    assert known is not None
+    if T >= known.T_critical:
+        dense = p >= known.p_critical and _blend(fluid) is None
+        return _single_phase(fluid, p, T, "iphase_supercritical") if dense else vapour_enthalpy(fluid, p, T)
+    if p >= bubble_pressure(fluid, T):
+        dense = p >= known.p_critical and _blend(fluid) is None
+        return _single_phase(fluid, p, T, "iphase_supercritical_liquid") if dense else liquid_enthalpy(fluid, p, T)
+    if p > dew_pressure(fluid, T):
+        what = f"{fluid} at {p:.6g} Pa, {T:.6g} K is wet, between its bubble and its dew point"
+        raise UsageError(f"gas.fluid: {what}")
+    return vapour_enthalpy(fluid, p, T)
+
+
 def _single_phase(fluid: str, p: float, T: float, phase: str) -> float:
     def question() -> float:
         state, coolprop = _abstract_state(fluid)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from screwsim.declare import choice, names, number, numbers, quantity
+from screwsim.declare import choice, fluid, number, numbers, quantity
 from screwsim.fluid.composition import own_blend
 from screwsim.fluid.oils import OILS
 
@@ -14,7 +14,7 @@ from screwsim.fluid.oils import OILS
 class GasSettings:
     """The working gas: a pure fluid, a predefined blend, or one of one's own of stated composition."""
 
-    fluid: str | tuple[str, ...] = names(
+    fluid: str | tuple[str, ...] = fluid(
         "a pure fluid or a predefined blend of CoolProp (R454B, R407C.mix), or a list of a blend's components", "R134a"
     )
     mass_fractions: tuple[float, ...] | None = numbers(

@@ -30,7 +30,7 @@ class _Wait:
         if self._began is None:
             last = _times().get(self._kind)
             expected = self._usual if last is None else f"the last one took {last:.0f} s here"
-            tell(f"compiling {self._what}, once ({expected}) ...")
+            tell(f"compiling {self._what}{_whole.get()}, once ({expected}) ...")
             self._began = time.perf_counter()
 
     def end(self) -> None:
@@ -41,6 +41,7 @@ class _Wait:
             keep(TIMES, json.dumps(_times() | {self._kind: seconds}).encode())
 
 
+_whole: ContextVar[str] = ContextVar("whole", default="")  # what the wait is one part of
 _now: ContextVar[_Wait | None] = ContextVar("now", default=None)
 
 
@@ -61,6 +62,16 @@ def announced(kind: str, what: str, usual: str) -> Iterator[None]:
     finally:
         _now.reset(before)
     wait.end()
+
+
+@contextmanager
+def one_of(kind: str, number: int, count: int, what: str) -> Iterator[None]:
+    """Say of each wait within that it belongs to one of some parts: '(fluid 2 of 4: R513A)'."""
+    before = _whole.set(f" ({kind} {number} of {count}: {what})" if count > 1 else "")
+    try:
+        yield
+    finally:
+        _whole.reset(before)
 
 
 def begins() -> None:

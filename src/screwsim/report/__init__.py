@@ -19,13 +19,13 @@ def plot(path: str | Path, folder: str | Path | None = None) -> list[str]:
     `folder` (default: beside the file, named after its stem) is made when it is missing. Raise UsageError in one
     line when the file is none of ours or has nothing to draw, or when the folder cannot be written.
     """
-    from screwsim.report import cycle, ledger, maps, outcome, samples, sweeps, torque
+    from screwsim.report import categories, cycle, ledger, maps, outcome, samples, sweeps, torque
     from screwsim.report.style import write_all
     from screwsim.results import open_results
 
     path = Path(path)
     results = open_results(path)
-    kinds = (sweeps, maps, outcome, samples, cycle, torque, ledger)
+    kinds = (sweeps, categories, maps, outcome, samples, cycle, torque, ledger)
     plans = dict(plan for kind in kinds for plan in kind.plans(results))
     if not plans:
         raise UsageError(f"{path}: has nothing to draw: {_why(results)}")
@@ -41,4 +41,4 @@ def _why(results: Results) -> str:
         return "no cycle (make it with `screwsim run`)"
     if any(axis.joined for axis in results.axis_list):
         return "its paths vary together, and none of them in numbers (read it with xarray, or sweep one path)"
-    return "no axis of numbers with two values or more, and no cycle (sweep a number, or write output.keep: cycle)"
+    return "no axis with two values or more, and no cycle (sweep a path, or write output.keep: cycle)"

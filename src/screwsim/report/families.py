@@ -13,7 +13,7 @@ from screwsim.results import Results
 from screwsim.results.schema import Axis
 from screwsim.results.warned import warns
 
-SPEED, RATIO = "operation.speed", "oil_supply.ratio"
+SPEED, RATIO, FLUID = "operation.speed", "oil_supply.ratio", "gas.fluid"
 FEWEST = 2  # points that make a curve
 _ARC = 41  # points that draw a parabola
 _SHORT_HEADING = 12  # letters that fit above labels of numbers
@@ -57,13 +57,16 @@ def is_design(results: Results) -> bool:
     return any(axis.joined for axis in results.axis_list)
 
 
-def layout_of(results: Results) -> Layout | None:
-    """Return which axis is x (the oil ratio, else the longest one of numbers) and which tells the curves apart."""
+def layout_of(results: Results, by_fluid: bool = True) -> Layout | None:
+    """Return which axis is x (the oil ratio, else the longest one of numbers) and which tells the curves apart.
+
+    That is the fluid, where it varies and curves are told apart `by_fluid`.
+    """
     axes = results.axis_list
     lengths = [len(axis.values) if is_numeric(axis) else 0 for axis in axes]
     if not axes or max(lengths) < FEWEST or is_design(results):
         return None
-    return _layout(axes, _preferred(axes, lengths, RATIO))
+    return _layout(axes, _preferred(axes, lengths, RATIO), by_fluid)
 
 
 def outcome_layout(results: Results) -> Layout | None:
@@ -83,10 +86,11 @@ def outcome_layout(results: Results) -> Layout | None:
     return _layout(axes, place) if varies else None
 
 
-def _layout(axes: tuple[Axis, ...], x: int) -> Layout:
+def _layout(axes: tuple[Axis, ...], x: int, by_fluid: bool = True) -> Layout:
     others = [i for i, axis in enumerate(axes) if i != x and len(axis.values) > 1]
     lengths = [len(axis.values) if i in others else 0 for i, axis in enumerate(axes)]
-    curves = _preferred(axes, lengths, SPEED) if others else None
+    told_apart = next((i for i in others if by_fluid and axes[i].path == FLUID), None)  # all fluids in one figure
+    curves = told_apart if told_apart is not None else _preferred(axes, lengths, SPEED) if others else None
     rest = tuple(i for i in range(len(axes)) if i not in (x, curves))
     return Layout(x, curves, rest)
 

@@ -25,7 +25,7 @@ _POINTS_SHOWN = 150  # up to so many computed points are marked
 
 def plans(results: Results) -> Iterator[Plan]:
     """Yield maps for each slice of a sweep over two axes of numbers, three values or more on each."""
-    layout = families.layout_of(results)
+    layout = families.layout_of(results, by_fluid=False)
     if layout is None or layout.curves is None or families.outcome_layout(results) is not None:
         return
     across = [results.axis_list[i] for i in (layout.x, layout.curves)]

@@ -16,7 +16,7 @@ from screwsim.report.style import DOUBLE, SINGLE, grid, line_style, log_scale, n
 from screwsim.results import Results
 
 Plan = tuple[str, Callable[[], Any]]  # name of a figure, and what draws it
-_OTHERS = ("volumetric_efficiency", "shaft_power", "gas_mass_flow", "discharge_temperature", "cooling_capacity", "cop")
+OTHERS = ("volumetric_efficiency", "shaft_power", "gas_mass_flow", "discharge_temperature", "cooling_capacity", "cop")
 _LEAST_SPAN = 0.01  # of an axis over its values: numerical noise is not blown up
 _POINTS_SHOWN = 60  # up to so many computed points in a panel they are marked
 
@@ -30,7 +30,7 @@ def plans(results: Results) -> Iterator[Plan]:
     for suffix, constant, chosen in slices(results, layout):
         if name and family(results, layout, chosen, None, name):
             yield f"efficiency{suffix}", partial(_efficiency, results, layout, chosen, constant, name)
-        if any(family(results, layout, chosen, None, other) for other in _OTHERS):
+        if any(family(results, layout, chosen, None, other) for other in OTHERS):
             yield f"performance{suffix}", partial(_performance, results, layout, chosen, constant)
 
 
@@ -51,7 +51,7 @@ def _efficiency(results: Results, layout: Layout, chosen: dict[int, int], consta
 
 def _performance(results: Results, layout: Layout, chosen: dict[int, int], constant: str) -> Any:
     """Draw the other figures over x, a panel each."""
-    shown = {name: curves for name in _OTHERS if (curves := family(results, layout, chosen, None, name))}
+    shown = {name: curves for name in OTHERS if (curves := family(results, layout, chosen, None, name))}
     rows, x_label = (len(shown) + 1) // 2, shown_axis(results.axis_list[layout.x]).label
     figure = new_figure(DOUBLE, 18.0 + 52.0 * rows)
     panels = grid(figure, len(shown))

@@ -168,12 +168,17 @@ def number_attributes(variable: Variable) -> dict[str, Any]:
     return {"units": variable.units, "long_name": variable.long_name, "_FillValue": np.float64(np.nan)}
 
 
+def flag_type(count: int) -> type[np.signedinteger[Any]]:
+    """Return the type of numbers of so many words: int8 as long as it holds them."""
+    return np.int8 if count <= 128 else np.int32
+
+
 def flag_attributes(words: Sequence[str], long_name: str, fill: int | None = None) -> dict[str, Any]:
-    """Return the attributes of an int8 variable whose values 0, 1, … stand for words (CF, section 3.5)."""
+    """Return the attributes of a variable of `flag_type` whose values 0, 1, … stand for words (CF, section 3.5)."""
     about: dict[str, Any] = {
         "units": "1",
         "long_name": long_name,
-        "flag_values": np.arange(len(words), dtype=np.int8),
+        "flag_values": np.arange(len(words), dtype=flag_type(len(words))),
         "flag_meanings": " ".join(word.replace(" ", "_") for word in words),
     }
     return about if fill is None else about | {"_FillValue": np.int8(fill)}

@@ -12,7 +12,7 @@ from screwsim import outputs
 from screwsim.figures import merged, packed, trace_variable
 from screwsim.outputs import CYCLE, NUMERICS_TEXT, STATUSES, Figure, Variable
 from screwsim.results import table as tables
-from screwsim.results.netcdf import Layout, flag_attributes, number_attributes, set_attributes, text_lines
+from screwsim.results.netcdf import Layout, flag_attributes, flag_type, number_attributes, set_attributes, text_lines
 from screwsim.results.schema import RELATIVE_TO, Axis, numeric_inputs, root_attributes, variable_name
 from screwsim.results.table import GROUPS, NOT_COMPUTED, TEXTS, Table
 from screwsim.scene.types import Scene
@@ -180,7 +180,7 @@ def _coordinate(axis: Axis) -> tuple[np.ndarray, dict[str, Any]]:
     words = [str(word) for word in axis.values]
     different = list(dict.fromkeys(words))
     about |= flag_attributes(different, axis.long_name) | {"labels": "\n".join(different)}
-    return np.array([different.index(word) for word in words], np.int8), about
+    return np.array([different.index(word) for word in words], flag_type(len(different))), about
 
 
 def _numbers(name: str, words: Sequence[str]) -> Callable[[Table], np.ndarray]:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from screwsim.scene.fields import Leaf, stray, unknown
+from screwsim.scene.fluids import listed_fluid
 from screwsim.scene.numerals import odd_number, told
 from screwsim.scene.sections import read_leaf
 from screwsim.scene.units import Refused, customary_unit, to_customary
@@ -22,6 +23,7 @@ LONGEST_AXIS = 100_000  # values; more is a slip of the pen
 SPACING = Leaf("choice", "spacing of the values", "linear", {"options": ("linear", "log")})
 _COUNT = Leaf("count", "number of values", dataclasses.MISSING, {"ge": 1, "le": LONGEST_AXIS})
 _WORD = Leaf("word", "a word", None, {})
+OF_WORDS = {"choice": "is a choice: write a list of its words", "fluid": "is a fluid: write a list of names"}
 _RANGE = "write {from: …, to: …, count: …}"
 _COLUMN = "write {file: x.csv, column: …}"
 
@@ -32,7 +34,7 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: list[Problem], distin
         read = _column if "file" in node.value else _range
         values = read(leaf, node, path, problems)
     elif isinstance(node.value, list):
-        values = [read_leaf(leaf, item, path, problems) for item in node.value]
+        values = [_item(leaf, item, path, problems) for item in node.value]
     else:
         what = f"{shown(node.value)} is neither a list nor {{from, to, count}} (write e.g. [{example(leaf)}])"
         problems.append(Problem(node.place, path, what))
@@ -47,6 +49,17 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: list[Problem], distin
     return tuple(good)
 
 
+def _item(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> Any:
+    """Return one value of a list, or None after its fault was added."""
+    if leaf.kind != "fluid":
+        return read_leaf(leaf, node, path, problems)
+    try:
+        return listed_fluid(node.value)
+    except Refused as refusal:
+        problems.append(Problem(node.place, path, str(refusal)))
+        return None
+
+
 def _all_whole(node: Node) -> bool:
     """Tell whether a list is of whole numbers, as one of decimals with commas is read."""
     return isinstance(node.value, list) and all(isinstance(item.value, int) for item in node.value)
@@ -54,7 +67,9 @@ def _all_whole(node: Node) -> bool:
 
 def example(leaf: Leaf) -> str:
     """Return values as one writes them."""
-    return leaf.dimension.example if leaf.dimension else leaf.limits["options"][0] if leaf.kind == "choice" else "1, 2"
+    if leaf.dimension is not None:
+        return leaf.dimension.example
+    return {"choice": leaf.limits.get("options", ("",))[0], "fluid": "R134a, R1234yf"}.get(leaf.kind, "1, 2")
 
 
 def read_fields(
@@ -82,8 +97,8 @@ def read_fields(
 
 def _range(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> list[Any]:
     """Return the values of {from, to, count, spacing}, or nothing after faults were added."""
-    if leaf.kind == "choice":
-        problems.append(Problem(node.place, path, "is a choice: write a list of its words"))
+    if leaf.kind in OF_WORDS:
+        problems.append(Problem(node.place, path, OF_WORDS[leaf.kind]))
         return []
     end = dataclasses.replace(leaf, default=dataclasses.MISSING)
     fields = {"from": end, "to": end, "count": _COUNT, "spacing": SPACING}
@@ -160,6 +175,8 @@ def _cell(leaf: Leaf, text: str, unit: str | None, where: str) -> Any:
     if odd is not None:
         raise Refused(f"{where}: {shown(text)} {told(odd, '')}")
     try:
+        if leaf.kind == "fluid":
+            return listed_fluid(text)
         if leaf.dimension is not None:
             return convert(leaf, f"{text} {unit}" if unit else text)
         return convert(leaf, text if leaf.kind == "choice" else _plain(text))

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.scene.axis import SPACING, example, read_axis, read_fields
+from screwsim.scene.axis import OF_WORDS, SPACING, example, read_axis, read_fields
 from screwsim.scene.fields import Leaf
 from screwsim.scene.types import Joint, Sample
 from screwsim.scene.units import Refused
@@ -98,9 +98,9 @@ def _span(leaf: Leaf, node: Node, path: str, problems: list[Problem]) -> tuple[A
     """Return ("any", values) or ("linear" or "log", first, last); () after faults were added."""
     if isinstance(node.value, list):
         return ("any", *read_axis(leaf, node, path, problems))
-    if not isinstance(node.value, dict) or leaf.kind == "choice":
+    if not isinstance(node.value, dict) or leaf.kind in OF_WORDS:
         what = f"is neither {{from, to}} nor a list (write e.g. [{example(leaf)}])"
-        raise Refused("is a choice: write a list of its words" if leaf.kind == "choice" else what)
+        raise Refused(OF_WORDS.get(leaf.kind, what))
     end = dataclasses.replace(leaf, default=dataclasses.MISSING)
     given = read_fields({"from": end, "to": end, "spacing": SPACING}, node, path, problems, "write {from: …, to: …}")
     if given is None:

@@ -17,14 +17,14 @@ from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 
 APART = ("effects", "sweep", "joints", "text", "folder", "losses")  # parts of a scene that are not plain sections
-SWEEPABLE = {*KINDS, "number", "count", "choice"}
+SWEEPABLE = {*KINDS, "number", "count", "choice", "fluid"}
 FIXED = {"machine.kind"}  # another kind is another scene
 _MANY = 4  # paths that a message lists
 
 
 @dataclass(frozen=True)
 class Leaf:
-    """One input: its kind (a name of `KINDS`, or number, count, choice, word, file), default [SI] and limits.
+    """One input: its kind (a name of `KINDS`, or number, count, choice, fluid, word, file), default [SI] and limits.
 
     `hardly` are the bounds [SI] beyond which it hardly lies, `remedy` what to write in place of one out of range.
     """
@@ -146,7 +146,7 @@ def sweep_leaf(path: str, parameters: Mapping[str, type], known: Iterable[str] =
     if leaf is not None and varies(path, leaf):
         return leaf
     if leaf is not None:
-        raise Refused("cannot be varied (only quantities, numbers and choices can)")
+        raise Refused("cannot be varied (only quantities, numbers, choices and the fluid can)")
     head, _, rest = path.partition(".")
     inactive = next((name for name in known if rest == name or rest.startswith(f"{name}.")), None)
     if head == "effects" and inactive is not None and inactive not in parameters:

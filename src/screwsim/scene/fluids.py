@@ -3,24 +3,65 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from screwsim.faults import Fault
 from screwsim.fluid import constants
-from screwsim.fluid.composition import is_blend
+from screwsim.fluid.composition import is_blend, own_blend, stated
 from screwsim.fluid.description import describe
 from screwsim.fluid.settings import GasSettings
+from screwsim.scene.fields import Leaf, section_of
+from screwsim.scene.units import Refused
+from screwsim.scene.values import convert, shown
 
 SUM = 1e-6  # by which fractions may miss 1
 _PURE = "is no fluid or predefined blend of CoolProp"
+_LEAVES = {name: item for name, item in section_of(GasSettings).fields.items() if isinstance(item, Leaf)}
+_AS_LISTED = "write NAME, or of a blend {fluid: [NAME, NAME], mass_fractions: [0.7, 0.3]}"
 _FRACTIONS = ("mass_fractions", "mole_fractions")
 
 
 def fluid_faults(gas: GasSettings) -> Iterator[Fault]:
     """Yield what is wrong with a gas's fluid, or with the composition of a blend of one's own."""
-    found = list(_one_fluid(gas) if isinstance(gas.fluid, str) else _own_blend(gas, gas.fluid))
+    found = list(_stated(gas))
     yield from found
     if not found and constants.limits(gas.name) is None:
         yield Fault("gas.fluid", constants.why_no_blend(gas.name) or _unknown_fluid(gas.name))
+
+
+def listed_fluid(raw: Any) -> str:
+    """Return the name of a fluid that an axis lists: a name, or a mapping of the components and fractions of a blend.
+
+    Raise `Refused` for one that is unknown or badly stated. What a fluid that there is lacks (data of its pairs, a
+    saturation at the temperatures of the lines) is said of its cases.
+    """
+    if isinstance(raw, str):
+        gas = GasSettings(fluid=raw)
+    elif isinstance(raw, dict) and "fluid" in raw and raw.keys() <= {"fluid", *_FRACTIONS}:
+        gas = GasSettings(**{name: convert(_LEAVES[name], node.value) for name, node in raw.items()})
+    else:
+        raise Refused(f"{shown(raw)} is not a fluid ({_AS_LISTED})")
+    faults = list(_stated(gas))
+    if faults:
+        told = ((fault.path.removeprefix("gas."), fault.what) for fault in faults)
+        raise Refused("; ".join(what if name == "fluid" else f"{name}: {what}" for name, what in told))
+    if not is_blend(gas.name) and constants.limits(gas.name) is None:
+        raise Refused(_unknown_fluid(gas.name))
+    own = stated(gas.name)
+    return gas.name if own is None else own_blend(*own)
+
+
+def _stated(gas: GasSettings) -> Iterator[Fault]:
+    """Yield what is wrong with how a gas's fluid is stated, before any of its data are asked for."""
+    if not isinstance(gas.fluid, str):
+        yield from _own_blend(gas, gas.fluid)
+        return
+    yield from _one_fluid(gas)
+    own = stated(gas.fluid)
+    if own is not None:
+        by_mass, by_mole = (None, own.fractions) if own.by_mole else (own.fractions, None)
+        blend = GasSettings(fluid=own.components, mass_fractions=by_mass, mole_fractions=by_mole)
+        yield from (Fault("gas.fluid", f"{gas.fluid!r}: {fault.what}") for fault in _own_blend(blend, own.components))
 
 
 def _one_fluid(gas: GasSettings) -> Iterator[Fault]:

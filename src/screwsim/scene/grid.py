@@ -9,11 +9,14 @@ from typing import Any, NamedTuple
 
 from screwsim.effects import catalogue
 from screwsim.faults import UsageError
+from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import Leaf, effect_keys, sweep_leaf, value_at
 from screwsim.scene.types import Joint, Scene
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert
 
+FLUID = "gas.fluid"
+MOST_TRIED = 100  # cases of one fluid, to find one that can be
 MOST_CASES = 10_000_000  # of one study; more is a slip of the pen
 
 
@@ -105,6 +108,8 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
 
     The sections on the way must be there. `cross_check` tells whether the values fit together.
     """
+    if FLUID in values:  # an axis names the fluid whole, with the composition of a blend
+        scene = replace(scene, gas=replace(scene.gas, mass_fractions=None, mole_fractions=None))
     for path, value in values.items():
         scene = _with_value(scene, path, value)
     return replace(scene, text="") if scene.text else scene
@@ -122,6 +127,31 @@ def _with_value(scene: Scene, path: str, value: Any) -> Scene:
 def _replaced(part: Any, names: list[str], value: Any) -> Any:
     name, *rest = names
     return replace(part, **{name: _replaced(getattr(part, name), rest, value) if rest else value})
+
+
+def first_by_fluid(scene: Scene) -> list[tuple[str, Scene]]:
+    """Return the fluids of a sweep over them, each with its first case that `cross_check` finds in order.
+
+    A fluid without such a case among its first `MOST_TRIED` is left out.
+    """
+    found = []
+    for fluid in dict.fromkeys(scene.sweep.get(FLUID, ())):
+        own = _of_fluid(scene, fluid)
+        cases = (case(own, index) for index in range(min(case_count(own), MOST_TRIED)))
+        first = next((one for one in cases if not cross_check(one)), None)
+        found += [] if first is None else [(fluid, first)]
+    return found
+
+
+def _of_fluid(scene: Scene, fluid: str) -> Scene:
+    """Return the scene with that part of its sweep which is of one fluid."""
+    together = next((joint.paths for joint in joints_of(scene) if FLUID in joint.paths), (FLUID,))
+    kept = [place for place, each in enumerate(scene.sweep[FLUID]) if each == fluid]
+    sweep = {
+        path: tuple(values[place] for place in kept) if path in together else values
+        for path, values in scene.sweep.items()
+    }
+    return replace(scene, sweep=sweep)
 
 
 def leaf_of(scene: Scene, path: str) -> Leaf:
@@ -146,7 +176,7 @@ def read_value(scene: Scene, path: str, raw: Any) -> Any:
 
 
 def axis_label(path: str, scene: Scene) -> tuple[str, str]:
-    """Return (name, SI unit) of an axis in a file of results: '1' for numbers, '' for words (choices)."""
+    """Return (name, SI unit) of an axis in a file of results: '1' for numbers, '' for words (choices, fluids)."""
     leaf = leaf_of(scene, path)
-    unit = leaf.dimension.si if leaf.dimension else "" if leaf.kind == "choice" else "1"
+    unit = leaf.dimension.si if leaf.dimension else "" if leaf.kind in ("choice", "fluid") else "1"
     return path.replace(".", "_"), unit

@@ -12,6 +12,8 @@ from functools import lru_cache
 from screwsim.fluid import constants
 from screwsim.scene.types import Operation, Scene
 
+LEAST_SUPERHEAT = 1e-6  # [K] of saturated vapour: more than the round-off of saturation, which makes a liquid of it
+
 
 @dataclass(frozen=True)
 class Lines:
@@ -33,16 +35,21 @@ def lines(scene: Scene) -> Lines:
 @lru_cache(maxsize=64)
 def _lines(operation: Operation, fluid: str) -> Lines:
     suction, p_d = operation.suction, operation.discharge.pressure
-    if operation.evaporating_temperature is not None and operation.condensing_temperature is not None:
-        T_e, T_c = operation.evaporating_temperature, operation.condensing_temperature
-        p_d = constants.condensing_pressure(fluid, T_c)
-        return Lines(constants.dew_pressure(fluid, T_e), T_e + (operation.superheat or 0.0), p_d, suction.quality)
+    T_e, T_c, cooler = operation.evaporating_temperature, operation.condensing_temperature, operation.gas_cooler
+    if T_e is not None and (T_c is not None or cooler is not None):
+        p_d = cooler.pressure if cooler is not None else constants.condensing_pressure(fluid, T_c or 0.0)
+        return Lines(constants.dew_pressure(fluid, T_e), _superheated(T_e, operation.superheat), p_d, suction.quality)
     if suction.pressure is None or p_d is None:
         raise ValueError("the scene states no pressures; ask cross_check first")
     T_s = suction.temperature
     if T_s is None:
-        T_s = constants.saturation_temperature(fluid, suction.pressure) + (suction.superheat or 0.0)
+        T_s = _superheated(constants.saturation_temperature(fluid, suction.pressure), suction.superheat)
     return Lines(suction.pressure, T_s, p_d, suction.quality)
+
+
+def _superheated(T: float, superheat: float | None) -> float:
+    """Return the temperature [K] of suction gas over saturation at T [K]; that of wet gas where none is stated."""
+    return T if superheat is None else T + max(superheat, LEAST_SUPERHEAT)
 
 
 def suction_enthalpy(scene: Scene) -> float:
@@ -58,16 +65,29 @@ def _suction_enthalpy(operation: Operation, fluid: str) -> float:
     return constants.vapour_enthalpy(fluid, found.p_s, found.T_s)
 
 
-def refrigerating_effect(scene: Scene) -> float | None:
-    """Return what a kilogram of refrigerant takes up in the evaporator [J/kg] (M43).
+def condensate_enthalpy(scene: Scene) -> float | None:
+    """Return the real fluid's enthalpy [J/kg] behind the condenser (M43) or the gas cooler (M330).
 
-    None where the scene states no condensing temperature, and for an expander.
+    None where the scene states neither, and for an expander.
     """
     T_c, subcooling = scene.operation.condensing_temperature, scene.operation.subcooling
-    if T_c is None or scene.machine.mode == "expander":
+    fluid, cooler = scene.gas.name, scene.operation.gas_cooler
+    if scene.machine.mode == "expander":
         return None
-    fluid, p_d = scene.gas.name, _lines(scene.operation, scene.gas.name).p_d
+    if cooler is not None:
+        return constants.enthalpy(fluid, cooler.pressure, cooler.outlet_temperature)
+    if T_c is None:
+        return None
     T = constants.condensed(fluid, T_c)
     if subcooling:
-        return suction_enthalpy(scene) - constants.liquid_enthalpy(fluid, p_d, T - subcooling)
-    return suction_enthalpy(scene) - constants.saturated_liquid_enthalpy(fluid, T)
+        return constants.liquid_enthalpy(fluid, _lines(scene.operation, fluid).p_d, T - subcooling)
+    return constants.saturated_liquid_enthalpy(fluid, T)
+
+
+def refrigerating_effect(scene: Scene) -> float | None:
+    """Return what a kilogram of refrigerant takes up in the evaporator [J/kg] (M43, M330).
+
+    None where the scene states neither condenser nor gas cooler, and for an expander.
+    """
+    behind = condensate_enthalpy(scene)
+    return None if behind is None else suction_enthalpy(scene) - behind

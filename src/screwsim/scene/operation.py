@@ -21,9 +21,11 @@ SUPERHEAT, SUBCOOLING = "operation.superheat", "operation.subcooling"
 P_S, P_D = "operation.suction.pressure", "operation.discharge.pressure"
 T_S, SUPERHEAT_S = "operation.suction.temperature", "operation.suction.superheat"
 T_D = "operation.discharge.temperature"
+GAS_COOLER = "operation.gas_cooler"
+GAS_COOLER_P, GAS_COOLER_T = f"{GAS_COOLER}.pressure", f"{GAS_COOLER}.outlet_temperature"
 QUALITY = "operation.suction.quality"
 STATED = ("gas.fluid", "gas.mass_fractions", "gas.mole_fractions", "operation")  # what the states are made of
-TEMPERATURES = (EVAPORATING, CONDENSING, SUPERHEAT, SUBCOOLING)  # one way to state the lines
+TEMPERATURES = (EVAPORATING, CONDENSING, SUPERHEAT, SUBCOOLING, GAS_COOLER)  # one way to state the lines
 PRESSURES = (P_S, P_D, T_S, SUPERHEAT_S)  # the other way
 COUNTERPART = {
     P_S: EVAPORATING,
@@ -84,15 +86,27 @@ def _one_way(scene: Scene) -> Iterator[Fault]:
 
 def _temperatures_complete(scene: Scene) -> Iterator[Fault]:
     operation = scene.operation
-    for path, example in ((EVAPORATING, "2 degC"), (CONDENSING, "45 degC")):
-        name = path.removeprefix("operation.")
-        if getattr(operation, name) is None:
-            remedy = f"{name}: {example}; the lines are stated by saturation temperatures"
-            yield Fault(path, f"is missing (write e.g. {remedy})")
+    lacking = [EVAPORATING] if operation.evaporating_temperature is None else []
+    lacking += [CONDENSING] if operation.condensing_temperature is None and operation.gas_cooler is None else []
+    for path in lacking:
+        name, example = path.removeprefix("operation."), {EVAPORATING: "2 degC", CONDENSING: "45 degC"}[path]
+        remedy = f"{name}: {example}; the lines are stated by saturation temperatures"
+        yield Fault(path, f"is missing (write e.g. {remedy})")
+    if operation.gas_cooler is not None:
+        yield from _instead_of_a_condenser(scene)
     if operation.superheat is None and operation.suction.quality is None:
         yield Fault(SUPERHEAT, "is missing (write e.g. superheat: 10 K; the state of the suction gas)")
     if operation.superheat is not None and operation.suction.quality is not None:
         yield Fault(QUALITY, "is given beside operation.superheat (remove one of the two)")
+
+
+def _instead_of_a_condenser(scene: Scene) -> Iterator[Fault]:
+    """Yield what does not go together with a gas cooler."""
+    for path in _given(scene, (CONDENSING, SUBCOOLING)):
+        what = "is given beside operation.gas_cooler, which states pressure and temperature itself"
+        yield Fault(path, f"{what} (remove one of the two, with null where a base gives it)")
+    if scene.machine.mode == "expander":
+        yield Fault(GAS_COOLER, "belongs to machine.mode: compressor (state the lines by pressures, or remove it)")
 
 
 def _pressures_complete(scene: Scene) -> Iterator[Fault]:
@@ -113,7 +127,13 @@ def _axes(scene: Scene) -> Iterator[Fault]:
     if bool(temperatures) == bool(_given(scene, PRESSURES)):
         return  # neither way, or both: said elsewhere
     stated, other = ("saturation temperatures", PRESSURES) if temperatures else ("pressures", TEMPERATURES)
+    if scene.operation.gas_cooler is not None:
+        other = (*other, CONDENSING, SUBCOOLING)
     for path in (path for path in scene.sweep if path in other):
+        if path in (CONDENSING, SUBCOOLING) and scene.operation.gas_cooler is not None:
+            remedy = f"vary {GAS_COOLER_P} or {GAS_COOLER_T}"
+            yield Fault(f"sweep.{path}", f"has no meaning beside operation.gas_cooler ({remedy})")
+            continue
         remedy = f"vary {COUNTERPART[path]}, or" if path in COUNTERPART else "remove this axis, or"
         yield Fault(f"sweep.{path}", f"has no meaning where the scene states {stated} ({remedy} state the lines anew)")
 
@@ -123,14 +143,18 @@ def _states(scene: Scene) -> list[Fault]:
     limits = constants.limits(scene.gas.name)
     assert limits is not None
     by_temperature = scene.operation.evaporating_temperature is not None
-    faults = list((_temperatures if by_temperature else _pressures)(scene, limits))
+    stated = _gas_cooler if scene.operation.gas_cooler is not None else _temperatures if by_temperature else _pressures
+    faults = list(stated(scene, limits))
     if not faults and (by_temperature or scene.operation.suction.temperature is None):
         try:
             lines(scene)
-            refrigerating_effect(scene)
+            effect = refrigerating_effect(scene)
         except UsageError as error:  # CoolProp finds no state, though it lies within the limits
-            faults = [Fault(EVAPORATING if by_temperature else P_S, f"{error} (choose another state)")]
-    if not faults and by_temperature:  # the glide of a pseudo-pure fluid may turn the order of temperatures round
+            where = GAS_COOLER_T if stated is _gas_cooler else EVAPORATING if by_temperature else P_S
+            faults = [Fault(where, f"{error} (choose another state)")]
+        else:
+            faults = list(_no_cooling(scene, effect))
+    if not faults and stated is _temperatures:  # the glide of a pseudo-pure fluid may turn the order round
         faults = list(_order(scene, lines(scene).p_s, lines(scene).p_d, CONDENSING))
     return faults or list(line_faults(scene.gas, lines(scene)))
 
@@ -188,14 +212,12 @@ def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
     yield from outside
     if outside:
         return
-    T_s, T_liquid = T_e + (operation.superheat or 0.0), constants.condensed(fluid, T_c) - (operation.subcooling or 0.0)
-    if T_s > limits.T_max:
-        what = f"the equation of state of {fluid} ends at {_shown(limits.T_max)} (choose a smaller one)"
-        yield Fault(SUPERHEAT, f"makes suction gas of {_shown(T_s)}; {what}")
+    T_liquid = constants.condensed(fluid, T_c) - (operation.subcooling or 0.0)
+    yield from _too_hot(scene, limits, T_e)
     if T_liquid < limits.T_triple:
         what = f"{fluid} freezes at {_shown(limits.T_triple)} (choose a smaller one)"
         yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}; {what}")
-    elif scene.machine.mode == "compressor" and T_liquid < T_e < T_c:
+    elif scene.machine.mode == "compressor" and operation.subcooling and T_liquid < T_e < T_c:
         what = f"colder than the evaporator of {_shown(T_e)}, and nothing of the plant cools it so far"
         yield Fault(SUBCOOLING, f"makes liquid of {_shown(T_liquid)}: {what} (choose a smaller one)")
     compressor, shown = scene.machine.mode == "compressor", f"the evaporating temperature {_shown(T_e)}"
@@ -207,10 +229,49 @@ def _temperatures(scene: Scene, limits: Limits) -> Iterator[Fault]:
         yield Fault(CONDENSING, f"{_shown(T_c)} is above {shown} (lower it, or write machine.mode: compressor)")
 
 
+def _gas_cooler(scene: Scene, limits: Limits) -> Iterator[Fault]:
+    """Yield what cannot be of a plant that is stated by evaporating temperature and gas cooler (M330)."""
+    operation, fluid = scene.operation, scene.gas.name
+    T_e, cooler = operation.evaporating_temperature, operation.gas_cooler
+    assert T_e is not None and cooler is not None
+    outside = list(_outside(EVAPORATING, T_e, fluid, limits))
+    yield from outside
+    if outside:
+        return
+    yield from _too_hot(scene, limits, T_e)
+    T, p_s = cooler.outlet_temperature, constants.dew_pressure(fluid, T_e)
+    p, low = (readable_quantity(KINDS["pressure"], each) for each in (cooler.pressure, p_s))
+    if cooler.pressure <= p_s:
+        yield Fault(GAS_COOLER_P, f"{p} is not above the pressure of evaporation, {low} (raise it)")
+    if T < T_e:
+        what = f"colder than the evaporator of {_shown(T_e)}, and nothing of the plant cools it so far"
+        yield Fault(GAS_COOLER_T, f"{_shown(T)} is {what} (raise it)")
+    elif T > limits.T_max:
+        yield Fault(GAS_COOLER_T, f"the equation of state of {fluid} ends at {_shown(limits.T_max)} (lower it)")
+
+
+def _too_hot(scene: Scene, limits: Limits, T_e: float) -> Iterator[Fault]:
+    """Yield a superheat beyond the fluid's equation."""
+    T_s = T_e + (scene.operation.superheat or 0.0)
+    if T_s > limits.T_max:
+        what = f"the equation of state of {scene.gas.name} ends at {_shown(limits.T_max)} (choose a smaller one)"
+        yield Fault(SUPERHEAT, f"makes suction gas of {_shown(T_s)}; {what}")
+
+
+def _no_cooling(scene: Scene, effect: float | None) -> Iterator[Fault]:
+    """Yield a gas cooler behind which the fluid has more enthalpy than the suction gas."""
+    if scene.operation.gas_cooler is not None and effect is not None and effect <= 0.0:
+        what = f"leaves no cooling: behind it {scene.gas.name} has {-effect / 1e3:.4g} kJ/kg more than the suction gas"
+        yield Fault(GAS_COOLER_T, f"{what} (lower it, or raise operation.gas_cooler.pressure)")
+
+
 def _outside(path: str, T: float, fluid: str, limits: Limits) -> Iterator[Fault]:
     if T >= limits.T_critical:
         what = f"is not below the critical temperature of {fluid}, {_shown(limits.T_critical)}"
-        yield Fault(path, f"{_shown(T)} {what} (lower it, or state the lines by pressures)")
+        above = "state the lines by pressures"
+        if path == CONDENSING:
+            above = "write operation.gas_cooler: {pressure: …, outlet_temperature: …} in its place"
+        yield Fault(path, f"{_shown(T)} {what} (lower it, or {above})")
     elif T < limits.T_triple:
         what = f"is below the triple point of {fluid}, {_shown(limits.T_triple)}"
         yield Fault(path, f"{_shown(T)} {what} (raise it)")

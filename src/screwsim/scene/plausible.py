@@ -15,9 +15,9 @@ from typing import Any
 from screwsim.declare import ANY, KINDS
 from screwsim.faults import UsageError
 from screwsim.fluid import constants
-from screwsim.scene.fields import Leaf, Section, section_of
+from screwsim.scene.fields import Leaf, Section, section_of, value_at
 from screwsim.scene.lines import lines
-from screwsim.scene.operation import P_D, T_S
+from screwsim.scene.operation import CONDENSING, GAS_COOLER, GAS_COOLER_P, P_D, T_S
 from screwsim.scene.sizes import size_warnings
 from screwsim.scene.types import Scene
 from screwsim.scene.units import ZERO_CELSIUS, readable_quantity
@@ -77,8 +77,15 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     at = lines(scene)
     ratio = max(at.p_d / at.p_s, at.p_s / at.p_d)
     if ratio > USUAL_RATIO:
-        path = P_D if scene.operation.discharge.pressure is not None else "operation.condensing_temperature"
+        path = next((each for each in (P_D, GAS_COOLER_P) if value_at(scene, each) is not None), CONDENSING)
         yield path, f"one machine has a pressure ratio of {ratio:.4g} (usual: at most {USUAL_RATIO:g})"
+    cooler = scene.operation.gas_cooler
+    if cooler is not None and cooler.pressure < _critical(scene):
+        T = constants.saturation_temperature(scene.gas.name, cooler.pressure)
+        if cooler.outlet_temperature > T:
+            here, dew = (f"{each:.5g} K ({each - ZERO_CELSIUS:.2f} degC)" for each in (cooler.outlet_temperature, T))
+            what = f"{scene.gas.name} leaves it as a gas, of {here}: it condenses below the critical pressure, at {dew}"
+            yield f"{GAS_COOLER}.outlet_temperature", f"{what} (a colder one, or a higher pressure)"
     if scene.gas.model == "ideal":
         boiling = constants.liquid_below(scene.gas.name, at.p_s, at.T_s)
         if boiling is not None:
@@ -86,6 +93,12 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
             here, until = (f"{T:.5g} K ({T - ZERO_CELSIUS:.2f} degC)" for T in (at.T_s, boiling))
             what = f"{scene.gas.name} of {p} is a liquid at {here}, and a gas from {until} on"
             yield T_S, f"{what}; gas.model: ideal takes it as a gas (warmer gas, or gas.model: real, which refuses it)"
+
+
+def _critical(scene: Scene) -> float:
+    """Return the critical pressure [Pa] of the fluid."""
+    known = constants.limits(scene.gas.name)
+    return math.inf if known is None else known.p_critical
 
 
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -38,6 +38,17 @@ def mapping(
 
 _COLUMN = mapping({name: {"type": "string"} for name in ("file", "column", "unit")}, ["file", "column"])
 
+_FRACTIONS = {"type": "array", "items": {"type": "number"}, "minItems": 2}
+_BLEND = mapping(
+    {
+        "fluid": {"type": "array", "items": {"type": "string"}, "minItems": 2},
+        "mass_fractions": _FRACTIONS,
+        "mole_fractions": _FRACTIONS,
+    },
+    ["fluid"],
+)
+_FLUIDS = {"type": "array", "items": {"anyOf": [{"type": "string"}, _BLEND]}, "minItems": 1}
+
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12). What a scene must have is demanded only where it has no base."""
@@ -66,7 +77,7 @@ def schema() -> dict[str, Any]:
         "anyOf": [{"required": ["base"]}, {"$ref": "#/$defs/complete"}],
         "$defs": {
             "complete": _complete(effects),
-            **{f"axis_{kind}": _axis(_example(kind)) for kind in sorted(SWEEPABLE - {"choice"})},
+            **{f"axis_{kind}": _axis(_example(kind)) for kind in sorted(SWEEPABLE - {"choice", "fluid"})},
         },
     }
 
@@ -129,7 +140,7 @@ def value_schema(leaf: Leaf) -> dict[str, Any]:
         return {"type": "string", "anyOf": [{"enum": list(leaf.limits["options"])}, {"pattern": OWN}]}
     if leaf.kind == "choice":
         return {"enum": list(leaf.limits["options"])}
-    if leaf.kind in ("names", "numbers"):
+    if leaf.kind in ("fluid", "numbers"):
         return _several(leaf)
     bounds = {_BOUNDS[name]: limit for name, limit in leaf.limits.items() if name in _BOUNDS}
     return {"type": {"number": "number", "count": "integer"}.get(leaf.kind, "string"), **bounds}
@@ -200,11 +211,15 @@ def _span_of(leaf: Leaf) -> dict[str, Any]:
     values = {"type": "array", "items": value_schema(leaf), "minItems": 1}
     if leaf.kind == "choice":
         return values
+    if leaf.kind == "fluid":
+        return _FLUIDS
     ends = {"from": _example(leaf.kind), "to": _example(leaf.kind), "spacing": _SPACING}
     return {"anyOf": [mapping(ends, ["from", "to"]), values]}
 
 
 def _axis_of(leaf: Leaf) -> dict[str, Any]:
+    if leaf.kind == "fluid":
+        return {"anyOf": [_FLUIDS, _COLUMN]}
     if leaf.kind == "choice":
         values = {"type": "array", "items": {"enum": list(leaf.limits["options"])}, "minItems": 1}
         return {"anyOf": [values, _COLUMN]}

@@ -9,6 +9,7 @@ from screwsim.effects import catalogue
 from screwsim.scene.designs import Axes, LeafOf, read_axes, read_sample, read_zip
 from screwsim.scene.fields import Leaf, sweep_leaf
 from screwsim.scene.grid import too_many
+from screwsim.scene.operation import GAS_COOLER
 from screwsim.scene.sections import is_off
 from screwsim.scene.types import ActiveEffect, Joint
 from screwsim.scene.units import Refused
@@ -69,6 +70,7 @@ def _refuse_absent_section(path: str, root: Node) -> None:
     name = path.partition(".")[0]
     parent = path.rpartition(".")[0]
     nested = name == "effects" and path.count(".") > 2 and path.split(".")[1] in catalogue()
+    nested = nested or parent == GAS_COOLER
     if name in ("effects", "numerics", "output", "operation") and not nested:
         return  # checked by their names, or there by default
     node, found = locate(root, parent)

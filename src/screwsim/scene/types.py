@@ -12,7 +12,7 @@ from screwsim.fluid.settings import GasSettings, OilSettings
 from screwsim.numerics.settings import NumericsSettings
 
 NO_SUPERHEAT = (
-    "saturated or wet gas is stated by operation.suction.quality in its place, 1 for saturated vapour, "
+    "0 K is saturated vapour; wet gas is stated by operation.suction.quality in its place, "
     "with gas.model: real and gas.two_phase: equilibrium"
 )
 
@@ -34,7 +34,7 @@ class SuctionState:
         "temperature_difference",
         "superheat over saturation, instead of temperature",
         None,
-        gt=0.0,
+        ge=0.0,
         hardly=(None, 150.0),
         remedy=NO_SUPERHEAT,
     )
@@ -63,6 +63,22 @@ class DischargeState:
 
 
 @dataclass(frozen=True)
+class GasCooler:
+    """A gas cooler in place of a condenser: above the critical pressure nothing condenses, two numbers state it."""
+
+    pressure: float = quantity(
+        "pressure", "absolute pressure p_d in the gas cooler", ge=1.0, le=1e9, hardly=(1e3, 2e7)
+    )
+    outlet_temperature: float = quantity(
+        "temperature",
+        "of the fluid behind the gas cooler, for the cooling capacity",
+        gt=0.0,
+        le=2500.0,
+        hardly=(200.0, 400.0),
+    )
+
+
+@dataclass(frozen=True)
 class Operation:
     """Speed, the surroundings, and the states of both lines: as pressures, or by saturation temperatures."""
 
@@ -87,7 +103,7 @@ class Operation:
         "temperature_difference",
         "of the suction gas over evaporating_temperature (needed with it, but for wet suction: suction.quality)",
         None,
-        gt=0.0,
+        ge=0.0,
         hardly=(None, 150.0),
         remedy=NO_SUPERHEAT,
     )
@@ -106,6 +122,7 @@ class Operation:
         le=700.0,
         hardly=(275.0, 350.0),
     )
+    gas_cooler: GasCooler | None = None
 
 
 @dataclass(frozen=True)

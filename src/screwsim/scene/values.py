@@ -160,7 +160,7 @@ _READERS = {
     "count": _count,
     "choice": _choice,
     "word": _word,
-    "names": _names,
+    "fluid": _names,
     "file": _file,
 }
 _WORDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}

@@ -49,7 +49,7 @@ def _sample(sample: Sample, leaves: dict[str, Leaf]) -> Iterator[str]:
     """Yield how a sample is drawn, not its values: the seed gives them again."""
     yield f"  sample:\n    kind: {sample.kind}\n    count: {sample.count}\n    seed: {sample.seed}\n    over:"
     for path, (kind, *values) in sample.over:
-        texts = [text_of(leaves[path], value) for value in values]
+        texts = [_scalar(leaves[path], value, ".") for value in values]
         if kind == "any":
             yield f"      {path}: [{', '.join(texts)}]"
         else:
@@ -72,9 +72,9 @@ def _section(section: Section, value: Any, folder: str, indent: str) -> Iterator
 def _scalar(leaf: Leaf, value: Any, folder: str) -> str:
     if leaf.kind == "file":
         return quoted(_relative(value, folder))
-    if leaf.kind == "names" and not isinstance(value, str):
+    if leaf.kind == "fluid" and not isinstance(value, str):
         return f"[{', '.join(map(quoted, value))}]"
-    return quoted(value) if leaf.kind in ("word", "names") else text_of(leaf, value)
+    return quoted(value) if leaf.kind in ("word", "fluid") else text_of(leaf, value)
 
 
 def _relative(path: str, folder: str) -> str:

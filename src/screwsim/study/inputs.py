@@ -9,12 +9,13 @@ from screwsim.faults import UsageError
 from screwsim.scene import Scene, cross_check, leaf_of, read_value, with_values
 from screwsim.scene.units import NUMBER, customary_unit, to_customary
 
+STEPS = {"choice": "a choice", "count": "a whole number", "fluid": "a fluid"}  # kinds without a range of values
+
 
 def check_continuous(scene: Scene, path: str) -> None:
     """Raise UsageError unless a path can take every value of a range."""
-    kind = leaf_of(scene, path).kind
-    if kind in ("choice", "count"):
-        what = "a choice" if kind == "choice" else "a whole number"
+    what = STEPS.get(leaf_of(scene, path).kind)
+    if what is not None:
         raise UsageError(f"{path}: is {what}, not a continuous quantity (vary it by the scene's sweep: block)")
 
 

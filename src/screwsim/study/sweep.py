@@ -34,7 +34,7 @@ from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
 CHUNK_CASES = 1024  # at most in one chunk,
 CHUNK_TRACES = 256  # and where they keep their traces: bounds the memory
 FEW_BLOCKS = 512  # up to which the last chunks decide how long a sweep takes
-SPEED = "operation.speed"
+SPEED, FLUID = "operation.speed", grid.FLUID
 Simulate = Callable[[Scene], Result]
 WarmUp = Callable[[Scene], None]
 
@@ -202,7 +202,16 @@ class _Sweep:
         values = grid.values_of(self.scene, cases)
         spans = [self.blocks.cases_of(range(block, block + 1)) for block in blocks]
         rows = (values[span.start - cases.start : span.stop - cases.start] for span in spans)
-        return [Block(part, self.blocks.order(block)) for part, block in zip(rows, blocks, strict=True)]
+        return [Block(part, self._order(block, part)) for part, block in zip(rows, blocks, strict=True)]
+
+    def _order(self, block: int, values: Sequence[tuple[Any, ...]]) -> list[int]:
+        """Return the order in which the cases of a block are simulated: those of one fluid after each other."""
+        order = self.blocks.order(block)
+        if FLUID not in self.scene.sweep:
+            return order
+        place = list(self.scene.sweep).index(FLUID)
+        rank = {fluid: number for number, fluid in enumerate(dict.fromkeys(self.scene.sweep[FLUID]))}
+        return sorted(order, key=lambda case: rank[values[case][place]])
 
     def _finish(self, blocks: range, outcome: Outcome) -> None:
         table, seconds = outcome

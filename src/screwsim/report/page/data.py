@@ -220,6 +220,12 @@ def _ledger(results: Results, shown: Selection) -> dict[str, Any] | None:
     }
 
 
+def _words(results: Results) -> int | None:
+    """Return the first axis of words with two or more, over which a sweep without numbers is drawn."""
+    words = (len(axis.values) > 1 and not axis.joined and not is_numeric(axis) for axis in results.axis_list)
+    return next((place for place, several in enumerate(words) if several), None)
+
+
 def _start(results: Results, shown: Selection) -> dict[str, Any]:
     """Return what is shown first: the best case, its efficiency over the axes that the printed figures use."""
     name = efficiency_name(results)
@@ -233,6 +239,6 @@ def _start(results: Results, shown: Selection) -> dict[str, Any]:
     return {
         "case": case,
         "figure": name,
-        "x": "oil_ratio" if outcome else layout.x if layout else None,
+        "x": "oil_ratio" if outcome else layout.x if layout else _words(results),
         "curves": layout.curves if layout else None,
     }

@@ -11,6 +11,19 @@ function numericAxes(least) {
   return data.axes.map((axis, i) => i).filter((i) => data.axes[i].values && sizeOf(i) >= least);
 }
 
+// Axes of words, as of fluids: a curve over one of them is points without lines.
+function wordAxes() {
+  return data.axes.map((axis, i) => i).filter((i) => data.axes[i].texts && !data.axes[i].joined && sizeOf(i) > 1);
+}
+
+function overWords() {
+  return !choice.xFigure && Boolean(data.axes[choice.along].texts);
+}
+
+function placesAlong(i) {
+  return data.axes[i].values || data.axes[i].texts;
+}
+
 function option(select, value, text) {
   const item = document.createElement("option");
   item.value = value;
@@ -23,7 +36,7 @@ function fillControls() {
   const [figure, over, curves, view] = ["figure", "over", "curves", "view"].map((id) => document.getElementById(id));
   for (const each of data.figures) option(figure, each.name, each.label);
   const design = data.columns.length > 0;
-  if (!design) for (const i of numericAxes(2)) option(over, String(i), data.axes[i].label);
+  if (!design) for (const i of [...numericAxes(2), ...wordAxes()]) option(over, String(i), data.axes[i].label);
   for (const each of [...data.columns, ...data.figures]) option(over, each.name, each.label);
   option(curves, "", "nothing");
   if (design) for (const each of [...data.columns, ...data.figures]) option(curves, each.name, each.label);
@@ -62,11 +75,11 @@ function curveAt(place) {
   const cases = casesAlong(choice.along, choice.by, place);
   const points = cases.map((number, k) => ({
     number,
-    x: choice.xFigure ? drawnValue(choice.xFigure, number) : data.axes[choice.along].values[k],
+    x: choice.xFigure ? drawnValue(choice.xFigure, number) : placesAlong(choice.along)[k],
     y: drawnValue(choice.figure, number),
   }));
   const there = points.filter((point) => point.x !== null && point.y !== null);
-  return choice.xFigure ? there : there.sort((a, b) => a.x - b.x);
+  return choice.xFigure || overWords() ? there : there.sort((a, b) => a.x - b.x);
 }
 
 function curvePlaces() {
@@ -125,7 +138,8 @@ function curvesDrawing(notes) {
     const points = curveAt(place);
     const name = choice.by === null ? "" : nameOf(choice.by, place);
     traces.push(curveTrace(points, name, ordered(i, places.length), DASHES[i % DASHES.length]));
-    const best = HAS_OPTIMUM.test(choice.figure.name) && points.length > 2 ? optimumOf(points) : null;
+    if (overWords()) Object.assign(traces.at(-1), { mode: "markers" });
+    const best = !overWords() && HAS_OPTIMUM.test(choice.figure.name) && points.length > 2 ? optimumOf(points) : null;
     if (best) optima.push({ ...best, tint: ordered(i, places.length) });
   });
   if (optima.length) {
@@ -139,11 +153,16 @@ function curvesDrawing(notes) {
   fixedWords(notes, [choice.along, choice.by]);
   leftOut(notes, places.length * sizeOf(choice.along), traces.slice(0, places.length));
   return [traces, {
-    xaxis: axisLook(xTitle, xLog),
+    xaxis: overWords() ? categories(xTitle) : axisLook(xTitle, xLog),
     yaxis: axisLook(choice.figure.label, false),
     showlegend: choice.by !== null,
     legend: { ...below(), title: { text: choice.by === null ? "" : data.axes[choice.by].label, side: "top" } },
   }];
+}
+
+// The look of an axis of words, all of them in their order.
+function categories(title) {
+  return { ...axisLook(title, false), type: "category", categoryorder: "array", categoryarray: placesAlong(choice.along) };
 }
 
 // The name of a curve below the heading that has the unit.
@@ -316,7 +335,7 @@ function leftOut(notes, wanted, traces) {
 function pickedMark(map) {
   const places = placesOf(picked);
   const x = map ? data.axes[map[0]].values[places[map[0]]]
-    : choice.xFigure ? drawnValue(choice.xFigure, picked) : data.axes[choice.along].values[places[choice.along]];
+    : choice.xFigure ? drawnValue(choice.xFigure, picked) : placesAlong(choice.along)[places[choice.along]];
   const y = map ? data.axes[map[1]].values[places[map[1]]] : drawnValue(choice.figure, picked);
   return {
     type: "scatter",

@@ -16,6 +16,7 @@ from screwsim.scene.values import shown, text_of
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join, scene_error
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import Fit, Parameter, Point, Prior, Tie
+from screwsim.study.inputs import STEPS
 from screwsim.textfiles import MOST_YAML, Unreadable, read_text
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither it nor its scene asks for a better one
@@ -129,9 +130,9 @@ def _leaf(scene: Scene, path: str, place: Place, where: str, problems: list[Prob
     except UsageError as error:
         problems.append(Problem(place, where, str(error).removeprefix(f"{path}: ")))
         return None
-    if leaf.kind in ("choice", "count"):
-        what = "a choice" if leaf.kind == "choice" else "a whole number"
-        problems.append(Problem(place, where, f"is {what}; only continuous quantities can be fitted (remove it)"))
+    if leaf.kind in STEPS:
+        what = f"is {STEPS[leaf.kind]}; only continuous quantities can be fitted (remove it)"
+        problems.append(Problem(place, where, what))
         return None
     return leaf
 

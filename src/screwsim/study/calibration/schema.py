@@ -9,7 +9,7 @@ from screwsim.scene.fields import Leaf, leaf_paths
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, mapping, value_schema
 from screwsim.study.calibration.read import HEAD, difference
 
-NOT_CONTINUOUS = ("choice", "count", "word", "names", "numbers", "file")
+NOT_CONTINUOUS = ("choice", "count", "word", "fluid", "numbers", "file")
 
 
 def fit_schema() -> dict[str, Any]:

@@ -14,6 +14,7 @@ from screwsim.faults import SceneError, UsageError
 from screwsim.fluid.composition import is_blend
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import section_of
+from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.sections import read_section
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, scene_error
@@ -159,6 +160,7 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
         what = f"the vapour that boils off {second.gas.name}, a blend, has another composition than the blend"
         remedy = "write kind: cooler, or name a pure fluid"
         problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})"))
-    if between.kind == "economizer" and second.operation.condensing_temperature is None:
-        what = "economizer needs operation.condensing_temperature in the second scene: its liquid feeds the tank"
+    if between.kind == "economizer" and condensate_enthalpy(second) is None:
+        what = "economizer needs operation.condensing_temperature or gas_cooler in the second scene"
+        what = f"{what}: its liquid feeds the tank"
         problems.append(Problem(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)"))

@@ -18,6 +18,7 @@ from screwsim.fluid import constants
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, cross_check, lines, scene_text, suction_enthalpy, with_values
 from screwsim.scene.checks import SEPARATOR
+from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.types import ActiveEffect
 from screwsim.simulate import simulate
 from screwsim.study.stages.read import NAMES, Chain, Intercooler
@@ -28,7 +29,7 @@ MOST = 40  # pairs of simulations
 PARTED = ("separator_temperature", "oil_cooler_duty")  # of each stage
 SATURATED = 1e-6  # relative distance from the saturation temperature within which vapour counts as wet
 _STATED = ("suction.superheat", "suction.quality", "evaporating_temperature", "condensing_temperature", "superheat")
-_STATED += ("subcooling",)
+_STATED += ("subcooling", "gas_cooler")
 
 
 @dataclass(frozen=True)
@@ -190,13 +191,10 @@ class _Chain:
         return 0.0, self.gas.temperature(out, self.gas.enthalpy(p, T_d))
 
     def liquid(self) -> float:
-        """Return the enthalpy [J/kg] of the liquid behind the condenser (M43)."""
-        operation, fluid = self.chain.second.operation, self.chain.second.gas.name
-        assert operation.condensing_temperature is not None
-        T = constants.condensed(fluid, operation.condensing_temperature)
-        if operation.subcooling:
-            return constants.liquid_enthalpy(fluid, self.high.p_d, T - operation.subcooling)
-        return constants.saturated_liquid_enthalpy(fluid, T)
+        """Return the enthalpy [J/kg] of the liquid behind the condenser (M43), or behind the gas cooler (M330)."""
+        found = condensate_enthalpy(self.chain.second)
+        assert found is not None
+        return found
 
     # ---- the pressure ------------------------------------------------------------------------------------------
 
@@ -281,7 +279,7 @@ class _Chain:
         return found, {name: notes.get(name, "this gas has none") for name, value in found.items() if value is None}
 
     def _cooling(self, pair: _Pair, flow: float) -> float | None:
-        if self.chain.second.operation.condensing_temperature is None:
+        if condensate_enthalpy(self.chain.second) is None:
             return None
         liquid = self.liquid()
         if pair.vapour > 0.0:
