@@ -69,7 +69,7 @@ def test_a_slow_machine_is_as_accurate_as_estimated_when_it_closed_once(path, rp
 
 @pytest.mark.parametrize("rpm", [250, 500, 1000, 3000, 10000])
 def test_closing_does_not_slow_down_with_the_machine(rpm):
-    """It took 45 502 evaluations at 250 rpm and 11 462 at 1000 before the estimate saw through the noise of the steps."""
+    """It took 45 502 evaluations at 250 rpm and 11 462 at 1000 while noise of the steps went for an error."""
     found = simulate(load(ROOT / "configs/paper/point.yaml", [f"operation.speed={rpm} rpm"]), trace=False)
     assert found.status == "ok"
     assert found.numerics.rhs_evaluations <= 10_000

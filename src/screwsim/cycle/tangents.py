@@ -92,45 +92,55 @@ def _changes(machinery: Machinery, edges: Array) -> Array:
     return (at[:, 1] - at[:, 0]).transpose(1, 0, 2).reshape(SLICES, -1)
 
 
-def _slopes(
-    problem: Problem, machinery: Machinery, met: Array, slices: _Slices
-) -> tuple[Array, Array, Array, Array]:
+def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices) -> tuple[Array, Array, Array, Array]:
     """Return derivatives of the coordinates' rates by them and by the unknowns, then those of the quadratures' rates.
 
-    One entry a slice each, in its middle. A chamber that is open to a line follows its pressure within a few pascals,
-    by which flows go in or out, and the history between the ends of steps is off by as many. So the states are led
-    to where they change as the history does over the slice (`RELAXED` steps at most).
+    One entry a slice each, in its middle.
     """
     c, n, nq, N = machinery.composition, machinery.n, machinery.nq, slices.states.shape[1]
-    logarithmic = np.tile(~np.isin(np.arange(n), c.signed), c.chambers)
     A, F = np.empty((SLICES, N, N)), np.empty((SLICES, N, len(met)))
     sums, sums_by_unknowns = np.empty((SLICES, nq, N)), np.empty((SLICES, nq, len(met)))
     moved, R, P = _moved(problem, machinery, met), machinery.R, c.P
     R_met, P_met = R.copy(), P.copy()
     rates = _Rates(machinery, float(slices.middles[0]), slices.states[0])
     for k, (phi, h, y, change) in enumerate(zip(*slices, strict=True)):
-        for left in range(RELAXED, -1, -1):
-            f, J, Jq = rates.with_derivatives(phi, y)
-            machinery.counts[3] += c.chambers
-            scale = np.where(logarithmic, np.maximum(np.abs(y), 1e-300), 1.0)
-            slope = f[:N] / scale
-            A[k] = J * (scale / scale[:, None])
-            A[k].flat[:: N + 1] -= np.where(logarithmic, slope, 0.0)
-            A[k][_little(y, c)] = 0.0
-            off = h * slope - change
-            if not left or not np.abs(off.reshape(-1, n)[:, :2]).max() > STRAYED:
-                break
-            off[_little(y, c)] = 0.0
-            move = np.clip(np.linalg.solve(np.eye(N) - h * A[k], off), -AT_MOST, AT_MOST)
-            y = np.where(logarithmic, y * np.exp(move), y + move)
+        y, f, A[k], Jq, scale = _led(rates, c, (phi, h), y, change)
         sums[k] = Jq[:nq] * scale
         for j, (R_moved, P_moved) in enumerate(moved):
             R[:], P[:] = R_moved, P_moved
             shifted_rates = (rates.rates(phi, y) - f) / SHIFT
             F[k, :, j], sums_by_unknowns[k, :, j] = shifted_rates[:N] / scale, shifted_rates[N : N + nq]
         R[:], P[:] = R_met, P_met
-    machinery.counts[2] += c.chambers * SLICES * len(met)
+    machinery.counts[2:] += c.chambers * SLICES * len(met), c.chambers * rates.asked
     return A, F, sums, sums_by_unknowns
+
+
+def _led(
+    rates: _Rates, c: Composition, slice_of: tuple[float, float], y: Array, change: Array
+) -> tuple[Array, Array, Array, Array, Array]:
+    """Return states of all chambers in the middle of a slice (angle, width [rad]); rates, derivatives and scales there.
+
+    A chamber that is open to a line follows its pressure within a few pascals, by which gas flows in or out, and the
+    history between the ends of steps is off by as many. So the states are led from there to where they change as the
+    history does over the slice.
+    """
+    (phi, h), N, n = slice_of, len(y), len(c.states)
+    logarithmic = np.tile(~np.isin(np.arange(n), c.signed), c.chambers)
+    left = RELAXED
+    while True:
+        f, J, Jq = rates.with_derivatives(phi, y)
+        scale = np.where(logarithmic, np.maximum(np.abs(y), 1e-300), 1.0)
+        slope, little = f[:N] / scale, _little(y, c)
+        A = J * (scale / scale[:, None])
+        A.flat[:: N + 1] -= np.where(logarithmic, slope, 0.0)
+        A[little] = 0.0
+        off = h * slope - change
+        if left == 0 or not np.abs(off.reshape(-1, n)[:, :2]).max() > STRAYED:
+            return y, f, A, Jq, scale
+        off[little] = 0.0
+        move = np.clip(np.linalg.solve(np.eye(N) - h * A, off), -AT_MOST, AT_MOST)
+        y = np.where(logarithmic, y * np.exp(move), y + move)
+        left -= 1
 
 
 def _little(y: Array, c: Composition) -> Array:
@@ -160,7 +170,7 @@ class _Rates:
     def __init__(self, machinery: Machinery, phi: float, y: Array) -> None:
         c = machinery.composition
         N, nq = c.chambers * machinery.n, machinery.nq + 1
-        self.module, self.context = machinery.together, machinery.coupled_context
+        self.module, self.context, self.asked = machinery.together, machinery.coupled_context, 0
         self.E, self.E_next = np.zeros(c.n_E_all), np.zeros(c.n_E_all)
         self.f, self.g, self.J, self.Jq = np.empty(N), np.empty(nq), np.empty((N, N)), np.empty((nq, N))
         self.f_phi, self.g_phi = np.empty(N), np.empty(nq)
@@ -168,10 +178,11 @@ class _Rates:
             with machinery.compiling("tangents"):
                 self.with_derivatives(phi, y)
                 self.rates(phi, y)
+            self.asked = 0
 
     def with_derivatives(self, phi: float, y: Array) -> tuple[Array, Array, Array]:
         """Return rates (states, then quadratures) and the derivatives of both by the states; the last are not kept."""
-        around = self.module.surroundings__around_chambers
+        around, self.asked = self.module.surroundings__around_chambers, self.asked + 1
         around(phi, phi - INSIDE, self.context, self.E)
         around(phi + ANGLE_STEP, phi - INSIDE, self.context, self.E_next)
         self.module.chambers__jacobian(
