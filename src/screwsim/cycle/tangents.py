@@ -97,7 +97,7 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
 
     One entry a slice each, in its middle.
     """
-    c, n, nq, N = machinery.composition, machinery.n, machinery.nq, slices.states.shape[1]
+    c, nq, N = machinery.composition, machinery.nq, slices.states.shape[1]
     A, F = np.empty((SLICES, N, N)), np.empty((SLICES, N, len(met)))
     sums, sums_by_unknowns = np.empty((SLICES, nq, N)), np.empty((SLICES, nq, len(met)))
     moved, R, P = _moved(problem, machinery, met), machinery.R, c.P
