@@ -26,13 +26,13 @@ class Expressions(Operations):
         raise NotImplementedError
 
     def expression(self, node: ast.expr) -> Value:
+        if type(node) is ast.Name:  # nearly all are one of these two
+            return self.load(node.id, node)
+        if type(node) is ast.BinOp:
+            return self.operation(node.op, self.expression(node.left), self.expression(node.right), node)
         match node:
             case ast.Constant(value=bool() | int() | float() as value):
                 return constant(value)
-            case ast.Name(id=name):
-                return self.load(name, node)
-            case ast.BinOp(left=left, op=op, right=right):
-                return self.operation(op, self.expression(left), self.expression(right), node)
             case ast.UnaryOp(op=ast.Not(), operand=operand):
                 return self.negated(self.truth(operand))
             case ast.UnaryOp(op=op, operand=operand):

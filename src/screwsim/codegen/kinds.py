@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+_kinds: dict[tuple[Any, ...], Kind] = {}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Kind:
     """What a value is: `f` float64, `i` int64, `b` bool, `n` nothing, `a` array, `t` tuple, `c` a context.
 
-    A context is a tuple that the caller keeps, in memory that does not change.
+    A context is a tuple that the caller keeps, in memory that does not change. There is one object of each kind: equal
+    ones are the same, which the compiler asks for each operation.
     """
 
     name: str
@@ -18,11 +22,15 @@ class Kind:
     axes: int = 0
     names: tuple[str, ...] = ()  # of what a context holds, where it has names
 
+    def __new__(cls, name: str, of: tuple[Kind, ...] = (), axes: int = 0, names: tuple[str, ...] = ()) -> Kind:
+        key = name, of, axes, names
+        return _kinds.get(key) or _kinds.setdefault(key, super().__new__(cls))
+
     def __str__(self) -> str:
         inside = "".join(str(each) for each in self.of)
         return f"{self.name}{self.axes or ''}{f'({inside})' if self.of else ''}"
 
-    @property
+    @cached_property
     def parts(self) -> tuple[str, ...]:
         """The types of the registers that hold a value, in LLVM's language."""
         if self.name == "a":
@@ -65,13 +73,12 @@ def joined(one: Kind, other: Kind) -> Kind | None:
     return None
 
 
-@dataclass(frozen=True)
-class Value:
+class Value(NamedTuple):
     """A value in registers; `known` is that of a number that is the same in every run."""
 
     kind: Kind
     parts: tuple[str, ...]
-    known: Any = field(default=None)
+    known: Any = None
 
     def items(self) -> list[Value]:
         """Return the values in a tuple."""
