@@ -33,13 +33,12 @@ from screwsim.outputs import Figures
 
 FINER = 0.25  # tolerance of a step in the turn that estimates the error
 NARROWER = 0.25  # regularisation in that turn
-WHOLE = 1.0 / (1.0 - NARROWER)  # the error over what that turn shows of it, where it is linear in the regularisation
+WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # the error over what that turn shows of it, where it is the regularisation's root
 MUCH = 1e-4  # wanted accuracy from which on two turns estimate
 TIGHT = 0.75  # volumetric efficiency below which leaks rule, and two turns estimate
 LEAKY = 0.5  # volumetric efficiency below which an error of histories lives on for so many turns
-HIDDEN = 2.0  # that it is as many times what two of them show
-EMPTY = 3.0  # the same of a machine that delivers nothing: what leaks is all there is
-ROOT = 1.5  # the same of coupled chambers, whose error falls as the root of the regularisation there
+HIDDEN = 1.5  # that it is as many times what two of them show
+EMPTY = 2.0  # the same of a machine that delivers nothing: what leaks is all there is
 QUICK = 0.7  # share of a life's change that the next one makes, below which two lives tell what all would
 SLOWEST = 0.9  # the largest such share that is believed
 SMALL = 0.05  # of the wanted accuracy: a change of the second life below which no more is asked
@@ -63,11 +62,10 @@ def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle
     if not finer.lives:
         return Figures(dict.fromkeys(found))
     errors = _shown(found, finer, of.least)
-    hidden = (HIDDEN if _filling(found) > 0.0 else EMPTY) if cycle.how == "histories" else ROOT
     c = of.problem.composition
-    alone = c.chambers == 1 or finer.left is not None  # or it is told what comes back
-    among_leaks = not alone and _filling(found) < LEAKY  # chambers live on what leaks
-    whole = WHOLE * (hidden if among_leaks else 1.0)
+    told = c.chambers == 1 or cycle.how == "coupled" or finer.left is not None  # what comes back from other chambers
+    among_leaks = not told and _filling(found) < LEAKY  # chambers live on what leaks
+    whole = WHOLE * ((HIDDEN if _filling(found) > 0.0 else EMPTY) if among_leaks else 1.0)
     for name, size in errors.items():
         errors[name] = whole * size if size is not None else None
     flow = found["gas_mass_flow"]
