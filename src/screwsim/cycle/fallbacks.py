@@ -20,7 +20,7 @@ DAMPED_DEPTH = 5  # of Anderson's method where closing is damped
 DAMPING = 0.3  # share of the way to the mixed image that damped closing goes
 NEAR_DAMPED = 0.05  # change of a pitch below which damped closing goes all the way
 NEAR_PLAIN = 1e-3  # change of a pitch below which closing without acceleration is accelerated
-OF_STEPS = 1e-3  # change of a pitch above which it is not the tolerance of its steps that keeps a cycle from closing
+OF_STEPS = 5e-4  # change of a pitch above which it is not the tolerance of its steps that keeps a cycle from closing
 FASTER = 4.0  # speed of the easier scene from which a cycle is continued, where leaks and stiffness weigh less
 
 
