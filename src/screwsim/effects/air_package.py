@@ -205,6 +205,7 @@ def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
     T_2 = T if cooled is None else cooled
     share, passed = known.drained(found["discharge_pressure"], T)  # what condensed before leaves with T
     h_2 = h - share * passed.enthalpy(found["discharge_pressure"], T) + share * passed.enthalpy(outlet, T_2)
+    h_2 = min(h_2, h)  # a cooler heats nothing: what is not cooled keeps its enthalpy
     return dict(zip(OF_HEAT, (T_2, flow * (h - h_2), power - flow * (h_2 - h_1)), strict=True))
 
 
