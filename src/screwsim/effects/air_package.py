@@ -6,8 +6,8 @@ discharges above what is stated (M342); flow and losses are found together (M343
 lies before it at its pressure. Input power is that of motor, inverter and fan (M345); specific power and isentropic
 efficiency are those of ISO 1217 (M346, M347). Heat of the package by the first law (M348), of the aftercooler by its
 approach (M344). Unloaded, the inlet valve leaves a pressure to the machine, the separator is blown down to another, and
-nothing is delivered. Humid air counts with the water that condenses on its way (M356), which is drained where it falls
-out (M357); the aftercooler takes its heat too (M358).
+nothing is delivered. Humid air counts with the water that condenses on its way (M360), which is drained where it falls
+out (M361); the aftercooler takes its heat too (M362).
 Source: ISO 1217:2009 with amendment 1:2016 (terms; isentropic power with the exponent 1.4 of air); turbulent loss
 (textbook). Losses of the parts have no value here but what a scene states.
 Assumptions: losses do not depend on density, so they belong to one pressure level; nothing leaks, and nothing
@@ -189,7 +189,7 @@ def read(parameters: Parameters, known) -> Given:
 
 
 def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
-    """Return the temperature at the outlet [K], duty of the aftercooler and heat of the package [W] (M344, M348, M358).
+    """Return the temperature at the outlet [K], duty of the aftercooler and heat of the package [W] (M344, M348, M362).
 
     They follow from the separator's temperature, and are none where nothing finds that.
     """
@@ -246,7 +246,7 @@ def check(parameters: Parameters, facts) -> Faults:
 EFFECT = Effect(
     name=NAME,
     title="filter, valves, coolers and fan around the machine; ISO 1217",
-    equations=tuple(f"M{number}" for number in (*range(340, 349), *range(356, 359))),
+    equations=tuple(f"M{number}" for number in (*range(340, 349), *range(360, 363))),
     source="ISO 1217",
     parameters=Parameters,
     build=build,

@@ -1,6 +1,6 @@
 """What becomes of the water that moist air brings: dew point, what condenses where, and what of it is to be feared.
 
-Source: docs/model.md M327, M328, M357.
+Source: docs/model.md M327, M328, M361.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def figures(
 
 
 def _delivered(problem: Problem, wet: MoistAir | None, out: float, T: float, vapour: float) -> dict[str, float | None]:
-    """Return what of the vapour [kg/s] behind the separator falls out in an aftercooler, and what comes out (M357)."""
+    """Return what of the vapour [kg/s] behind the separator falls out in an aftercooler, and what comes out (M361)."""
     scene, p_d = problem.scene, problem.lines.p_d
     package = package_of(scene)
     none: dict[str, float | None] = {AFTERCOOLER: 0.0, PACKAGE_VAPOUR: 0.0, PACKAGE_DEW: None}

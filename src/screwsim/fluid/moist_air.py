@@ -174,7 +174,7 @@ class MoistAir:
         return self.liquid_share(T, self.density(p, T))
 
     def drained(self, p: float, T: float) -> tuple[float, MoistAir]:
-        """Return which share of the mixture is left at p [Pa], T [K] once its liquid is drained, and that (M357)."""
+        """Return which share of the mixture is left at p [Pa], T [K] once its liquid is drained, and that (M361)."""
         liquid = self.condensed(p, T)
         return 1.0 - liquid, replace(self, share=(self.share - liquid) / (1.0 - liquid)) if liquid > 0.0 else self
 
