@@ -317,7 +317,8 @@ def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
     if isinstance(gas, MoistAir):
         humid = f"relative humidity {scene.gas.relative_humidity:g} of the suction line"
         yield _row("water", f"{gas.humidity_ratio:.5g} per dry air ({humid}, M320)")
-        yield _row("dew point", f"{gas.dew_point(at.p_d):.5g} K at discharge pressure (M327)")
+        where = "discharge pressure" if package_of(scene) is None else "the outlet's pressure, of what is sucked"
+        yield _row("dew point", f"{gas.dew_point(at.p_d):.5g} K at {where} (M327)")
     condensing = "dew" if is_blend(scene.gas.name) else "bubble"
     dew = _stated(operation.evaporating_temperature, "dew")
     bubble = _stated(operation.condensing_temperature, condensing)

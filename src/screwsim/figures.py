@@ -28,7 +28,7 @@ from screwsim.outputs import (
     Variable,
     cycle_variable,
 )
-from screwsim.scene.types import Scene
+from screwsim.scene.types import ActiveEffect, Scene
 
 _OF_PARTS: Mapping[tuple[str, ...], Callable[[Scene, Parts], bool]] = {  # what no key of a scene tells
     HEATED: lambda scene, parts: any("T_oil" in active.effect.states for active in scene.effects.values()),
@@ -175,6 +175,8 @@ def _states(scene: Scene, parameters: Any, path: str, word: str = "") -> bool:
     """Tell whether a scene states a path, '.key' among the parameters of the effect, and with a word that word."""
     value: Any = parameters if path.startswith(".") else scene
     for name in path.removeprefix(".").split("."):
+        if isinstance(value, ActiveEffect):
+            value = value.parameters
         value = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
     return value is not None and word in ("", value)
 

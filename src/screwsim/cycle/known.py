@@ -11,6 +11,7 @@ from screwsim.cycle.balances import discharge_enthalpy, pushed_of, streams_of
 from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import PressureLosses, Turn
+from screwsim.fluid.moist_air import passed_on
 from screwsim.model.places import SOME_OIL
 from screwsim.model.slots import PLACE, PORT_OIL, PRESSURE, R_INJECTED, R_PRESSURE, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
@@ -47,6 +48,7 @@ class CycleFigures:
     intake_pressure: float = 0.0  # before the suction port
     package: PressureLosses | None = None  # that a package loses around the machine
     enthalpy: Callable[[float, float], float] | None = None  # [J/kg] of the gas at a pressure and a temperature
+    drained: Callable[[float, float], tuple[float, Any]] | None = None  # at p, T: share and gas but for liquid
     suction_density: float = 0.0  # of the gas in the suction line
     fluid: str = ""
     found: Mapping[str, Any] = field(default_factory=dict)  # the figures that are known already
@@ -98,6 +100,7 @@ def known_of(
         intake_pressure=problem.suction.pressure,
         package=problem.scene.losses,
         enthalpy=parts.gas.enthalpy,
+        drained=lambda p, T: passed_on(parts.gas, p, T),
         suction_density=problem.inlet.density,
         fluid=problem.scene.gas.name,
     )

@@ -6,11 +6,13 @@ discharges above what is stated (M342); flow and losses are found together (M343
 lies before it at its pressure. Input power is that of motor, inverter and fan (M345); specific power and isentropic
 efficiency are those of ISO 1217 (M346, M347). Heat of the package by the first law (M348), of the aftercooler by its
 approach (M344). Unloaded, the inlet valve leaves a pressure to the machine, the separator is blown down to another, and
-nothing is delivered.
+nothing is delivered. Humid air counts with the water that condenses on its way (M360), which is drained where it falls
+out (M361); the aftercooler takes its heat too (M362).
 Source: ISO 1217:2009 with amendment 1:2016 (terms; isentropic power with the exponent 1.4 of air); turbulent loss
 (textbook). Losses of the parts have no value here but what a scene states.
-Assumptions: losses do not depend on density, so they belong to one pressure level; nothing leaks or drains between the
-machine and the outlet; the cooling air comes with the temperature of the inlet; the fan's power heats that air.
+Assumptions: losses do not depend on density, so they belong to one pressure level; nothing leaks, and nothing
+but condensate drains, between the machine and the outlet; the cooling air comes with the temperature of the inlet; the
+fan's power heats that air.
 Other figures, and the ledger, are the machine's, between the inlet and what it discharges to.
 Parameters: rated_flow; inlet_filter, inlet_valve, separator_element, minimum_pressure_valve, aftercooler, fan; state,
 unloaded.
@@ -129,6 +131,15 @@ class Parameters(LosesPressure):
         """Flow [m³/s] at the inlet with which the search for the losses begins."""
         return self.rated_flow
 
+    @property
+    def delivers(self) -> bool:
+        """Whether the package delivers: unloaded, what the machine moves is blown off."""
+        return self.state != UNLOADED
+
+    def cooled(self, T: float, inlet: float) -> float | None:
+        """Return the temperature [K] behind the aftercooler of air that comes with T, its inlet's known (M344)."""
+        return None if self.aftercooler is None else min(T, inlet + self.aftercooler.approach)
+
     def rated(self, *names: str) -> float:
         """Return what parts of these names take at rated flow [Pa]."""
         parts = (getattr(self, name) for name in names)
@@ -178,11 +189,11 @@ def read(parameters: Parameters, known) -> Given:
 
 
 def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
-    """Return the temperature at the outlet [K], duty of the aftercooler and heat of the package [W] (M344, M348).
+    """Return the temperature at the outlet [K], duty of the aftercooler and heat of the package [W] (M344, M348, M362).
 
     They follow from the separator's temperature, and are none where nothing finds that.
     """
-    found, cooler = known.found, parameters.aftercooler
+    found = known.found
     T, flow = found.get("separator_temperature"), found["gas_mass_flow"]
     if T is None:
         return dict.fromkeys(OF_HEAT, "gas and oil do not part in the separator")
@@ -190,8 +201,11 @@ def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
     h_1, h = known.enthalpy(found["suction_pressure"], T_1), known.enthalpy(found["discharge_pressure"], T)
     if parameters.state == UNLOADED:  # what the machine moves is blown off, as warm as it comes
         return dict(zip(OF_HEAT, (IDLE, 0.0, power - flow * (h - h_1)), strict=True))
-    T_2 = T if cooler is None else min(T, T_1 + cooler.approach)
-    h_2 = known.enthalpy(outlet, T_2)
+    cooled = parameters.cooled(T, T_1)
+    T_2 = T if cooled is None else cooled
+    share, passed = known.drained(found["discharge_pressure"], T)  # what condensed before leaves with T
+    h_2 = h - share * passed.enthalpy(found["discharge_pressure"], T) + share * passed.enthalpy(outlet, T_2)
+    h_2 = min(h_2, h)  # a cooler heats nothing: what is not cooled keeps its enthalpy
     return dict(zip(OF_HEAT, (T_2, flow * (h - h_2), power - flow * (h_2 - h_1)), strict=True))
 
 
@@ -211,6 +225,9 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(path, f"{what} (add it, e.g. rated_power: 75 kW)")
     if parameters.aftercooler is not None and "separator" not in facts.effects:
         yield Fault(f"{path}.aftercooler", "needs effects.separator, which tells how warm the air comes (add it)")
+    if parameters.aftercooler is not None and facts.operation.aftercooler_temperature is not None:
+        what = f"{path}.aftercooler tells already how warm the air leaves, by its approach"
+        yield Fault("operation.aftercooler_temperature", f"{what} (remove one of the two)")
     p_s, idle = facts.operation.suction.pressure, parameters.unloaded
     if idle is None and parameters.state == UNLOADED:
         remedy = "write e.g. {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}"
@@ -229,7 +246,7 @@ def check(parameters: Parameters, facts) -> Faults:
 EFFECT = Effect(
     name=NAME,
     title="filter, valves, coolers and fan around the machine; ISO 1217",
-    equations=tuple(f"M{number}" for number in range(340, 349)),
+    equations=tuple(f"M{number}" for number in (*range(340, 349), *range(360, 363))),
     source="ISO 1217",
     parameters=Parameters,
     build=build,

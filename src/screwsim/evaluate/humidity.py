@@ -1,15 +1,17 @@
 """What becomes of the water that moist air brings: dew point, what condenses where, and what of it is to be feared.
 
-Source: docs/model.md M327, M328.
+Source: docs/model.md M327, M328, M361.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from screwsim.build import package_of
 from screwsim.cycle import suction_line
 from screwsim.cycle.problem import Problem
 from screwsim.evaluate.performance import NONE_DELIVERED
@@ -25,7 +27,9 @@ STEP = np.radians(2.0)  # of the angles at which a chamber is asked for liquid
 WET = 0.01  # of a chamber's water, above which liquid deserves a word: in a dead volume less than that condenses
 HOUR = 3600.0
 AFTERCOOLER = "aftercooler_condensate_flow"
+PACKAGE_VAPOUR, PACKAGE_DEW = "package_vapour_flow", "package_dew_point"
 DRY = "there is no water in dry air"
+BLOWN_OFF = "the package delivers nothing: what the machine moves is blown off"
 NOTHING_OUT = "nothing flows out to the discharge line"
 
 
@@ -49,7 +53,7 @@ def figures(
     margin = MARGIN if scene.gas.dew_point_margin is None else scene.gas.dew_point_margin
     own["lowest_safe_oil_temperature"] = None if dew is None else dew + margin
     T, out = leaving(found, circuit), _out(problem, life, streams, circuit)
-    names = ("condensate_flow", "vapour_flow", "water_residual", AFTERCOOLER)
+    names = ("condensate_flow", "vapour_flow", "water_residual", AFTERCOOLER, PACKAGE_VAPOUR, PACKAGE_DEW)
     if T is None or not (out > 0.0 and found["gas_mass_flow"] > 0.0):
         why = NOTHING_OUT if T is None else NONE_DELIVERED
         return own | dict.fromkeys(names), notes | dict.fromkeys(names, why)
@@ -57,11 +61,37 @@ def figures(
     vapour = 0.0 if wet is None else out * wet.share - liquid
     own["condensate_flow"], own["vapour_flow"] = liquid, vapour
     own["water_residual"] = 0.0 if wet is None else (brought - liquid - vapour) / brought
-    T_after = scene.operation.aftercooler_temperature
-    if T_after is not None:
-        all_of_it = 0.0 if wet is None else out * wet.condensed(p_d, min(T, T_after))
-        own[AFTERCOOLER] = max(all_of_it - liquid, 0.0)
-    return own, notes
+    return own | _delivered(problem, wet, out, T, vapour), notes | _undelivered(problem)
+
+
+def _delivered(problem: Problem, wet: MoistAir | None, out: float, T: float, vapour: float) -> dict[str, float | None]:
+    """Return what of the vapour [kg/s] behind the separator falls out in an aftercooler, and what comes out (M361)."""
+    scene, p_d = problem.scene, problem.lines.p_d
+    package = package_of(scene)
+    none: dict[str, float | None] = {AFTERCOOLER: 0.0, PACKAGE_VAPOUR: 0.0, PACKAGE_DEW: None}
+    if wet is None or (package is not None and not package.delivers):
+        return none
+    outlet = p_d if package is None or scene.losses is None else p_d - scene.losses.behind
+    liquid = out * wet.share - vapour
+    cooled = min(T, cooled_to(problem, T) or T)
+    condensed = max(out * wet.condensed(outlet, cooled) - liquid, 0.0)
+    if package is None:
+        return {AFTERCOOLER: condensed}
+    left = vapour - condensed
+    passed = replace(wet, share=left / (left + out * (1.0 - wet.share)))
+    return {AFTERCOOLER: condensed, PACKAGE_VAPOUR: left, PACKAGE_DEW: passed.dew_point(outlet)}
+
+
+def _undelivered(problem: Problem) -> dict[str, str]:
+    package = package_of(problem.scene)
+    return {PACKAGE_DEW: DRY if package is None or package.delivers else BLOWN_OFF}
+
+
+def cooled_to(problem: Problem, T: float) -> float | None:
+    """Return to which temperature [K] an aftercooler brings air of T [K]; None without one."""
+    scene, package = problem.scene, package_of(problem.scene)
+    by_package = None if package is None else package.cooled(T, problem.lines.T_s)
+    return scene.operation.aftercooler_temperature if by_package is None else by_package
 
 
 def leaving(found: Mapping[str, Any], circuit: Circuit | str | None) -> float | None:
@@ -112,6 +142,9 @@ def warnings(
         else:
             what = f"{at}, only {T - dew:.2g} K above the pressure dew point of {_celsius(dew)}"
         yield f"{what} ({remedy})"
+    T_2 = None if T is None else cooled_to(problem, T)
+    if T_2 is not None and T_2 < water.T_TRIPLE and found.get(AFTERCOOLER):
+        yield f"water condenses in the aftercooler at {_celsius(T_2)}, and is taken as liquid, no ice (a warmer outlet)"
     share = found["chamber_condensate_share"]
     if share > WET:
         remedy = "among its oil (warmer oil)" if problem.parts.oil is not None else "(drier or warmer air)"

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 from screwsim.numerics.roots import brentq
 
+Gas = TypeVar("Gas")
 T_LOW, T_HIGH = 100.0, 2000.0  # [K] between which a state is looked for
 TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
@@ -172,6 +173,11 @@ class MoistAir:
         """Return which share of the mixture is liquid at p [Pa], T [K] (M325)."""
         return self.liquid_share(T, self.density(p, T))
 
+    def drained(self, p: float, T: float) -> tuple[float, MoistAir]:
+        """Return which share of the mixture is left at p [Pa], T [K] once its liquid is drained, and that (M361)."""
+        liquid = self.condensed(p, T)
+        return 1.0 - liquid, replace(self, share=(self.share - liquid) / (1.0 - liquid)) if liquid > 0.0 else self
+
     def dew_point(self, p: float) -> float:
         """Return the temperature [K] below which water condenses at p [Pa]; over supercooled water below 273.16 K."""
 
@@ -245,6 +251,11 @@ def _caller(gas: MoistAir) -> Callable[..., Any]:
         return function(*given, *rest)
 
     return call
+
+
+def passed_on(gas: Gas, p: float, T: float) -> tuple[float, Gas | MoistAir]:
+    """Return which share of any gas is left at p [Pa], T [K] once condensed water is drained, and that gas."""
+    return gas.drained(p, T) if isinstance(gas, MoistAir) else (1.0, gas)
 
 
 def saturated_ratio(gas: MoistAir, p: float, T: float) -> float:

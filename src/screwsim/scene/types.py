@@ -116,7 +116,8 @@ class Operation:
     )
     aftercooler_temperature: float | None = quantity(
         "temperature",
-        "to which an aftercooler brings the delivered air, whose water condenses there (with gas.relative_humidity)",
+        "to which an aftercooler brings the delivered air, whose water condenses there (with gas.relative_humidity; "
+        "that of a package: effects.air_package.aftercooler)",
         None,
         ge=273.16,
         le=700.0,

@@ -99,6 +99,15 @@ class LosesPressure:
         """Return what a flow [m³/s] at the inlet loses, inlet and outlet of the package at pressures [Pa]."""
         raise NotImplementedError
 
+    @property
+    def delivers(self) -> bool:
+        """Whether what the machine moves comes to the package's outlet; else it is blown off."""
+        return True
+
+    def cooled(self, T: float, inlet: float) -> float | None:
+        """Return to which temperature [K] the package cools gas of T [K], its inlet at another; None: by nothing."""
+        return None
+
 
 class CoolsOil:
     """Parameters of an effect that sends the oil back through a cooler, and may find the temperature of its supply."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from screwsim.effects.air_package import FREE_AIR
@@ -15,13 +15,19 @@ from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regul
 from screwsim.study.datasheet.sheet import Curve, Sheet
 
 INLET = 1e5, 293.15  # Pa, K
-KW, MINUTE, RPM = 1e3, 60.0, 0.10471975511965977  # W, s, rad/s
+KW, MINUTE, HOUR, RPM = 1e3, 60.0, 3600.0, 0.10471975511965977  # W, s, s, rad/s
 POWER, SPECIFIC = "package_input_power", "package_specific_power"
+SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_flow", "package_vapour_flow"
 HEADS = ("rpm", "m³/min", "acfm", "% of full", "kW", "kW/ (m³/min)", "kW/ 100 acfm", "isentropic %")
 KEPT = (
     FREE_AIR, POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
     "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "aftercooler_duty",
+    "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
 )  # fmt: skip
+HUMID = (
+    "rated with humid air: free air is what is delivered, with the water that condensed on its way, by its volume at "
+    "the inlet's humidity; sheets are compared with dry air"
+)
 MEANT = "computed, not measured: no tolerance of ISO 1217 is applied, and nobody verified it"
 
 
@@ -75,7 +81,8 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     package, motor, full = effects["air_package"].parameters, effects["motor"].parameters, rated.full
     speed = "fixed speed" if not rated.variable else f"variable speed, {len(rated.points)} points"
     yield "package", f"rotary, lubricated, {rated.coolant}-cooled, {speed}"
-    yield "inlet", f"{quantity('Pa', at.p_s)}, {at.T_s - ZERO_CELSIUS:.1f} °C, {scene.gas.name}"
+    humid = f", relative humidity {_percent(scene.gas.relative_humidity)}" if scene.gas.relative_humidity else ""
+    yield "inlet", f"{quantity('Pa', at.p_s)}, {at.T_s - ZERO_CELSIUS:.1f} °C, {scene.gas.name}{humid}"
     gauge = at.p_d - at.p_s
     yield "discharge", f"{quantity('Pa', at.p_d)}, {1e-5 * gauge:.4g} bar ({gauge / PSI:.0f} psi) over the inlet"
     found = full.result.performance if full.ok else {}
@@ -95,7 +102,24 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
             yield "heat", f"{found['package_heat'] / KW:.1f} kW at full flow, {oil}"
             outlet = found["package_discharge_temperature"] - ZERO_CELSIUS
             yield "outlet", f"air at {outlet:.1f} °C"
+        if humid:
+            yield "water", _water(found)
     yield "zero flow", _unloaded(rated)
+
+
+def _water(found: Mapping[str, Any]) -> str:
+    """Return what becomes of the water of humid air, at full flow."""
+    brought, ratio = HOUR * found["water_flow"], 1e3 * found["humidity_ratio"]
+    parts = {"the separator": found[SEPARATED], "the aftercooler": found.get(COOLED)}
+    falls = " and ".join(f"{HOUR * flow:.1f} in {name}" for name, flow in parts.items() if flow is not None)
+    where = f"pressure dew point {_celsius(found['pressure_dew_point'])} in the separator"
+    end = f"{_celsius(found['package_dew_point'])} at the outlet"
+    comes = f"{ratio:.1f} g per kg of dry air, {brought:.1f} kg/h at full flow"
+    return f"{comes}, of which condense {falls}; {where}, {end}"
+
+
+def _celsius(T: float) -> str:
+    return f"{T - ZERO_CELSIUS:.1f} °C"
 
 
 _CONTROL = {"constant": "at every flow", "flow": "at full flow, in proportion to the flow"}
@@ -136,6 +160,8 @@ def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
     at = lines(scene)
     if abs(at.p_s - INLET[0]) > 1e-3 * INLET[0] or abs(at.T_s - INLET[1]) > 0.1:
         yield "rated at another inlet than the 1 bar and 20 °C at which sheets are compared"
+    if scene.gas.relative_humidity:
+        yield HUMID
     for point in points:
         if not point.ok:
             yield f"{point.speed / RPM:.0f} rpm: {point.result.told}"
@@ -158,6 +184,7 @@ def _document(scene: Scene, rated: Rating) -> dict[str, Any]:
         "coolant": rated.coolant,
         "inlet_pressure": at.p_s,
         "inlet_temperature": at.T_s,
+        **({} if scene.gas.relative_humidity is None else {"inlet_relative_humidity": scene.gas.relative_humidity}),
         "discharge_pressure": at.p_d,
         "points": [_figures(point) for point in rated.points],
         "unloaded": None if rated.unloaded is None else _figures(rated.unloaded),
