@@ -87,6 +87,7 @@ def test_plain_equations_import_nothing_of_the_package():
         "__future__",
         "collections",
         "dataclasses",
+        "functools",
         "math",
         "numpy",
         "scipy",
