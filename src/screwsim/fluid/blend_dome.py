@@ -39,7 +39,8 @@ SURFACE = '''def surface(T, v):
         i += 1
     scale = 2.0 / (EDGES[i + 1] - EDGES[i])
     s = (T - EDGES[i]) * scale - 1.0
-    b = b_1 = b_2 = d = d_1 = d_2 = 0.0
+    b, b_1, b_2 = 0.0, 0.0, 0.0
+    d, d_1, d_2 = 0.0, 0.0, 0.0
     for k in range({top_T}, -1, -1):
         b_2, b_1, b = b_2 * s + b_1, b_1 * s + b, b * s + BORDER[i, 0, k]
         d_2, d_1, d = d_2 * s + d_1, d_1 * s + d, d * s + BORDER[i, 1, k]
@@ -52,9 +53,10 @@ SURFACE = '''def surface(T, v):
         j += 1
     narrow = 2.0 / (W[j + 1] - W[j])
     r = (w - W[j]) * narrow - 1.0
-    f = f_s = f_ss = f_r = f_sr = f_rr = 0.0
+    f, f_s, f_ss = 0.0, 0.0, 0.0
+    f_r, f_sr, f_rr = 0.0, 0.0, 0.0
     for k in range({top_T}, -1, -1):
-        c = c_1 = c_2 = 0.0
+        c, c_1, c_2 = 0.0, 0.0, 0.0
         for l in range({top_w}, -1, -1):
             c_2, c_1, c = c_2 * r + c_1, c_1 * r + c, c * r + C[i, j, k, l]
         f_ss, f_s, f = f_ss * s + f_s, f_s * s + f, f * s + c
