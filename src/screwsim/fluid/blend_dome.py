@@ -1,7 +1,7 @@
 """Kernels of a blend whose two phases are in equilibrium, of one composition as a whole: from its table (M351, M352).
 
-All follows from one function f(T, v), so that Maxwell's relations hold exactly whatever the table's error (a subscript is a
-derivative):
+All follows from one function f(T, v), so that Maxwell's relations hold exactly whatever the table's error (a subscript
+is a derivative):
     p = −f_v,  s = −f_T,  h = f − T f_T − v f_v,  c_v = −T f_TT,  T p_T = −T f_Tv,  w² = v² (f_vv + T f_Tv²/c_v).
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from screwsim.fluid.blend_flash import W_EDGES, dome
 from screwsim.fluid.description import describe
-from screwsim.fluid.dome import ENTROPY, EQUILIBRIUM, PHASE, PHASED, EquilibriumKernels, saturation_kernels
+from screwsim.fluid.dome import EQUILIBRIUM, PHASE, PHASED, EquilibriumKernels, saturation_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, phased_state_text
 from screwsim.fluid.nozzle import choking, critical_power
 from screwsim.fluid.saturation import saturation

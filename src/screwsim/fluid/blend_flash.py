@@ -1,13 +1,13 @@
-"""The Helmholtz energy of a blend's two phases in equilibrium, by direct flashes and as a table (M350–M352).
+"""The Helmholtz energy of a blend's two phases in equilibrium, by direct flashes and as a table (M350, M351).
 
-At T and v a flash asks for k_i = ln(y_i/x_i), ln ρ' , ln ρ'' and the vapour's molar share β: equal fugacities, equal
-pressures, Σ(y_i − x_i) = 0 and v = (1 − β)/ρ' + β/ρ''. Newton's method, its derivatives by steps into the complex plane,
-from what lies linearly between the bubble and the dew point of that T. β may leave 0…1 a little: nothing special happens
-there.
+At T and v a flash asks for k_i = ln(y_i/x_i), ln ρ', ln ρ'' and the vapour's molar share β: equal fugacities, equal
+pressures, Σ(y_i − x_i) = 0 and v = (1 − β)/ρ' + β/ρ''. Newton's method, its derivatives by steps into the complex
+plane, from what lies linearly between the bubble and the dew point of that T. β may leave 0…1 a little: nothing special
+happens there.
 
-The Gibbs energy of the mixture is Σ z_i μ_i, and of μ_i only ln f_i changes with ρ: with one state of the single phase at
-the same T it gives f = Σ z_i μ_i − p v on the reference of M311. The table is one polynomial of both variables in each cell:
-T, and w = (v − v')/(v'' − v') between the border's volumes, which are polynomials of T themselves.
+The Gibbs energy of the mixture is Σ z_i μ_i, and of μ_i only ln f_i changes with ρ: with one state of the single phase
+at the same T it gives f = Σ z_i μ_i − p v on the reference of M311. The table is one polynomial of both variables in
+each cell: T, and w = (v − v')/(v'' − v') between the border's volumes, which are polynomials of T themselves.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ W_EDGES = (0.0, 0.08, 0.3, 1.0)  # shorter towards the bubble point, where the v
 NEAREST = (0.005, 0.01, 0.02, 0.04)  # 1 − T/T_m at the table's warm end: the first that is solved
 FARTHEST, WIDEST = 0.42, 0.1  # 1 − T/T_m at its cold end, and across a cell
 CLOSE, STEPS, MOST = 1e-10, 30, 0.3  # last step of a solution, how many, and the longest
+PROBED = 9  # states at the warm end that are tried first
 WALK = 8  # steps from the dew point to a state that is not found at once
 
 
@@ -114,6 +115,12 @@ class Flashes:
         u, good = _newton(self.f, T, v, start)
         return u, good & (u[n] > u[n + 1]) & (np.abs(u[n + 2] - 0.5) < 0.6)
 
+    def probe(self, T: float) -> None:
+        """Raise ValueError where flashes across the dome are not found at T [K]."""
+        temperatures = np.full(PROBED, T)
+        _, _, (liquid, vapour) = self.borders(temperatures)
+        self(temperatures, liquid + np.linspace(0.0, 1.0, PROBED) * (vapour - liquid))
+
     def __call__(self, T: Array, v: Array) -> Flash:
         """Return the phases at T [m] [K] and v [m] [m³/mol]. Raises ValueError where there are none."""
         n = self.f.n
@@ -138,7 +145,7 @@ class Flashes:
 
 
 def references(known: Description, f: Fugacities, T: Array, rho: Array) -> Array:
-    """Return Σ z_i μ°_i(T) [J/mol], from one phase of the blend at T [K] and any ρ [mol/m³]."""
+    """Return Σ z_i μ°_i(T) [J/mol], which makes f of `Flash` M311's, from one phase of the blend at any ρ [mol/m³]."""
     g = vectorised(potentials_kernel(known.name))(T, rho * known.molar_mass)[2] * known.molar_mass
     log_f, _ = f(T, rho, f.z[:, None] + 0.0 * T)
     return g - R * T * np.sum(f.z[:, None] * log_f, axis=0)
@@ -206,6 +213,7 @@ def _solve(fluid: str) -> dict[str, Any]:
     flashes = Flashes(known)
     for nearest in NEAREST:
         try:
+            flashes.probe(flashes.around.T_m * (1.0 - nearest))
             found = _tabulated(known, flashes, nearest)
         except ValueError:
             continue

@@ -1,7 +1,7 @@
 """Wet states of a blend at a pressure, for the border: by enthalpy or entropy from its table, by quality from a flash.
 
-Between the bubble and the dew temperature of that pressure the volume follows from p(T, v) at each T, and T from what is
-wanted, which rises with T along an isobar; each by a bracketed root.
+Between the bubble and the dew temperature of that pressure the volume follows from p(T, v) at each T, and T from what
+is wanted, which rises with T along an isobar; each by a bracketed root (M353).
 """
 
 from __future__ import annotations
@@ -43,16 +43,12 @@ class BlendWet:
 
     def volume(self, p: float, T: float) -> float:
         """Return v [m³/kg] at p [Pa] and T [K] between bubble and dew temperature."""
-        from scipy.optimize import brentq
-
         liquid, vapour = self.border.saturated_volumes(T)
 
         def excess(v: float) -> float:
             return -self._surface(T, v)[2] / p - 1.0
 
-        if excess(liquid) <= 0.0:
-            return liquid
-        return vapour if excess(vapour) >= 0.0 else brentq(excess, liquid, vapour, xtol=1e-300, rtol=CLOSE)
+        return _root(liquid, vapour, lambda v: -excess(v))
 
     def value(self, T: float, v: float, entropy: bool) -> float:
         """Return s [J/(kg K)], or h [J/kg], of two phases at T [K] and v [m³/kg]."""
@@ -68,7 +64,7 @@ class BlendWet:
         if not self.border.value(low, True, entropy) < wanted < self.border.value(high, False, entropy):
             return None
         self.between(p)
-        T = self._where(low, high, lambda T: self.value(T, self.volume(p, T), entropy) - wanted)
+        T = _root(low, high, lambda T: self.value(T, self.volume(p, T), entropy) - wanted)
         return T, 1.0 / self.volume(p, T)
 
     def of_quality(self, p: float, quality: float) -> tuple[float, float]:
@@ -81,16 +77,20 @@ class BlendWet:
             vapour = found.beta[0] * float(masses @ found.vapour[:, 0])
             return vapour / self.border.known.molar_mass - quality
 
-        T = self._where(*self.between(p), excess)
+        T = _root(*self.between(p), excess)
         return T, 1.0 / self.volume(p, T)
 
-    def _where(self, low: float, high: float, excess: Any) -> float:
-        """Return the T at which what rises with T is 0, or the end that is next to it by rounding."""
-        from scipy.optimize import brentq
 
-        if excess(low) >= 0.0:
-            return low
-        return high if excess(high) <= 0.0 else float(brentq(excess, low, high, xtol=1e-300, rtol=CLOSE))
+def _root(low: float, high: float, rising: Any) -> float:
+    """Return where what rises is 0, or the end that is next to it by rounding."""
+    from scipy.optimize import brentq
+
+    if rising(low) >= 0.0:
+        return low
+    if rising(high) <= 0.0:
+        return high
+    found: Any = brentq(rising, low, high, xtol=1e-300, rtol=np.float64(CLOSE))
+    return float(found)
 
 
 @lru_cache(maxsize=16)

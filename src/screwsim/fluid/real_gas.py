@@ -2,9 +2,9 @@
 
 `state`, `specific_entropy` and `margin` are kernels of (T, rho) alone: the fluid's numbers stand in their text. They
 hold in the dome too, in equilibrium (dome.py; of a blend blend_dome.py, where that is asked for). The single phase of
-pseudo-pure fluids, and of blends that are refused there, goes on: while a cycle is being closed its chambers may condense
-on the way. What `two_phase: refuse` refuses is a closed cycle of which `why_outside` complains. Everything else is for
-the border, and runs compiled.
+pseudo-pure fluids, and of blends that are refused there, goes on: while a cycle is being closed its chambers may
+condense on the way. What `two_phase: refuse` refuses is a closed cycle of which `why_outside` complains. Everything
+else is for the border, and runs compiled.
 """
 
 from __future__ import annotations
@@ -318,7 +318,6 @@ class RealGas:
             what = f"{known.name} at {p:.6g} Pa is above the equation's highest pressure, {known.p_max:.6g} Pa"
             return Outside(Limit.PRESSED, what)
         return None
-
 
     def _beyond(self, T: float, rho: float) -> Outside | None:
         """Return that a blend's table does not reach a wet state; None where it does, and for a liquid."""

@@ -40,7 +40,8 @@ def _lines(operation: Operation, fluid: str) -> Lines:
     if T_e is not None and (T_c is not None or cooler is not None):
         p_d = cooler.pressure if cooler is not None else constants.condensing_pressure(fluid, T_c or 0.0)
         p_s = constants.dew_pressure(fluid, T_e)
-        return Lines(p_s, _wet(fluid, p_s, _superheated(T_e, operation.superheat), suction.quality), p_d, suction.quality)
+        T_s = _superheated(T_e, operation.superheat)
+        return Lines(p_s, _wet(fluid, p_s, T_s, suction.quality), p_d, suction.quality)
     if suction.pressure is None or p_d is None:
         raise ValueError("the scene states no pressures; ask cross_check first")
     T_s = suction.temperature
