@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.faults import UsageError
-from screwsim.fluid.composition import REMEDY
 from screwsim.fluid.description import Description, describe
 from screwsim.fluid.fugacity import Fugacities
 from screwsim.fluid.helmholtz import potentials_kernel, vectorised
@@ -36,7 +35,8 @@ W_EDGES = (0.0, 0.08, 0.3, 1.0)  # shorter towards the bubble point, where the v
 NEAREST = (0.005, 0.01, 0.02, 0.04)  # 1 − T/T_m at the table's warm end: the first that is solved
 FARTHEST, WIDEST = 0.42, 0.1  # 1 − T/T_m at its cold end, and across a cell
 CLOSE, STEPS, MOST = 1e-10, 30, 0.3  # last step of a solution, how many, and the longest
-PROBED = 9  # states at the warm end that are tried first
+INSTEAD = "write refuse, or another blend, such as R454B, R513A or R448A"
+PROBED, PROBES = 9, (0.1, 0.2, 0.4)  # states that are tried first, there and at these 1 − T/T_m
 WALK = 8  # steps from the dew point to a state that is not found at once
 
 
@@ -133,8 +133,8 @@ class Flashes:
             for share in np.linspace(0.0, 1.0, WALK + 1)[1:]:
                 at = volumes[1, far] + share * (v - volumes[1])[far]
                 before, (last, good) = last, self._solved(T[far], at, 2.0 * last - before)
-            if not good.all():
-                raise ValueError("no two phases")
+                if not good.all():
+                    raise ValueError("no two phases")
             u[:, far] = last
         x, y = _parts(self.f, u)
         rho = np.exp(u[n : n + 2])
@@ -213,13 +213,13 @@ def _solve(fluid: str) -> dict[str, Any]:
     flashes = Flashes(known)
     for nearest in NEAREST:
         try:
-            flashes.probe(flashes.around.T_m * (1.0 - nearest))
+            for t in (nearest, *PROBES):
+                flashes.probe(max(flashes.around.T_m * (1.0 - t), flashes.around.T_low))
             found = _tabulated(known, flashes, nearest)
         except ValueError:
             continue
         return {"edges": found.edges.tolist(), "border": found.border.tolist(), "c": found.c.tolist()}
-    what = "its two phases in equilibrium are not found; write refuse, or "
-    raise UsageError(f"gas.two_phase: {known.name}: {what}{REMEDY}")
+    raise UsageError(f"gas.two_phase: {known.name}: its two phases in equilibrium are not found ({INSTEAD})")
 
 
 @lru_cache(maxsize=16)

@@ -310,7 +310,7 @@ class RealGas:
                 return self._beyond(T, rho)
             saturated = f"{self._kernels['vapour'](T):.6g} kg/m3 at {self.saturation_pressure(T):.6g} Pa"
             what = f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {saturated})"
-            return Outside(Limit.GLIDING if known.glides else Limit.WET, what)
+            return Outside(Limit.GLIDING if known.pseudo_pure else Limit.WET, what)
         if T > known.T_max:
             return Outside(Limit.HOT, f"{at} above the equation's highest temperature, {known.T_max:.6g} K")
         p = float(self._kernels["single state"](T, rho)[0])
