@@ -1,4 +1,4 @@
-"""Blends whose two phases are in equilibrium: flashes against teqp and CoolProp, the table against flashes, its laws."""
+"""Blends in two phases in equilibrium: flashes against teqp and CoolProp, the table against flashes, its laws."""
 
 import math
 

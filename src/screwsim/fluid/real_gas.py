@@ -87,7 +87,7 @@ class RealGas:
         """Numbers of its equations in docs/model.md."""
         if not self.known.blend:
             return "M46", "M47", "M48"
-        own = ("M350", "M351", "M352") if self.two_phase == "equilibrium" else ()
+        own = ("M350", "M351", "M352", "M353") if self.two_phase == "equilibrium" else ()
         return "M46", "M310", "M311", "M312", "M313", "M314", "M315", "M316", *own, "M48"
 
     @property
