@@ -32,11 +32,12 @@ from screwsim.numerics.compiling import announced
 Array = np.ndarray
 POINTS_T, POINTS_W = 12, 12  # Chebyshev's points of a cell
 W_EDGES = (0.0, 0.08, 0.3, 1.0)  # shorter towards the bubble point, where the vapour's composition changes most
-NEAREST = (0.005, 0.01, 0.02, 0.04)  # 1 − T/T_m at the table's warm end: the first that is solved
-FARTHEST, WIDEST = 0.42, 0.1  # 1 − T/T_m at its cold end, and across a cell
+REACHES = ((0.005, 0.42), (0.005, 0.36), (0.02, 0.36), (0.02, 0.3))  # 1 − T/T_m of both ends: the first that is solved
+WIDEST = 0.1  # of 1 − T/T_m, across a cell
+ALIKE = 1e-5  # relative, of the table's p and that of the flashes it is made of: another solution among them shows
 CLOSE, STEPS, MOST = 1e-10, 30, 0.3  # last step of a solution, how many, and the longest
 INSTEAD = "write refuse, or another blend, such as R454B, R513A or R448A"
-PROBED, PROBES = 9, (0.1, 0.2, 0.4)  # states that are tried first, there and at these 1 − T/T_m
+PROBED, PROBES = 9, (0.1, 0.2, 0.28)  # states that are tried first, there and at these 1 − T/T_m
 WALK = 8  # steps from the dew point to a state that is not found at once
 
 
@@ -79,10 +80,9 @@ def _newton(f: Fugacities, T: Array, v: Array, u: Array) -> tuple[Array, Array]:
             matrix, value = np.imag(found) / TINY, np.real(found[:, 0])
             sound = np.isfinite(matrix).all(axis=(0, 1)) & np.isfinite(value).all(axis=0)
             matrix = np.where(sound, matrix, np.eye(n)[:, :, None]).transpose(2, 0, 1)
-            try:
-                step = np.linalg.solve(matrix, value.T[:, :, None])[:, :, 0].T
-            except np.linalg.LinAlgError:
-                return u, np.zeros(u.shape[1], dtype=bool)
+            sound &= np.linalg.slogdet(matrix)[0] != 0.0
+            matrix = np.where(sound[:, None, None], matrix, np.eye(n))
+            step = np.linalg.solve(matrix, value.T[:, :, None])[:, :, 0].T
             last = np.where(sound, np.abs(step).max(axis=0), np.inf)
             u -= np.clip(np.where(sound, step, 0.0), -MOST, MOST)
             if (last < 1e-2 * CLOSE).all():
@@ -185,10 +185,10 @@ class Dome:
     c: Array  # [cell of T, cell of w, power of T, power of w]
 
 
-def _tabulated(known: Description, flashes: Flashes, nearest: float) -> Dome:
-    """Return the table of a blend from a warm end on. Raises ValueError where a flash is not found."""
+def _tabulated(known: Description, flashes: Flashes, nearest: float, farthest: float) -> Dome:
+    """Return the table of a blend between two values of 1 − T/T_m. Raises ValueError where a flash is not found."""
     M, T_m = known.molar_mass, flashes.around.T_m
-    farthest = min(FARTHEST, 1.0 - flashes.around.T_low / T_m)
+    farthest = min(farthest, 1.0 - flashes.around.T_low / T_m)
     edges = T_m * (1.0 - _edges(nearest, farthest))[::-1]
     s, half = _points(POINTS_T), 0.5 * np.diff(edges)
     T = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * s  # [cell, point]
@@ -205,17 +205,22 @@ def _tabulated(known: Description, flashes: Flashes, nearest: float) -> Dome:
     own = references(known, flashes.f, T.ravel(), 1.0 / volumes[1]).reshape(T.shape)
     f = (found.f.reshape(at_v.shape) + own[:, :, None, None]) / M
     c = np.einsum("as,isjr,br->ijab", _fit(POINTS_T), f, _fit(POINTS_W))
+    by_r = np.vander(_points(POINTS_W), POINTS_W - 1, increasing=True) * np.arange(1, POINTS_W)
+    p = -np.einsum("sa,ijab,rb->isjr", powers, c[..., 1:], by_r) * (2.0 / (high - low))[:, None]
+    p /= wide[:, :, None, None]
+    if not (np.abs(p / found.p.reshape(p.shape) - 1.0) < ALIKE).all():
+        raise ValueError("another solution")
     return Dome(edges, border, c.astype(float))
 
 
 def _solve(fluid: str) -> dict[str, Any]:
     known = describe(fluid)
     flashes = Flashes(known)
-    for nearest in NEAREST:
+    for nearest, farthest in REACHES:
         try:
             for t in (nearest, *PROBES):
                 flashes.probe(max(flashes.around.T_m * (1.0 - t), flashes.around.T_low))
-            found = _tabulated(known, flashes, nearest)
+            found = _tabulated(known, flashes, nearest, farthest)
         except ValueError:
             continue
         return {"edges": found.edges.tolist(), "border": found.border.tolist(), "c": found.c.tolist()}
