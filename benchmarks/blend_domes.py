@@ -35,7 +35,8 @@ Made by `python benchmarks/blend_domes.py -o docs/reference/blend-domes.md`: the
 `gas.two_phase: equilibrium` follows a blend (M351), beside direct flashes (M350) at {states} random states each; the
 predefined refrigerants, and air. From, to: where the table reaches; a cycle that is wet beyond is refused. p, c_v and
 T ∂p/∂T: largest relative error; s: over R (h errs by T times that, and by p v). Differences stand in for the flashes'
-own s, c_v and T ∂p/∂T, but where p of those five shows that one is another solution. Dew: by how much p (relative) and s (over R) jump where the table meets the equation of the
+own s, c_v and T ∂p/∂T, but where p of those five shows that one is another solution.
+Dew: by how much p (relative) and s (over R) jump where the table meets the equation of the
 vapour. Time: CPU seconds to make the table, once, with those of following the dew and bubble lines again; on a shared
 machine.
 
