@@ -8,6 +8,7 @@ from scenes import make, run
 
 from screwsim.build import build_gas
 from screwsim.explain import explain
+from screwsim.faults import SceneError
 from screwsim.fluid import constants
 from screwsim.scene import load
 from screwsim.scene.lines import lines, refrigerating_effect
@@ -16,6 +17,7 @@ from screwsim.simulate import simulate
 CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
 OWN = ["gas.fluid=[R32, R1234yf]", "gas.mass_fractions=[0.689, 0.311]"]
 # dead volume of half the swept one: the chamber expands by three only, and stays within the equation's temperatures
+WET = ["gas.two_phase=equilibrium"]
 SHUT = {"effects": {}, "machine.volume.min": "300 cm^3", "numerics": {"accuracy": 1e-4, "rtol": 1e-10}}
 
 
@@ -36,6 +38,19 @@ def test_a_closed_chamber_keeps_its_entropy():
     states = zip(cycle["gas_temperature"], cycle["gas_mass"] / cycle["volume"], strict=True)
     s = [gas.specific_entropy(T, rho) for T, rho in states]
     assert np.ptp(s) / gas.R < 1e-8  # a hundred steps of rtol 1e-10 each
+
+
+def test_a_closed_chamber_keeps_its_entropy_through_two_phases():
+    """From vapour into the dome and back, across the border at which the table meets the equation."""
+    wet = {**blend("R454B"), **SHUT, "operation.suction": {"pressure": "9 bar", "superheat": "1 K"}}
+    wet = {**wet, "gas": {"fluid": "R454B", "model": "real", "two_phase": "equilibrium"}}
+    wet["operation.discharge"] = {"pressure": "12 bar"}
+    gas, cycle = build_gas(make(wet)), run(wet).cycle
+    states = list(zip(cycle["gas_temperature"], cycle["gas_mass"] / cycle["volume"], strict=True))
+    phases = [gas.phased_state[0](T, rho) for T, rho in states]
+    assert 0.1 < np.mean(phases) < 0.9
+    s = [gas.specific_entropy(T, rho) for T, rho in states]
+    assert np.ptp(s) / gas.R < 2e-6  # by which s jumps there: below 1e-6
 
 
 @pytest.mark.parametrize("overrides", [[], OWN], ids=["predefined", "own"])
@@ -91,7 +106,40 @@ def test_a_cycle_that_condenses_is_refused_with_its_state():
     cold = ["oil_supply.temperature=295 K", "oil_supply.ratio=5", "effects.oil_heat.droplet_radius=10 um"]
     result = simulate(load(CONFIG, overrides=cold))
     assert result.status == "failed" and "R454B condenses at" in result.message
-    assert result.message.endswith("; use warmer oil or gas")  # not two phases in equilibrium: they are refused
+    assert result.message.endswith("; use warmer oil or gas, or gas.two_phase: equilibrium")
+    followed = simulate(load(CONFIG, overrides=[*cold, *WET]))
+    assert followed.status == "ok" and closed(followed)
+
+
+def closed(result):
+    return all(abs(result.balance[name]) < result.balance.bound for name in ("mass", "energy", "oil_mass", "entropy"))
+
+
+def test_wet_suction_of_a_blend_closes():
+    """Less capacity for more gas; the state between dew and bubble point, by mass of vapour."""
+    wet = ["operation.superheat=null", "operation.suction.quality=0.9"]
+    scene = load(CONFIG, overrides=[*WET, *wet])
+    result, dry = simulate(scene), simulate(load(CONFIG))
+    assert result.status == "ok" and closed(result) and abs(result.ledger.relative_residue) < 1e-3
+    at = lines(scene)
+    assert constants.condensed("R454B", 275.15) < at.T_s < 275.15
+    assert result.performance.gas_mass_flow > 1.05 * dry.performance.gas_mass_flow
+    assert result.performance.cop < dry.performance.cop
+
+
+def test_what_is_followed_and_stays_dry_is_what_is_refused_there():
+    """A machine that never condenses: the same cycle."""
+    found, dry = (simulate(load(CONFIG, overrides=changes)).performance for changes in (WET, []))
+    for name in ("gas_mass_flow", "shaft_power", "discharge_temperature"):
+        assert found[name] == pytest.approx(dry[name], rel=1e-4)
+
+
+def test_wet_suction_that_no_table_holds_is_refused():
+    cold = ["operation.evaporating_temperature=-75 degC", "operation.superheat=null", "operation.suction.quality=0.9"]
+    with pytest.raises(
+        SceneError, match=r"R454B at .* Pa has two phases from 19.* K, and these are followed from 203\.8"
+    ):
+        load(CONFIG, overrides=[*WET, *cold])
 
 
 def test_an_economizer_and_liquid_close_on_a_blend():

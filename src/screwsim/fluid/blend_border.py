@@ -114,6 +114,17 @@ class BlendBorder:
         rho = self._density(self._theta(T))
         return self._enthalpy(T, rho), rho
 
+    def saturated_volumes(self, T: float) -> tuple[float, float]:
+        """Return v [m³/kg] of the bubble and of the dew point at T [K]."""
+        theta = self._theta(T)
+        return 1.0 / self._density(theta), 1.0 / self._density(-theta)
+
+    def value(self, T: float, liquid: bool, entropy: bool) -> float:
+        """Return s [J/(kg K)], or h [J/kg], of the saturated liquid or vapour at T [K]."""
+        theta = self._theta(T)
+        rho = self._density(theta if liquid else -theta)
+        return self._entropy(T, rho) if entropy else self._enthalpy(T, rho)
+
     def ideal_heat_capacity(self, T: float) -> float:
         """Return cp⁰ [J/(kg K)] at T [K]."""
         return self._heat_capacity(T)

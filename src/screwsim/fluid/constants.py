@@ -19,6 +19,8 @@ from typing import Any, NamedTuple
 
 from screwsim.faults import UsageError
 from screwsim.fluid.blend_border import BlendBorder, blend_border
+from screwsim.fluid.blend_flash import dome, table_name
+from screwsim.fluid.blend_wet import blend_wet
 from screwsim.fluid.composition import ENDING, is_blend, predefined
 from screwsim.fluid.kept import no_fluid
 from screwsim.numerics.store import append_line, read_lines
@@ -253,10 +255,30 @@ def saturated_liquid_density(fluid: str, T: float) -> float:
 
 def wet_enthalpy(fluid: str, p: float, quality: float) -> float:
     """Return the enthalpy [J/kg] of liquid and vapour in equilibrium at p [Pa]; `quality` is the vapour's share."""
-    mixed = _blend(fluid)
-    if mixed is not None:
-        raise UsageError(f"gas.fluid: {fluid} is a blend, whose wet states are not followed; give a superheat")
+    if _blend(fluid) is not None:
+        T, rho = _wet(fluid, p, quality)
+        return blend_wet(fluid).value(T, 1.0 / rho, False)
     return _saturated(fluid, "hmass", "PQ_INPUTS", p, quality)
+
+
+def wet_temperature(fluid: str, p: float, quality: float) -> float:
+    """Return the temperature [K] of liquid and vapour in equilibrium at p [Pa]; `quality` is the vapour's share."""
+    return saturation_temperature(fluid, p) if _blend(fluid) is None else _wet(fluid, p, quality)[0]
+
+
+def _wet(fluid: str, p: float, quality: float) -> tuple[float, float]:
+    """Return (T [K], ρ [kg/m³]) of a blend in two phases."""
+    T, rho = _ask(f"{table_name(fluid)} wet {p!r} {quality!r}", lambda: blend_wet(fluid).of_quality(p, quality))
+    return T, rho
+
+
+def why_no_dome(fluid: str) -> str | None:
+    """Return why two phases in equilibrium of a blend are not known, in one line; None where they are."""
+    try:
+        dome(fluid)
+    except UsageError as error:
+        return str(error).removeprefix("gas.two_phase: ")
+    return None
 
 
 def _saturated(fluid: str, wanted: str, name: str, first: float, second: float) -> float:

@@ -20,7 +20,7 @@ class Limit(Enum):
     COLD = auto()
     PRESSED = auto()
     WET = auto()
-    GLIDING = auto()  # wet, of a fluid whose two phases differ in composition
+    GLIDING = auto()  # wet, where its two phases cannot be followed: they differ in composition
 
 
 class Outside(NamedTuple):

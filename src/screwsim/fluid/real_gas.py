@@ -1,9 +1,10 @@
 """A real gas: the Helmholtz equation of state of a fluid or a blend, compiled; two phases refused or in equilibrium.
 
 `state`, `specific_entropy` and `margin` are kernels of (T, rho) alone: the fluid's numbers stand in their text. They
-hold in the dome too, in equilibrium (dome.py), but for fluids with glide, pseudo-pure ones and blends, whose single
-phase goes on there: while a cycle is being closed its chambers may condense on the way. What `two_phase: refuse`
-refuses is a closed cycle of which `why_outside` complains. Everything else is for the border, and runs compiled.
+hold in the dome too, in equilibrium (dome.py; of a blend blend_dome.py, where that is asked for). The single phase of
+pseudo-pure fluids, and of blends that are refused there, goes on: while a cycle is being closed its chambers may
+condense on the way. What `two_phase: refuse` refuses is a closed cycle of which `why_outside` complains. Everything
+else is for the border, and runs compiled.
 """
 
 from __future__ import annotations
@@ -20,8 +21,11 @@ import numpy as np
 from screwsim.codegen.modules import load
 from screwsim.faults import UsageError
 from screwsim.fluid import isobar, limits
+from screwsim.fluid.blend_dome import blend_equilibrium_kernels
+from screwsim.fluid.blend_flash import dome
+from screwsim.fluid.blend_wet import blend_wet
 from screwsim.fluid.description import Description, describe
-from screwsim.fluid.dome import equilibrium_kernels, margin_kernel, saturation_kernels
+from screwsim.fluid.dome import EquilibriumKernels, equilibrium_kernels, margin_kernel, saturation_kernels
 from screwsim.fluid.helmholtz import entropy_kernel, state_kernel
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.fluid.reservoir import Reservoir
@@ -33,8 +37,15 @@ LIQUID = 1e-6  # relative deficit of density at which a liquid still counts as s
 TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
 
+def two_phases(fluid: str, two_phase: str) -> EquilibriumKernels | None:
+    """Return the kernels of two phases in equilibrium; None where one phase goes on."""
+    if not describe(fluid).glides:
+        return equilibrium_kernels(fluid)
+    return blend_equilibrium_kernels(fluid) if two_phase == "equilibrium" else None
+
+
 @lru_cache(maxsize=64)
-def border(fluid: str) -> ModuleType:
+def border(fluid: str, two_phase: str) -> ModuleType:
     """Return the compiled module of a fluid for use from Python."""
     known = saturation_kernels(fluid)
     single = state_kernel(fluid), entropy_kernel(fluid)
@@ -47,7 +58,7 @@ def border(fluid: str) -> ModuleType:
         "saturation_pressure": known.pressure.flat_name,
         "margin": margin_kernel(fluid).flat_name,
     }
-    equilibrium = None if describe(fluid).glides else equilibrium_kernels(fluid)
+    equilibrium = two_phases(fluid, two_phase)
     kernels = single if equilibrium is None else (*single, equilibrium.state, equilibrium.entropy)
     kernels += (known.vapour, known.liquid, known.temperature, known.pressure)
     text = flatten((*kernels, margin_kernel(fluid)))
@@ -65,18 +76,24 @@ class RealGas:
     varies = True  # exponent and choking vary with the state
 
     def __post_init__(self) -> None:
-        if self.two_phase == "equilibrium" and self.known.glides:
-            what = "a blend" if self.known.blend else "a mixture described as if it were pure"
+        if self.two_phase == "equilibrium" and self.known.pseudo_pure:
             raise UsageError(
-                f"gas.two_phase: {self.known.name} is {what}: its two phases differ in "
-                "composition; use two_phase: refuse, or a pure fluid"
+                f"gas.two_phase: {self.known.name} is a mixture described as if it were pure: its two phases differ in "
+                "composition; use two_phase: refuse, or a pure fluid, or the blend itself (such as R410A.mix)"
             )
 
     @property
     def equations(self) -> tuple[str, ...]:
         """Numbers of its equations in docs/model.md."""
-        own = ("M310", "M311", "M312", "M313", "M314", "M315", "M316", "M48") if self.known.blend else ("M47", "M48")
-        return ("M46", *own)
+        if not self.known.blend:
+            return "M46", "M47", "M48"
+        own = ("M350", "M351", "M352", "M353") if self.two_phase == "equilibrium" else ()
+        return "M46", "M310", "M311", "M312", "M313", "M314", "M315", "M316", *own, "M48"
+
+    @property
+    def follows(self) -> bool:
+        """Is it a blend whose two phases are followed?"""
+        return self.known.blend and self.two_phase == "equilibrium"
 
     @property
     def known(self) -> Description:
@@ -88,20 +105,20 @@ class RealGas:
     @property
     def state(self) -> Kernel:
         """Kernel (T, rho) → p, h, c_v, T ∂p/∂T, 1/k, drop and ψ² of choking."""
-        return state_kernel(self.fluid) if self.known.glides else equilibrium_kernels(self.fluid).state
+        known = two_phases(self.fluid, self.two_phase)
+        return state_kernel(self.fluid) if known is None else known.state
 
     @property
     def phased_state(self) -> tuple[Kernel, Kernel] | None:
         """Kernels (T, rho) → phase and (phase, T, rho) → state; None where there is one phase."""
-        if self.known.glides:
-            return None
-        known = equilibrium_kernels(self.fluid)
-        return known.phase, known.phased
+        known = two_phases(self.fluid, self.two_phase)
+        return None if known is None else (known.phase, known.phased)
 
     @property
     def specific_entropy(self) -> Kernel:
         """Kernel (T, rho) → s [J/(kg K)]."""
-        return entropy_kernel(self.fluid) if self.known.glides else equilibrium_kernels(self.fluid).entropy
+        known = two_phases(self.fluid, self.two_phase)
+        return entropy_kernel(self.fluid) if known is None else known.entropy
 
     @property
     def margin(self) -> Kernel:
@@ -226,10 +243,10 @@ class RealGas:
     def isentrope(self, p: float, s: float) -> tuple[float, float, float]:
         """Return (T [K], ρ [kg/m³], h [J/kg]) at p [Pa] and specific entropy s [J/(kg K)]; wet in equilibrium.
 
-        Raises UsageError where a fluid with glide would be wet.
+        Raises UsageError where a fluid with glide would be wet and that is refused.
         """
         T, rho = self._at(p, s, True)
-        below = self.known.glides and T < saturation(self.fluid).T_c
+        below = self.known.glides and self.two_phase == "refuse" and T < saturation(self.fluid).T_c
         vapour, liquid = (self._kernels[what](T) for what in ("vapour", "liquid")) if below else (rho, rho)
         if vapour * (1.0 + AT_SATURATION) < rho < liquid * (1.0 - LIQUID):
             raise UsageError(f"{self.known.name} at {p:.6g} Pa, s = {s:.6g} J/(kg K) is wet; give a warmer state")
@@ -270,6 +287,12 @@ class RealGas:
         if self.two_phase == "refuse":
             found = int(self._kernels["first_outside"](T, rho))
             return found if found >= 0 and self.why_outside(float(T[found]), float(rho[found])) else None
+        if self.follows:  # wet states beyond the table may lie anywhere
+            low, high = dome(self.fluid).edges[[0, -1]]
+            beyond = np.flatnonzero((T < low) | ((T >= high) & (T < saturation(self.fluid).T_c)))
+            for i in beyond:
+                if self.why_outside(float(T[i]), float(rho[i])) is not None:
+                    return int(i)
         extremes = sorted({int(T.argmin()), int(T.argmax()), int(rho.argmax()), int((rho * T).argmax())})
         return next((i for i in extremes if self.why_outside(float(T[i]), float(rho[i])) is not None), None)
 
@@ -284,10 +307,10 @@ class RealGas:
             return Outside(Limit.COLD, f"{at} below the equation's lowest temperature, {found.T_low:.6g} K")
         if T < found.T_c and rho >= self._kernels["vapour"](T) * (1.0 + AT_SATURATION):
             if self.two_phase == "equilibrium":
-                return None
+                return self._beyond(T, rho)
             saturated = f"{self._kernels['vapour'](T):.6g} kg/m3 at {self.saturation_pressure(T):.6g} Pa"
             what = f"{known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3 (saturated vapour: {saturated})"
-            return Outside(Limit.GLIDING if known.glides else Limit.WET, what)
+            return Outside(Limit.GLIDING if known.pseudo_pure else Limit.WET, what)
         if T > known.T_max:
             return Outside(Limit.HOT, f"{at} above the equation's highest temperature, {known.T_max:.6g} K")
         p = float(self._kernels["single state"](T, rho)[0])
@@ -295,6 +318,16 @@ class RealGas:
             what = f"{known.name} at {p:.6g} Pa is above the equation's highest pressure, {known.p_max:.6g} Pa"
             return Outside(Limit.PRESSED, what)
         return None
+
+    def _beyond(self, T: float, rho: float) -> Outside | None:
+        """Return that a blend's table does not reach a wet state; None where it does, and for a liquid."""
+        if not self.known.blend or rho > self._kernels["liquid"](T):
+            return None
+        low, high = (float(edge) for edge in dome(self.fluid).edges[[0, -1]])
+        if low <= T < high:
+            return None
+        what = f"{self.known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3"
+        return Outside(Limit.GLIDING, f"{what}: its two phases are followed from {low:.6g} K to {high:.6g} K only")
 
 
 @lru_cache(maxsize=64)  # a few states of the lines are asked for again and again
@@ -307,6 +340,9 @@ def _vapour_density(gas: RealGas, p: float, T: float) -> float:
 def _at_pressure(gas: RealGas, p: float, wanted: float, entropy: bool) -> tuple[float, float]:
     """Return (T, ρ) at p and a given enthalpy or entropy; what is not positive is no density."""
     found, known = saturation(gas.fluid), gas.known
+    wet = blend_wet(gas.fluid).at_pressure(p, wanted, entropy) if gas.follows else None
+    if wet is not None:
+        return wet
     at_pressure = _compiled(gas)["at_pressure"]
     return at_pressure(p, wanted, entropy, known.T_min, 2.0 * known.T_max, found.p_c, gas.R, found.T_c, found.rho_c)
 
@@ -314,7 +350,7 @@ def _at_pressure(gas: RealGas, p: float, wanted: float, entropy: bool) -> tuple[
 @lru_cache(maxsize=64)
 def _compiled(gas: RealGas) -> dict[str, Callable[..., Any]]:
     """Return the compiled kernels of a gas by what they give."""
-    module, known = border(gas.fluid), saturation_kernels(gas.fluid)
+    module, known = border(gas.fluid, gas.two_phase), saturation_kernels(gas.fluid)
     kernels = {
         "state": gas.state,
         "single state": state_kernel(gas.fluid),

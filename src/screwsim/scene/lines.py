@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from screwsim.fluid import constants
+from screwsim.fluid.composition import is_blend
 from screwsim.scene.types import Operation, Scene
 
 LEAST_SUPERHEAT = 1e-6  # [K] of saturated vapour: more than the round-off of saturation, which makes a liquid of it
@@ -38,13 +39,20 @@ def _lines(operation: Operation, fluid: str) -> Lines:
     T_e, T_c, cooler = operation.evaporating_temperature, operation.condensing_temperature, operation.gas_cooler
     if T_e is not None and (T_c is not None or cooler is not None):
         p_d = cooler.pressure if cooler is not None else constants.condensing_pressure(fluid, T_c or 0.0)
-        return Lines(constants.dew_pressure(fluid, T_e), _superheated(T_e, operation.superheat), p_d, suction.quality)
+        p_s = constants.dew_pressure(fluid, T_e)
+        T_s = _superheated(T_e, operation.superheat)
+        return Lines(p_s, _wet(fluid, p_s, T_s, suction.quality), p_d, suction.quality)
     if suction.pressure is None or p_d is None:
         raise ValueError("the scene states no pressures; ask cross_check first")
     T_s = suction.temperature
     if T_s is None:
         T_s = _superheated(constants.saturation_temperature(fluid, suction.pressure), suction.superheat)
-    return Lines(suction.pressure, T_s, p_d, suction.quality)
+    return Lines(suction.pressure, _wet(fluid, suction.pressure, T_s, suction.quality), p_d, suction.quality)
+
+
+def _wet(fluid: str, p_s: float, T_s: float, quality: float | None) -> float:
+    """Return the temperature [K] of suction gas: T_s, that of a wet blend below its dew point (M353)."""
+    return T_s if quality is None or not is_blend(fluid) else constants.wet_temperature(fluid, p_s, quality)
 
 
 def _superheated(T: float, superheat: float | None) -> float:

@@ -56,15 +56,13 @@ def _gas(scene: Scene) -> Iterator[Fault]:
     yield from humidity_faults(gas, scene.operation.aftercooler_temperature)
     if gas.model == "real" and gas.isentropic_exponent is not None:
         yield Fault("gas.isentropic_exponent", "belongs to model: ideal (remove it, or write model: ideal)")
-    if gas.two_phase == "equilibrium" and is_blend(gas.name):
-        what = f"{gas.name} is a blend: its two phases differ in composition, which no chamber follows"
-        yield Fault("gas.two_phase", f"{what} (write refuse, or name a pure fluid)")
     if gas.model == "ideal" and gas.two_phase == "equilibrium":
         yield Fault("gas.two_phase", "equilibrium needs model: real (write that, or remove two_phase)")
-    if scene.operation.suction.quality is not None and is_blend(gas.name):
-        what = f"belongs to a pure fluid: {gas.name} is a blend, whose wet gas is not followed"
-        yield Fault(QUALITY, f"{what} (give a superheat)")
-    elif scene.operation.suction.quality is not None and (gas.model, gas.two_phase) != ("real", "equilibrium"):
+    elif gas.two_phase == "equilibrium" and is_blend(gas.name) and constants.limits(gas.name) is not None:
+        why = constants.why_no_dome(gas.name)
+        if why is not None:
+            yield Fault("gas.two_phase", why)
+    if scene.operation.suction.quality is not None and (gas.model, gas.two_phase) != ("real", "equilibrium"):
         yield Fault(QUALITY, "needs gas.model: real and gas.two_phase: equilibrium (write both, or give a superheat)")
 
 
@@ -180,8 +178,7 @@ def _liquid(scene: Scene, path: str, p: float, T: float | None) -> Iterator[Faul
     if T is None or boiling is None:
         return
     what = f"{_shown(T)} makes {scene.gas.name} of {readable_quantity(KINDS['pressure'], p)} a liquid"
-    never = path == T_D or is_blend(scene.gas.name)
-    wet = "" if never else "; of wet gas give quality in its place, with gas.two_phase: equilibrium"
+    wet = "" if path == T_D else "; of wet gas give quality in its place, with gas.two_phase: equilibrium"
     yield Fault(path, f"{what}: it is a gas from {_shown(boiling)} on (raise it, or lower the pressure{wet})")
 
 
