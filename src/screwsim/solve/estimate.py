@@ -1,8 +1,7 @@
 """How accurate the figures of a closed cycle are.
 
-The estimate is one more life from the closed cycle with a finer tolerance and a narrower regularisation: what that
-changes in the figures, and in those that go with the net gas flow what the unclosed mass balance leaves open in it
-(docs/model.md M41).
+The estimate is one more life from the closed cycle with a finer tolerance and a narrower regularisation, or two, the
+first led by Newton's correction to where all that follow would go: what they change in the figures (docs/model.md M41).
 """
 
 from __future__ import annotations
@@ -220,7 +219,7 @@ class _Lives:
     def left(self) -> float:
         """Return the share that a correction left of the change before it; none where that is hardly any."""
         before, last = self.changes[-2:]
-        return 0.0 if last < SMALL * self.of.problem.scene.numerics.accuracy else last / before
+        return 0.0 if last < SMALL * self.of.problem.scene.numerics.accuracy else last / max(before, 1e-300)
 
 
 def _finer_cycle(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> Figures | None:
