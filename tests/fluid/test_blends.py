@@ -308,7 +308,6 @@ def test_a_second_process_never_imports_coolprop():
 def test_what_no_blend_has_is_refused():
     for what, call in (
         ("no transport properties of blends", lambda: constants.transport("R454B", 5e5, 300.0)),
-        ("whose wet states are not followed", lambda: constants.wet_enthalpy("R454B", 5e5, 0.9)),
         ("has no saturation at 400 K", lambda: constants.dew_pressure("R454B", 400.0)),
         ("has no saturation at 9e\\+06 Pa", lambda: constants.saturation_temperature("R454B", 9e6)),
     ):
