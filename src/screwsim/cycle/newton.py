@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.coordinates import logarithms
+from screwsim.cycle.coordinates import logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns
 from screwsim.cycle.linear_pitch import Tangents, shifted
@@ -180,6 +180,13 @@ class Corrections:
             self.tangents, self._too_large = None, self._too_large + 1
             self.able = self.able and self._too_large < TOO_OFTEN
         return found
+
+
+def led(problem: Problem, by: Correction, end: Array, y: Array, made: Array) -> Array:
+    """Lead the state y [in place] that the next life begins with, `end` in coordinates; return the unknowns met."""
+    entries = problem.entries
+    y[:] = states_of(end + by.along[-1, -len(end) :], y, problem.composition)
+    return entries.values(entries.coordinates(made) + by.unknowns, made)
 
 
 def _move(machinery: Machinery, by: Correction) -> None:

@@ -16,7 +16,7 @@ from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.mixing import finer
-from screwsim.cycle.newton import Corrections
+from screwsim.cycle.newton import Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import NO_HOPE, CycleSolution, Hope
 from screwsim.cycle.wanted import ENOUGH, Wanted
@@ -122,8 +122,7 @@ def relax(
             if found is not None:
                 if not begun:
                     accelerate.restart()
-                y[:] = states_of(image[: machinery.n] + found.along[-1, -machinery.n :], y, c)
-                made = entries.values(entries.coordinates(made) + found.unknowns, made)
+                made = led(problem, found, image[: machinery.n], y, made)
                 image = vector(made)
         images = [*images, machinery.image()][-DEPTH - 1 :]
         weights, mixed = accelerate.mix(point, image)

@@ -15,10 +15,10 @@ import numpy as np
 
 from screwsim.cycle.balances import mass_in, met_across
 from screwsim.cycle.close import again
-from screwsim.cycle.coordinates import NEAR, states_of
+from screwsim.cycle.coordinates import NEAR
 from screwsim.cycle.fallbacks import MOST_OF_A_TRY
 from screwsim.cycle.feedback import set_unknowns, unknowns
-from screwsim.cycle.newton import Corrections
+from screwsim.cycle.newton import Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.relaxation import SLOW, along, relax
 from screwsim.cycle.simultaneous import close_together
@@ -203,12 +203,11 @@ class _Lives:
         """Lead the last life to where all that follow would go; tell whether a correction was to be had."""
         if not self.corrections.able:
             return False
-        entries, n = self.of.problem.entries, self.machinery.n
+        n = self.machinery.n
         found = self.corrections.of_turn(self.steps, self.end[:n] - self.start[:n], self.q, self.met, self.made)
         if found is None:
             return False
-        self.y[:] = states_of(self.end[:n] + found.along[-1, -n:], self.y, self.machinery.composition)
-        self.made = entries.values(entries.coordinates(self.made) + found.unknowns, self.made)
+        self.made = led(self.of.problem, found, self.end[:n], self.y, self.made)
         return True
 
     def repeated(self) -> float:
