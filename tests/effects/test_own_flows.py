@@ -32,7 +32,7 @@ def of_closings():
 
 
 def test_the_flow_through_a_slot_is_that_of_its_law(of_closings):
-    result = of_closings("histories")
+    result = of_closings("histories", "numerics.accuracy=2e-6")  # its traces are slopes of the states
     assert result.status == "ok"
     cycle = result.cycle
     p, rho = cycle["pressure"], cycle["gas_mass"] / cycle["volume"]
@@ -41,7 +41,7 @@ def test_the_flow_through_a_slot_is_that_of_its_law(of_closings):
     flux = viscous.slot_flux(p, rho, *line, 60e-6, 20e-3, 2e-5) * 60e-6 * 0.1
     found = cycle["mass_flow_own_flows.slot"]
     assert np.count_nonzero(closed) > 100 and np.max(np.abs(found[closed])) > 0.01
-    np.testing.assert_allclose(found[closed], flux[closed], rtol=2e-3, atol=5e-4 * np.max(np.abs(found)))
+    np.testing.assert_allclose(found[closed], flux[closed], rtol=2e-3, atol=1e-4 * np.max(np.abs(found)))
 
 
 def test_its_balances_close_and_its_entropy_is_generated(of_closings):
