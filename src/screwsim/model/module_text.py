@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any
 
-from screwsim.model import closing_ports, ledger, places, surroundings, trace
+from screwsim.model import closing_ports, ledger, places, slices, surroundings, trace
 from screwsim.numerics import history, rodas
 from screwsim.numerics.kernel import HEADER, Kernel, flatten
 
@@ -55,6 +55,8 @@ def module_text(
         sizes = {"STATES": constants["CHAMBERS"] * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + 1}
     slots = asked | {name: each.flat_name for name, each in pasted.items()}
     driver = flatten((rodas.integrate,), slots, "_all" if together else "_one", sizes)
+    if together:  # what linearises a pitch
+        driver |= flatten((slices.derivatives,), slots, "", sizes)
     rest = [*pasted.values(), *(() if together else (*READ_WITH, *read_with))]
     for more in (flatten(rest, own, numbers=numbers), driver):
         blocks |= {name: text for name, text in more.items() if name not in blocks}
