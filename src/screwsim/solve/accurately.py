@@ -49,16 +49,23 @@ class Accurate(NamedTuple):
     estimating_time: float
 
 
-def solve(problem: Problem, machinery: Machinery, course: Course | None = None) -> Accurate:
+def solve(
+    problem: Problem, machinery: Machinery, course: Course | None = None, given: CycleSolution | None = None
+) -> Accurate:
     """Close the cycle, and again more tightly while the estimated error exceeds the wanted accuracy.
 
     Nothing is estimated of a cycle that did not close, that a check closed, or where the scene says
-    `numerics.error: none`. A course lends its guess; that the cycle is noted there is its owner's to see to.
+    `numerics.error: none`. A course lends its guess; that the cycle is noted there is its owner's to see to. One that was
+    `given` is closed already.
     """
     numerics, watch = problem.scene.numerics, Watch(machinery)
     tightness = 1.0 if course is None else course.tightness
     wanted = problem.wanted if tightness == 1.0 else problem.wanted.tighter(tightness)
-    cycle = settled(problem, machinery, wanted, _close_somehow(problem, machinery, wanted, course))
+    if given is None:
+        cycle = settled(problem, machinery, wanted, _close_somehow(problem, machinery, wanted, course))
+    else:
+        cycle = given
+        machinery.put(given.trajectory)
     of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
     watch.lap("closing")
     for attempt in range(TRIES):
