@@ -47,7 +47,8 @@ STALL = 2  # corrected turns near the end without progress, after which steps ar
 PROGRESS = 0.5  # of the least gap before, below which a gap is progress
 REFINED = 0.4  # tolerance of the steps then over that before
 FALLING = 0.5  # residual over that of the turn before, below which it is the turns that close a balance, not the steps
-WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves
+WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves ...
+LITTLE = 2e-3  # ... and below this
 
 
 def dear(rtol: float) -> float:
@@ -156,7 +157,7 @@ class _Turns:
     @property
     def near(self) -> bool:
         """Is the end so near that turns get there by themselves?"""
-        return self.gap <= WORTH * self.wanted.tolerance
+        return self.gap <= min(WORTH * self.wanted.tolerance, LITTLE)
 
     def slow(self) -> bool:
         """Tell whether this turn is to be corrected: where turns contract slowly, or will."""

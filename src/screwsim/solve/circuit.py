@@ -35,7 +35,7 @@ from screwsim.solve.drive import at_its_speed, settled
 Array = np.ndarray
 MOST = 20  # cycles closed for what lies around
 AGAIN = 8  # times that the last of them is solved once more
-OPEN = 0.1  # of the wanted accuracy: what may be left open of the shaft's power, or of a pressure
+OPEN = 0.2  # of the wanted accuracy: what may be left open of the shaft's power, or of a pressure
 LEAST = 0.05  # of what an unknown is expected to give back, for what is learnt of it to be believed
 KPA = 1e3  # [Pa] of a lost pressure that count as a kelvin
 LARGEST = 40.0  # [K, kPa] of a step
