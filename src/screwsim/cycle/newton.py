@@ -161,10 +161,13 @@ class Corrections:
         self._moved = moved
         return due
 
-    def of_turn(self, before: int, start: Array, q: Array, met: Array, made: Array) -> Correction | None:
+    def of_turn(
+        self, before: int, start: Array, q: Array, met: Array, made: Array, whole: bool = False
+    ) -> Correction | None:
         """Move the last history by the correction of a turn, and return it.
 
-        `before` are the steps of the history before, `start` (n,) the change of the state that a life begins with.
+        `before` are the steps of the history before, `start` (n,) the change of the state that a life begins with. With
+        `whole` none is made that would have to be shortened.
         """
         machinery, c = self.machinery, self.machinery.composition
 
@@ -175,6 +178,9 @@ class Corrections:
             return Residual(ahead, np.concatenate([start, np.zeros(N - len(start))]), q, met, made)
 
         found = self._found(residual, met)
+        if found is not None and whole and found.share < 1.0:
+            self._too_large, self.last = 0, None
+            return None
         if found is not None:
             _move(machinery, found)
         return found

@@ -93,7 +93,8 @@ class _Turns:
     """Turns, each begun from the last: (history, state at 0°, feedback unknowns) are mapped to the next.
 
     Newton's method corrects the images of slow ones; Anderson's mixes those of the others. `gap` is what a turn changed
-    of trapped mass, work and unknowns, beyond what was expected; `left` what later ones yet would.
+    of trapped mass, work and unknowns, beyond what was expected: those of the turn before, corrected or mixed. `left`
+    is what later ones yet would.
     """
 
     def __init__(
@@ -104,9 +105,9 @@ class _Turns:
         c.P[c.widths] = wanted.widths
         self.corrections, self.accelerate = Corrections(problem, machinery, lent), Anderson(DEPTH)
         self.images: list[tuple[Array, Array, int]] = []
-        self.seen: list[tuple[float, float]] = []  # mass and work expected of each
+        self.seen: list[tuple[float, float]] = []  # mass and work of each
         self.met, self.q, self.number = unknowns(problem, machinery), np.zeros(machinery.nq), 0
-        self.guessed, self.expected, self.contraction = hope is not NO_HOPE, hope.seen, hope.contraction
+        self.guessed, self.expected, self.contraction = hope is not NO_HOPE, [hope.seen], hope.contraction
         self.finest = self.rtol = hope.share * wanted.of_histories * wanted.rtol
         self.next_rtol = self.finest if hope.gap <= GOOD else FIRST_RTOL
         self.gap = self.first_gap = self.moved = self.left = 1.0
@@ -132,11 +133,12 @@ class _Turns:
         now = (float(machinery.R[R_TRAPPED]), float(self.q[0]))
         self.least_work = LEAST_WORK * now[0] * problem.pv
         self.before = self.gap, self.moved
-        self.gap = max(change(now, self.expected, self.least_work), problem.entries.change(self.made, self.met))
+        changed = min(change(now, expected, self.least_work) for expected in self.expected)
+        self.gap = max(changed, problem.entries.change(self.made, self.met))
         self.moved = NEAR * float(np.max(np.abs(self.image - self.point)))
         if self.number == 1:  # what was expected of mass and work may agree by chance: the states must, too
             self.gap = self.first_gap = max(self.gap, self.moved)
-        self.expected, self.residual_before = now, self.residual
+        self.expected, self.residual_before = [now], self.residual
         self.residual = residuals(problem, machinery.R, self.q).largest if self.rtol <= self.finest else np.inf
         return None
 
@@ -175,9 +177,10 @@ class _Turns:
         begun = corrections.begun
         if corrections.due(self.slow(), self.moved, self.near):
             start = self.image[:n] - self.point[:n]
-            found = corrections.of_turn(self.steps_before, start, self.q, self.met, self.made)
+            whole = self.number == 1  # of a guess that is farther off a correction may be anything
+            found = corrections.of_turn(self.steps_before, start, self.q, self.met, self.made, whole)
             if found is not None and found.share == 1.0:
-                work = abs(found.work) / max(abs(self.expected[1]), self.least_work)
+                work = abs(found.work) / max(abs(self.q[0]), self.least_work)
                 self.left = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
             return found
         if not begun:
@@ -203,8 +206,8 @@ class _Turns:
             self.accelerate.restart()
             made = led(problem, correction, self.image[:n], self.y, made)
             mixed = self.vector(made)
-            mass, work = self.expected
-            self.expected = mass * float(np.exp(correction.mass)), work + correction.work
+            ((mass, work),) = self.expected
+            self.expected = [(mass * float(np.exp(correction.mass)), work + correction.work)]
             self.next_rtol = LED * self.left
         else:
             mixed = self._mixed()
@@ -216,13 +219,13 @@ class _Turns:
     def _mixed(self) -> Array:
         """Return what Anderson's method mixes of the last images, and do so with their histories."""
         self.images = [*self.images, self.machinery.image()][-DEPTH - 1 :]
-        self.seen = [*self.seen, self.expected][-DEPTH - 1 :]
+        self.seen = [*self.seen, self.expected[0]][-DEPTH - 1 :]
         weights, mixed = self.accelerate.mix(self.point, self.image)
         if len(weights) == 1 or not np.max(np.abs(mixed - self.image)) < TOO_FAR:
             return self.image
         self.machinery.blend(self.images[-len(weights) :], weights)
         mass, work = (weights @ np.array(self.seen[-len(weights) :])).tolist()
-        self.expected = mass, work
+        self.expected = [*self.expected, (mass, work)]
         return mixed
 
     def ended(self, status: str, angle: float = 0.0) -> CycleSolution:
