@@ -38,6 +38,7 @@ TOO_FAR = 0.3  # of a mixture from the newest image, in coordinates, which is no
 MAX_TURNS = 40
 LEAKS = 0.13  # mass residual of a first turn, above which it is corrected: what chambers give each other of the charge
 SLOW = 0.3  # change of a turn over that of the one before, above which Newton corrects it
+LASTING = 0.9  # the same, above which near the end it is noise of the steps
 FAR = 0.02  # gap above which the second turn is corrected: how fast turns contract is told by the third
 FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction tells nothing
 QUICK = 0.2  # change of a turn over that of the one before, below which what is to come follows from it
@@ -77,10 +78,10 @@ def relax(
         angle = turns.integrate()
         if angle is not None:
             return turns.ended("failed", angle) if last else None
-        if turns.closed(turns.gap, 1.0):
+        if turns.closed():
             return turns.ended("ok")
         correction = turns.correction()
-        if turns.closed(turns.left, FORESEEN if correction is not None else 1.0):
+        if turns.closes(correction is not None):
             return turns.ended("ok")
         if machinery.evaluations_of(machinery.counts) > most:
             return None
@@ -142,19 +143,23 @@ class _Turns:
         self.residual = residuals(problem, machinery.R, self.q).largest if self.rtol <= self.finest else np.inf
         return None
 
-    def closed(self, change: float, share: float) -> bool:
-        """Tell whether a change is within a share of the tolerance, and the balances are closed.
+    def closed(self) -> bool:
+        """Tell whether the last turn changed as little as is wanted, and the balances are closed.
 
         Where only these are not, nor on the way there, it is for the steps.
         """
-        if not (change <= share * self.wanted.tolerance and self.rtol <= self.finest):
+        if not (self.gap <= self.wanted.tolerance and self.rtol <= self.finest):
             return False
         if self.residual <= ENOUGH * self.wanted.bound:
             return True
-        stands = self.moved <= self.wanted.tolerance and self.residual > FALLING * self.residual_before
-        if stands and self.rtol <= self.finest:
+        if self.moved <= self.wanted.tolerance and self.residual > FALLING * self.residual_before:
             self.finest = finer(self.finest, self.residual / self.wanted.bound)
         return False
+
+    def closes(self, corrected: bool) -> bool:
+        """Tell whether so little is still to come that no turn need show it, and the balances are closed well."""
+        little = self.left <= (FORESEEN if corrected else 1.0) * self.wanted.tolerance
+        return little and self.rtol <= self.finest and self.residual <= self.wanted.ahead * self.wanted.bound
 
     @property
     def near(self) -> bool:
@@ -165,8 +170,10 @@ class _Turns:
         """Tell whether this turn is to be corrected: where turns contract slowly, or will."""
         if self.number == 1:  # states that are far off still lead nearer there
             return not self.guessed and residuals(self.problem, self.machinery.R, self.q).mass > LEAKS
-        far = self.gap > (SLOW * self.before[0] if self.number > 2 else FAR)
-        return far and self.moved < FARTHEST and not self.near
+        ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)
+        if self.near:  # where turns by themselves would take more than two more
+            return known and SLOW < ratio < LASTING and self.gap * ratio * ratio > self.wanted.tolerance
+        return self.moved < FARTHEST and (ratio > SLOW if self.number > 2 else self.gap > FAR)
 
     def correction(self) -> Correction | None:
         """Return Newton's correction of this turn, by which the last history is moved; foresee what is still to come.
@@ -179,6 +186,8 @@ class _Turns:
             start = self.image[:n] - self.point[:n]
             whole = self.number == 1  # of a guess that is farther off a correction may be anything
             found = corrections.of_turn(self.steps_before, start, self.q, self.met, self.made, whole)
+            if found is not None and not begun:
+                self.accelerate.restart()
             if found is not None and found.share == 1.0:
                 work = abs(found.work) / max(abs(self.q[0]), self.least_work)
                 self.left = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
@@ -201,28 +210,31 @@ class _Turns:
     def go_on(self, correction: Correction | None) -> None:
         """Let the next turn begin where this one leads: corrected, or mixed with those before."""
         problem, machinery, n = self.problem, self.machinery, self.machinery.n
-        made, mixed = self.made, self.image
+        made = self.made
         if correction is not None:
-            self.accelerate.restart()
             made = led(problem, correction, self.image[:n], self.y, made)
-            mixed = self.vector(made)
             ((mass, work),) = self.expected
             self.expected = [(mass * float(np.exp(correction.mass)), work + correction.work)]
+            mixed = self._mixed(self.vector(made), self.stalled > 0)
             self.next_rtol = LED * self.left
         else:
-            mixed = self._mixed()
+            mixed = self._mixed(self.image)
             self.next_rtol = min(THEN * self.rtol, AHEAD * self.gap)
         self.y[:] = states_of(mixed[:n], self.y, machinery.composition)
         self.met = problem.entries.values(mixed[len(mixed) - len(self.met) :], made)
         set_unknowns(problem, machinery, self.met)
 
-    def _mixed(self) -> Array:
-        """Return what Anderson's method mixes of the last images, and do so with their histories."""
+    def _mixed(self, image: Array, wanted: bool = True) -> Array:
+        """Return what Anderson's method mixes of the last images, where that is wanted, and do so with their histories.
+
+        Those that were corrected are not mixed as long as corrections lead on: what different steps leave between their
+        histories is a residual of the gas.
+        """
         self.images = [*self.images, self.machinery.image()][-DEPTH - 1 :]
         self.seen = [*self.seen, self.expected[0]][-DEPTH - 1 :]
-        weights, mixed = self.accelerate.mix(self.point, self.image)
-        if len(weights) == 1 or not np.max(np.abs(mixed - self.image)) < TOO_FAR:
-            return self.image
+        weights, mixed = self.accelerate.mix(self.point, image)
+        if not wanted or len(weights) == 1 or not np.max(np.abs(mixed - image)) < TOO_FAR:
+            return image
         self.machinery.blend(self.images[-len(weights) :], weights)
         mass, work = (weights @ np.array(self.seen[-len(weights) :])).tolist()
         self.expected = [*self.expected, (mass, work)]

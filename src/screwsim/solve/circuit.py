@@ -29,7 +29,7 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
-from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Watch, note, solve
+from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Watch, asked_for, note, solve
 from screwsim.solve.drive import at_its_speed, settled
 
 Array = np.ndarray
@@ -42,6 +42,7 @@ LARGEST = 40.0  # [K, kPa] of a step
 HALVINGS = 6  # of a step to where oil or effects cannot be, or where no cycle closes
 WARMER = (15.0, 30.0, 50.0)  # [K] than the first guess, where no cycle closes with that
 CONTRACTS = 0.1  # what a step is expected to leave of what is open ...
+LEARNT = 0.01  # ... the same with a Jacobian of the point before ...
 ROUGH = 0.05  # ... and the changes over that, with which the cycle after it is closed
 ROUGHEST = 1e-3  # tolerance of a step of such a cycle, at most: looser ones may go astray
 APART = 0.05  # [K, kPa] between two cycles from which sensitivities are taken
@@ -74,6 +75,7 @@ class Search:
     last: tuple[Array, Array] | None = None
     seen: list[tuple[Array, Figures]] = field(default_factory=list)  # unknowns and figures of the cycles
     expected: float = 1.0  # what the next cycle will leave open
+    contracts: float = CONTRACTS  # what a step is expected to leave of that
     cycle: CycleSolution | None = None  # the last one; None where it was closed less tightly than the scene asks
 
     def step(self, x: Array, asked: Asked) -> Array:
@@ -109,7 +111,7 @@ class Search:
     def closed(self, problem: Problem, course: Course) -> Evaluation | None:
         """Return a problem's closed cycle, begun from a course; None where it does not close."""
         machinery = leased(problem)
-        watch, asked = Watch(machinery), problem.wanted.tighter(self.course.tightness)
+        watch, asked = Watch(machinery), asked_for(problem, self.course.tightness)
         wanted = _rough(asked, self.expected)
         cycle = settled(problem, machinery, wanted, close(problem, machinery, wanted, course))
         watch.lap("closing")
@@ -203,6 +205,7 @@ def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
     search.course.tightness = series.course.tightness
     problem = at_its_speed(problem, series)
     search.jacobian, search.expected = series.around
+    search.contracts = CONTRACTS if search.jacobian is None else LEARNT
     of, guess = search.closed(problem, series.course), unknowns_of(problem)
     for warmer in WARMER if any(open_temperatures(problem.scene)) else ():
         if of is not None:
@@ -219,7 +222,7 @@ def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
         enough = asked.open <= OPEN * of.problem.scene.numerics.accuracy
         if enough and search.cycle is not None:
             break
-        search.expected = 0.0 if enough else CONTRACTS * asked.open
+        search.expected = 0.0 if enough else search.contracts * asked.open
         after = search.next(of, asked)
         if after is None:
             break
