@@ -29,7 +29,8 @@ STALE = 0.6  # change of a corrected turn over that of the one before, above whi
 OF_NO_USE = 0.9  # ... and above which, if it just was, corrections are given up
 BEYOND = 0.1  # of a correction by new tangents, in coordinates, above which the next is by newer ones
 REPEATED = 0.5  # share of a correction that the next repeats, up to which what later ones add is made at once
-LARGEST = 1.0  # of a correction, in coordinates: of a larger one that share is made
+LARGEST = 1.0  # of a correction, in coordinates: of a larger one that share is made ...
+LEAST_SHARE = 0.4  # ... but none where that is less: a linear one tells nothing there
 SINGULAR = 300.0  # a correction over the change that it is made of, above which any state is about as good as another
 TOO_OFTEN = 3  # corrections that were too large, after which there are no more
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
@@ -93,6 +94,8 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
     if not largest <= SINGULAR * changed:  # not finite, too
         return None
     share = min(1.0, LARGEST / max(largest, LARGEST))
+    if share < LEAST_SHARE:
+        return None
     of_states, along, of_unknowns = (share * each for each in found)
     mass, work = _trapped(c, of_states), share * float(sums[0] @ weights)
     return Correction(tangents.edges, of_states, along, of_unknowns, share, mass, work)
@@ -178,8 +181,8 @@ class Corrections:
             return Residual(ahead, np.concatenate([start, np.zeros(N - len(start))]), q, met, made)
 
         found = self._found(residual, met)
-        if found is not None and whole and found.share < 1.0:
-            self._too_large, self.last = 0, None
+        if whole and (found is None or found.share < 1.0):
+            self._too_large, self.tangents, self.last = 0, None, None
             return None
         if found is not None:
             _move(machinery, found)

@@ -17,8 +17,8 @@ class Wanted:
     """What counts as closed: `tolerance` on changes of mass and work, `bound` on the balances, `rtol` of a step.
 
     Steps of waveforms have `of_histories` times that `rtol`; `widths` [Pa] are those of the regularisation, in the
-    order of `Composition.widths`. `ahead` is the share of the bound with which a cycle may close while little is still to
-    come, before a turn shows it. With a `check` its method closes the cycle once ours has.
+    order of `Composition.widths`. `ahead` is the share of the bound with which a cycle may close while little is
+    still to come, before a turn shows it. With a `check` its method closes the cycle once ours has.
     """
 
     rtol: float
