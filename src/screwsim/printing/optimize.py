@@ -72,7 +72,8 @@ def print_optimize(found: Optimum) -> None:
         say(wrapped(asked.scene.title))
     senses = (f"{'lowest' if aim.minimum else 'highest'} {shown_name(aim.figure)}" for aim in asked.aims)
     over = "" if asked.points.single else f" over {asked.points.name}"
-    say(wrapped(f"{' and '.join(senses)}{over}, varying {', '.join(_range(asked, i) for i in range(len(asked.spans)))}"))
+    ranges = ", ".join(_range(asked, i) for i in range(len(asked.spans)))
+    say(wrapped(f"{' and '.join(senses)}{over}, varying {ranges}"))
     for bound in asked.bounds:
         say(wrapped(f"subject to {shown_name(bound.figure)} {bound.sign} {_text(bound.figure, bound.value)}"))
     for line in asked.points.told:
@@ -119,6 +120,8 @@ def _print_best(found: Optimum) -> None:
 
 
 def _reach(found: Optimum, path: str, reach: Reach) -> str:
+    if reach.low == reach.high:
+        return "no other"
     low, high = (in_customary(found.asked.scene, path, end)[0] for end in (reach.low, reach.high))
     return f"{low:.5g} … {high:.5g}"
 
@@ -127,7 +130,7 @@ def _points(found: Optimum) -> Iterator[str]:
     """Yield the lines of a table of the operating points at the best."""
     asked, points = found.asked, found.asked.points
     sought = [aim.figure for aim in asked.aims]
-    names = [name for name in dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *BESIDE))]
+    names = list(dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *BESIDE)))
     there = [name for name in names if all(each.result.performance.get(name) is not None for each in found.points)]
     weight = "energy share" if points.energy else "weight"
     paths = list(dict.fromkeys(path for each in found.points for path in each.values))

@@ -21,7 +21,8 @@ BEGINS = "# Found by: screwsim "  # a scene that a study wrote
 def check_scene_file(path: Path, option: str = "-o") -> None:
     """Raise UsageError where a scene is not to be written: another ending, or a file that no study wrote."""
     if path.suffix.lower() not in (".yaml", ".yml"):
-        raise UsageError(f"{option} {path}: a scene is written, which ends in .yaml (write {path.with_suffix('.yaml')})")
+        good = path.with_suffix(".yaml")
+        raise UsageError(f"{option} {path}: a scene is written, which ends in .yaml (write {option} {good})")
     keep_others(path, BEGINS.encode())
 
 

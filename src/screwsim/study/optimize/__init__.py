@@ -49,9 +49,9 @@ class Optimum:
     """What was found, all in SI units; `status` none: no evaluation has results within the bounds.
 
     Rows of `places` (0 … 1 between the bounds), `aims`, `errors` (of the aims, numerical, absolute) and `excess` (over
-    the bounds) are the evaluations; NaN where one failed. `front` are the rows that no other dominates, by the first aim;
-    with one aim that is the best alone, of which `values`, `reach`, `points` and `scene` are. `others` are further local
-    optima (value, aim) of one path.
+    the bounds) are the evaluations; NaN where one failed. `front` are the rows that no other dominates, by the first
+    aim; with one aim that is the best alone, of which `values`, `reach`, `points` and `scene` are. `others` are further
+    local optima (value, aim) of one path.
     """
 
     asked: Question
@@ -109,13 +109,14 @@ def optimize(
                                   maximize=["isentropic_efficiency", "cooling_capacity"])
         found.values_at(found.front[0]), found.aims[found.front]
 
-    What is asked is as in `question`. With an `output` all evaluations are kept in HDF5, and those of an interrupted run
-    of the same question are not repeated (unless `restart`).
+    What is asked is as in `question`. With an `output` all evaluations are kept in HDF5, and those of an interrupted
+    run of the same question are not repeated (unless `restart`).
     """
     base = replace(scene, sweep={}, joints=(), text="")
     base = replace(base, text=scene_text(base))
     spans = vary if isinstance(vary, Mapping) else spans_of(scene, vary)
-    asked = question(base, spans, maximize, minimize, subject_to=subject_to, over=over, evaluations=evaluations, seed=seed)
+    more = {"subject_to": subject_to, "over": over, "evaluations": evaluations, "seed": seed}
+    asked = question(base, spans, maximize, minimize, **more)
     return run(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=progress)
 
 
@@ -187,7 +188,8 @@ def _judged(record: Record, top: Top | None, simulate: Simulate) -> Optimum:
         return found
     best = int(front[0])
     points = tuple(simulated(asked, rounded(asked.scene, found.values), simulate))
-    others = () if top is None else tuple((asked.spans[0].value(each.x), float(signs[0] * -each.y)) for each in top.others)
+    lower = () if top is None else top.others
+    others = tuple((asked.spans[0].value(each.x), float(signs[0] * -each.y)) for each in lower)
     reach = {span.path: _reach(found, feasible, i, best, top) for i, span in enumerate(asked.spans)}
     return replace(found, reach=reach, others=others, points=points, scene=found.scene_at(best))
 

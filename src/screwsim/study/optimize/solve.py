@@ -1,4 +1,4 @@
-"""The searches: over one path by bracket and bounded search, one aim by differential evolution with a polish, else NSGA-II.
+"""The searches: one path by bracket and bounded search, one aim by differential evolution and a polish, else NSGA-II.
 
 Each works on places 0 … 1 between the bounds and asks a `Record` for evaluations until it has converged or those are
 spent. Failed evaluations are worse than any other; of those that break bounds the less the better.

@@ -141,11 +141,11 @@ def _found(rest: Scene, asked: Question, simulate: Simulate | None, number: int)
 def _sized(trials: Trials, found: Found, met: Trial | None, asked: Question) -> Found:
     """Return an answer with the next size of the catalogue."""
     size, path = next_size(trials, met, asked.sizes), asked.spans[0].path
-    counts = {"solutions": len(trials.known), "failed": len(trials.reasons)}
+    counts: dict[str, Any] = {"solutions": len(trials.known), "failed": len(trials.reasons)}
     if size is None:
         largest = shown_value(trials.scene, path, asked.sizes[-1])
-        why = f"no size of the catalogue up to {largest} meets the goal"
-        return replace(found, status="none", message="; ".join(filter(None, (why, found.message))), scene=None, **counts)
+        why = "; ".join(filter(None, (f"no size of the catalogue up to {largest} meets the goal", found.message)))
+        return replace(found, status="none", message=why, scene=None, **counts)
     scene = _written(with_values(trials.scene, {path: size.value}))
     message = "" if found.status == "none" else found.message
     return replace(found, status="ok", message=message, size=size, scene=scene, result=size.result, **counts)

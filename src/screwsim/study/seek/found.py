@@ -36,9 +36,9 @@ class Size:
 class Found:
     """What was found at one point of the scene's other axes (`at`), all in SI units.
 
-    `status` is ok; none: nothing in the ranges meets the goals, `values` and `figures` are those of the nearest; failed:
-    no solution has the figures. `uncertainties` are what the figures' estimated numerical `errors` (absolute) make of the
-    values; `borders` names the end of a range at which a value lies.
+    `status` is ok; none: nothing in the ranges meets the goals, `values` and `figures` are those of the nearest;
+    failed: no solution has the figures. `uncertainties` are what the figures' estimated numerical `errors` (absolute)
+    make of the values; `borders` names the end of a range at which a value lies.
     """
 
     status: str  # ok | none | failed
@@ -81,7 +81,7 @@ def judged(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -> Found:
     return Found("ok", **head, message=told, **_counts(trials))
 
 
-def _counts(trials: Trials) -> dict[str, int]:
+def _counts(trials: Trials) -> dict[str, Any]:
     return {"solutions": len(trials.known), "failed": len(trials.reasons)}
 
 
@@ -134,10 +134,9 @@ def missed(trials: Trials, best: Trial) -> str:
     assert best.off is not None
     came = ", ".join(figure_text(goal.figure, off + goal.value) for goal, off in zip(goals, best.off, strict=True))
     borders = _borders(trials, best)
-    where = ", ".join(
-        f"{span.path} {shown_value(scene, span.path, value)}" + (f", its {borders[span.path]}" if span.path in borders else "")
-        for span, value in zip(trials.spans, trials.values(best.places).values(), strict=True)
-    )
+    at = {path: f", its {border}" for path, border in borders.items()}
+    values = trials.values(best.places).items()
+    where = ", ".join(f"{path} {shown_value(scene, path, value)}{at.get(path, '')}" for path, value in values)
     remedy = "widen the range" if borders else "change what else bounds it"
     return f"nothing within {ranges} gives {wanted}: the nearest is {came}, at {where} ({remedy})"
 
