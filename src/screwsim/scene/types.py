@@ -211,6 +211,7 @@ class Scene:
     @property
     def own(self) -> dict[str, str]:
         """The modules of the user's own that this scene names, and where it names them."""
-        named = {"machine.kind": self.machine.kind, "numerics.integrator": self.numerics.integrator}
+        named = {"machine.kind": self.machine.kind, "gas.model": self.gas.model}
+        named["numerics.integrator"] = self.numerics.integrator
         found = {name: f"{path}: {name}" for path, name in named.items() if "." in name}
         return found | {name: f"effects.{name}" for name in self.effects if "." in name}
