@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
     from screwsim.simulate import simulate
+    from screwsim.study.optimize import optimize
+    from screwsim.study.seek import find
     from screwsim.study.sweep import sweep
 
 __version__ = "0.1.0"
@@ -30,9 +32,11 @@ __all__ = [
     "SceneError",
     "UsageError",
     "__version__",
+    "find",
     "load",
     "loads",
     "open_results",
+    "optimize",
     "schema",
     "simulate",
     "sweep",
@@ -43,9 +47,11 @@ _HOMES = {
     "Scene": "screwsim.scene",
     "SceneError": "screwsim.faults",
     "UsageError": "screwsim.faults",
+    "find": "screwsim.study.seek",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
     "open_results": "screwsim.results",
+    "optimize": "screwsim.study.optimize",
     "schema": "screwsim.scene",
     "simulate": "screwsim.simulate",
     "sweep": "screwsim.study.sweep",
