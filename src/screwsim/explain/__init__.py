@@ -287,75 +287,7 @@ def _paths(parts: Parts) -> Iterator[str]:
             yield row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
     yield row("every path", "nozzle flow in both directions, choking included (M12, M13)")
     if parts.geometry.chambers > 1:
-<<<<<<< HEAD:src/screwsim/explain.py
-        yield _row("ahead of the last", "lies the discharge line; behind the first one there is no gap")
-
-
-def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
-    gas = parts.gas
-    equations = f" ({', '.join(gas.equations)})" if gas.equations else ""
-    model = f"gas of {scene.gas.model}" if "." in scene.gas.model else f"{scene.gas.model} gas"
-    yield _row(scene.gas.name, f"{model}{equations}")
-    dry = gas.dry if isinstance(gas, MoistAir) else gas
-    if isinstance(dry, IdealGas):
-        given = "given" if scene.gas.isentropic_exponent is not None else "cp0/(cp0 - R) at suction temperature"
-        yield _row("", f"R = {dry.R:.6g} J/(kg K), k = {dry.k:.6g} ({given})")
-    at, operation = lines(scene), scene.operation
-    if isinstance(gas, MoistAir):
-        humid = f"relative humidity {scene.gas.relative_humidity:g} of the suction line"
-        yield _row("water", f"{gas.humidity_ratio:.5g} per dry air ({humid}, M320)")
-        where = "discharge pressure" if package_of(scene) is None else "the outlet's pressure, of what is sucked"
-        yield _row("dew point", f"{gas.dew_point(at.p_d):.5g} K at {where} (M327)")
-    condensing = "dew" if is_blend(scene.gas.name) else "bubble"
-    dew = _stated(operation.evaporating_temperature, "dew")
-    bubble = _stated(operation.condensing_temperature, condensing)
-    yield _row("suction line", f"{at.p_s / 1e5:.6g} bar{dew}, {at.T_s:.6g} K")
-    T_d = operation.discharge.temperature
-    back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)
-    yield _row("surroundings", f"{operation.ambient_temperature:.6g} K, to which the ledger's exergy refers (M59)")
-    back = f"what flows back has {'the ' if T_d is None else ''}{back}"
-    yield _row("discharge line", f"{at.p_d / 1e5:.6g} bar{bubble}; {back}")
-    if package_of(scene) is not None:
-        yield _row("package", "both are its lines; what it loses to the machine is found with the cycle (M341-M343)")
-    if operation.condensing_temperature is not None:
-        subcooling = readable_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
-        yield _row("cooling", f"liquid subcooled by {subcooling}; enthalpies of the real fluid (M43)")
-    cooler = operation.gas_cooler
-    if cooler is not None:
-        T = readable_quantity(KINDS["temperature"], cooler.outlet_temperature)
-        yield _row("cooling", f"the gas cooler leaves it at {T}; enthalpies of the real fluid (M330)")
-
-
-def _stated(T: float | None, point: str) -> str:
-    """Return what to say of a line whose pressure is that of saturation at T [K] (M42)."""
-    return "" if T is None else f" ({point} point at {T:.6g} K, M42)"
-
-
-def _oil(scene: Scene, parts: Parts) -> Iterator[str]:
-    oil, supply = scene.oil, scene.oil_supply
-    if oil is None or supply is None:
-        yield _row("none", "no oil is injected")
-        return
-    yield _row("oil", _parameters(oil, skip=("transport",)))
-    port = parts.oil_port
-    at = f"{math.degrees(parts.geometry.injection_angle):g} deg"
-    if port is not None:
-        at = f"a port up to {math.degrees(port.closes):g} deg"
-    equation = f"its ratio d at {at} is given" if supply.kind == "pump" else "the orifice decides (M30)"
-    foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
-    yield _row("supply", f"{supply.kind}: {equation}; {_parameters(supply, skip=foreign)}")
-    if supply.temperature is None:
-        outlet = "is that of the cooler's outlet (M283)"
-        found = "is found with the cycle (M284)" if open_temperatures(scene)[0] else outlet
-        yield _row("temperature", found)
-    if parts.oil_room:
-        yield _row("room", "the oil takes room in the chambers (M106); the indicated work lifts it to discharge")
-    heated = any("T_oil" in active.effect.states for active in scene.effects.values())
-    text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
-    yield _row("transport", text if heated else "oil exchanges no heat and is no part of the balances (no oil_heat)")
-=======
         yield row("ahead of the last", "lies the discharge line; behind the first one there is no gap")
->>>>>>> 1e59859187d2c2da745c7cfcd0440bd538f4dd59:src/screwsim/explain/__init__.py
 
 
 def _numerics(scene: Scene) -> Iterator[str]:
