@@ -159,6 +159,18 @@ class Results:
 
         return dataset(self, group)
 
+    def to_pandas(self, group: str = "performance") -> Any:
+        """Return one group as a pandas.DataFrame, a row a case: what varies, then the variables, SI units."""
+        from screwsim.results.dataset import frame
+
+        return frame(self, group)
+
+    def __repr__(self) -> str:
+        axes = " × ".join(f"{axis.path} ({len(axis.values)})" for axis in self.axis_list) or "one run"
+        words, counts = np.unique(self.status, return_counts=True)
+        ended = ", ".join(f"{count} {word}" for word, count in zip(words, counts, strict=True))
+        return f"Results of {self.path}: {axes}; {ended}; figures: {', '.join(self.figures)}"
+
 
 def open_results(path: str | Path) -> Results:
     """Return the results in a file; raise UsageError, in one line, when it is not a results file of ours."""
