@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -9,6 +10,7 @@ from typing import Any
 
 from screwsim.faults import UsageError
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
+from screwsim.scene.given import scene_of
 from screwsim.scene.grid import only
 from screwsim.study.each import each
 from screwsim.study.figures import figure_of
@@ -85,16 +87,23 @@ def _spans(scene: Scene, vary: Mapping[str, tuple[float, float] | None]) -> tupl
 
 
 def find(
-    scene: Scene, vary: Vary, goals: Goals, *, catalogue: str | Sequence[float] = (), simulate: Simulate | None = None
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    vary: Vary,
+    goals: Goals,
+    *,
+    catalogue: str | Sequence[float] = (),
+    simulate: Simulate | None = None,
 ) -> Found:
     """Return the values of paths at which figures have the values wanted (a scene's sweep is left aside).
 
-        found = screwsim.find(scene, ["operation.speed"], ["cooling_capacity=500 kW"])
+        found = screwsim.find("x.yaml", ["operation.speed"], ["cooling_capacity=500 kW"])
         found.values["operation.speed"], found.scene, found.result.performance
 
-    What is varied and sought is as in `question`. Where nothing in the ranges meets the goals `status` is 'none', and
-    `message` says how near the search came.
+    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. What is varied and sought
+    is as in `question`. Where nothing in the ranges meets the goals `status` is 'none', and `message` says how near the
+    search came.
     """
+    scene = scene_of(scene)
     asked = question(scene, vary, goals, catalogue)
     return find_each(replace(scene, sweep={}, joints=(), text=""), asked, jobs=1, simulate=simulate)[0]
 
