@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
     from screwsim.simulate import simulate
+    from screwsim.study.map_points import evaluate_map
     from screwsim.study.sweep import sweep
 
 __version__ = "0.1.0"
@@ -30,6 +31,7 @@ __all__ = [
     "SceneError",
     "UsageError",
     "__version__",
+    "evaluate_map",
     "load",
     "loads",
     "open_results",
@@ -43,6 +45,7 @@ _HOMES = {
     "Scene": "screwsim.scene",
     "SceneError": "screwsim.faults",
     "UsageError": "screwsim.faults",
+    "evaluate_map": "screwsim.study.map_points",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
     "open_results": "screwsim.results",

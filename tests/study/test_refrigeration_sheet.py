@@ -183,7 +183,7 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--limit", "discharge_temperature<90"], "has no unit (write e.g. '285 K')"),
         ("control/point", ["--limit", "cop>much"], "'much' is not a number (write e.g. --limit 'cop>5')"),
         ("control/point", ["--limit", "water_flow<1"], "is not called for in this scene"),
-        ("control/point", ["--evaporating", "5 degC"], "is not LOW..HIGH (write e.g. --evaporating '-10 degC..10 degC')"),
+        ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
         ("r134a/envelope", [], "the scene varies oil_supply.ratio otherwise"),
         ("paper/point", [], "nor a refrigeration compressor (state its lines by"),
