@@ -178,7 +178,7 @@ def test_another_axis_chooses_the_map(tmp_path):
         ("evaporating_temperature=2", "'2' has no unit (write e.g. '285 K')"),
         ("cold", "is not NAME=VALUE, NAME=VALUE (write e.g. --at"),
         ("evaporating_temperature=2 degC, evaporating_temperature=3 degC", "is given twice (remove one)"),
-        ("evaporating_temprature=2 degC", "evaporating_temprature is not known; did you mean 'evaporating_temperature'?"),
+        ("evaporating_temprature=2 degC", "is not known; did you mean 'evaporating_temperature'?"),
     ],
 )
 def test_a_point_that_the_map_does_not_know_is_refused_in_one_line(tmp_path, capsys, text, words):

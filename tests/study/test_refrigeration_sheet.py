@@ -20,6 +20,7 @@ from screwsim.study.datasheet.sheet import told
 from screwsim.study.part_load import NEAR, controls, part_load
 
 CONFIGS = Path(__file__).parents[2] / "configs"
+DOCS = CONFIGS.parent / "docs"
 CONTROL = CONFIGS / "control" / "point.yaml"
 RANGES = "0 degC..5 degC", "40 degC..50 degC"
 LIMITS = ("discharge_temperature<72 degC",)
@@ -111,6 +112,25 @@ def test_a_control_that_ends_early_says_why(faked):
     assert found.why == "too slow" and found.least == pytest.approx(0.6**1.5)
     assert [step.load for step in found.steps] == pytest.approx([1.0, 0.75, 0.5], abs=NEAR)
     assert found.steps[2].setting == pytest.approx(0.5 ** (2.0 / 3.0) * omega, rel=2.0 * NEAR)
+
+
+def close(theirs, ours):
+    """Tell whether two cells are the same to one in the last digit, which another machine may round otherwise."""
+    digit = 10.0 ** -len(ours.partition(".")[2])
+    return float(theirs.strip("*")) == pytest.approx(float(ours.strip("*\u00a0")), abs=1.01 * digit)
+
+
+def test_the_how_to_shows_what_the_command_prints(sheet):
+    lines = (DOCS / "how-to" / "refrigeration-sheet.md").read_text(encoding="utf-8").splitlines()
+    capacity = lines.index("    Cooling capacity [kW]")
+    shown = {line.split()[0]: line.split()[2:] for line in lines[capacity + 2 : capacity + 8]}
+    for row in sheet.tables[0].rows:
+        evaporating = shown[row[0].split()[0]][3:5]  # 0 and 5 °C of -15 … 10 °C
+        assert all(close(theirs, ours) for theirs, ours in zip(evaporating, row[1:], strict=True))
+    (loads,) = (table for table in sheet.tables if table.title.startswith("Part load"))
+    first = next(i for i, line in enumerate(lines) if line.startswith("    speed  "))
+    for line, row in zip(lines[first : first + 16], loads.rows, strict=True):
+        assert all(close(theirs, ours) for theirs, ours in zip(line.split()[-4:], row[3:], strict=True))
 
 
 def test_limits_are_marked_and_warnings_reach_the_sheet(sheet):

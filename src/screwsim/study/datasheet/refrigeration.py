@@ -17,7 +17,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, value_at, with_values
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
-from screwsim.simulate import simulate_many, warm_up
+from screwsim.simulate import simulate_many
 from screwsim.study.datasheet.bounds import Bound, Reach, envelope
 from screwsim.study.each import each
 from screwsim.study.inputs import read_text, shown_value
@@ -116,7 +116,6 @@ def _range(base: Scene, path: str, text: str, option: str) -> tuple[float, ...]:
 
 def rating(asked: Asked, jobs: int | None = None, progress: Progress | None = None) -> Rating:
     """Return the rating of what is asked for; columns of the table and controls are computed by `jobs` workers."""
-    warm_up(asked.scene)
     (own,) = simulate_many([asked.scene], trace=False)
     full = own.performance.get("cooling_capacity") if own.status == "ok" else None
     count, many = len(asked.evaporating.values), len(asked.controls) if full else 0
