@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
     from screwsim.simulate import simulate
+    from screwsim.study.map_points import evaluate_map
     from screwsim.study.optimize import optimize
     from screwsim.study.seek import find
     from screwsim.study.sweep import run_sweep, sweep
@@ -34,6 +35,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "calibrate",
+    "evaluate_map",
     "find",
     "load",
     "loads",
@@ -55,6 +57,7 @@ _HOMES = {
     "UsageError": "screwsim.faults",
     "calibrate": "screwsim.api",
     "find": "screwsim.study.seek",
+    "evaluate_map": "screwsim.study.map_points",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
     "open_results": "screwsim.results",
