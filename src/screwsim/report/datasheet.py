@@ -35,7 +35,7 @@ def page(sheet: Any) -> str:
         "VERSION": escape(__version__),
         "TITLE": escape(sheet.title or sheet.heading),
         "HEADING": escape(sheet.heading),
-        "STYLE": source.joinpath("page").joinpath("page.css").read_text(encoding="utf-8"),
+        "STYLE": "".join(source.joinpath("page", f"{name}.css").read_text("utf-8") for name in ("theme", "page")),
         "LINES": "".join(lines),
         "HEADS": "".join(f'<th scope="col" class="n">{escape(head)}</th>' for head in sheet.heads),
         "ROWS": "".join(f"<tr>{row}</tr>" for row in rows),
