@@ -56,9 +56,9 @@ class Machine {
   }
 
   // Where the followed chamber and those before and behind it are in their lives, in degrees.
-  lives() {
+  lives(angle) {
     const { life, pitch, chambers } = this.doc;
-    return Array.from({ length: chambers }, (_, i) => (this.angle + i * pitch) % life);
+    return Array.from({ length: chambers }, (_, i) => (angle + i * pitch) % life);
   }
 
   turned(angle) {
@@ -133,14 +133,14 @@ class Machine {
     const pen = cleared(this.side);
     const [width, height] = [this.side.clientWidth, this.side.clientHeight];
     const tall = doc.R1 + doc.A + doc.R2;
-    const scale = Math.min((width - 110) / doc.length, (height - 20) / tall);
+    const scale = Math.min((width - 190) / doc.length, (height - 20) / tall);
     const [left, top] = [0.5 * (width - scale * doc.length), 0.5 * (height - scale * tall)];
     const frame = { x: (z) => left + scale * doc.length * z, y: (across) => top + scale * (across + doc.R1), scale };
     const seen = [Math.acos(Math.min(doc.H[0] / doc.R1, 1)) / RADIANS, 180 - Math.acos(Math.min((doc.A - doc.H[0]) / doc.R2, 1)) / RADIANS];
     this.barrel(pen, frame, 0, doc.R1, [seen[0], 180]);
     this.barrel(pen, frame, doc.A, doc.R2, [0, seen[1]]);
     const [male, female] = doc.lobes;
-    const lives = this.lives();
+    const lives = this.lives(this.angle);
     for (const life of lives) {
       pen.fillStyle = this.tint(life);
       const psi = doc.start + this.turned(life);
@@ -154,9 +154,9 @@ class Machine {
     pen.font = FONT;
     pen.textBaseline = "top";
     pen.textAlign = "right";
-    pen.fillText("inlet", frame.x(0) - 8, frame.y(-doc.R1));
+    pen.fillText("inlet", frame.x(0) - 52, frame.y(-doc.R1));
     pen.textAlign = "left";
-    pen.fillText("outlet", frame.x(1) + 8, frame.y(-doc.R1));
+    pen.fillText("outlet", frame.x(1) + 52, frame.y(-doc.R1));
   }
 
   barrel(pen, frame, axis, radius, [low, high]) {

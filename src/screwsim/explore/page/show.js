@@ -282,7 +282,7 @@ function moveAngle() {
   if (!shown || !machine.doc) return;
   const { angle, volume, pressure, gas_temperature: T } = shown.traces;
   const at = (values) => interpolated(angle, values, angleNow);
-  const points = machine.lives().map((life, i) => [interpolated(angle, volume, life), interpolated(angle, pressure, life), i ? 3 : 6, i ? "soft" : "accent"]);
+  const points = machine.lives(angleNow).map((life, i) => [interpolated(angle, volume, life), interpolated(angle, pressure, life), i ? 3 : 6, i ? "soft" : "accent"]);
   charts.loop.move({ points: points.reverse(), words: `${Math.round(angleNow)}°: ${plain(at(pressure))} bar, ${plain(at(volume))} cm³` });
   charts.temperatures.move({ x: angleNow, words: `${plain(at(T))} °C` });
   charts.flows.move({ x: angleNow });
