@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
     from screwsim.simulate import simulate
+    from screwsim.study.local import sensitivities
     from screwsim.study.sweep import sweep
 
 __version__ = "0.1.0"
@@ -34,6 +35,7 @@ __all__ = [
     "loads",
     "open_results",
     "schema",
+    "sensitivities",
     "simulate",
     "sweep",
 ]
@@ -47,6 +49,7 @@ _HOMES = {
     "loads": "screwsim.scene",
     "open_results": "screwsim.results",
     "schema": "screwsim.scene",
+    "sensitivities": "screwsim.study.local",
     "simulate": "screwsim.simulate",
     "sweep": "screwsim.study.sweep",
 }
