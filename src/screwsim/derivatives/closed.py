@@ -25,11 +25,12 @@ from screwsim.model.run import Machinery
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
-STEPS = 4.0  # of the integrator in a slice, to begin with
+STEPS = (4.0, 2.0, 1.0)  # of the integrator in a slice, to begin with; fewer where more do not close
 ERROR = 0.1  # of the wanted accuracy: of a slice
 ROUNDS = 9  # of refinement
 MOST = 20  # of Newton's iterations
 CLOSED = 1e-8  # relative residual with which it is ...
+ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
 NEARLY = 1e-4  # ... and with which it is near enough to place its slices
 REFINED = 1  # times that what derivatives by the states hold constant is made up for
 SHIFT = 1e-6  # of coordinates, for differences of what they make
@@ -63,13 +64,21 @@ class NotClosed(Exception):
 
 
 def collocated(problem: Problem, machinery: Machinery, life: Trajectory) -> Closed:
-    """Return the collocated cycle of a life that is closed; raise NotClosed where none is found.
+    """Return the collocated cycle of a life that is closed; raise NotClosed where none is found."""
+    why = NotClosed()
+    for steps in STEPS:
+        try:
+            return _collocated(problem, machinery, life, steps)
+        except (NotClosed, np.linalg.LinAlgError) as error:
+            why = NotClosed(str(error))
+    raise why
 
-    Slices are refined, and follow where flows turn round, until both stand.
-    """
+
+def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps: float) -> Closed:
+    """Do so from slices that are so many steps long: refined, and led by where flows turn round, until both stand."""
     machinery.put(life)
     breakpoints, tolerance = machinery.pitch_breakpoints(), ERROR * problem.scene.numerics.accuracy
-    plain = edges_of(machinery, STEPS)
+    plain = edges_of(machinery, steps)
     pitch = Pitch(problem, machinery, between(plain))
     turns, nearly = crossings(pitch), NEARLY
     for left in range(ROUNDS, 0, -1):
@@ -109,7 +118,7 @@ def _closed(pitch: Pitch, nearly: float) -> tuple[Array, Array]:
     """Close the cycle up to a relative residual; return the states at the start and the nodes, installed."""
     Y, entries, size = pitch.read(), pitch.problem.entries, np.inf
     last = np.zeros_like(Y)
-    for _ in range(MOST):
+    for left in range(MOST, 0, -1):
         start, slopes = pitch.begin(Y), pitch.slopes(Y)
         sums = pitch.sums(slopes.g)
         pitch.install(start, Y)
@@ -117,7 +126,7 @@ def _closed(pitch: Pitch, nearly: float) -> tuple[Array, Array]:
         residual = _residual(pitch, Y, start, slopes.f)
         off = pitch.image(sums) - entries.coordinates(met)
         size = max(_size(residual, Y), float(np.max(np.abs(off), initial=0.0)))
-        if size < nearly:
+        if size < nearly or (size < ENOUGH and left == 1):
             return start, Y
         if not np.isfinite(size):
             break

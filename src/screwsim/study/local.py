@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
+from screwsim.declare import is_derived
 from screwsim.derivatives.solving import found
 from screwsim.faults import UsageError
 from screwsim.outputs import Result
@@ -68,6 +69,8 @@ def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
             left_out[path] = KINDS[leaf.kind]
         elif isinstance(value, Found):
             left_out[path] = "follows from the cycle"
+        elif is_derived(value):
+            left_out[path] = "follows from what the scene states"
         else:
             values[path] = float(value)
     return values, left_out
@@ -112,7 +115,8 @@ def _asked(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> di
     for path in paths:
         check_continuous(scene, path)
         if path not in every:
-            why = "follows from the cycle" if isinstance(value_at(scene, path), Found) else "is not stated"
+            follows = isinstance(value_at(scene, path), Found) or is_derived(value_at(scene, path))
+            why = "follows from others" if follows else "is not stated"
             raise UsageError(f"{path}: {why} in this scene (state it, or leave it out)")
     return {path: every[path] for path in dict.fromkeys(paths)}
 
