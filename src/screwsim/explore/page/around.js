@@ -2,11 +2,11 @@
 
 const COUNT = 21; // of a small sweep
 const STEP = 0.03; // of a slider's travel: how far what it does is looked at
-const SLOW = 100; // [ms] from point to point of the small sweep, beyond which sliders are not coloured
+const SLOW = 250; // [ms] from point to point of the small sweep, beyond which sliders are not coloured
 const FULL_TINT = 0.15; // of a figure over the whole travel: from here on the track has its full colour
 
 let sweep = { id: 0, x: [], y: [], before: null };
-let around = { id: 0, entries: [], values: [] };
+let around = { id: 0, entries: [], values: [], left: -1 }; // left: points without an answer yet
 
 function fillSweepChoices() {
   const [figure, over, coloured] = ["figure", "over", "coloured"].map((id) => document.getElementById(id));
@@ -51,13 +51,14 @@ function askSweep() {
 function askColours() {
   clearColours();
   const each = (performance.now() - sweep.begun) / sweep.x.length;
+  around.left = 0;
   if (!document.getElementById("coloured").value || each > SLOW) return;
   const entries = liveNumbers().filter(({ control }) => control.kind === "number");
   const points = entries.flatMap(({ control }) => {
     const place = placeOf(control, numberNow(control)) / STEPS;
     return [Math.max(place - STEP, 0), Math.min(place + STEP, 1)].map((share) => [control.path, asSet(control, valueAt(control, STEPS * share))]);
   });
-  around = { entries, values: points.map(() => null) };
+  around = { entries, values: points.map(() => null), left: points.length };
   around.id = askPoints("around", points.slice(0, 200));
 }
 
@@ -68,6 +69,7 @@ function receivePoint(head) {
     if (head.index === sweep.x.length - 1) askColours();
   } else if (head.lane === "around" && head.id === around.id) {
     around.values[head.index] = head.status === "ok" ? head.performance : null;
+    around.left -= 1;
     if (head.index % 2) colourTrack(head.index >> 1);
   }
 }
