@@ -107,9 +107,9 @@ def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices)
     if "tangents" not in compiled.warm(module):
         at_first = y.copy()
         with machinery.compiling("tangents"):
-            module.slices__derivatives(*given)
+            module.slices__derivatives_all(*given)
         y[:] = at_first
-    asked = module.slices__derivatives(*given)
+    asked = module.slices__derivatives_all(*given)
     machinery.counts[2:] += c.chambers * SLICES * u, c.chambers * asked
     scale = np.where(logarithmic > 0.0, np.maximum(np.abs(y), 1e-300), 1.0)
     return A, F.transpose(0, 2, 1), Jq[:, :-1] * scale[:, None, :], G[:, :, :-1].transpose(0, 2, 1)
