@@ -1,0 +1,55 @@
+"""What `screwsim export` prints of a map: its inputs with their nodes, its outputs with their errors, the files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from screwsim.export.fmu import about, known
+from screwsim.export.table import Table
+from screwsim.export.unit import plain
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.screen import say
+
+
+def map_document(table: Table, files: Sequence[str]) -> dict[str, Any]:
+    """Return what `--json` prints."""
+    return {
+        **about(table),
+        "error": known(table.error),
+        "error_wanted": table.wanted,
+        "cases": table.cases,
+        "points_checked": table.checked,
+        "files": list(files),
+    }
+
+
+def print_map(table: Table, files: Sequence[str]) -> None:
+    """Print a map for people, SI units."""
+    if table.title:
+        say(wrapped(table.title))
+    rows = [
+        [one.name, f"{one.low:.6g}", f"{one.high:.6g}", plain(one.units), str(len(nodes))]
+        for one, nodes in zip(table.inputs, table.grid.nodes, strict=True)
+    ]
+    say("\n".join(plain_table(["input", "from", "to", "unit", "nodes"], rows, 1)))
+    say()
+    errors = zip(table.outputs, table.errors, strict=True)
+    rows = [[each.name, plain(each.units), _percent(error)] for each, error in errors]
+    say("\n".join(plain_table(["output", "unit", "error"], rows, 1)))
+    say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
+    open_nodes = f"; {table.not_ok} nodes without a closed cycle, flagged" if table.not_ok else ""
+    say(wrapped(f"{table.cases} cases{open_nodes}"))
+    for file in files:
+        say(file)
+
+
+def _percent(error: float) -> str:
+    return "not known" if known(error) is None else f"{100.0 * error:.2g} %"
+
+
+def shortfall(table: Table, remedy: str) -> str:
+    """Return why a map is not as good as was asked for; empty where it is."""
+    if table.met:
+        return ""
+    return f"the error {table.error:.2g} is above the {table.wanted:g} asked for ({remedy})"

@@ -1,0 +1,50 @@
+"""`screwsim export`: what it writes, prints and refuses."""
+
+import json
+import zipfile
+from pathlib import Path
+
+import pytest
+
+SPEED = "operation.speed=2500 rpm..3500 rpm"
+
+
+def test_a_unit_is_written_from_a_scene(command, folder):
+    answer = command("export", "fmu", "small.yaml", "-o", "new/x.fmu", "--over", SPEED, "--jobs", "1")
+    assert answer.code == 0 and "speed 2500 rpm … 3500 rpm" in answer.err
+    assert "new/x.fmu" in answer.out and "gas_mass_flow" in answer.out
+    assert "modelDescription.xml" in zipfile.ZipFile("new/x.fmu").namelist()
+
+
+def test_json_is_one_document_also_from_results(command, folder):
+    command("sweep", "swept.yaml", "-o", "x.h5", "--jobs", "1")
+    answer = command("export", "fmu", "x.h5", "-o", "x.fmu", "--sources-only", "--json")
+    found = json.loads(answer.out)
+    assert answer.code == 0 and found["files"] == ["x.fmu"]
+    assert [one["name"] for one in found["inputs"]] == ["speed"] and found["error"] is None
+    assert found["error_is"] == "not known, as no axis has five values"
+
+
+def test_an_error_that_is_not_met_is_told_with_exit_code_4(command, folder):
+    over = "operation.discharge.pressure=3 bar..25 bar"
+    wanted = ("--error", "0.00031", "--most-cases", "5", "--jobs", "1", "--sources-only")
+    answer = command("export", "fmu", "small.yaml", "-o", "x.fmu", "--over", over, *wanted)
+    assert answer.code == 4 and "is above the 0.00031 asked for" in answer.err
+    assert Path("x.fmu").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("fmu", "small.yaml", "-o", "x.zip", "--over", SPEED), "has no ending that tells its format"),
+        (("fmu", "small.yaml", "-o", "x.fmu"), "there is nothing to map over"),
+        (("fmu", "small.yaml", "-o", "x.fmu", "--over", SPEED, "--fmi", "1"), "'1' is not one of '2', '3'"),
+        (("fmuu", "small.yaml"), "did you mean 'fmu'?"),
+        (("fmu", "small.yaml", "-o", "small.fmu", "--over", SPEED), "small.fmu: is there, and not of the kind"),
+    ],
+)
+def test_what_makes_no_sense_is_one_line_and_exit_code_2(command, folder, arguments, says):
+    Path("small.fmu").write_text("mine")
+    answer = command("export", *arguments)
+    assert answer.code == 2 and says in answer.err and answer.out == ""
+    assert Path("small.fmu").read_text() == "mine"
