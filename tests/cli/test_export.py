@@ -6,6 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from screwsim.outputs import Figures, Result
+from screwsim.scene import load
+from screwsim.study.sweep import run_sweep
+
+POINT = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
 SPEED = "operation.speed=2500 rpm..3500 rpm"
 
 
@@ -48,3 +53,52 @@ def test_what_makes_no_sense_is_one_line_and_exit_code_2(command, folder, argume
     answer = command("export", *arguments)
     assert answer.code == 2 and says in answer.err and answer.out == ""
     assert Path("small.fmu").read_text() == "mine"
+
+
+def simple(scene) -> Result:
+    """Return figures that are polynomials of both temperatures."""
+    S, D = (T - 273.15 for T in (scene.operation.evaporating_temperature, scene.operation.condensing_temperature))
+    figures = Figures(
+        isentropic_efficiency=0.7 - 1e-3 * S,
+        volumetric_efficiency=0.9 - 1e-3 * D,
+        gas_mass_flow=1.0 + 0.01 * S,
+        shaft_power=3e4 + 100.0 * D,
+        cooling_capacity=2e5 + 1e3 * S,
+        discharge_temperature=350.0 + D,
+        displacement=2e-3,
+        suction_pressure=3e5 + 1e4 * S,
+        discharge_pressure=1e6 + 2e4 * D,
+    )
+    return Result("ok", performance=figures, error=Figures(dict.fromkeys(figures, 1e-6)))
+
+
+@pytest.fixture
+def both(folder):
+    """Write x.h5, a sweep over both temperatures."""
+    axes = {"sweep.operation.evaporating_temperature": [f"{T} degC" for T in (-10, -5, 0, 5)]}
+    axes["sweep.operation.condensing_temperature"] = [f"{T} degC" for T in (35, 40, 45, 50)]
+    run_sweep(load(POINT).with_(axes), folder / "x.h5", jobs=1, simulate=simple)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("tespy", "x.json"),
+        ("energyplus", "x.idf"),
+        ("energyplus", "x.epJSON"),
+        ("en12900", "x.csv"),
+        ("en12900", "x.json"),
+        ("modelica", "x.mo"),
+        ("csv", "x.csv"),
+    ],
+)
+def test_texts_are_written_from_results(command, both, kind, name):
+    answer = command("export", kind, "x.h5", "-o", f"new/{name}")
+    assert answer.code == 0 and answer.out.splitlines()[-1] == f"new/{name}"
+    text = Path("new", name).read_text()
+    assert len(text) > 500
+    again = command("export", kind, "x.h5", "-o", f"new/{name}", "--json")
+    assert json.loads(again.out)["files"] == [f"new/{name}"] and Path("new", name).read_text() == text
+    other = command("export", kind, "x.h5", "-o", "x.pdf")
+    assert other.code == 2 and "has no ending that tells its format" in other.err

@@ -94,7 +94,7 @@ def _fault(error: Exception, arguments: Sequence[str]) -> int:
     return _internal(error)
 
 
-def _below(arguments: Sequence[str]) -> tuple[Sequence[str], dict[str, Any]]:
+def _below(arguments: Sequence[str]) -> tuple[Sequence[str], Any]:
     """Return the arguments from the command's name on, and the commands there are: those of a group behind its name."""
     group = typer.main.get_group(app)
     inner = group.commands.get(arguments[0]) if arguments else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from screwsim.export.fmu import about, known
@@ -40,6 +40,30 @@ def print_map(table: Table, files: Sequence[str]) -> None:
     say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
     open_nodes = f"; {table.not_ok} nodes without a closed cycle, flagged" if table.not_ok else ""
     say(wrapped(f"{table.cases} cases{open_nodes}"))
+    for file in files:
+        say(file)
+
+
+def polynomials_document(
+    document: Mapping[str, Any], figures: Sequence[str], rows: Sequence[Any], files: Sequence[str]
+) -> dict[str, Any]:
+    """Return what `--json` prints of polynomials: what was written, and where."""
+    return {**document, "files": list(files)}
+
+
+def print_polynomials(
+    document: Mapping[str, Any],
+    figures: Sequence[str],
+    rows: Sequence[tuple[Mapping[str, float], Sequence[float]]],
+    files: Sequence[str],
+) -> None:
+    """Print the largest error of each polynomial, a row a map, and the files."""
+    say(wrapped(f"{document['title']} ({document['fluid']})"))
+    body = [
+        [", ".join(f"{path} = {value:.6g}" for path, value in at.items()) or "map", *(_percent(e) for e in errors)]
+        for at, errors in rows
+    ]
+    say("\n".join(plain_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)))
     for file in files:
         say(file)
 
