@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
     from screwsim.simulate import simulate
+    from screwsim.study.optimize import optimize
+    from screwsim.study.seek import find
     from screwsim.study.sweep import run_sweep, sweep
 
 __version__ = "0.1.0"
@@ -32,9 +34,11 @@ __all__ = [
     "UsageError",
     "__version__",
     "calibrate",
+    "find",
     "load",
     "loads",
     "open_results",
+    "optimize",
     "optimum",
     "performance_map",
     "plot",
@@ -50,9 +54,11 @@ _HOMES = {
     "SceneError": "screwsim.faults",
     "UsageError": "screwsim.faults",
     "calibrate": "screwsim.api",
+    "find": "screwsim.study.seek",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
     "open_results": "screwsim.results",
+    "optimize": "screwsim.study.optimize",
     "optimum": "screwsim.api",
     "performance_map": "screwsim.api",
     "run_sweep": "screwsim.study.sweep",

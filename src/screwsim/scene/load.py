@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 
+from screwsim.declare import KINDS
 from screwsim.effects import catalogue
 from screwsim.faults import Fault, UsageError
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
@@ -15,9 +16,10 @@ from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.files import other_file
 from screwsim.scene.sections import find_kind, read_effects, read_section
+from screwsim.scene.stated import settled
 from screwsim.scene.sweep import read_sweep
-from screwsim.scene.types import Scene
-from screwsim.scene.units import Refused
+from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
+from screwsim.scene.units import Refused, over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer, scene_error
@@ -271,6 +273,23 @@ def _keep_kind(problems: list[Problem]) -> None:
 
 def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
+    with over(_ambient(root)):
+        return _read(root, folder, problems)
+
+
+def _ambient(root: Node) -> float | None:
+    """Return the pressure [Pa] over which a tree's gauge pressures are; None where it states that badly."""
+    operation = root.value.get("operation")
+    stated = operation.value.get("ambient_pressure") if operation and isinstance(operation.value, dict) else None
+    if stated is None or stated.value is None:
+        return STANDARD_ATMOSPHERE
+    try:
+        return parse_quantity(KINDS["pressure"], stated.value) if isinstance(stated.value, str) else None
+    except Refused:
+        return None
+
+
+def _read(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)
     scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep"), paths)
@@ -279,7 +298,7 @@ def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:
         return None
-    scene = replace(scene, effects=effects, sweep=sweep, joints=joints, folder=folder)
+    scene = settled(replace(scene, effects=effects, sweep=sweep, joints=joints, folder=folder))
     faults: list[Fault] = [*cross_check(scene), *check_files(scene)]
     problems += [Problem(pointer(root, fault.path), fault.path, fault.what) for fault in faults]
     return scene
