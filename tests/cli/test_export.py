@@ -102,3 +102,13 @@ def test_texts_are_written_from_results(command, both, kind, name):
     assert json.loads(again.out)["files"] == [f"new/{name}"] and Path("new", name).read_text() == text
     other = command("export", kind, "x.h5", "-o", "x.pdf")
     assert other.code == 2 and "has no ending that tells its format" in other.err
+
+
+def test_loads_of_a_machine_without_profile_are_its_flows(command, folder):
+    answer = command("export", "loads", "small.yaml", "-o", "loads")
+    assert answer.code == 0 and "forces and surfaces need rotors with a profile" in answer.err
+    assert sorted(path.name for path in Path("loads").iterdir()) == ["flows.csv", "flows_spectrum.csv", "loads.json"]
+    assert answer.out.splitlines()[-1] == "loads/loads.json"
+    found = json.loads(command("export", "loads", "small.yaml", "-o", "loads", "--json").out)
+    assert found["status"] == "ok" and found["left_out"]
+    assert command("export", "loads", "small.yaml", "-o", "small.yaml").code == 2

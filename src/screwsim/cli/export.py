@@ -238,6 +238,43 @@ def en12900(
     return _finished(document, list(found.units), _rows(found), [file], as_json)
 
 
+@app.command()
+def loads(
+    source: Annotated[
+        str, typer.Argument(metavar="SCENE|OUT.h5", help="A scene, or the file of a run.", show_default=False)
+    ],
+    output: Annotated[Path, option("DIR", "The folder for curves, spectra, surfaces.", "-o", show_default=False)],
+    steps: Annotated[int, option("N", "Steps of a turn on the surfaces.", min=1)] = 48,
+    bearings: Annotated[
+        str | None,
+        option("A,B", "How far outside of the rotors' ends bearings lie, suction first, e.g. '40 mm,60 mm'."),
+    ] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    as_json: AsJson = False,
+) -> int:
+    """Write loads and sound: gas forces on rotors and bearings, flows of both lines, spectra, rotor surfaces."""
+    options.check_drawer(output)
+    from screwsim.export.loads import document, loads, write_loads
+    from screwsim.export.run_of import run_of, spans_of
+    from screwsim.printing import print_json
+    from screwsim.printing.export import print_loads
+
+    spans = spans_of(bearings)
+    scene, result = run_of(source, overrides or (), without or ())
+    if not result.cycle:
+        return options.complain(f"{source}: {result.told}", NOT_ALL_OK)
+    found = loads(scene, result, spans)
+    if found.without:
+        typer.echo(f"export: {found.without}", err=True)
+    files = write_loads(scene, result, found, output, steps)
+    if as_json:
+        print_json({**document(found), "status": result.status, "files": files})
+    else:
+        print_loads(found, result, files)
+    return OK if result.status == "ok" else NOT_ALL_OK
+
+
 def _polynomials(
     source: str,
     figures: Callable[[list[str]], list[str]],

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from screwsim.export.fmu import about, known
+from screwsim.export.loads import Exported, unit_of
 from screwsim.export.table import Table
 from screwsim.export.unit import plain
+from screwsim.outputs import Result
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.screen import say
 
@@ -64,6 +66,19 @@ def print_polynomials(
         for at, errors in rows
     ]
     say("\n".join(plain_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)))
+    for file in files:
+        say(file)
+
+
+def print_loads(found: Exported, result: Result, files: Sequence[str]) -> None:
+    """Print means and the first harmonics of each curve, and the files."""
+    say(wrapped(found.title or "loads"))
+    say(wrapped(f"status: {result.told if result.message else result.status}; lobe frequency {found.frequency:.5g} Hz"))
+    rows = [
+        [name, unit_of(name), *(f"{each.amplitude:.4g}" for each in spectrum[:4])]
+        for name, spectrum in found.spectra.items()
+    ]
+    say("\n".join(plain_table(["curve", "unit", "mean", "1st", "2nd", "3rd"], rows, 2)))
     for file in files:
         say(file)
 
