@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
     from screwsim.simulate import simulate
+    from screwsim.study.local import sensitivities
+    from screwsim.study.map_points import evaluate_map
     from screwsim.study.optimize import optimize
     from screwsim.study.seek import find
     from screwsim.study.sweep import run_sweep, sweep
@@ -34,6 +36,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "calibrate",
+    "evaluate_map",
     "find",
     "load",
     "loads",
@@ -44,6 +47,7 @@ __all__ = [
     "plot",
     "run_sweep",
     "schema",
+    "sensitivities",
     "simulate",
     "sweep",
 ]
@@ -55,6 +59,7 @@ _HOMES = {
     "UsageError": "screwsim.faults",
     "calibrate": "screwsim.api",
     "find": "screwsim.study.seek",
+    "evaluate_map": "screwsim.study.map_points",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
     "open_results": "screwsim.results",
@@ -63,6 +68,7 @@ _HOMES = {
     "performance_map": "screwsim.api",
     "run_sweep": "screwsim.study.sweep",
     "schema": "screwsim.scene",
+    "sensitivities": "screwsim.study.local",
     "simulate": "screwsim.simulate",
     "sweep": "screwsim.study.sweep",
 }

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from screwsim.textfiles import shipped, shipped_root
+from screwsim.textfiles import CONFIGS, shipped, shipped_root
 
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.slow
@@ -62,7 +62,7 @@ def test_a_scene_that_is_there_comes_before_a_shipped_one(tmp_path, monkeypatch)
     monkeypatch.chdir(tmp_path)
     name = "configs/paper/point.yaml"
     assert shipped(name) == str(shipped_root() / name)
-    assert shipped("configs/none.yaml") == "configs/none.yaml" and shipped("point.yaml") == "point.yaml"
+    assert shipped(f"{CONFIGS}/none.yaml") == f"{CONFIGS}/none.yaml" and shipped("point.yaml") == "point.yaml"
     assert shipped("configs/../pyproject.toml") == "configs/../pyproject.toml"
     (tmp_path / "configs" / "paper").mkdir(parents=True)
     (tmp_path / name).write_text("mine")
