@@ -24,6 +24,7 @@ KEPT = (
     "separator_temperature",
 )  # fmt: skip
 KW, HOUR = 1e-3, 3600.0
+KILOWATTS = 1e5  # a capacity, where the scene's own point has none
 HIGHEST = DISCHARGE, "discharge_pressure", "shaft_power"
 NONE, BLANK, MARK = "–", "\u00a0", "*"
 MEANT = "computed, not measured: no tolerance of EN 12900 or AHRI 540 is applied, and nobody verified it"
@@ -49,19 +50,26 @@ def refrigeration_sheet(rated: Rating) -> Sheet:
 # ---- what is said of a figure ----------------------------------------------------------------------------------
 
 
-def _columns(scene: Scene) -> tuple[tuple[str, str, float, int], ...]:
+def _columns(rated: Rating) -> tuple[tuple[str, str, float, int], ...]:
     """Return (figure, title, factor, decimals) of each table; temperatures in °C."""
+    scene, own = rated.asked.scene, rated.own.performance
+    kw, flow = _decimals(KW * (own.get(CAPACITY) or KILOWATTS)), _decimals(HOUR * (own.get(FLOW) or 1.0))
     power, cop = ELECTRICAL if "motor" in scene.effects else SHAFT
     word = "Electrical power" if power in ELECTRICAL else "Shaft power"
-    duty = ((DUTY, "Oil cooler duty [kW]", KW, 1),) if _cooled(scene) else ()
+    duty = ((DUTY, "Oil cooler duty [kW]", KW, kw),) if _cooled(scene) else ()
     return (
-        (CAPACITY, "Cooling capacity [kW]", KW, 1),
-        (power, f"{word} [kW]", KW, 1),
+        (CAPACITY, "Cooling capacity [kW]", KW, kw),
+        (power, f"{word} [kW]", KW, kw),
         (cop, f"COP of the {word.lower()}", 1.0, 2),
-        (FLOW, "Mass flow [kg/h]", HOUR, 0),
+        (FLOW, "Mass flow [kg/h]", HOUR, flow),
         (DISCHARGE, "Discharge temperature [°C]", 1.0, 1),
         *duty,
     )
+
+
+def _decimals(size: float) -> int:
+    """Return the decimals of a column by the size of its value at the scene's own point."""
+    return next((decimals for decimals, least in enumerate((1000.0, 20.0, 2.0)) if size >= least), 3)
 
 
 def _cooled(scene: Scene) -> bool:
@@ -93,7 +101,7 @@ def _tables(rated: Rating) -> Iterator[Table]:
     side = "condensing" if asked.condensing.path == CONDENSING else "gas cooler"
     across = (_at(asked.evaporating, value) for value in asked.evaporating.values)
     heads = [side, *(value.replace(" ", BLANK) for value in across)]
-    for figure, title, factor, decimals in _columns(asked.scene):
+    for figure, title, factor, decimals in _columns(rated):
         rows, marked = [], False
         for j, value in enumerate(asked.condensing.values):
             cells = []
@@ -112,14 +120,14 @@ def _tables(rated: Rating) -> Iterator[Table]:
 
 
 def _part_loads(rated: Rating) -> Iterator[Table]:
-    scene, columns = rated.asked.scene, _columns(rated.asked.scene)
-    power, cop = columns[1], columns[2]
+    scene, columns = rated.asked.scene, _columns(rated)
+    capacity, power, cop = columns[:3]
     heads = ("control", "load %", "setting", "capacity kW", f"{power[1].split()[0].lower()} kW", "COP", "discharge °C")
     rows = []
     for each in rated.loads:
         for k, step in enumerate(each.steps):
             found = step.result.performance
-            cells = [_cell(found, *column) for column in ((CAPACITY, KW, 1), (power[0], *power[2:]))]
+            cells = [_cell(found, column[0], *column[2:]) for column in (capacity, power)]
             cells += [_cell(found, cop[0], 1.0, 2), _cell(found, DISCHARGE, 1.0, 1)]
             setting = shown_value(scene, each.control.path, step.setting, 4)
             rows.append([each.control.name if k == 0 else "", f"{100.0 * step.load:.0f}", setting, *cells])
@@ -195,8 +203,8 @@ def _refrigerant(scene: Scene) -> str:
 def _point(rated: Rating, found: Mapping[str, Any]) -> str:
     if not found:
         return rated.own.told
-    columns = _columns(rated.asked.scene)
-    capacity, power = (f"{_cell(found, column[0], column[2], 1)} kW" for column in columns[:2])
+    columns = _columns(rated)
+    capacity, power = (f"{_cell(found, column[0], *column[2:])} kW" for column in columns[:2])
     cop = _cell(found, columns[2][0], 1.0, 2)
     return f"{capacity} of cooling, {power} of {columns[1][1].split(' [')[0].lower()}, COP {cop}"
 
@@ -255,7 +263,7 @@ def _notes(rated: Rating) -> Iterator[str]:
 
 def _drawings(rated: Rating) -> Iterator[Drawing]:
     asked = rated.asked
-    columns = _columns(asked.scene)
+    columns = _columns(rated)
     by = "condensing temperature" if asked.condensing.path == CONDENSING else "pressure of the gas cooler"
     for figure, title, factor, _ in (columns[0], columns[2]):
         curves = []
