@@ -153,7 +153,7 @@ def _notes(rated: Rating) -> Iterator[str]:
 def _drawings(rated: Rating) -> Iterator[Drawing]:
     asked = rated.asked
     columns = columns_of(rated)
-    by = "condensing temperature" if asked.condensing.path == CONDENSING else "pressure of the gas cooler"
+    by = "condensing" if asked.condensing.path == CONDENSING else "gas cooler"
     for figure, title, factor, _ in (columns[0], columns[2]):
         curves = []
         for j, value in enumerate(asked.condensing.values):
@@ -161,9 +161,10 @@ def _drawings(rated: Rating) -> Iterator[Drawing]:
             good = [(i, one.performance[figure]) for i, one in column if one is not None and _has(one, figure)]
             if len(good) > 1:
                 x = [celsius(asked.evaporating.values[i]) for i, _ in good]
-                curves.append(Curve(x, [factor * y for _, y in good], shown_at(asked.condensing, value)))
+                name = shown_at(asked.condensing, value)
+                curves.append(Curve(x, [factor * y for _, y in good], name if curves else f"{by} {name}"))
         if curves:
-            yield Drawing(title, f"evaporating temperature [°C], a curve a {by}", title, curves)
+            yield Drawing(title, "evaporating temperature [°C]", title, curves)
     parts = [each for each in rated.loads if len(each.curve) > 1]
     if parts:
         title = f"Part load: {columns[2][1]}"
