@@ -166,7 +166,7 @@ def _override(root: Node, override: str, place: Place, problems: list[Problem], 
     if node is None:
         return root
     keys = _keys(root, path, node)
-    if node.value == {} and (there := _at(root, keys)) is not None and there.value:
+    if node.value == {} and (there := _at(root, keys)) is not None and isinstance(there.value, dict) and there.value:
         out = "off" if path.startswith("effects.") else "null"
         what = f"{{}} changes nothing, as it merges into what is there (write {out} to take that out)"
         problems.append(Problem(place, path, what))

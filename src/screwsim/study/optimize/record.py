@@ -1,4 +1,4 @@
-"""All evaluations of an optimisation, in the order in which it asked for them; those of an earlier run are not repeated.
+"""All evaluations of an optimisation, in the order in which it asked for them; those of an earlier run are reused.
 
 What is asked for next depends on nothing but the answers so far, so that a run that is begun again asks for the same:
 the stored cases of an interrupted one are its first answers. A batch is cut into blocks whose cycles begin from each
@@ -78,7 +78,7 @@ class Record:
         return rows[:, :aims], rows[:, aims : 2 * aims], rows[:, 2 * aims :]
 
     def evaluate(self, places: np.ndarray) -> list[Evaluation]:
-        """Return the evaluations of places (n, paths); raise `Spent` when there are not so many left, with those kept."""
+        """Return the evaluations of places (n, paths); raise `Spent` when fewer are left, which are made and kept."""
         wanted, left = np.clip(np.atleast_2d(np.asarray(places, float)), 0.0, 1.0), self.asked.evaluations - len(self)
         places = wanted[:left]
         if not len(places):
@@ -102,8 +102,9 @@ class Record:
         failed = [each.failed for each in found if each.failed]
         for reason in failed:  # one example of those that differ by their numbers alone
             kind = re.sub(r"[0-9][0-9.e+-]*", "#", reason)
-            example = self._kinds.setdefault(kind, reason) if len(self._kinds) < REASONS else self._kinds.get(kind, OTHER)
-            self.reasons[example] += 1
+            if len(self._kinds) < REASONS:
+                self._kinds.setdefault(kind, reason)
+            self.reasons[self._kinds.get(kind, OTHER)] += 1
         self._places.append(places)
         self._rows.append(np.array([(*each.aims, *each.errors, *each.excess) for each in found], float))
         self.progress.advance(len(found), len(failed))
