@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
     from screwsim.simulate import simulate
+    from screwsim.study.local import sensitivities
     from screwsim.study.map_points import evaluate_map
     from screwsim.study.optimize import optimize
     from screwsim.study.seek import find
@@ -46,6 +47,7 @@ __all__ = [
     "plot",
     "run_sweep",
     "schema",
+    "sensitivities",
     "simulate",
     "sweep",
 ]
@@ -66,6 +68,7 @@ _HOMES = {
     "performance_map": "screwsim.api",
     "run_sweep": "screwsim.study.sweep",
     "schema": "screwsim.scene",
+    "sensitivities": "screwsim.study.local",
     "simulate": "screwsim.simulate",
     "sweep": "screwsim.study.sweep",
 }
