@@ -91,6 +91,7 @@ class Series:
         self.temperatures: Temperatures | None = None  # that effects.separator found last
         self.losses: PressureLosses | None = None  # of a package, found last
         self.per_step: dict[str, float] = {}  # relative change of the figures by these, per kelvin or kPa
+        self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and what the first guess left open
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:
