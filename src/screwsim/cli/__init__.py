@@ -18,6 +18,7 @@ import typer
 from screwsim import __version__
 from screwsim.cli import files, mistakes, points, process, studies
 from screwsim.cli.datasheet import datasheet
+from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
 from screwsim.faults import SceneError, UsageError
 from screwsim.screen import say
@@ -54,7 +55,7 @@ def _root(
 _POINTS = (points.run, points.sweep, points.explain, points.accuracy)
 _STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
 _FILES = (files.rotors, files.plot, files.report, files.validate, files.schema)
-for _command in (*_POINTS, datasheet, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
+for _command in (new, *_POINTS, datasheet, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
     app.command("map" if _command is studies.performance_map else None)(_command)
 
 

@@ -69,7 +69,7 @@ def oil_faults(scene: Scene) -> Iterator[Fault]:
             what = "is given beside oil.name, which knows it"
             yield Fault(path, f"{what} (remove one of the two, null in place of a base's)")
         elif oil.name is None and value is None and example:
-            remedy = f"write e.g. {field}: {example}, or the name of a stored oil: {', '.join(OILS)}"
+            remedy = f"write e.g. {field}: {example}, or the name of a stored oil, e.g. oil.name: POE_68"
             yield Fault(path, f"is missing ({remedy})")
     if oil.name is not None and supply is not None and supply.temperature is not None:
         stored = OILS[oil.name]
