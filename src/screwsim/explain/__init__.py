@@ -141,8 +141,7 @@ def _cylinder(machine: SliderCrank, omega: float) -> Iterator[str]:
 
 
 def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
-    length = KINDS["length"]
-    size = f"{readable_quantity(length, machine.rotor_diameter)} x {readable_quantity(length, machine.rotor_length)}"
+    size = " x ".join(f"{1e3 * each:.6g} mm" for each in (machine.rotor_diameter, machine.rotor_length))
     yield row(
         "kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}"
     )
