@@ -55,20 +55,33 @@ def performance_map(
     figures: Annotated[
         list[str] | None, option("NAME", "What is fitted (default: power, mass flow, cooling capacity).", "--figure")
     ] = None,
+    points: Annotated[
+        list[str] | None,
+        option(
+            "NAME=VALUE,…",
+            "Evaluate the map there, e.g. 'evaporating_temperature=0 degC, condensing_temperature=40 degC'; repeat it.",
+            "--at",
+        ),
+    ] = None,
     output: Annotated[Path | None, option("OUT.csv|.json", "Write the map.", "-o")] = None,
     as_json: AsJson = False,
 ) -> int:
-    """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over evaporating and condensing temperature."""
+    """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over both temperatures, or evaluate them."""
     from screwsim.printing import show
-    from screwsim.printing.performance_map import map_document, print_maps, write_maps
+    from screwsim.printing.performance_map import map_document, points_document, print_maps, print_points, write_maps
     from screwsim.results import open_results
+    from screwsim.study.map_points import points_at
     from screwsim.study.performance_map import FIGURES, performance_maps
 
     results = open_results(results_file)
     options.check_target(output, ".csv", ".json")
     maps = performance_maps(results, tuple(dict.fromkeys(figures)) if figures else FIGURES)
+    found = points_at(results, maps, points or ())
     if output is not None:
         write_maps(output, results, maps)
+    if found:
+        show(as_json, points_document, print_points, results, found)
+        return OK
     show(as_json, map_document, print_maps, results, maps)
     return OK if not any(each.message or each.not_ok for each in maps) else NOT_ALL_OK
 

@@ -24,8 +24,9 @@ TRANSPORT = {
 
 def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     gas = parts.gas
-    equations = ", ".join(gas.equations)
-    yield row(scene.gas.name, f"{scene.gas.model} gas ({equations})")
+    equations = f" ({', '.join(gas.equations)})" if gas.equations else ""
+    model = f"gas of {scene.gas.model}" if "." in scene.gas.model else f"{scene.gas.model} gas"
+    yield row(scene.gas.name, f"{model}{equations}")
     dry = gas.dry if isinstance(gas, MoistAir) else gas
     if isinstance(dry, IdealGas):
         given = "given" if scene.gas.isentropic_exponent is not None else "cp0/(cp0 - R) at suction temperature"

@@ -26,6 +26,7 @@ from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_l
 from screwsim.textfiles import MOST_YAML, Unreadable, read_text
 
 OVERRIDE = 1_000_000  # rank of the first override: after all files
+SET = "--set "  # stands before an override where it is told of
 MOST_BASES = 32  # one above the other
 
 
@@ -45,12 +46,20 @@ def load(
 
 
 def loads(
-    text: str, name: str = "<text>", folder: str = ".", overrides: Iterable[str] = (), without: Iterable[str] = ()
+    text: str,
+    name: str = "<text>",
+    folder: str = ".",
+    overrides: Iterable[str] = (),
+    without: Iterable[str] = (),
+    told: str = SET,
 ) -> Scene:
-    """Return the scene of a YAML text; files and a base are found relative to `folder`."""
+    """Return the scene of a YAML text; files and a base are found relative to `folder`.
+
+    `told` stands before an override where its faults are told of.
+    """
     problems: list[Problem] = []
     start = Place(0, name, folder=os.path.abspath(folder))
-    return _finish(_read_text(text, start, (), problems), start, overrides, without, problems)
+    return _finish(_read_text(text, start, (), problems), start, overrides, without, problems, told=told)
 
 
 def _finish(
@@ -60,12 +69,14 @@ def _finish(
     without: Iterable[str],
     problems: list[Problem],
     stage: str = "",
+    told: str = SET,
 ) -> Scene:
     overrides, without = list(overrides), list(without)  # they may be iterators
     if root is None:
         raise scene_error(problems)
     for number, override in enumerate(overrides):
-        root = _override(root, override, replace(start, rank=OVERRIDE + number, line=0, column=0), problems, stage)
+        there = replace(start, rank=OVERRIDE + number, line=0, column=0)
+        root = _override(root, override, there, problems, told + stage)
     scene = _typed(_remove(root, without), start.folder, problems)
     if problems or scene is None:
         raise scene_error(_of_stage(problem, stage) for problem in problems)
@@ -141,16 +152,16 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: list[Problem]) -> N
     return _read_file(path, start, (*trail, real), problems, at)
 
 
-def _override(root: Node, override: str, place: Place, problems: list[Problem], stage: str) -> Node:
-    """Return the tree changed by one `PATH=VALUE`."""
+def _override(root: Node, override: str, place: Place, problems: list[Problem], told: str) -> Node:
+    """Return the tree changed by one `PATH=VALUE`; `told` stands before it where it is told of."""
     path, equals, text = override.partition("=")
     path = path.strip()
     if not equals or not all(part.strip() for part in path.split(".")):
-        example = f"--set {stage}operation.speed='1000 rpm'"
-        raise UsageError(f"--set {stage}{one_line(override)}: is not PATH=VALUE (write e.g. {example})")
+        example = f"{told}operation.speed='1000 rpm'"
+        raise UsageError(f"{told}{one_line(override)}: is not PATH=VALUE (write e.g. {example})")
     if path == "base":
-        raise UsageError(f"--set {stage}base=…: a base belongs into the file (write it there, or name the other scene)")
-    place = replace(place, source=f"--set {stage}{override}")
+        raise UsageError(f"{told}base=…: a base belongs into the file (write it there, or name the other scene)")
+    place = replace(place, source=f"{told}{override}")
     node = _override_value(text, place, path, problems)
     if node is None:
         return root

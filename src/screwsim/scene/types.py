@@ -221,6 +221,25 @@ class Scene:
     @property
     def own(self) -> dict[str, str]:
         """The modules of the user's own that this scene names, and where it names them."""
-        named = {"machine.kind": self.machine.kind, "numerics.integrator": self.numerics.integrator}
+        named = {"machine.kind": self.machine.kind, "gas.model": self.gas.model}
+        named["numerics.integrator"] = self.numerics.integrator
         found = {name: f"{path}: {name}" for path, name in named.items() if "." in name}
         return found | {name: f"effects.{name}" for name in self.effects if "." in name}
+
+    def with_(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
+        """Return this scene with other values at dotted paths, read and checked as `--set` does; this one stays.
+
+            scene.with_({"operation.speed": "1000 rpm"})        scene.with_(operation__speed="1000 rpm")
+
+        A text is read as in a file, with its unit; None takes a value out, 'off' an effect. Raise `SceneError`, a line
+        a fault, or `UsageError`.
+        """
+        from screwsim.scene.given import changed
+
+        return changed(self, {**(values or {}), **{name.replace("__", "."): value for name, value in more.items()}})
+
+    def without(self, *effects: str) -> Scene:
+        """Return this scene without some of its effects."""
+        from screwsim.scene.given import changed
+
+        return changed(self, {}, effects)
