@@ -27,7 +27,7 @@ AT_END = 1e-6  # [K]
 
 
 class Asked(NamedTuple):
-    """By how much one coordinate should change [K], and what it leaves open, relative; neither at an end of its span."""
+    """By how much one coordinate should change [K], and what it leaves open, relative; neither at an end of its way."""
 
     off: float
     open: float

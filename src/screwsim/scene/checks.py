@@ -102,8 +102,7 @@ def _pump(scene: Scene) -> Iterator[Fault]:
     if supply.discharge_temperature is not None:
         yield from _sought(scene)
     elif supply.ratio is None:
-        what = "is missing (kind: pump needs it, e.g. ratio: 3, or discharge_temperature: 75 degC, which finds it)"
-        yield Fault("oil_supply.ratio", what)
+        yield Fault("oil_supply.ratio", "is missing (kind: pump needs it, e.g. ratio: 3)")
     for name in ("orifice_diameter", "orifice_length"):
         if getattr(supply, name) is not None:
             yield Fault(f"oil_supply.{name}", "belongs to kind: displacement (remove it, or change the kind)")
