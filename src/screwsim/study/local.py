@@ -83,15 +83,16 @@ def sensitivities(
     *,
     jobs: int | None = 1,
     progress: Progress | None = None,
+    result: Result | None = None,
 ) -> Sensitivities:
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all that the scene has).
 
-    Raises UsageError for a path or a figure that the scene does not have.
+    `result` is that of the scene, where it is known. Raises UsageError for a path or a figure that is not there.
     """
     every, left_out = numeric_paths(scene)
     names = tuple(dict.fromkeys(figure_of(scene, name) for name in figures or ()))
-    values = every if not paths else _asked(scene, paths, every)
-    result = simulate(scene, trace=False)
+    values = every if paths is None or not paths else _asked(scene, paths, every)
+    result = simulate(scene, trace=False) if result is None else result
     if result.status != "ok":
         return Sensitivities(result)
     exact = found(scene, values)
