@@ -8,6 +8,7 @@ Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -17,7 +18,7 @@ import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import Scene, leaf_of, value_at, with_values
+from screwsim.scene import Scene, leaf_of, scene_of, value_at, with_values
 from screwsim.scene.types import COVERAGE
 from screwsim.scene.values import within
 from screwsim.simulate import simulate
@@ -27,7 +28,7 @@ from screwsim.study.optimum import closed
 from screwsim.study.progress import Progress
 from screwsim.study.workers import DIED
 
-WRONG = 0.25  # of a standard uncertainty: by so much sampled and linear one may differ
+WRONG = 0.25  # of a standard uncertainty: by so much sampled and linear one may differ, or as by chance of few samples
 SHIFTED = 0.5  # of one: by so much the mean of a sample may lie beside the figure
 LEAST_COUNT = 8
 
@@ -93,9 +94,14 @@ class Uncertainty:
 
 
 def uncertainty(
-    scene: Scene, *, result: Result | None = None, jobs: int | None = 1, progress: Progress | None = None
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    result: Result | None = None,
+    jobs: int | None = 1,
+    progress: Progress | None = None,
 ) -> Uncertainty:
     """Return what the tolerances of a scene's inputs make of its figures; raise UsageError where it has none."""
+    scene = scene_of(scene)
     if not scene.uncertain:
         raise UsageError("no input has a tolerance (write one behind its value, e.g. gap: 27 um ± 5 um)")
     found = sensitivities(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result)
@@ -178,9 +184,9 @@ def _solved(scene: Scene, points: Sequence[Mapping[str, float]], number: int) ->
 
 def _compared(values: np.ndarray, figure: float, linear: float) -> Sampled:
     mean, standard = float(values.mean()), float(values.std(ddof=1))
-    largest = max(standard, linear, 1e-9 * abs(figure))
+    largest, chance = max(standard, linear, 1e-9 * abs(figure)), 2.0 / (2.0 * (len(values) - 1)) ** 0.5
     wrong = []
-    if abs(standard - linear) > WRONG * largest:
+    if abs(standard - linear) > max(WRONG, chance) * largest:
         wrong.append(f"its spread is {standard / linear if linear else float('inf'):.2g} times the linear one")
     if abs(mean - figure) > SHIFTED * largest:
         wrong.append("its mean lies beside the figure")
