@@ -8,6 +8,7 @@ import time
 import pytest
 from explore_line import PAPER, Line, served
 
+from screwsim.derivatives.solving import found
 from screwsim.explore.crew import Patience
 from screwsim.scene import load
 from screwsim.simulate import simulate
@@ -200,3 +201,14 @@ def test_under_load_no_answer_is_another_s(server):
             off_too = ["effects.blow_hole=off"] if off else []
             wanted[key] = same([*(f"{path}={value}" for path, value in values.items()), *off_too])
         assert head["performance"] == wanted[key]
+
+
+def test_slopes_are_the_exact_derivatives(server):
+    scene = load(PAPER, ["operation.speed=1500 rpm"])
+    wanted = found(scene, {"operation.speed": scene.operation.speed}).derivatives["operation.speed"]
+    with Line(server) as line:
+        line.send({"kind": "slopes", "id": 5, "changes": {"set": {"operation.speed": "1500 rpm"}}})
+        head, _ = line.next()
+    assert (head["lane"], head["id"]) == ("slopes", 5)
+    assert head["slopes"]["operation.speed"] == pytest.approx(wanted, rel=1e-9)
+    assert "effects.tip_leakage.gap" in head["slopes"]

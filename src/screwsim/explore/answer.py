@@ -19,6 +19,7 @@ from screwsim.outputs import Figure, Result, sorted_entries
 
 CURVE = "curve"  # a point of a small sweep
 SOLVED = "solved"
+SLOPES = "slopes"  # derivatives of figures
 FILE = "file"  # `text` is one
 REFUSED = "refused"  # settings that make no scene; `message` has a line a fault
 
@@ -60,6 +61,11 @@ def solved(result: Result, more: Mapping[str, Any]) -> bytes:
 def point(result: Result, more: Mapping[str, Any]) -> bytes:
     """Return the answer of a point of a small sweep: its figures alone."""
     return packed({"kind": CURVE, **_told(result), **more})
+
+
+def slopes(derivatives: Mapping[str, Mapping[str, float]], more: Mapping[str, Any]) -> bytes:
+    """Return the answer of derivatives [SI] by path and figure."""
+    return packed({"kind": SLOPES, "slopes": {path: _finite(each) for path, each in derivatives.items()}, **more})
 
 
 def file(text: str) -> bytes:
