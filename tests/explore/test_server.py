@@ -7,6 +7,7 @@ import time
 
 import pytest
 from explore_line import PAPER, Line, served
+from websockets.exceptions import ConnectionClosed
 
 from screwsim.derivatives.solving import found
 from screwsim.explore.crew import Patience
@@ -212,3 +213,21 @@ def test_slopes_are_the_exact_derivatives(server):
     assert (head["lane"], head["id"]) == ("slopes", 5)
     assert head["slopes"]["operation.speed"] == pytest.approx(wanted, rel=1e-9)
     assert "effects.tip_leakage.gap" in head["slopes"]
+
+
+def test_no_more_pages_are_open_than_the_server_bears(server, monkeypatch):
+    monkeypatch.setattr("screwsim.explore.server.MOST_PAGES", 1)
+    with Line(server) as first, Line(server) as second:
+        with pytest.raises(ConnectionClosed) as closed:
+            second.next(10.0)
+        assert closed.value.rcvd.code == 1013
+        assert first.answer()["status"] == "ok"
+
+
+def test_a_worker_that_has_grown_too_large_is_replaced(monkeypatch):
+    monkeypatch.setattr("screwsim.explore.crew.LARGEST", 0)
+    with served() as found, Line(found) as line:
+        before = line.answer({"operation.speed": "1200 rpm"})
+        again = line.answer({"operation.speed": "1200 rpm"})
+        assert before["performance"] == again["performance"] == same(["operation.speed=1200 rpm"])
+        assert before["process"] != again["process"]

@@ -50,7 +50,6 @@ def solved(result: Result, more: Mapping[str, Any]) -> bytes:
         "error": _finite(result.error),
         "balance": _finite(result.balance),
         "ledger": _ledger(result),
-        "wall_time": result.numerics.get("wall_time"),
         "traces": [[name, trace_variable(name).units] for name in traces],
         "about": [about_figure(figure) for name, figure in _about(result).items() if name not in known()],
         **more,

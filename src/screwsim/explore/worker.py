@@ -140,7 +140,9 @@ def _point(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
     }
     key, drawn = _drawn(scene.machine)
     machine = {} if key == job.machine else {"machine": drawn}
-    return answer.solved(simulate(scene), {**job.tag, "texts": text, "machine_key": key, **machine})
+    return answer.solved(
+        simulate(scene), {**job.tag, "texts": text, "machine_key": key, "process": os.getpid(), **machine}
+    )
 
 
 def _curve(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
