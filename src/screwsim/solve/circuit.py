@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim import sought
 from screwsim.build import Temperatures, filled, open_temperatures, package_of, temperature_faults
 from screwsim.cycle.close import close
 from screwsim.cycle.continuation import Course
@@ -135,8 +136,12 @@ class Search:
             if faults:
                 self.why = f"the oil's circuit leads to where {faults[0]}"
                 return None
-        if len(x) > 2:
-            before, behind = (KPA * each for each in x[2:].tolist())
+        lost, others = (2 if scene.losses is not None else 0), x[2:].tolist()
+        if len(others) > lost:
+            self.series.sought = open_numbers = others[lost:]
+            scene = sought.placed(scene, open_numbers)
+        if lost:
+            before, behind = (KPA * each for each in others[:lost])
             if not before < ALL * problem.lines.p_s:
                 self.why = "what the package loses before the machine leaves nothing to suck (smaller losses)"
                 return None
@@ -172,11 +177,12 @@ def _rough(wanted: Wanted, open_: float) -> Wanted:
 
 def unknowns_of(problem: Problem) -> Array:
     """Return what a problem is posed with: temperatures [K] of supply and separator, and lost pressures [kPa]."""
-    T = 0.0 if problem.parts.oil is None else problem.parts.oil.temperature
+    T = _oil_temperature(problem)
     every = (one.parameters for one in problem.scene.effects.values())
     asked = (one.separator_temperature for one in every if isinstance(one, InSeparator))
     lost = () if problem.scene.losses is None else (each / KPA for each in problem.scene.losses)
-    return np.array([T, next((at for at in asked if at is not None), T), *lost], float)
+    stands = (each for each in sought.standing(problem.scene) if each is not None)
+    return np.array([T, next((at for at in asked if at is not None), T), *lost, *stands], float)
 
 
 def asked_of(of: Evaluation) -> Asked | None:
@@ -189,12 +195,29 @@ def asked_of(of: Evaluation) -> Asked | None:
         off, share, open_ = [circuit.supply, circuit.separator], circuit.parted.share if both else 0.0, circuit.open
     if package is not None:
         off, open_ = [*off, package.before / KPA, package.behind / KPA], max(open_, package.open)
+    if sought.is_sought(of.problem.scene):
+        others = sought.asked(of.problem.scene, of.figures, _oil_temperature(of.problem))
+        if others is None:
+            return None
+        off, open_ = [*off, *(each.off for each in others)], max(open_, *(each.open for each in others))
     return Asked(np.array(off), share, open_)
+
+
+def _oil_temperature(problem: Problem) -> float:
+    return 0.0 if problem.parts.oil is None else problem.parts.oil.temperature
+
+
+def sought_open(of: Evaluation) -> float:
+    """Return what a scene's open numbers leave open, relative; nothing where it has none."""
+    scene = of.problem.scene
+    asked = sought.asked(scene, of.figures, _oil_temperature(of.problem)) if sought.is_sought(scene) else None
+    return max((each.open for each in asked or ()), default=0.0)
 
 
 def follows(problem: Problem) -> bool:
     """Tell whether something around the machine follows from its cycle."""
-    return any(open_temperatures(problem.scene)) or package_of(problem.scene) is not None
+    scene = problem.scene
+    return any(open_temperatures(scene)) or package_of(scene) is not None or sought.is_sought(scene)
 
 
 def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
@@ -281,7 +304,8 @@ def _with_unknowns(accurate: Accurate, search: Search) -> Figures:
     errors, asked = Figures(accurate.errors), asked_of(accurate.evaluation)
     if asked is None or search.why or not errors:
         return errors
-    off = max(_of_circuit(accurate, errors), _of_package(accurate, asked, errors))
+    others = abs(asked.off[2 + 2 * (accurate.evaluation.problem.scene.losses is not None) :]).tolist()
+    off = max(_of_circuit(accurate, errors), _of_package(accurate, asked, errors), *others)
     for name, size in errors.items():
         if size is not None:
             errors[name] = size + off * search.series.per_step.get(name, 0.0)
@@ -302,7 +326,8 @@ def _of_package(accurate: Accurate, asked: Asked, errors: Figures) -> float:
     losses, of_flow = accurate.evaluation.problem.scene.losses, errors.get("gas_mass_flow") or 0.0
     if losses is None:
         return 0.0
-    return max(abs(off) + 2.0 * of_flow * lost / KPA for off, lost in zip(asked.off[2:].tolist(), losses, strict=True))
+    offs = asked.off[2 : 2 + len(losses)].tolist()
+    return max(abs(off) + 2.0 * of_flow * lost / KPA for off, lost in zip(offs, losses, strict=True))
 
 
 def _sum(counts: Array | None, more: Array) -> Array:
