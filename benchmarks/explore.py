@@ -57,7 +57,7 @@ def follow(host: str) -> str:
     with sync_playwright() as playwright:
         page = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"]).new_page(reduced_motion="reduce")
         page.goto(f"http://{host}/")
-        while not page.evaluate("shown !== null && around.values.length > 0 && around.values.every((e) => e !== null)"):
+        while not page.evaluate("shown !== null && around.left === 0"):
             time.sleep(0.1)
         page.focus("input[type=range][data-path='operation.speed']")
         page.evaluate("log.ms = []")

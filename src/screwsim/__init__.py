@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from screwsim import plot
-    from screwsim.api import calibrate, optimum, performance_map
+    from screwsim.api import calibrate, datasheet, optimum, performance_map
     from screwsim.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
@@ -37,6 +37,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "calibrate",
+    "datasheet",
     "evaluate_map",
     "find",
     "load",
@@ -60,8 +61,9 @@ _HOMES = {
     "SceneError": "screwsim.faults",
     "UsageError": "screwsim.faults",
     "calibrate": "screwsim.api",
-    "find": "screwsim.study.seek",
+    "datasheet": "screwsim.api",
     "evaluate_map": "screwsim.study.map_points",
+    "find": "screwsim.study.seek",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
     "open_results": "screwsim.results",

@@ -33,6 +33,7 @@ def run(
     if output is not None:
         options.check_place(output)
     from screwsim.printing import print_json, print_result
+    from screwsim.scene.typical import what_is_left_out
     from screwsim.simulate import simulate
 
     result = simulate(scene, trace=True if output is not None else "ledger")
@@ -54,7 +55,7 @@ def run(
     if as_json:
         print_json(result.as_json())
     else:
-        print_result(scene, result)
+        print_result(scene.title, result, what_is_left_out(scene))
         if result.uncertainty:
             from screwsim.printing.uncertain import print_uncertainty
 

@@ -214,13 +214,17 @@ def calibrate(
         str, typer.Argument(metavar="FIT", help="What is fitted to what, a YAML file.", show_default=False)
     ],
     folder: Annotated[Path | None, option("DIR", "Write scene.yaml, fit.json and the residual figure.", "-o")] = None,
+    posterior: Annotated[
+        bool, typer.Option("--posterior", help="Say with what probability the points tell what (extra `posterior`).")
+    ] = False,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
     """Fit parameters of a scene to measured points, and say how far the data fix them."""
     options.check_drawer(folder)
-    from screwsim.printing import show
+    from screwsim.printing import print_json
     from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
+    from screwsim.printing.posterior import posterior_document, print_posterior, write_posterior
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import read_fit
@@ -231,14 +235,25 @@ def calibrate(
         make_folder(folder)
         check_folder(folder)
     found = calibrated(fit, jobs=jobs, progress=for_terminal("calibrate"))
-    show(as_json, calibration_document, print_calibration, found)
+    wide = None
+    if posterior and found.status != "interrupted":
+        from screwsim.study.calibration.posterior import posterior as sampled
+
+        wide = sampled(found, jobs=jobs, progress=for_terminal("posterior"))
+    if as_json:
+        print_json(calibration_document(found) | ({} if wide is None else {"posterior": posterior_document(wide)}))
+    else:
+        print_calibration(found)
+        if wide is not None:
+            print_posterior(found, wide)
     if folder is not None:
-        for path in write_calibration(found, folder):
+        written = write_calibration(found, folder) + ([] if wide is None else write_posterior(found, wide, folder))
+        for path in written:
             say(path, err=as_json)
     if found.status == "interrupted":
         say(found.message, err=True)
         return options.INTERRUPTED
-    return OK if found.status == "ok" else NOT_ALL_OK
+    return OK if found.status == "ok" and (wide is None or wide.status == "ok") else NOT_ALL_OK
 
 
 def tolerance(

@@ -24,7 +24,7 @@ from screwsim.scene.units import Refused, over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer, scene_error
-from screwsim.textfiles import MOST_YAML, Unreadable, read_text
+from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
 OVERRIDE = 1_000_000  # rank of the first override: after all files
 SET = "--set "  # stands before an override where it is told of
@@ -39,7 +39,7 @@ def load(
     `stage` stands before the paths of overrides where they are told of, as it did where they were given ('first.').
     Raises `SceneError` with one line a fault, `UsageError` for an override or effect name that makes no sense.
     """
-    name = os.fspath(path)
+    name = shipped(path)
     problems: list[Problem] = []
     start = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
     root = _read_file(name, start, (os.path.realpath(name),), problems)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from screwsim.declare import KINDS, Kind
+from screwsim.declare import AUTO, KINDS, Kind
 from screwsim.effects import catalogue
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.designs import KINDS as SAMPLES
@@ -138,6 +138,8 @@ def leaf_schema(leaf: Leaf) -> dict[str, Any]:
 
 def value_schema(leaf: Leaf) -> dict[str, Any]:
     """Return the schema of one value as a person writes it."""
+    if leaf.dimension is not None and leaf.auto:
+        return {**_quantity(leaf.dimension), "pattern": rf"{_quantity(leaf.dimension)['pattern']}|^{AUTO}$"}
     if leaf.dimension is not None:
         return _quantity(leaf.dimension)
     if leaf.kind == "choice" and "own" in leaf.limits:

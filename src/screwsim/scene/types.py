@@ -7,11 +7,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from screwsim.declare import choice, number, quantity, word
+from screwsim.declare import Found, choice, number, quantity, word
 from screwsim.effects.base import Effect, PressureLosses
 from screwsim.fluid.settings import GasSettings, OilSettings
 from screwsim.numerics.settings import NumericsSettings
 
+__all__ = [
+    "COLDEST",
+    "HOTTEST",
+    "STANDARD_ATMOSPHERE",
+    "ActiveEffect",
+    "DischargeState",
+    "Found",
+    "GasCooler",
+    "Joint",
+    "OilSupply",
+    "Operation",
+    "Output",
+    "Sample",
+    "Scene",
+    "SuctionState",
+]
 NO_SUPERHEAT = (
     "0 K is saturated vapour; wet gas is stated by operation.suction.quality in its place, "
     "with gas.model: real and gas.two_phase: equilibrium"
@@ -21,10 +37,6 @@ NO_SUPERHEAT = (
 STANDARD_ATMOSPHERE = 101325.0  # [Pa], ISO 2533
 COLDEST, HOTTEST = 150.0, 700.0  # [K] of injected oil
 COVERAGE = 2.0  # standard uncertainties in a tolerance: 95 % of a normal distribution (GUM)
-
-
-class Found(float):
-    """A number that a scene leaves open and that is found together with the cycle: where the search stands."""
 
 
 @dataclass(frozen=True)
@@ -146,6 +158,14 @@ class OilSupply:
         "pump: the ratio is given; displacement: the separator pushes it through an orifice", ("pump", "displacement")
     )
     ratio: float | None = number("d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0))
+    discharge_temperature: float | None = quantity(
+        "temperature",
+        "of gas and oil behind the discharge port: the oil that brings them there is found (M370), in place of ratio",
+        None,
+        ge=COLDEST,
+        le=HOTTEST,
+        hardly=(210.0, 450.0),
+    )
     temperature: float | None = quantity(
         "temperature",
         "temperature of the injected oil (absent: effects.separator finds it)",

@@ -154,9 +154,9 @@ class Machine {
     pen.font = FONT;
     pen.textBaseline = "top";
     pen.textAlign = "right";
-    pen.fillText("inlet", frame.x(0) - 52, frame.y(-doc.R1));
+    pen.fillText(doc.backwards ? "outlet" : "inlet", frame.x(0) - 52, frame.y(-doc.R1));
     pen.textAlign = "left";
-    pen.fillText("outlet", frame.x(1) + 52, frame.y(-doc.R1));
+    pen.fillText(doc.backwards ? "inlet" : "outlet", frame.x(1) + 52, frame.y(-doc.R1));
   }
 
   barrel(pen, frame, axis, radius, [low, high]) {
@@ -185,22 +185,21 @@ class Machine {
     const { doc } = this;
     const [male] = doc.lobes;
     const most = this.answer.mostFlow;
-    const { inlet, outlet } = portsOf(this.answer);
     for (const life of lives) {
       const psi = doc.start + this.turned(life);
       const height = (z) => {
         const angle = Math.min(Math.max(-(psi - doc.wrap * z) - 180 / male, seen[0]), 360 - seen[0]);
         return frame.y(doc.R1 * Math.cos(angle * RADIANS));
       };
-      const [inwards, outwards] = [inlet, outlet].map((names) => names.reduce((sum, name) => sum + this.at(name, life), 0));
-      arrow(pen, frame.x(0), height(0), [doc.backwards ? -1 : 1, 0], (doc.backwards ? -1 : 1) * inwards / most, palette.c5);
-      arrow(pen, frame.x(1), height(1), [doc.backwards ? -1 : 1, 0], (doc.backwards ? 1 : -1) * outwards / most, palette.c3);
+      const [lower, upper] = portsOf(this.answer).map((names) => names.reduce((sum, name) => sum + this.at(name, life), 0));
+      arrow(pen, frame.x(0), height(0), [1, 0], lower / most, inOrOut(lower), -1);
+      arrow(pen, frame.x(1), height(1), [-1, 0], upper / most, inOrOut(upper), -1);
       const leak = leaksOf(this.answer, "leading").reduce((sum, name) => sum + this.at(name, life), 0);
       const crest = (z) => -(psi - doc.wrap * z) - 360 / male;
       const z = Math.min(Math.max((115 - crest(0)) / doc.wrap, 0.06), 0.94);
       const angle = crest(z);
       if (angle > seen[0] + 8 && angle < 172) {
-        arrow(pen, frame.x(z), frame.y(doc.R1 * Math.cos(angle * RADIANS)), [0.4, -1], (LEAKS_LARGER * leak) / most, palette.c2, true);
+        arrow(pen, frame.x(z), frame.y(doc.R1 * Math.cos(angle * RADIANS)), [0.4, -1], (LEAKS_LARGER * leak) / most, palette.c2);
       }
     }
   }
@@ -225,10 +224,10 @@ class Machine {
     pen.lineTo(left + wide, top);
     pen.lineTo(left + wide, top + tall);
     pen.stroke();
-    const { inlet, outlet } = portsOf(this.answer);
-    const [inwards, outwards] = [inlet, outlet].map((names) => names.reduce((sum, name) => sum + this.at(name, this.angle), 0));
-    arrow(pen, left + 0.25 * wide, top, [0, 1], inwards / this.answer.mostFlow, palette.c5);
-    arrow(pen, left + 0.75 * wide, top, [0, -1], -outwards / this.answer.mostFlow, palette.c3);
+    const every = portsOf(this.answer).flat().map((name) => this.at(name, this.angle));
+    every.forEach((flow, i) => {
+      arrow(pen, left + ((i + 0.5) * wide) / every.length, top, [0, 1], flow / this.answer.mostFlow, inOrOut(flow), -1);
+    });
     this.legend(pen, width, height);
   }
 
@@ -270,17 +269,17 @@ function ramp(part) {
   return `rgb(${mixed.join(",")})`;
 }
 
-// An arrow from a place, of an area as the flow over the largest; against its way where the flow is below zero.
-function arrow(pen, x, y, [dx, dy], flow, tint, centred) {
+// An arrow whose area is the flow over the largest, against its way where the flow is below zero. On that way it begins
+// at a place (0), ends there (-1) or has its middle there.
+function arrow(pen, x, y, [dx, dy], flow, tint, shift = -0.5) {
   const size = Math.min(Math.sqrt(Math.abs(flow)), 1.2);
   if (!(size > 0.04)) return;
   const long = 46 * size;
   const wide = 5 + 9 * size;
-  const way = Math.atan2(dy, dx) + (flow < 0 ? Math.PI : 0);
   pen.save();
   pen.translate(x, y);
-  pen.rotate(way);
-  pen.translate(centred ? -0.5 * long : flow < 0 ? 0 : -long * (dx > 0 && x > 200 ? 0 : 1), 0);
+  pen.rotate(Math.atan2(dy, dx) + (flow < 0 ? Math.PI : 0));
+  pen.translate(long * (flow < 0 ? -1 - shift : shift), 0);
   pen.fillStyle = tint;
   pen.strokeStyle = palette.page;
   pen.lineWidth = 1;
@@ -318,14 +317,18 @@ function cleared(canvas) {
   return pen;
 }
 
-// Names of the flows through openings to the lower and to the upper line: suction of a compressor, its discharge.
+// Names of the flows through openings at the low-pressure end, and of those at the other: the discharge port's.
 function portsOf(answer) {
   if (!answer.ports) {
     const names = Object.keys(answer.traces).filter((name) => name.startsWith("mass_flow_") && !/_(leading|trailing)$/.test(name));
-    const outlet = names.filter((name) => name.includes("discharge"));
-    answer.ports = { inlet: names.filter((name) => !outlet.includes(name)), outlet };
+    const upper = names.filter((name) => name.includes("discharge"));
+    answer.ports = [names.filter((name) => !upper.includes(name)), upper];
   }
   return answer.ports;
+}
+
+function inOrOut(flow) {
+  return flow > 0 ? palette.c5 : palette.c3;
 }
 
 function leaksOf(answer, side) {

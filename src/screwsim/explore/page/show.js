@@ -5,7 +5,7 @@ let ghost = null; // what it is compared with where that is the last settings
 let charts = {};
 let machine = null;
 const HEADLINE = [
-  "isothermal_efficiency", "isentropic_efficiency", "volumetric_efficiency", "shaft_power", "cooling_capacity", "cop",
+  "isothermal_efficiency", "isentropic_efficiency", "volumetric_efficiency", "output_power", "shaft_power", "cooling_capacity", "cop",
   "gas_mass_flow", "discharge_temperature", "specific_power", "oil_ratio",
 ];
 const MOST_HEADLINES = 8;
@@ -48,6 +48,7 @@ function setMachine(doc) {
   machine.set(doc);
   const slider = document.getElementById("angle");
   slider.max = String(doc.life);
+  angleNow = angleNow === null ? Math.round(0.56 * doc.life) : Math.min(angleNow, doc.life);
   document.getElementById("machine-words").textContent = [
     doc.kind === "rotors" && doc.sketch ? "A sketch: the scene states volumes and areas by laws, and no profile." : "",
     doc.kind === "rotors" ? "The male rotor is above, seen from the high-pressure side. " : "",
@@ -79,7 +80,9 @@ function drawHeadline() {
       term.textContent = aboutOf(name).words;
       term.title = aboutOf(name).about;
       value.append(document.createElement("span"), " ", document.createElement("small"));
-      box.append(term, value);
+      const change = document.createElement("dd");
+      change.className = "change";
+      box.append(term, value, change);
       return box;
     }));
   }
@@ -88,7 +91,8 @@ function drawHeadline() {
     const [value, unit] = headlineText(aboutOf(name), shown.performance[name]);
     const [number, small] = list.children[i].querySelectorAll("span, small");
     number.textContent = value;
-    small.textContent = `${unit} ${other ? changeOf(name, other) : ""}`;
+    small.textContent = unit;
+    list.children[i].querySelector(".change").textContent = (other && changeOf(name, other)) || "\u00a0";
   });
 }
 
@@ -119,11 +123,11 @@ function pair(make) {
 function angleAxis(answer) {
   const angle = answer.traces.angle;
   const end = angle[angle.length - 1];
-  return { label: data.machine.kind === "cylinder" ? "crank angle (°)" : "male-rotor angle (°)", range: [angle[0], end], ticks: ticksOf(0, end, 1).length ? everySixty(end) : undefined };
+  return { label: data.machine.kind === "cylinder" ? "crank angle (°)" : "male-rotor angle (°)", range: [angle[0], end], ticks: angleTicks(end) };
 }
 
-function everySixty(end) {
-  const step = end > 400 ? 120 : 60;
+function angleTicks(end) {
+  const step = (end > 400 ? 120 : 60) * (window.innerWidth < 640 ? 2 : 1);
   return Array.from({ length: Math.floor(end / step + 1e-9) + 1 }, (_, i) => i * step);
 }
 
@@ -208,6 +212,8 @@ function drawOther() {
 }
 
 function drawWaterfall() {
+  const rows = shown.ledger && spent(shown.ledger) > 0 ? waterfallSteps(shown.ledger).length : 0;
+  charts.waterfall.box.style.height = rows > 13 ? `${1.2 * rows + 0.5}rem` : "";
   charts.waterfall.show(shown.ledger && spent(shown.ledger) > 0 ? { ledger: shown.ledger, other: (compared() || {}).ledger } : null);
 }
 
@@ -276,7 +282,7 @@ function fillFigures() {
 
 // ---- the angle --------------------------------------------------------------------------------------------------
 
-let angleNow = 405;
+let angleNow = null;
 
 function moveAngle() {
   if (!shown || !machine.doc) return;
