@@ -5,8 +5,8 @@
 
 The first sets `screwsim optimize` (two aims: highest isothermal efficiency, highest net gas flow, of the paper's
 machine over oil ratio, speed, opening and area of the discharge port, oil temperature) against random samples from the
-same ranges, ten times as many. A sample is beaten where a member of the front is at least as good in both aims, but for the
-estimated numerical errors of both. The second varies a rack profile, whose tables are made anew for each evaluation.
+same ranges, ten times as many. A sample is beaten where a member of the front is at least as good in both aims, but for
+the estimated numerical errors of both. The second varies a rack profile, whose tables are made anew each time.
 """
 
 from __future__ import annotations

@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from screwsim import plot
-    from screwsim.api import calibrate, optimum, performance_map
+    from screwsim.api import calibrate, datasheet, optimum, performance_map
     from screwsim.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
     from screwsim.simulate import simulate
+    from screwsim.study.local import sensitivities
     from screwsim.study.map_points import evaluate_map
     from screwsim.study.optimize import optimize
     from screwsim.study.seek import find
@@ -35,6 +36,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "calibrate",
+    "datasheet",
     "evaluate_map",
     "find",
     "load",
@@ -46,6 +48,7 @@ __all__ = [
     "plot",
     "run_sweep",
     "schema",
+    "sensitivities",
     "simulate",
     "sweep",
 ]
@@ -56,8 +59,9 @@ _HOMES = {
     "SceneError": "screwsim.faults",
     "UsageError": "screwsim.faults",
     "calibrate": "screwsim.api",
-    "find": "screwsim.study.seek",
+    "datasheet": "screwsim.api",
     "evaluate_map": "screwsim.study.map_points",
+    "find": "screwsim.study.seek",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
     "open_results": "screwsim.results",
@@ -66,6 +70,7 @@ _HOMES = {
     "performance_map": "screwsim.api",
     "run_sweep": "screwsim.study.sweep",
     "schema": "screwsim.scene",
+    "sensitivities": "screwsim.study.local",
     "simulate": "screwsim.simulate",
     "sweep": "screwsim.study.sweep",
 }

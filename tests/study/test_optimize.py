@@ -172,6 +172,8 @@ def test_the_file_holds_all_cases_and_what_was_aimed_at(tmp_path):
     assert results.along("oil_supply.ratio") == pytest.approx(1.0 + 2.0 * found.places[:, 0])
     ok = results.status == "ok"
     assert results.performance["gas_mass_flow"][ok] == pytest.approx(found.aims[ok, 0])
+    data = results.to_xarray(None)
+    assert data.optimum_front.sum() == 1 and data.optimum_aim_gas_mass_flow.dims == ("evaluation",)
     with pytest.raises(UsageError, match="is there already"):
         optimize(scene(), [RATIO], ["gas_mass_flow"], simulate=choosing, jobs=1, output=file)
 

@@ -74,6 +74,12 @@ def test_a_goal_on_both_sides_of_a_turn_is_met():
     assert abs(found.values[SPEED] / RPM - 3000.0) == pytest.approx(300.0, rel=1e-4)
 
 
+def test_a_figure_that_does_not_depend_on_the_path_is_said():
+    found = find(scene(), ["oil.viscosity=10 mPa s..30 mPa s"], ["gas_mass_flow=2 kg/s"], simulate=turning)
+    assert found.status == "none" and found.solutions < 12
+    assert found.message.endswith("it is 1 kg/s everywhere there (vary what it depends on)")
+
+
 def test_a_leap_over_the_goal_is_said():
     found = find(scene(), [RANGE], ["gas_mass_flow=1 kg/s"], simulate=leaping)
     assert found.status == "none"

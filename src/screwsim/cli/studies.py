@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from screwsim.cli import options
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded, option
+from screwsim.faults import UsageError
 from screwsim.screen import say
+
+if TYPE_CHECKING:
+    from screwsim.scene import Scene
 
 RPM = math.pi / 30.0
 
@@ -88,11 +93,18 @@ def performance_map(
 
 def sensitivity(
     scene_file: SceneFile,
+    places: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[PATH]…", help="With --local: by which numbers (default: all).", show_default=False),
+    ] = None,
+    local: Annotated[
+        bool, typer.Option("--local", help="Derivatives at the point itself, instead of indices.")
+    ] = False,
     paths: Annotated[
         list[str] | None, option("PATH=LOW..HIGH", "What varies, e.g. oil_supply.ratio=0.5..2; repeat it.", "--path")
     ] = None,
     figures: Annotated[
-        list[str] | None, option("NAME", "Of what (default: efficiency, mass flow).", "--figure")
+        list[str] | None, option("NAME", "Of what (default: efficiency, mass flow; --local: all).", "--figure")
     ] = None,
     samples: Annotated[int, option("N", "Base samples, a power of two.")] = 256,
     seed: Annotated[int, option("N", "Seed of samples and confidence intervals.", min=0)] = 1,
@@ -102,8 +114,12 @@ def sensitivity(
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Tell which inputs a figure depends on: Sobol indices, first order and total."""
+    """Tell which inputs a figure depends on: Sobol indices over ranges, or with --local derivatives at the point."""
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
+    if local:
+        return _local(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
+    if places:
+        raise UsageError(f"{places[0]}: a path without a range (write --path PATH=LOW..HIGH, or add --local)")
     from screwsim.printing import show
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.study.inputs import told_efficiency
@@ -121,6 +137,33 @@ def sensitivity(
         write_sensitivity(output, found)
     show(as_json, sensitivity_document, print_sensitivity, scene, found)
     return OK if not found.message else NOT_ALL_OK
+
+
+def _local(
+    scene: Scene,
+    asked: tuple[Sequence[str], Sequence[str]],
+    figures: Sequence[str],
+    output: Path | None,
+    jobs: int | None,
+    as_json: bool,
+) -> int:
+    """Print and write the derivatives of a scene's figures by numbers of it."""
+    from screwsim.printing import show
+    from screwsim.printing.local import local_document, print_local, write_local
+    from screwsim.study.figures import figure_of
+    from screwsim.study.local import sensitivities
+    from screwsim.study.progress import for_terminal
+
+    places, ranges = asked
+    if ranges:
+        raise UsageError(f"--path {ranges[0]}: --local has no ranges (name the path alone, without --path)")
+    options.check_target(output, ".csv", ".h5")
+    names = [figure_of(scene, name) for name in figures]
+    found = sensitivities(scene, places, names, jobs=jobs, progress=for_terminal("sensitivity"))
+    if output is not None and found.derivatives:
+        write_local(output, found)
+    show(as_json, local_document, lambda *told: print_local(*told, names), scene, found)
+    return OK if found.result.status == "ok" else NOT_ALL_OK
 
 
 def compare(

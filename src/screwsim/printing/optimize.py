@@ -145,14 +145,24 @@ def _points(found: Optimum) -> Iterator[str]:
 
 
 def _print_front(found: Optimum) -> None:
-    """Print some rows of the front, evenly picked, the first and the last included."""
+    """Print some rows of the front, evenly spread along it, the first and the last included."""
     asked, front = found.asked, found.front
-    picked = np.unique(np.round(np.linspace(0, len(front) - 1, min(SHOWN, len(front)))).astype(int))
+    picked = spread(found.aims[front], SHOWN)
     heads = [*(shown_name(aim.figure) for aim in asked.aims), "error"]
     heads += [*(span.path.rpartition(".")[2].replace("_", " ") for span in asked.spans), "evaluation"]
     say("\n".join(plain_table(heads, [_front_cells(found, int(front[i])) for i in picked])))
     some = f"{len(picked)} of the {len(front)}" if len(picked) < len(front) else f"the {len(front)}"
     say(wrapped(f"{some} evaluations that no other betters in all aims; error: the larger of the aims, relative"))
+
+
+def spread(aims: np.ndarray, most: int) -> np.ndarray:
+    """Return the numbers of at most so many rows, evenly spread along the line through all of them."""
+    if len(aims) <= most:
+        return np.arange(len(aims))
+    width = np.ptp(aims, axis=0)
+    steps = np.abs(np.diff(aims, axis=0)) / np.where(width > 0.0, width, 1.0)
+    along = np.concatenate([[0.0], np.cumsum(steps.sum(axis=1))])
+    return np.unique(np.searchsorted(along, np.linspace(0.0, along[-1], most) - 1e-12 * along[-1]))
 
 
 def _front_cells(found: Optimum, row: int) -> list[str]:

@@ -40,7 +40,7 @@ def page(sheet: Any) -> str:
         "VERSION": escape(__version__),
         "TITLE": escape(sheet.title or sheet.heading),
         "HEADING": escape(sheet.heading),
-        "STYLE": source.joinpath("page").joinpath("page.css").read_text(encoding="utf-8"),
+        "STYLE": "".join(source.joinpath("page", f"{name}.css").read_text("utf-8") for name in ("theme", "page")),
         "LINES": "".join(lines),
         "TABLES": _beside("tables", [_table(each) for each in sheet.tables], len(sheet.tables)),
         "DRAWINGS": _beside("drawings", [_figure(each) for each in sheet.drawings], len(sheet.drawings)),

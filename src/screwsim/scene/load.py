@@ -23,7 +23,7 @@ from screwsim.scene.units import Refused, over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer, scene_error
-from screwsim.textfiles import MOST_YAML, Unreadable, read_text
+from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
 OVERRIDE = 1_000_000  # rank of the first override: after all files
 SET = "--set "  # stands before an override where it is told of
@@ -38,7 +38,7 @@ def load(
     `stage` stands before the paths of overrides where they are told of, as it did where they were given ('first.').
     Raises `SceneError` with one line a fault, `UsageError` for an override or effect name that makes no sense.
     """
-    name = os.fspath(path)
+    name = shipped(path)
     problems: list[Problem] = []
     start = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
     root = _read_file(name, start, (os.path.realpath(name),), problems)
@@ -166,7 +166,7 @@ def _override(root: Node, override: str, place: Place, problems: list[Problem], 
     if node is None:
         return root
     keys = _keys(root, path, node)
-    if node.value == {} and (there := _at(root, keys)) is not None and there.value:
+    if node.value == {} and (there := _at(root, keys)) is not None and isinstance(there.value, dict) and there.value:
         out = "off" if path.startswith("effects.") else "null"
         what = f"{{}} changes nothing, as it merges into what is there (write {out} to take that out)"
         problems.append(Problem(place, path, what))

@@ -128,9 +128,9 @@ def missed(trials: Trials, best: Trial) -> str:
         f"{span.path} {shown_value(scene, span.path, span.low)} … {shown_value(scene, span.path, span.high)}"
         for span in trials.spans
     )
-    jump = _jump(trials)
-    if jump:
-        return f"nothing within {ranges} gives {wanted}: {jump}"
+    why = _jump(trials) or _flat(trials)
+    if why:
+        return f"nothing within {ranges} gives {wanted}: {why}"
     assert best.off is not None
     came = ", ".join(figure_text(goal.figure, off + goal.value) for goal, off in zip(goals, best.off, strict=True))
     borders = _borders(trials, best)
@@ -151,6 +151,17 @@ def _jump(trials: Trials) -> str:
     a, b = (figure_text(goal.figure, (each.off or (math.nan,))[0] + goal.value) for each in ends)
     why = f", where solutions fail: {trials.reasons[-1]}" if trials.reasons else ""
     return f"it goes from {a} at {low} to {b} at {high} without it{why}"
+
+
+def _flat(trials: Trials) -> str:
+    """Return that one figure does not change; empty where it does."""
+    if len(trials.spans) > 1 or len(trials.closed) < 2:
+        return ""
+    off = [(trial.off or (math.nan,))[0] for trial in trials.closed]
+    if max(off) - min(off) > CLEAR * max(trial.errors[0] for trial in trials.closed):
+        return ""
+    name, value = trials.goals[0].figure, min(off) + trials.goals[0].value
+    return f"it is {figure_text(name, value)} everywhere there (vary what it depends on)"
 
 
 def figure_text(name: str, value: float) -> str:
