@@ -138,6 +138,7 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
     if course is not None and result.status != "ok":
         course.forget()
         series.temperatures = series.losses = series.sought = None
+        series.around = None, 1.0
     return result
 
 

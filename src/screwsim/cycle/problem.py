@@ -92,6 +92,7 @@ class Series:
         self.losses: PressureLosses | None = None  # of a package, found last
         self.sought: list[float] | None = None  # where other open numbers were found last (`screwsim.sought`)
         self.per_step: dict[str, float] = {}  # relative change of the figures by these, per kelvin or kPa
+        self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and what the first guess left open
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:

@@ -16,7 +16,8 @@ from screwsim.near import containing, ending, nearest
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 
-APART = ("effects", "sweep", "joints", "text", "folder", "losses")  # parts of a scene that are not plain sections
+# parts of a scene that are not plain sections
+APART = ("effects", "sweep", "joints", "text", "folder", "losses", "uncertain", "correlated")
 SWEEPABLE = {*KINDS, "number", "count", "choice", "fluid"}
 FIXED = {"machine.kind", "operation.ambient_pressure"}  # another scene; gauge pressures were read over it
 _MANY = 4  # paths that a message lists

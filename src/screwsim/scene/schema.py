@@ -12,6 +12,7 @@ from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.designs import KINDS as SAMPLES
 from screwsim.scene.designs import LARGEST_SAMPLE
 from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_section, section_of, varies
+from screwsim.scene.tolerances import BLOCK, TOGETHER
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of
 
@@ -68,6 +69,9 @@ def schema() -> dict[str, Any]:
         "additionalProperties": False,
     }
     properties["sweep"] = _sweep()
+    groups = {"type": "array", "items": {"type": "array", "items": {"type": "string"}, "minItems": 2}}
+    together = "groups of paths whose values, which have tolerances, err together"
+    properties[BLOCK] = mapping({TOGETHER: {**groups, "description": together}}, (), "", ["object", "null"])
     return {
         "$schema": DRAFT,
         "title": "screwsim scene",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -35,6 +36,7 @@ NO_SUPERHEAT = (
 
 STANDARD_ATMOSPHERE = 101325.0  # [Pa], ISO 2533
 COLDEST, HOTTEST = 150.0, 700.0  # [K] of injected oil
+COVERAGE = 2.0  # standard uncertainties in a tolerance: 95 % of a normal distribution (GUM)
 
 
 @dataclass(frozen=True)
@@ -198,6 +200,27 @@ class ActiveEffect:
 
 
 @dataclass(frozen=True)
+class Tolerance:
+    """Half the interval [SI] in which a value lies in 95 of 100 cases; or the factor by which that goes up and down."""
+
+    size: float
+    factor: bool = False
+
+    @property
+    def standard(self) -> float:
+        """Standard uncertainty: of the value [SI], or of its logarithm."""
+        return math.log(self.size) / COVERAGE if self.factor else self.size / COVERAGE
+
+    def ends(self, value: float) -> tuple[float, float]:
+        """Return the ends [SI] of the interval around a value."""
+        return (value / self.size, value * self.size) if self.factor else (value - self.size, value + self.size)
+
+    def at(self, value: float, deviation: float) -> float:
+        """Return the value [SI] that is so many standard uncertainties off."""
+        return value * math.exp(self.standard * deviation) if self.factor else value + self.standard * deviation
+
+
+@dataclass(frozen=True)
 class Sample:
     """How values were drawn: `over` keeps (path, values to pick from) or (path, first, last, linear or log) [SI]."""
 
@@ -237,6 +260,8 @@ class Scene:
     text: str = ""  # canonical YAML of the whole scene, overrides included
     folder: str = "."  # files are found relative to it
     losses: PressureLosses | None = None
+    uncertain: Mapping[str, Tolerance] = field(default_factory=dict)  # dotted path -> tolerance of the value there
+    correlated: tuple[tuple[str, ...], ...] = ()  # paths whose values err together
 
     @property
     def own(self) -> dict[str, str]:

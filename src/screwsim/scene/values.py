@@ -177,6 +177,14 @@ _HOLDS = {
 }
 
 
+def within(leaf: Leaf, value: float) -> bool:
+    """Tell whether a value [SI] lies within the limits of a leaf."""
+    kind, limits = leaf.dimension, leaf.limits.items()
+    return all(_HOLDS[name](value, limit) for name, limit in limits if name in _HOLDS) and (
+        kind is None or (kind.least <= value and abs(value) <= kind.most)
+    )
+
+
 def _limited(leaf: Leaf, value: Any, raw: Any) -> Any:
     if not all(_HOLDS[name](value, limit) for name, limit in leaf.limits.items()):
         share = leaf.kind == "number" and leaf.limits.get("le", leaf.limits.get("lt")) == 1 and 2 <= value <= 100

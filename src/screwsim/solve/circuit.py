@@ -2,8 +2,9 @@
 
 A cycle is closed with temperatures of the oil's supply and of the separator, and with lost pressures, as they stand;
 what it gives the separator (`evaluate.separator`), and its flow (`evaluate.package`), tell others. Broyden's method
-finds those that agree, from the Jacobian of the circuit's own heat capacities: what the chambers change by them is left
-to learn. Every cycle begins from the one before. The last one is solved as accurately as the scene asks, and once more
+finds those that agree, from the Jacobian of the circuit's own heat capacities, or from that of the point before: what
+the chambers change by them is left to learn. Every cycle begins from the one before, and is closed no better than the
+step after it needs. The last one is closed as accurately as the scene asks, and its errors are estimated; once more
 where its surroundings are more open than that.
 """
 
@@ -20,6 +21,8 @@ from screwsim.cycle.close import close
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.wanted import Wanted
 from screwsim.effects.base import InSeparator, PressureLosses
 from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.evaluation import Evaluation, evaluate
@@ -27,18 +30,22 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
-from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Watch, note, solve
+from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Watch, asked_for, note, solve
 from screwsim.solve.drive import at_its_speed, settled
 
 Array = np.ndarray
 MOST = 20  # cycles closed for what lies around
 AGAIN = 8  # times that the last of them is solved once more
-OPEN = 0.1  # of the wanted accuracy: what may be left open of the shaft's power, or of a pressure
+OPEN = 0.2  # of the wanted accuracy: what may be left open of the shaft's power, or of a pressure
 LEAST = 0.05  # of what an unknown is expected to give back, for what is learnt of it to be believed
 KPA = 1e3  # [Pa] of a lost pressure that count as a kelvin
 LARGEST = 40.0  # [K, kPa] of a step
 HALVINGS = 6  # of a step to where oil or effects cannot be, or where no cycle closes
 WARMER = (15.0, 30.0, 50.0)  # [K] than the first guess, where no cycle closes with that
+CONTRACTS = 0.1  # what a step is expected to leave of what is open ...
+LEARNT = 0.01  # ... the same with a Jacobian of the point before ...
+ROUGH = 0.05  # ... and the changes over that, with which the cycle after it is closed
+ROUGHEST = 1e-3  # tolerance of a step of such a cycle, at most: looser ones may go astray
 APART = 0.05  # [K, kPa] between two cycles from which sensitivities are taken
 ALL = 0.98  # of the suction pressure, beyond which nothing would be left to suck
 
@@ -68,6 +75,9 @@ class Search:
     jacobian: Array | None = None
     last: tuple[Array, Array] | None = None
     seen: list[tuple[Array, Figures]] = field(default_factory=list)  # unknowns and figures of the cycles
+    expected: float = 1.0  # what the next cycle will leave open
+    contracts: float = CONTRACTS  # what a step is expected to leave of that
+    cycle: CycleSolution | None = None  # the last one; None where it was closed less tightly than the scene asks
 
     def step(self, x: Array, asked: Asked) -> Array:
         """Return the next change of the unknowns [K, kPa] from x, where the cycle asks for others.
@@ -102,7 +112,8 @@ class Search:
     def closed(self, problem: Problem, course: Course) -> Evaluation | None:
         """Return a problem's closed cycle, begun from a course; None where it does not close."""
         machinery = leased(problem)
-        watch, wanted = Watch(machinery), problem.wanted
+        watch, asked = Watch(machinery), asked_for(problem, self.course.tightness)
+        wanted = _rough(asked, self.expected)
         cycle = settled(problem, machinery, wanted, close(problem, machinery, wanted, course))
         watch.lap("closing")
         self.counts = watch.counts["closing"] + (0 if self.counts is None else self.counts)
@@ -111,6 +122,7 @@ class Search:
         of = evaluate(problem, cycle)
         if cycle.status != "ok":
             return None
+        self.cycle = cycle if wanted is asked else None
         note(self.course, of, cycle, wanted, self.course.tightness)
         return of
 
@@ -152,6 +164,15 @@ class Search:
                 return found
             step = 0.5 * step
         return None
+
+
+def _rough(wanted: Wanted, open_: float) -> Wanted:
+    """Return what is wanted of a cycle that leaves so much open anyway; the same where that is all it may."""
+    tolerance, bound = ROUGH * open_, CONTRACTS * open_
+    if wanted.check or tolerance <= wanted.tolerance:
+        return wanted
+    rtol = min(tolerance * wanted.rtol / wanted.tolerance, max(ROUGHEST, wanted.rtol))
+    return replace(wanted, rtol=rtol, tolerance=tolerance, bound=max(bound, wanted.bound), of_histories=1.0)
 
 
 def unknowns_of(problem: Problem) -> Array:
@@ -206,6 +227,8 @@ def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
     search = Search(series, problem.scene.operation.speed)
     search.course.tightness = series.course.tightness
     problem = at_its_speed(problem, series)
+    search.jacobian, search.expected = series.around
+    search.contracts = CONTRACTS if search.jacobian is None else LEARNT
     of, guess = search.closed(problem, series.course), unknowns_of(problem)
     for warmer in WARMER if any(open_temperatures(problem.scene)) else ():
         if of is not None:
@@ -214,14 +237,21 @@ def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
         of = None if other is None else search.closed(other, series.course)
     if of is None:
         return problem, search
+    first = asked_of(of)
     for _ in range(MOST):
         asked = asked_of(of)
-        if asked is None or asked.open <= OPEN * of.problem.scene.numerics.accuracy:
+        if asked is None:
             break
+        enough = asked.open <= OPEN * of.problem.scene.numerics.accuracy
+        if enough and search.cycle is not None:
+            break
+        search.expected = 0.0 if enough else search.contracts * asked.open
         after = search.next(of, asked)
         if after is None:
             break
         of = after
+    if first is not None:
+        series.around = search.jacobian, first.open
     return of.problem, search
 
 
@@ -233,7 +263,7 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
     if search is None:
         return solve(problem, machinery, course)
     counts, spent, estimating = search.counts, search.time, 0.0
-    accurate = solve(problem, machinery, search.course)
+    accurate = solve(problem, machinery, search.course, search.cycle)
     errors = _with_unknowns(accurate, search)
     for _ in range(AGAIN):
         asked = asked_of(accurate.evaluation)
