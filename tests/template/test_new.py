@@ -171,3 +171,19 @@ def test_gauge_pressures_of_a_condition_are_over_what_the_scene_states():
     assert scene.operation.suction.pressure == pytest.approx(1e5)
     assert scene.operation.discharge.pressure == pytest.approx(1e5 + 100 * 6894.757, rel=1e-6)
     assert scene.operation.ambient_pressure == pytest.approx(1e5)
+
+
+def test_a_blend_of_which_no_transport_is_known_says_whose_it_has():
+    text = new_scene("refrigeration", asked_of("R454B", None, None, None, None, None))
+    assert "# CoolProp has no transport properties of R454B: these, and the gaps' viscosity, are of R134a" in text
+    scene = screwsim.loads(text)
+    viscosities = {scene.effects[name].parameters.gas_viscosity for name in ("tip_leakage", "droplets")}
+    assert len(viscosities) == 1 and 1.0e-5 < viscosities.pop() < 1.5e-5  # Pa s of a vapour
+
+
+@pytest.mark.parametrize("name", ["Ammonia", "R717"])
+def test_ammonia_by_any_name_has_an_open_drive_mineral_oil_and_a_cooler(name):
+    scene = scene_of("refrigeration", fluid=name, condition="-10/35 degC")
+    motor, separator = (scene.effects[each].parameters for each in ("motor", "separator"))
+    assert (motor.cooling, scene.oil.name, scene.gas.two_phase) == ("ambient", "mineral_68", "equilibrium")
+    assert separator.cooler.discharge_temperature > scene.operation.condensing_temperature + 30.0

@@ -18,8 +18,12 @@ HOT = 350.0  # [K] of isentropic compression, from which the oil is cooled
 LEAVES, ABOVE = 348.15, 35.0  # [K] at which gas and oil then leave, and at least so far above condensing
 WARMED = 25.0  # [K] by which the oil is then warmed
 WARM = 333.15  # [K] at which the oil passes its bores
+STANDS_IN = "R134a"
 COPPER_EATS = ("ammonia", "r717", "nh3")
-OILS_FOR = {"ammonia": "mineral_68", "propane": "PAG_68", "isobutane": "PAG_68", "propylene": "PAG_68"}
+OILS_FOR = {
+    **dict.fromkeys(COPPER_EATS, "mineral_68"),
+    **dict.fromkeys(("propane", "r290", "isobutane", "r600a", "n-butane", "r600", "propylene", "r1270"), "PAG_68"),
+}
 
 
 class Plant(NamedTuple):
@@ -71,8 +75,9 @@ def _scene(asked: Asked, plant: Plant) -> str:
         **conditions(duty),
         **_drive(fluid, duty),
         **_jets(duty, ratio, oil),
+        **_transport(fluid, duty),
         "machine": texts.machine(size, asked.ratio, usual, duty.p_d / duty.p_s, flow, speed),
-        "ports": texts.ports(size),
+        "ports": texts.ports(size, _viscosity(fluid, duty)),
         "what": plant.what,
         "fluid": fluid,
         "flow": sizes.flow_text(flow),
@@ -118,9 +123,45 @@ def _jets(duty: Duty, ratio: float, oil: str) -> dict[str, str]:
     return {
         "bore": sizes.mm(bore, 2),
         "jet": f"{1e-5 * drop:.2g} bar",
-        "reference_pressure": f"{1e-5 * math.sqrt(duty.p_s * duty.p_d):.2g} bar",
-        "reference_temperature": f"{0.5 * (duty.T_e + duty.more + duty.T_c + 20.0):.0f} K",
     }
+
+
+def _reference(duty: Duty) -> tuple[float, float]:
+    """Return the pressure [Pa] and temperature [K] at which properties of the gas are taken."""
+    return math.sqrt(duty.p_s * duty.p_d), 0.5 * (duty.T_e + duty.more + duty.T_c + 20.0)
+
+
+def _stands_in(fluid: str, duty: Duty) -> tuple[float, float, float] | None:
+    """Return conductivity, viscosity, Prandtl number of a gas that stands in; None where CoolProp has the fluid's."""
+    p, T = _reference(duty)
+    try:
+        constants.transport(fluid, p, T)
+        constants.transport(fluid, 1e4, 400.0)
+    except UsageError:
+        return constants.transport(STANDS_IN, min(p, 0.5 * constants.dew_pressure(STANDS_IN, min(T, 370.0))), T)
+    return None
+
+
+def _viscosity(fluid: str, duty: Duty) -> str:
+    found = _stands_in(fluid, duty)
+    return "" if found is None else f", gas_viscosity: {1e3 * found[1]:.3g} mPa s"
+
+
+def _transport(fluid: str, duty: Duty) -> dict[str, str]:
+    """Return how droplets know their gas: by a state, or by numbers of another gas, and what is said of it."""
+    (p, T), found = _reference(duty), _stands_in(fluid, duty)
+    if found is None:
+        return {"transport": f"    reference_pressure: {1e-5 * p:.2g} bar\n    reference_temperature: {T:.0f} K\n"}
+    told = (
+        f"    # CoolProp has no transport properties of {fluid}: these, and the gaps' viscosity, are of {STANDS_IN}\n"
+    )
+    conductivity, viscosity, prandtl = found
+    lines = (
+        f"gas_conductivity: {conductivity:.3g} W/(m K)",
+        f"gas_viscosity: {1e3 * viscosity:.3g} mPa s",
+        f"prandtl: {prandtl:.3g}",
+    )
+    return {"transport": told + "".join(f"    {line}\n" for line in lines)}
 
 
 def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:

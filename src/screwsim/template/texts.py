@@ -51,10 +51,10 @@ def machine(size: sizes.Size, asked: float | None, usual: float, pressures: floa
     return filled("rotors", values)
 
 
-def ports(size: sizes.Size) -> str:
-    """Return ports and gaps of a flooded machine."""
+def ports(size: sizes.Size, viscosity: str = "") -> str:
+    """Return ports and gaps of a flooded machine; `viscosity` states that of its gas."""
     lands = {name: sizes.mm(depth * size.scale, 2) for name, depth in sizes.LANDS.items()}
-    return filled("ports", {"gap": sizes.um(sizes.GAP * size.clearance), **lands})
+    return filled("ports", {"gap": sizes.um(sizes.GAP * size.clearance), "viscosity": viscosity, **lands})
 
 
 def flooded(size: sizes.Size) -> str:
