@@ -289,9 +289,9 @@ def test_a_rest_of_the_hand_is_spoken_once(browser, server):
 def test_sliders_have_the_colour_of_what_they_do(browser, server):
     with opened(browser, server) as seen:
         seen.until("around.left === 0")
-        index = seen.value("around.entries.findIndex((each) => each.control.path === 'effects.tip_leakage.gap')")
-        low, high = seen.value(f"[2 * {index}, 2 * {index} + 1].map((i) => around.values[i].isothermal_efficiency)")
-        assert low > high
+        slope = seen.value("byPath.get('effects.tip_leakage.gap').slopes.isothermal_efficiency")
+        low, high = (figures(f"effects.tip_leakage.gap={gap} um")["isothermal_efficiency"] for gap in (26.0, 29.0))
+        assert slope == pytest.approx((high - low) / 3e-6, rel=0.05)  # curvature over ±5 %, figures within 3e-5
         slider = seen.page.locator("input[type=range][data-path='effects.tip_leakage.gap']")
         assert "lowers isothermal efficiency" in slider.get_attribute("aria-description")
         assert "linear-gradient" in slider.evaluate("(e) => e.style.getPropertyValue('--track')")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -100,6 +101,9 @@ def sensitivity(
     local: Annotated[
         bool, typer.Option("--local", help="Derivatives at the point itself, instead of indices.")
     ] = False,
+    check_sobol: Annotated[
+        int | None, option("N", "Hold the linear uncertainty by the scene's tolerances against N samples.")
+    ] = None,
     paths: Annotated[
         list[str] | None, option("PATH=LOW..HIGH", "What varies, e.g. oil_supply.ratio=0.5..2; repeat it.", "--path")
     ] = None,
@@ -116,6 +120,8 @@ def sensitivity(
 ) -> int:
     """Tell which inputs a figure depends on: Sobol indices over ranges, or with --local derivatives at the point."""
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
+    if check_sobol is not None:
+        return _checked(scene, check_sobol, jobs, as_json)
     if local:
         return _local(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
     if places:
@@ -137,6 +143,25 @@ def sensitivity(
         write_sensitivity(output, found)
     show(as_json, sensitivity_document, print_sensitivity, scene, found)
     return OK if not found.message else NOT_ALL_OK
+
+
+def _checked(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
+    """Print the linear uncertainties of a scene's figures beside those of a sample of its inputs."""
+    from screwsim.printing import print_json
+    from screwsim.printing.uncertain import check_document, print_check
+    from screwsim.study.progress import for_terminal
+    from screwsim.study.uncertain import checked, uncertainty
+
+    linear = uncertainty(scene, jobs=jobs)
+    if linear.slopes.result.status == "ok":
+        linear = checked(scene, linear, count, jobs=jobs, progress=for_terminal("samples"))
+    if as_json:
+        print_json({**linear.as_json(), "sampled": check_document(linear)})
+    else:
+        say(scene.title)
+        print_check(linear)
+    ended = linear.slopes.result.status == "ok" and not linear.message
+    return OK if ended else NOT_ALL_OK
 
 
 def _local(
@@ -162,7 +187,7 @@ def _local(
     found = sensitivities(scene, places, names, jobs=jobs, progress=for_terminal("sensitivity"))
     if output is not None and found.derivatives:
         write_local(output, found)
-    show(as_json, local_document, lambda *told: print_local(*told, names), scene, found)
+    show(as_json, local_document, partial(print_local, chosen=names), scene, found)
     return OK if found.result.status == "ok" else NOT_ALL_OK
 
 
