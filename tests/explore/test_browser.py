@@ -54,7 +54,7 @@ class Seen:
         end = time.monotonic() + seconds
         while not (found := self.value(script)):
             assert time.monotonic() < end, script
-            time.sleep(0.02)
+            time.sleep(0.05)
         return found
 
     def settled(self):
@@ -74,32 +74,47 @@ def opened(browser, server, size="desktop", hash="", **more):
         assert seen.complaints == []
 
 
+@pytest.fixture(scope="module")
+def window(browser, server):
+    """Return the page that most tests use, one after the other."""
+    with opened(browser, server) as seen:
+        yield seen
+
+
+@pytest.fixture
+def seen(window):
+    """Return that page as the scene says, nothing pinned, at rest; it must have complained of nothing at the end."""
+    window.value("scrub(403), document.getElementById('coloured').value = ''")  # colours: half a second of a core
+    if window.value("asHash()") or window.value("pins.length") or window.value("past.length > 1"):
+        window.value("put({ set: {}, effects: {} }); past = []; pins = []; fillPins(); fillControls(); changed()")
+    yield window.settled()
+    assert window.complaints == []
+
+
 def figures(*overrides):
     return dict(simulate(load(PAPER, overrides), trace=False).performance)
 
 
-def test_sixty_changes_of_a_slider_are_each_answered_in_order(browser, server):
-    with opened(browser, server) as seen:
-        seen.page.focus(SPEED)
-        before = seen.value("log.sent")
-        for _ in range(60):
-            seen.page.keyboard.press("ArrowRight")
-        seen.settled()
-        log = seen.value("log")
-        assert log["sent"] - before == 60 and log["answered"] == log["sent"] and log["order"]
-        speed = seen.value("settings.set['operation.speed']")
-        assert seen.value("shown.performance") == figures(f"operation.speed={speed}")
-        assert seen.value("shown.settings.set['operation.speed']") == speed
-        assert seen.page.get_attribute(SPEED, "aria-valuetext").split()[0] == speed.split()[0]
+def test_sixty_changes_of_a_slider_are_each_answered_in_order(seen):
+    seen.page.focus(SPEED)
+    before = seen.value("log.sent")
+    for _ in range(60):
+        seen.page.keyboard.press("ArrowRight")
+    seen.settled()
+    log = seen.value("log")
+    assert log["sent"] - before == 60 and log["answered"] == log["sent"] and log["order"]
+    speed = seen.value("settings.set['operation.speed']")
+    assert seen.value("shown.performance") == figures(f"operation.speed={speed}")
+    assert seen.value("shown.settings.set['operation.speed']") == speed
+    assert seen.page.get_attribute(SPEED, "aria-valuetext").split()[0] == speed.split()[0]
 
 
-def test_the_drawn_loop_is_that_of_the_answer(browser, server):
-    with opened(browser, server) as seen:
-        peak = seen.value("Math.max(...charts.loop.content.curves.at(-1).y)")
-        assert peak == pytest.approx(simulate(load(PAPER)).cycle["pressure"].max() * 1e-5, rel=1e-6)  # float32
-        width, height = seen.value("[charts.loop.below.width, charts.loop.below.height]")
-        painted = "charts.loop.below.getContext('2d').getImageData(0, 0, %d, %d).data.some((each) => each > 0)"
-        assert seen.value(painted % (width, height))
+def test_the_drawn_loop_is_that_of_the_answer(seen):
+    peak = seen.value("Math.max(...charts.loop.content.curves.at(-1).y)")
+    assert peak == pytest.approx(simulate(load(PAPER)).cycle["pressure"].max() * 1e-5, rel=1e-6)  # float32
+    width, height = seen.value("[charts.loop.below.width, charts.loop.below.height]")
+    painted = "charts.loop.below.getContext('2d').getImageData(0, 0, %d, %d).data.some((each) => each > 0)"
+    assert seen.value(painted % (width, height))
 
 
 def test_three_pages_at_once_do_not_mix(browser, server):
@@ -114,41 +129,38 @@ def test_three_pages_at_once_do_not_mix(browser, server):
             assert seen.complaints == []
 
 
-def test_an_effect_is_switched_and_the_ledger_follows(browser, server):
-    with opened(browser, server) as seen:
-        before = seen.value("shown.performance.volumetric_efficiency")
-        seen.page.get_by_role("switch", name="blow hole").click()
-        seen.settled()
-        assert seen.value("shown.performance") == figures("effects.blow_hole=off")
-        assert "blow hole" not in seen.value("shown.ledger.entries.map((each) => each.words)")
-        assert not seen.page.locator("#of-effects-blow_hole-area").is_visible()
-        assert seen.value("ghost.performance.volumetric_efficiency") == before
-        assert "--set effects.blow_hole=off" in seen.page.locator("#shell").inner_text()
+def test_an_effect_is_switched_and_the_ledger_follows(seen):
+    before = seen.value("shown.performance.volumetric_efficiency")
+    seen.page.get_by_role("switch", name="blow hole").click()
+    seen.settled()
+    assert seen.value("shown.performance") == figures("effects.blow_hole=off")
+    assert "blow hole" not in seen.value("shown.ledger.entries.map((each) => each.words)")
+    assert not seen.page.locator("#of-effects-blow_hole-area").is_visible()
+    assert seen.value("ghost.performance.volumetric_efficiency") == before
+    assert "--set effects.blow_hole=off" in seen.page.locator("#shell").inner_text()
 
 
-def test_an_effect_that_needs_a_number_says_which(browser, server):
-    with opened(browser, server) as seen:
-        seen.page.get_by_role("switch", name="wall heat").click()
-        seen.until("document.getElementById('status').textContent === 'refused'")
-        field = seen.page.locator("#of-effects-wall_heat-rotor_area")
-        assert field.is_visible() and field.get_attribute("aria-invalid") == "true"
-        assert "effects.wall_heat.rotor_area" in seen.page.locator("#fault").inner_text()
-        assert seen.value("document.body.classList.contains('old')")
-        assert seen.value("shown.status") == "ok"  # the old answer stays
-        seen.page.get_by_role("switch", name="wall heat").click()
-        seen.until("document.getElementById('status').textContent === 'ok'")
+def test_an_effect_that_needs_a_number_says_which(seen):
+    seen.page.get_by_role("switch", name="wall heat").click()
+    seen.until("document.getElementById('status').textContent === 'refused'")
+    field = seen.page.locator("#of-effects-wall_heat-rotor_area")
+    assert field.is_visible() and field.get_attribute("aria-invalid") == "true"
+    assert "effects.wall_heat.rotor_area" in seen.page.locator("#fault").inner_text()
+    assert seen.value("document.body.classList.contains('old')")
+    assert seen.value("shown.status") == "ok"  # the old answer stays
+    seen.page.get_by_role("switch", name="wall heat").click()
+    seen.until("document.getElementById('status').textContent === 'ok'")
 
 
-def test_a_scene_that_fails_shows_its_reason_and_recovers(browser, server):
-    with opened(browser, server) as seen:
-        field = seen.page.locator("#of-operation-discharge-pressure")
-        field.fill("1")
-        seen.until("!document.getElementById('fault').hidden")
-        assert "operation.discharge.pressure" in seen.page.locator("#fault").inner_text()
-        field.fill("10")
-        seen.until("document.getElementById('fault').hidden")
-        seen.settled()
-        assert seen.value("shown.performance") == figures("operation.discharge.pressure=10 bar")
+def test_a_scene_that_fails_shows_its_reason_and_recovers(seen):
+    field = seen.page.locator("#of-operation-discharge-pressure")
+    field.fill("1")
+    seen.until("!document.getElementById('fault').hidden")
+    assert "operation.discharge.pressure" in seen.page.locator("#fault").inner_text()
+    field.fill("10")
+    seen.until("document.getElementById('fault').hidden")
+    seen.settled()
+    assert seen.value("shown.performance") == figures("operation.discharge.pressure=10 bar")
 
 
 def test_a_link_restores_the_settings(browser, server):
@@ -176,60 +188,56 @@ def test_the_report_of_the_settings_opens(browser, server):
     with opened(browser, server, hash="#operation.speed=1300%20rpm") as seen:
         with seen.page.context.expect_page() as other:
             seen.page.get_by_role("button", name="Open in report").click()
-        other.value.wait_for_selector("html[data-ready=yes]")
+        other.value.wait_for_selector("#scene pre")
         assert "1300 rpm" in other.value.locator("#scene pre").inner_text()
 
 
-def test_cases_are_pinned_compared_and_shown_again(browser, server):
-    with opened(browser, server) as seen:
-        seen.page.click("#pin")
-        seen.page.locator("#of-operation-speed").fill("2000")
+def test_cases_are_pinned_compared_and_shown_again(seen):
+    seen.page.click("#pin")
+    seen.page.locator("#of-operation-speed").fill("2000")
+    seen.settled()
+    seen.page.click("#pin")
+    rows = seen.page.locator("#pins tbody tr")
+    assert [rows.nth(i).locator("td").nth(1).inner_text() for i in range(2)] == [
+        "as the scene says",
+        "speed 2000 rpm",
+    ]
+    seen.page.select_option("#compared", "1")
+    assert seen.value("charts.loop.content.curves.filter((each) => each.pale).length") == 1
+    seen.page.get_by_role("button", name="Show pinned case 1").click()
+    seen.settled()
+    assert seen.value("shown.performance") == figures()
+
+
+def test_undo_goes_back_one_change(seen):
+    for value in ("2", "1"):
+        seen.page.locator("#of-oil_supply-ratio").fill(value)
         seen.settled()
-        seen.page.click("#pin")
-        rows = seen.page.locator("#pins tbody tr")
-        assert [rows.nth(i).locator("td").nth(1).inner_text() for i in range(2)] == [
-            "as the scene says",
-            "speed 2000 rpm",
-        ]
-        seen.page.select_option("#compared", "1")
-        assert seen.value("charts.loop.content.curves.filter((each) => each.pale).length") == 1
-        seen.page.get_by_role("button", name="Show pinned case 1").click()
-        seen.settled()
-        assert seen.value("shown.performance") == figures()
+    seen.page.click("#undo")
+    seen.settled()
+    assert seen.page.locator("#of-oil_supply-ratio").input_value() == "2"
+    assert seen.value("shown.performance") == figures("oil_supply.ratio=2")
 
 
-def test_undo_goes_back_one_change(browser, server):
-    with opened(browser, server) as seen:
-        for value in ("2", "1"):
-            seen.page.locator("#of-oil_supply-ratio").fill(value)
-            seen.settled()
-        seen.page.click("#undo")
-        seen.settled()
-        assert seen.page.locator("#of-oil_supply-ratio").input_value() == "2"
-        assert seen.value("shown.performance") == figures("oil_supply.ratio=2")
+def test_the_angle_moves_rotors_and_cursor_together(seen):
+    pixels = "document.getElementById('section').toDataURL()"
+    before = seen.value(pixels)
+    seen.page.focus("#angle")
+    for _ in range(5):
+        seen.page.keyboard.press("ArrowRight")
+    assert seen.value("angleNow") == 408
+    assert seen.value(pixels) != before
+    x, y = seen.value("charts.loop.moving.points.at(-1)")[:2]
+    result = simulate(load(PAPER))
+    assert x == pytest.approx(1e6 * result.cycle["volume"][408], rel=1e-6)  # float32
+    assert y == pytest.approx(1e-5 * result.cycle["pressure"][408], rel=1e-6)
 
 
-def test_the_angle_moves_rotors_and_cursor_together(browser, server):
-    with opened(browser, server) as seen:
-        pixels = "document.getElementById('section').toDataURL()"
-        before = seen.value(pixels)
-        seen.page.focus("#angle")
-        for _ in range(5):
-            seen.page.keyboard.press("ArrowRight")
-        assert seen.value("angleNow") == 408
-        assert seen.value(pixels) != before
-        x, y = seen.value("charts.loop.moving.points.at(-1)")[:2]
-        result = simulate(load(PAPER))
-        assert x == pytest.approx(1e6 * result.cycle["volume"][408], rel=1e-6)  # float32
-        assert y == pytest.approx(1e-5 * result.cycle["pressure"][408], rel=1e-6)
-
-
-def test_a_drag_on_the_loop_sets_the_angle(browser, server):
-    with opened(browser, server) as seen:
-        x, y = seen.value("[charts.loop.X(shown.traces.volume[600]), charts.loop.Y(shown.traces.pressure[600])]")
-        box = seen.page.locator("#loop").bounding_box()
-        seen.page.mouse.click(box["x"] + x, box["y"] + y)
-        assert seen.value("angleNow") == pytest.approx(600, abs=2)
+def test_a_drag_on_the_loop_sets_the_angle(seen):
+    x, y = seen.value("[charts.loop.X(shown.traces.volume[600]), charts.loop.Y(shown.traces.pressure[600])]")
+    box = seen.page.locator("#loop").bounding_box()
+    seen.page.mouse.click(box["x"] + x, box["y"] + y)
+    assert seen.value("angleNow") == pytest.approx(600, abs=2)
 
 
 def test_it_plays_unless_less_motion_is_wanted(browser, server):
@@ -252,18 +260,16 @@ def test_it_fits_and_has_the_theme_of_its_reader(browser, server, scheme, size):
         assert seen.value("palette.text === colour('text')")
 
 
-def test_nothing_is_asked_of_any_other_address(browser, server):
-    with opened(browser, server) as seen:
-        own = (server.url, server.url.replace("http", "ws"), "data:", "blob:")
-        assert [url for url in seen.asked if not url.startswith(own)] == []
+def test_nothing_is_asked_of_any_other_address(seen, server):
+    own = (server.url, server.url.replace("http", "ws"), "data:", "blob:")
+    assert [url for url in seen.asked if not url.startswith(own)] == []
 
 
-def test_every_control_and_drawing_has_a_name(browser, server):
+def test_every_control_and_drawing_has_a_name(seen):
     nameless = """Array.from(document.querySelectorAll('input, select, button, canvas:not([aria-hidden])')).filter(
       (e) => !(e.labels && e.labels.length) && !e.getAttribute('aria-label') && e.type !== 'hidden'
         && !(e.tagName === 'BUTTON' && e.textContent.trim())).map((e) => e.outerHTML.slice(0, 80))"""
-    with opened(browser, server) as seen:
-        assert seen.value(nameless) == []
+    assert seen.value(nameless) == []
 
 
 def test_what_is_reached_with_the_keyboard_is_seen(browser, server):
@@ -275,26 +281,25 @@ def test_what_is_reached_with_the_keyboard_is_seen(browser, server):
             assert seen.value("getComputedStyle(document.activeElement).outlineStyle") != "none"
 
 
-def test_a_rest_of_the_hand_is_spoken_once(browser, server):
-    with opened(browser, server) as seen:
-        seen.page.locator("#of-operation-speed").fill("1500")
-        seen.settled()
-        spoken = seen.page.locator("#spoken").inner_text()
-        assert spoken.startswith("ok: isothermal efficiency ") and "shaft power" in spoken
-        label = seen.page.locator("#loop canvas").first.get_attribute("aria-label")
-        peak = simulate(load(PAPER, ["operation.speed=1500 rpm"])).cycle["pressure"].max()
-        assert label.endswith(f" to {1e-5 * peak:.4g}")
+def test_a_rest_of_the_hand_is_spoken_once(seen):
+    seen.page.locator("#of-operation-speed").fill("1500")
+    seen.settled()
+    spoken = seen.page.locator("#spoken").inner_text()
+    assert spoken.startswith("ok: isothermal efficiency ") and "shaft power" in spoken
+    label = seen.page.locator("#loop canvas").first.get_attribute("aria-label")
+    peak = simulate(load(PAPER, ["operation.speed=1500 rpm"])).cycle["pressure"].max()
+    assert label.endswith(f" to {1e-5 * peak:.4g}")
 
 
-def test_sliders_have_the_colour_of_what_they_do(browser, server):
-    with opened(browser, server) as seen:
-        seen.until("around.left === 0")
-        slope = seen.value("byPath.get('effects.tip_leakage.gap').slopes.isothermal_efficiency")
-        low, high = (figures(f"effects.tip_leakage.gap={gap} um")["isothermal_efficiency"] for gap in (26.0, 29.0))
-        assert slope == pytest.approx((high - low) / 3e-6, rel=0.05)  # curvature over ±5 %, figures within 3e-5
-        slider = seen.page.locator("input[type=range][data-path='effects.tip_leakage.gap']")
-        assert "lowers isothermal efficiency" in slider.get_attribute("aria-description")
-        assert "linear-gradient" in slider.evaluate("(e) => e.style.getPropertyValue('--track')")
+def test_sliders_have_the_colour_of_what_they_do(seen):
+    seen.page.select_option("#coloured", "isothermal_efficiency")
+    seen.until("around.left === 0")
+    slope = seen.value("byPath.get('effects.tip_leakage.gap').slopes.isothermal_efficiency")
+    low, high = (figures(f"effects.tip_leakage.gap={gap} um")["isothermal_efficiency"] for gap in (26.0, 29.0))
+    assert slope == pytest.approx((high - low) / 3e-6, rel=0.05)  # curvature over ±5 %, figures within 3e-5
+    slider = seen.page.locator("input[type=range][data-path='effects.tip_leakage.gap']")
+    assert "lowers isothermal efficiency" in slider.get_attribute("aria-description")
+    assert "linear-gradient" in slider.evaluate("(e) => e.style.getPropertyValue('--track')")
 
 
 def test_a_line_that_is_cut_is_opened_again(browser):
@@ -309,24 +314,22 @@ def test_a_line_that_is_cut_is_opened_again(browser):
         page.close()
 
 
-def test_the_small_sweep_is_drawn_through_the_point(browser, server):
-    with opened(browser, server) as seen:
-        seen.page.select_option("#over", "operation.discharge.pressure")
-        seen.until("sweep.all.every((each) => 'isothermal_efficiency' in each)")
-        seen.until("charts.sweep.content.curves.at(-1).y.every(Number.isFinite)")
-        x, y = seen.value("[Array.from(charts.sweep.content.curves.at(-1).x), charts.sweep.content.curves.at(-1).y]")
-        result = figures(f"operation.discharge.pressure={x[4]!r} bar")
-        assert y[4] == pytest.approx(100.0 * result["isothermal_efficiency"], rel=1e-12)
-        at, value = seen.value("charts.sweep.moving.points[0]")[:2]
-        assert at == 11.5 and value == pytest.approx(100.0 * figures()["isothermal_efficiency"], rel=1e-12)
+def test_the_small_sweep_is_drawn_through_the_point(seen):
+    seen.page.select_option("#over", "operation.suction.temperature")
+    seen.until("sweep.all.every((each) => 'isothermal_efficiency' in each)")
+    seen.until("charts.sweep.content.curves.at(-1).y.every(Number.isFinite)")
+    x, y = seen.value("[Array.from(charts.sweep.content.curves.at(-1).x), charts.sweep.content.curves.at(-1).y]")
+    result = figures(f"operation.suction.temperature={x[4]!r} degC")
+    assert y[4] == pytest.approx(100.0 * result["isothermal_efficiency"], rel=1e-12)
+    at, value = seen.value("charts.sweep.moving.points[0]")[:2]
+    assert at == 5.85 and value == pytest.approx(100.0 * figures()["isothermal_efficiency"], rel=1e-12)
 
 
-def test_a_number_is_asked_when_it_is_typed_whole(browser, server):
-    with opened(browser, server) as seen:
-        before = seen.value("log.sent")
-        field = seen.page.locator("#of-operation-speed")
-        field.press("Control+a")
-        field.press_sequentially("1500")
-        seen.settled()
-        assert seen.value("log.sent") <= before + 2  # one, or two where the keys came slowly
-        assert seen.value("shown.performance") == figures("operation.speed=1500 rpm")
+def test_a_number_is_asked_when_it_is_typed_whole(seen):
+    before = seen.value("log.sent")
+    field = seen.page.locator("#of-operation-speed")
+    field.press("Control+a")
+    field.press_sequentially("1500")
+    seen.settled()
+    assert seen.value("log.sent") <= before + 2  # one, or two where the keys came slowly
+    assert seen.value("shown.performance") == figures("operation.speed=1500 rpm")
