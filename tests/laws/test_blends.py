@@ -76,7 +76,7 @@ def test_a_closed_chamber_of_every_blend_keeps_its_entropy():
     for name, found in STORED.items():
         assert found["dry"]["s"] < 1e-8, name  # over R: a hundred steps of rtol 1e-10 each
         assert ("refused" in found["wet"]) == (name not in followed), name
-        if name in followed:  # the jump of s where the table meets the equation, as the page states it
+        if name in followed:  # the jump of s where the table meets the equation, which is crossed in and out
             assert 0.0 < found["wet"]["wet"] <= 1.0 and found["wet"]["s"] < 2.0 * followed[name] + 1e-8, name
 
 
