@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from screwsim.study.optimize import optimize
     from screwsim.study.seek import find
     from screwsim.study.sweep import run_sweep, sweep
+    from screwsim.study.uncertain import uncertainty
 
 __version__ = "0.1.0"
 
@@ -51,6 +52,7 @@ __all__ = [
     "sensitivities",
     "simulate",
     "sweep",
+    "uncertainty",
 ]
 
 _HOMES = {
@@ -73,6 +75,7 @@ _HOMES = {
     "sensitivities": "screwsim.study.local",
     "simulate": "screwsim.simulate",
     "sweep": "screwsim.study.sweep",
+    "uncertainty": "screwsim.study.uncertain",
 }
 
 
