@@ -140,5 +140,5 @@ def test_a_sheet_tells_of_the_water_of_humid_air_alone():
     assert any("humid air" in note for note in humid.notes)
     none = sheet_of(screwsim.load(SCENE, [f"{PACKAGE}.unloaded=null", "gas.relative_humidity=0"]))
     dry = sheet_of(screwsim.load(SCENE, [f"{PACKAGE}.unloaded=null", "gas.relative_humidity=null"]))
-    assert dry.lines == none.lines and dry.rows == none.rows and dry.notes == none.notes
+    assert dry.lines == none.lines and dry.tables == none.tables and dry.notes == none.notes
     assert "water" not in dict(dry.lines) and not any("humid" in key for key in dry.document)

@@ -1,8 +1,9 @@
 """Dew and bubble points of every blend beside teqp: tests/fluid/blends_teqp.json. Run: blends_against_teqp.py [NAME].
 
-At 0.7, 0.8 and 0.9 of the highest temperature of two phases: how far teqp's pressures of the liquid and of the vapour
-that we find, and its fugacities of each component in both, are from one another, and the pressure of our tables of the
-dew and bubble line from teqp's of that vapour; relative. (teqp's own iterations fail for blends of a wide glide.)
+At 0.7, 0.8 and 0.9 of the highest temperature of two phases, or as cold as they are known: how far teqp's pressures of
+the liquid and of the vapour that we find, and its fugacities of each component in both, are from one another, and the
+pressure of our tables of the dew and bubble line from teqp's of that vapour; relative. (teqp's own iterations fail for
+blends of a wide glide.) A run that was ended goes on where it was.
 """
 
 from __future__ import annotations
@@ -34,7 +35,8 @@ def row(fluid: str) -> dict[str, Any]:
     """Return the largest differences of a blend."""
     model, around = teqp_model(fluid), traced(fluid)
     worst: dict[str, list[float]] = {"pressures": [], "fugacities": [], "p": []}
-    for T in (share * around.T_m for share in SHARES if share * around.T_m > around.T_low):
+    coldest = 0.1 * around.T_m + 0.9 * around.T_low
+    for T in (max(share * around.T_m, coldest) for share in SHARES):
         for side, ours in ((-1, constants.dew_pressure), (1, constants.bubble_pressure)):
             both = phases(fluid, T, side)
             p = [pressure(model, T, x) for x in both]
@@ -46,12 +48,12 @@ def row(fluid: str) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Write the rows of all blends, or those of the blends named."""
+    """Write the rows of those that are not stored yet, or those of the blends named."""
     sys.path.append(str(ROOT / "tests" / "tools"))
     from closed_blends import known
 
     rows = json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
-    for name in sys.argv[1:] or known():
+    for name in sys.argv[1:] or [each for each in known() if each not in rows]:
         rows[name] = row(name)
         print(name, rows[name], flush=True)
         text = ",\n".join(f" {json.dumps(each)}: {json.dumps(rows[each])}" for each in sorted(rows))

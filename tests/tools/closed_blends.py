@@ -20,8 +20,11 @@ sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "laws")]
 from scenes import make  # noqa: E402
 
 from screwsim.build import build_gas  # noqa: E402
+from screwsim.cycle.guess import begin, leased  # noqa: E402
+from screwsim.cycle.problem import problem_of  # noqa: E402
 from screwsim.faults import SceneError, UsageError  # noqa: E402
 from screwsim.fluid import constants  # noqa: E402
+from screwsim.fluid.blend_border import blend_border  # noqa: E402
 from screwsim.fluid.composition import composition, predefined  # noqa: E402
 from screwsim.fluid.saturation import saturation  # noqa: E402
 from screwsim.numerics.store import write_atomically  # noqa: E402
@@ -30,7 +33,7 @@ from screwsim.simulate import simulate  # noqa: E402
 # dead volume of half the swept one: the chamber expands by three only, and stays within the equation's temperatures
 SHUT = {"effects": {}, "machine.volume.min": "300 cm^3", "numerics": {"accuracy": 1e-4, "rtol": 1e-10}}
 KINDS = {"dry": ("refuse", 0.75, (10.0, 30.0, 60.0, 100.0)), "wet": ("equilibrium", 0.85, (1.0, 5.0, 15.0, 30.0))}
-QUALITIES = (0.99, 0.95, 0.85)  # of blends whose isentropes do not cross their dew line from outside
+DENSER = 1.2  # than the dew point: a wet start for blends whose isentropes do not cross their dew line from outside
 LEAST_SHARE = 0.02  # of the turn that a wet chamber spends on each side of its dew line, or in the dome
 
 
@@ -51,7 +54,6 @@ def turn(fluid: str, kind: str) -> dict[str, Any]:
     lines, told = saturation(fluid), ""
     p = constants.dew_pressure(fluid, max(reduced * lines.T_c, 1.02 * lines.T_low))
     states = [{"superheat": f"{superheat:g} K"} for superheat in superheats]
-    states += [{"quality": quality} for quality in QUALITIES if kind == "wet"]
     for state in states:
         asked = changes(fluid, two_phase, p, state)
         try:
@@ -65,12 +67,33 @@ def turn(fluid: str, kind: str) -> dict[str, Any]:
         gas, cycle = build_gas(scene), result.cycle
         course = list(zip(cycle["gas_temperature"], cycle["gas_mass"] / cycle["volume"], strict=True))
         wet = float(np.mean([gas.phased_state[0](T, rho) for T, rho in course])) if kind == "wet" else 0.0
-        if kind == "wet" and not LEAST_SHARE < wet <= 1.0 - LEAST_SHARE * ("superheat" in state):
+        if kind == "wet" and not LEAST_SHARE < wet < 1.0 - LEAST_SHARE:
             told = f"{wet:.2f} of the turn is wet"
             continue
         change = float(np.ptp([gas.specific_entropy(T, rho) for T, rho in course]) / gas.R)
         return {"from": state, "p": [float(f(cycle["pressure"])) for f in (min, max)], "wet": wet, "s": change}
-    return {"none": told}
+    return wet_turn(fluid, p) if kind == "wet" else {"none": told}
+
+
+def wet_turn(fluid: str, p: float) -> dict[str, Any]:
+    """Return the same of one turn that begins wet."""
+    border = blend_border(fluid)
+    assert border is not None
+    problem = problem_of(make(changes(fluid, "equilibrium", p, {"superheat": "1 K"})))
+    machinery, gas = leased(problem), problem.parts.gas
+    y = begin(problem, machinery)
+    T = border.dew_temperature(p)
+    y[:2] = T, DENSER / border.saturated_volumes(T)[1]
+    status, *_ = machinery.turn(y, 1e-10, 1e-3)
+    machinery.swap()
+    course = machinery.states_at(np.radians(np.arange(0.0, 720.0, 5.0)))[:, :2]
+    if status != 0:
+        return {"none": f"the turn ended with {status}"}
+    wet = float(np.mean([gas.phased_state[0](T, rho) for T, rho in course]))
+    pressures = [gas.state(T, rho)[0] for T, rho in course]
+    change = float(np.ptp([gas.specific_entropy(T, rho) for T, rho in course]) / gas.R)
+    start = {"T": float(T), "denser": DENSER}
+    return {"from": start, "p": [float(f(pressures)) for f in (min, max)], "wet": wet, "s": change}
 
 
 def known() -> list[str]:

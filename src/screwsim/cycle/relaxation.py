@@ -21,6 +21,7 @@ from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import NO_HOPE, CycleSolution, Hope
 from screwsim.cycle.wanted import ENOUGH, Wanted
+from screwsim.effects.base import FlowPath
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_LIFE, R_TRAPPED
 from screwsim.numerics.periodic import Anderson
@@ -167,7 +168,12 @@ class _Turns:
         return self.gap <= min(WORTH * self.wanted.tolerance, LITTLE)
 
     def slow(self) -> bool:
-        """Tell whether this turn is to be corrected: where turns contract slowly, or will."""
+        """Tell whether this turn is to be corrected: where turns contract slowly, or will.
+
+        Chambers that nothing leads out of come back as they were: any state is a cycle, and corrections find no one.
+        """
+        if not self.problem.parts.all(FlowPath):
+            return False
         if self.number == 1:  # states that are far off still lead nearer there
             return not self.guessed and residuals(self.problem, self.machinery.R, self.q).mass > LEAKS
         ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)
