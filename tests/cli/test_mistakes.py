@@ -150,7 +150,7 @@ def test_mistaken_arguments_are_told_with_what_was_meant(folder, command, argume
 
 
 def test_a_command_that_is_none_is_told_with_those_there_are(folder, command):
-    answer = command("explore", "small.yaml")
+    answer = command("ponder", "small.yaml")
     assert answer.code == 2
     assert "(there are: run, sweep, explain, " in answer.err and "did you mean" not in answer.err
 
