@@ -18,7 +18,7 @@ SCENE = ROOT / "configs" / "rotors" / "b.yaml"
 PICTURE = ROOT / "docs" / "figures" / "explore.png"
 BEFORE, CHANGED, ANGLE = "2500 rpm", "2950 rpm", 620
 SIZES = {"desktop": (1360, 1180), "phone": (390, 844)}
-DRAWN = "shown !== null && sent.size === 0 && !moved && around.left === 0"
+DRAWN = "shown !== null && sent.size === 0 && !moved && !typing && around.left === 0"
 
 
 def picture(url: str, target: Path, dark: bool, phone: bool) -> None:

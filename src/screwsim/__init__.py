@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from screwsim import plot
-    from screwsim.api import calibrate, optimum, performance_map
+    from screwsim.api import calibrate, datasheet, optimum, performance_map
     from screwsim.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from screwsim.study.optimize import optimize
     from screwsim.study.seek import find
     from screwsim.study.sweep import run_sweep, sweep
+    from screwsim.study.uncertain import uncertainty
 
 __version__ = "0.1.0"
 
@@ -36,6 +37,7 @@ __all__ = [
     "UsageError",
     "__version__",
     "calibrate",
+    "datasheet",
     "evaluate_map",
     "find",
     "load",
@@ -50,6 +52,7 @@ __all__ = [
     "sensitivities",
     "simulate",
     "sweep",
+    "uncertainty",
 ]
 
 _HOMES = {
@@ -58,8 +61,9 @@ _HOMES = {
     "SceneError": "screwsim.faults",
     "UsageError": "screwsim.faults",
     "calibrate": "screwsim.api",
-    "find": "screwsim.study.seek",
+    "datasheet": "screwsim.api",
     "evaluate_map": "screwsim.study.map_points",
+    "find": "screwsim.study.seek",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
     "open_results": "screwsim.results",
@@ -71,6 +75,7 @@ _HOMES = {
     "sensitivities": "screwsim.study.local",
     "simulate": "screwsim.simulate",
     "sweep": "screwsim.study.sweep",
+    "uncertainty": "screwsim.study.uncertain",
 }
 
 

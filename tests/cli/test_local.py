@@ -44,3 +44,49 @@ def test_local_sensitivities_of_what_there_is_not_are_refused_in_one_line(folder
     assert answer.code == 2
     assert told in answer.err
     assert len(answer.err.splitlines()) == 1
+
+
+TOLERANT = ("--set", "operation.speed=3000 rpm ± 2 %", "--set", "effects.tip_leakage.gap=50 um ×/÷ 1.5")
+
+
+def test_a_run_with_tolerances_tells_numerical_error_and_inputs_apart(folder, command):
+    answer = command("run", "oiled.yaml", *TOLERANT, "--json")
+    assert answer.code == 0
+    document = json.loads(answer.out)
+    found = document["uncertainty"]["figures"]["displacement_flow"]
+    assert found["expanded"] == pytest.approx(0.02 * document["performance"]["displacement_flow"], rel=1e-6)
+    assert found["contributors"][0]["paths"] == ["operation.speed"]
+    assert document["error"]["gas_mass_flow"] < document["uncertainty"]["figures"]["gas_mass_flow"]["expanded"]
+
+
+def test_a_run_with_tolerances_shows_the_largest_contributors_in_lines_that_fit(folder, command):
+    answer = command("run", "oiled.yaml", *TOLERANT)
+    told = answer.out[answer.out.index("uncertain by") :]
+    assert answer.code == 0
+    assert "tip_leakage.gap" in told and "coverage factor 2" in told
+    assert max(map(len, told.splitlines())) <= 80
+
+
+def test_a_run_without_tolerances_says_nothing_of_them(folder, command):
+    assert "uncertainty" not in json.loads(command("run", "oiled.yaml", "--json").out)
+
+
+def test_the_linear_uncertainty_is_held_against_a_sample(folder, command):
+    answer = command("sensitivity", "oiled.yaml", *TOLERANT, "--check-sobol", "8", "--jobs", "1", "--json")
+    assert answer.code == 0
+    sampled = json.loads(answer.out)["sampled"]
+    assert sampled["samples"] == 8
+    assert sampled["figures"]["gas_mass_flow"]["standard"] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("rest", "told"),
+    [
+        (("--check-sobol", "8"), "no input has a tolerance"),
+        ((*TOLERANT, "--check-sobol", "7"), "is not a power of two"),
+    ],
+)
+def test_a_sample_that_cannot_be_is_refused_in_one_line(folder, command, rest, told):
+    answer = command("sensitivity", "oiled.yaml", *rest)
+    assert answer.code == 2
+    assert told in answer.err

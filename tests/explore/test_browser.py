@@ -59,7 +59,7 @@ class Seen:
 
     def settled(self):
         """Wait until all that was asked is answered and drawn, and the hand has rested."""
-        self.until("shown !== null && sent.size === 0 && !moved && log.answered === number")
+        self.until("shown !== null && sent.size === 0 && !moved && !typing && log.answered === number")
         return self
 
 
@@ -281,14 +281,17 @@ def test_a_rest_of_the_hand_is_spoken_once(browser, server):
         seen.settled()
         spoken = seen.page.locator("#spoken").inner_text()
         assert spoken.startswith("ok: isothermal efficiency ") and "shaft power" in spoken
+        label = seen.page.locator("#loop canvas").first.get_attribute("aria-label")
+        peak = simulate(load(PAPER, ["operation.speed=1500 rpm"])).cycle["pressure"].max()
+        assert label.endswith(f" to {1e-5 * peak:.4g}")
 
 
 def test_sliders_have_the_colour_of_what_they_do(browser, server):
     with opened(browser, server) as seen:
         seen.until("around.left === 0")
-        index = seen.value("around.entries.findIndex((each) => each.control.path === 'effects.tip_leakage.gap')")
-        low, high = seen.value(f"[2 * {index}, 2 * {index} + 1].map((i) => around.values[i].isothermal_efficiency)")
-        assert low > high
+        slope = seen.value("byPath.get('effects.tip_leakage.gap').slopes.isothermal_efficiency")
+        low, high = (figures(f"effects.tip_leakage.gap={gap} um")["isothermal_efficiency"] for gap in (26.0, 29.0))
+        assert slope == pytest.approx((high - low) / 3e-6, rel=0.05)  # curvature over ±5 %, figures within 3e-5
         slider = seen.page.locator("input[type=range][data-path='effects.tip_leakage.gap']")
         assert "lowers isothermal efficiency" in slider.get_attribute("aria-description")
         assert "linear-gradient" in slider.evaluate("(e) => e.style.getPropertyValue('--track')")
@@ -304,3 +307,26 @@ def test_a_line_that_is_cut_is_opened_again(browser):
         seen.until("log.sent === 1 && log.answered === 1 && !socket.gone && socket.readyState === 1 && sent.size === 0")
         seen.until("document.getElementById('fault').hidden")
         page.close()
+
+
+def test_the_small_sweep_is_drawn_through_the_point(browser, server):
+    with opened(browser, server) as seen:
+        seen.page.select_option("#over", "operation.discharge.pressure")
+        seen.until("sweep.all.every((each) => 'isothermal_efficiency' in each)")
+        seen.until("charts.sweep.content.curves.at(-1).y.every(Number.isFinite)")
+        x, y = seen.value("[Array.from(charts.sweep.content.curves.at(-1).x), charts.sweep.content.curves.at(-1).y]")
+        result = figures(f"operation.discharge.pressure={x[4]!r} bar")
+        assert y[4] == pytest.approx(100.0 * result["isothermal_efficiency"], rel=1e-12)
+        at, value = seen.value("charts.sweep.moving.points[0]")[:2]
+        assert at == 11.5 and value == pytest.approx(100.0 * figures()["isothermal_efficiency"], rel=1e-12)
+
+
+def test_a_number_is_asked_when_it_is_typed_whole(browser, server):
+    with opened(browser, server) as seen:
+        before = seen.value("log.sent")
+        field = seen.page.locator("#of-operation-speed")
+        field.press("Control+a")
+        field.press_sequentially("1500")
+        seen.settled()
+        assert seen.value("log.sent") <= before + 2  # one, or two where the keys came slowly
+        assert seen.value("shown.performance") == figures("operation.speed=1500 rpm")

@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -34,6 +35,8 @@ class Running:
 @contextmanager
 def running(*arguments, **variables):
     command = [sys.executable, "-m", "screwsim", "explore", *arguments, "--no-browser", "--port", "0"]
+    if shutil.which("taskset") and hasattr(os, "sched_getaffinity"):  # one core, so that one worker compiles
+        command = ["taskset", "-c", str(min(os.sched_getaffinity(0))), *command]
     environment = {**os.environ, "PYTHONPATH": SOURCES, **variables}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     with subprocess.Popen(command, env=environment, text=True, **pipes) as process:

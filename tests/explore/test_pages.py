@@ -10,12 +10,13 @@ from screwsim.explore.pages import Page
 
 
 class Desk:
-    """A crew of one worker that answers when it is let."""
+    """A crew that answers when it is let."""
 
-    def __init__(self):
+    def __init__(self, workers):
         self.free: asyncio.Queue = asyncio.Queue()
-        self.free.put_nowait("worker")
-        self.jobs, self.let = [], asyncio.Semaphore(0)
+        for name in ("one", "other")[:workers]:
+            self.free.put_nowait(name)
+        self.jobs, self.let, self.aside = [], asyncio.Semaphore(0), asyncio.Semaphore(1)
 
     async def lend(self):
         return await self.free.get()
@@ -40,17 +41,17 @@ def points(lane, name, count):
     )
 
 
-def played(script):
+def played(script, workers=1):
     """Return heads of all answers of a page over a script of messages, and of ints: so many answers are let."""
 
     async def run():
-        desk, heads = Desk(), []
+        desk, heads = Desk(workers), []
 
         async def send(message):
             heads.append(answer.unpacked(message)[0])
 
         page = Page(desk, send)
-        task = asyncio.create_task(page.work())
+        tasks = [asyncio.create_task(page.work()), asyncio.create_task(page.work_aside())]
         for step in script:
             if isinstance(step, str):
                 page.take(step)
@@ -59,7 +60,8 @@ def played(script):
                     desk.let.release()
             for _ in range(20):
                 await asyncio.sleep(0)
-        task.cancel()
+        for task in tasks:
+            task.cancel()
         return heads, desk.jobs
 
     return asyncio.run(run())
@@ -107,3 +109,17 @@ def test_new_points_take_the_place_of_old_ones():
 def test_numbers_that_skip_are_refused(numbers):
     with pytest.raises(Exception, match="not numbered"):
         played([point(number) for number in numbers])
+
+
+def slopes(name):
+    return json.dumps({"kind": "slopes", "id": name, "changes": {"set": {"x": 0}}})
+
+
+def test_derivatives_are_found_beside_all_else():
+    _, jobs = played([slopes(1), point(1)], workers=2)
+    assert [job.kind for job in jobs] == ["slopes", "point"]  # neither was let end
+
+
+def test_of_derivatives_the_newest_alone_is_found_next():
+    heads, _ = played([slopes(1), slopes(2), slopes(3), 5], workers=2)
+    assert [head["id"] for head in heads] == [1, 3]

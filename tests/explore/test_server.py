@@ -7,7 +7,9 @@ import time
 
 import pytest
 from explore_line import PAPER, Line, served
+from websockets.exceptions import ConnectionClosed
 
+from screwsim.derivatives.solving import found
 from screwsim.explore.crew import Patience
 from screwsim.scene import load
 from screwsim.simulate import simulate
@@ -200,3 +202,32 @@ def test_under_load_no_answer_is_another_s(server):
             off_too = ["effects.blow_hole=off"] if off else []
             wanted[key] = same([*(f"{path}={value}" for path, value in values.items()), *off_too])
         assert head["performance"] == wanted[key]
+
+
+def test_slopes_are_the_exact_derivatives(server):
+    scene = load(PAPER, ["operation.speed=1500 rpm"])
+    wanted = found(scene, {"operation.speed": scene.operation.speed}).derivatives["operation.speed"]
+    with Line(server) as line:
+        line.send({"kind": "slopes", "id": 5, "changes": {"set": {"operation.speed": "1500 rpm"}}})
+        head, _ = line.next()
+    assert (head["lane"], head["id"]) == ("slopes", 5)
+    assert head["slopes"]["operation.speed"] == pytest.approx(wanted, rel=1e-9)
+    assert "effects.tip_leakage.gap" in head["slopes"]
+
+
+def test_no_more_pages_are_open_than_the_server_bears(server, monkeypatch):
+    monkeypatch.setattr("screwsim.explore.server.MOST_PAGES", 1)
+    with Line(server) as first, Line(server) as second:
+        with pytest.raises(ConnectionClosed) as closed:
+            second.next(10.0)
+        assert closed.value.rcvd.code == 1013
+        assert first.answer()["status"] == "ok"
+
+
+def test_a_worker_that_has_grown_too_large_is_replaced(monkeypatch):
+    monkeypatch.setattr("screwsim.explore.crew.LARGEST", 0)
+    with served() as found, Line(found) as line:
+        before = line.answer({"operation.speed": "1200 rpm"})
+        again = line.answer({"operation.speed": "1200 rpm"})
+        assert before["performance"] == again["performance"] == same(["operation.speed=1200 rpm"])
+        assert before["process"] != again["process"]

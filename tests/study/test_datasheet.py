@@ -5,6 +5,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import screwsim
@@ -40,6 +41,15 @@ def efficiency_of_the_public_sheet():
     return isentropic_power(float(row["flow_acfm"]) * CFM, 1e5, 9.62e5) / (1e3 * float(row["power_kW"]))
 
 
+def public_curve():
+    """Return specific power over that at full flow, by the share of full flow, of that package."""
+    text = (ROOT / "validation" / "cagi" / "sheet.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    full = float(rows[0]["power_kW"]) / float(rows[0]["flow_acfm"])
+    flows = [float(row["flow_acfm"]) for row in rows]
+    return {flow / flows[0]: float(row["power_kW"]) / flow / full for flow, row in zip(flows, rows, strict=True)}
+
+
 @pytest.mark.parametrize("name", (*FIXED, *VARIABLE))
 def test_shipped_packages_lie_between_what_may_be_sold_and_a_good_one(sheets, name):
     of, sheet = sheets[name]
@@ -49,6 +59,20 @@ def test_shipped_packages_lie_between_what_may_be_sold_and_a_good_one(sheets, na
     assert of.regulation.least < found.package_isentropic_efficiency < efficiency_of_the_public_sheet()
     assert 0.95 < found.shaft_power / 110e3 < 1.05  # the class that its title says
     assert not of.full.result.warnings
+
+
+@pytest.mark.parametrize("name", VARIABLE)
+def test_the_curve_of_a_variable_speed_package_is_that_of_public_ones(sheets, name):
+    """Specific power over its value at full flow: within 2.5 % of the one public sheet, at its points."""
+    of, _ = sheets[name]
+    public = public_curve()
+    assert max(public) == 1.0 and len(public) == 5
+    good = sorted((point.flow / of.full.flow, point.result.performance.package_specific_power) for point in of.points)
+    shares, specific = zip(*good, strict=True)
+    for share, theirs in public.items():
+        if share >= shares[0]:
+            ours = np.interp(share, shares, specific) / specific[-1]
+            assert ours == pytest.approx(theirs, rel=0.025), share
 
 
 @pytest.mark.parametrize("name", FIXED)

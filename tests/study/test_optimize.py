@@ -13,6 +13,7 @@ import screwsim
 from screwsim.faults import UsageError
 from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate as simulated
+from screwsim.study.crew import Crew
 from screwsim.study.optimize import optimize, question, run
 from screwsim.study.optimize.evaluate import mean
 from screwsim.study.optimize.points import as_csv, read_points
@@ -158,6 +159,15 @@ def test_a_worker_that_dies_costs_its_evaluations_only():
     assert found.status == "ok" and found.aims[found.front[0], 0] == pytest.approx(1.25, abs=1e-3)  # at y = 0.5
     dead = int(np.sum(found.asked.spans[0].low + 2.0 * found.places[:, 0] > 2.8))
     assert found.failed == dead and next(iter(found.reasons)).startswith("failed: worker died")
+
+
+def test_workers_start_afresh_after_a_while(monkeypatch):
+    monkeypatch.setattr("screwsim.study.optimize.record.FRESH", 20)
+    asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=80)
+    left = []
+    monkeypatch.setattr(Crew, "leave", lambda crew: left.append(crew))
+    found = run(asked, simulate=choosing, jobs=1)
+    assert len(found.places) == 80 and len(left) == 4  # after 20, 40, 60, and in the end
 
 
 def test_the_file_holds_all_cases_and_what_was_aimed_at(tmp_path):

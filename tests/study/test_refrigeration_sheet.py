@@ -13,7 +13,7 @@ from screwsim.scene import with_values
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.study import part_load as part_load_of
 from screwsim.study.datasheet import sheet_of
-from screwsim.study.datasheet.bounds import Bound, envelope, read_bounds
+from screwsim.study.datasheet.bounds import Bound, envelope, limits_of
 from screwsim.study.datasheet.refrigeration import asked_of, rating
 from screwsim.study.datasheet.refrigeration_sheet import refrigeration_sheet
 from screwsim.study.datasheet.sheet import told
@@ -29,7 +29,7 @@ LIMITS = ("discharge_temperature<72 degC",)
 @pytest.fixture(scope="module")
 def rated():
     scene = screwsim.load(CONTROL)
-    return rating(asked_of(scene, *RANGES, read_bounds(scene, LIMITS)), jobs=1)
+    return rating(asked_of(scene, *RANGES, limits_of(scene, LIMITS)), jobs=1)
 
 
 @pytest.fixture(scope="module")
@@ -198,10 +198,10 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
 @pytest.mark.parametrize(
     ("scene", "more", "words"),
     [
-        ("control/point", ["--limit", "discharge_temperature"], "is not FIGURE<VALUE"),
+        ("control/point", ["--limit", "discharge_temperature"], "is not FIGURE<VALUE or FIGURE>VALUE (write"),
         ("control/point", ["--limit", "discharge_temprature<90 degC"], "did you mean 'discharge_temperature'?"),
-        ("control/point", ["--limit", "discharge_temperature<90"], "has no unit (write e.g. '285 K')"),
-        ("control/point", ["--limit", "cop>much"], "'much' is not a number (write e.g. --limit 'cop>5')"),
+        ("control/point", ["--limit", "discharge_temperature<90"], "90 has no unit (write one of K"),
+        ("control/point", ["--limit", "cop>much"], "'much' is no number with a unit"),
         ("control/point", ["--limit", "water_flow<1"], "is not called for in this scene"),
         ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),

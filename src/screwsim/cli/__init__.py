@@ -20,6 +20,7 @@ from screwsim.cli import files, mistakes, points, process, seek, studies
 from screwsim.cli.datasheet import datasheet
 from screwsim.cli.explore import explore
 from screwsim.cli.export import app as export_app
+from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
 from screwsim.faults import SceneError, UsageError
 from screwsim.screen import say
@@ -57,7 +58,7 @@ _POINTS = (points.run, points.sweep, points.explain, points.accuracy)
 _STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
 _FILES = (explore, files.rotors, files.plot, files.report, files.validate, files.schema)
 _SEEK = (seek.find, seek.optimize)
-for _command in (*_POINTS, datasheet, *_SEEK, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
+for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
     app.command("map" if _command is studies.performance_map else None)(_command)
 app.add_typer(export_app, name="export")
 

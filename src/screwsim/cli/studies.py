@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -100,6 +101,9 @@ def sensitivity(
     local: Annotated[
         bool, typer.Option("--local", help="Derivatives at the point itself, instead of indices.")
     ] = False,
+    check_sobol: Annotated[
+        int | None, option("N", "Hold the linear uncertainty by the scene's tolerances against N samples.")
+    ] = None,
     paths: Annotated[
         list[str] | None, option("PATH=LOW..HIGH", "What varies, e.g. oil_supply.ratio=0.5..2; repeat it.", "--path")
     ] = None,
@@ -116,6 +120,8 @@ def sensitivity(
 ) -> int:
     """Tell which inputs a figure depends on: Sobol indices over ranges, or with --local derivatives at the point."""
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
+    if check_sobol is not None:
+        return _checked(scene, check_sobol, jobs, as_json)
     if local:
         return _local(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
     if places:
@@ -137,6 +143,25 @@ def sensitivity(
         write_sensitivity(output, found)
     show(as_json, sensitivity_document, print_sensitivity, scene, found)
     return OK if not found.message else NOT_ALL_OK
+
+
+def _checked(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
+    """Print the linear uncertainties of a scene's figures beside those of a sample of its inputs."""
+    from screwsim.printing import print_json
+    from screwsim.printing.uncertain import check_document, print_check
+    from screwsim.study.progress import for_terminal
+    from screwsim.study.uncertain import checked, uncertainty
+
+    linear = uncertainty(scene, jobs=jobs)
+    if linear.slopes.result.status == "ok":
+        linear = checked(scene, linear, count, jobs=jobs, progress=for_terminal("samples"))
+    if as_json:
+        print_json({**linear.as_json(), "sampled": check_document(linear)})
+    else:
+        say(scene.title)
+        print_check(linear)
+    ended = linear.slopes.result.status == "ok" and not linear.message
+    return OK if ended else NOT_ALL_OK
 
 
 def _local(
@@ -162,7 +187,7 @@ def _local(
     found = sensitivities(scene, places, names, jobs=jobs, progress=for_terminal("sensitivity"))
     if output is not None and found.derivatives:
         write_local(output, found)
-    show(as_json, local_document, lambda *told: print_local(*told, names), scene, found)
+    show(as_json, local_document, partial(print_local, chosen=names), scene, found)
     return OK if found.result.status == "ok" else NOT_ALL_OK
 
 
@@ -189,13 +214,17 @@ def calibrate(
         str, typer.Argument(metavar="FIT", help="What is fitted to what, a YAML file.", show_default=False)
     ],
     folder: Annotated[Path | None, option("DIR", "Write scene.yaml, fit.json and the residual figure.", "-o")] = None,
+    posterior: Annotated[
+        bool, typer.Option("--posterior", help="Say with what probability the points tell what (extra `posterior`).")
+    ] = False,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
     """Fit parameters of a scene to measured points, and say how far the data fix them."""
     options.check_drawer(folder)
-    from screwsim.printing import show
+    from screwsim.printing import print_json
     from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
+    from screwsim.printing.posterior import posterior_document, print_posterior, write_posterior
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import read_fit
@@ -206,14 +235,25 @@ def calibrate(
         make_folder(folder)
         check_folder(folder)
     found = calibrated(fit, jobs=jobs, progress=for_terminal("calibrate"))
-    show(as_json, calibration_document, print_calibration, found)
+    wide = None
+    if posterior and found.status != "interrupted":
+        from screwsim.study.calibration.posterior import posterior as sampled
+
+        wide = sampled(found, jobs=jobs, progress=for_terminal("posterior"))
+    if as_json:
+        print_json(calibration_document(found) | ({} if wide is None else {"posterior": posterior_document(wide)}))
+    else:
+        print_calibration(found)
+        if wide is not None:
+            print_posterior(found, wide)
     if folder is not None:
-        for path in write_calibration(found, folder):
+        written = write_calibration(found, folder) + ([] if wide is None else write_posterior(found, wide, folder))
+        for path in written:
             say(path, err=as_json)
     if found.status == "interrupted":
         say(found.message, err=True)
         return options.INTERRUPTED
-    return OK if found.status == "ok" else NOT_ALL_OK
+    return OK if found.status == "ok" and (wide is None or wide.status == "ok") else NOT_ALL_OK
 
 
 def tolerance(

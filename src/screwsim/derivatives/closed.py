@@ -80,7 +80,7 @@ def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps:
     breakpoints, tolerance = machinery.pitch_breakpoints(), ERROR * problem.scene.numerics.accuracy
     plain = edges_of(machinery, steps)
     pitch = Pitch(problem, machinery, between(plain))
-    turns, nearly = crossings(pitch), NEARLY
+    Y, turns, nearly = np.empty(0), crossings(pitch), NEARLY
     for left in range(ROUNDS, 0, -1):
         pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns)))
         start, Y = _closed(pitch, nearly)

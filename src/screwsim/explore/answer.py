@@ -19,6 +19,7 @@ from screwsim.outputs import Figure, Result, sorted_entries
 
 CURVE = "curve"  # a point of a small sweep
 SOLVED = "solved"
+SLOPES = "slopes"  # derivatives of figures
 FILE = "file"  # `text` is one
 REFUSED = "refused"  # settings that make no scene; `message` has a line a fault
 
@@ -49,7 +50,6 @@ def solved(result: Result, more: Mapping[str, Any]) -> bytes:
         "error": _finite(result.error),
         "balance": _finite(result.balance),
         "ledger": _ledger(result),
-        "wall_time": result.numerics.get("wall_time"),
         "traces": [[name, trace_variable(name).units] for name in traces],
         "about": [about_figure(figure) for name, figure in _about(result).items() if name not in known()],
         **more,
@@ -60,6 +60,11 @@ def solved(result: Result, more: Mapping[str, Any]) -> bytes:
 def point(result: Result, more: Mapping[str, Any]) -> bytes:
     """Return the answer of a point of a small sweep: its figures alone."""
     return packed({"kind": CURVE, **_told(result), **more})
+
+
+def slopes(derivatives: Mapping[str, Mapping[str, float]], more: Mapping[str, Any]) -> bytes:
+    """Return the answer of derivatives [SI] by path and figure."""
+    return packed({"kind": SLOPES, "slopes": {path: _finite(each) for path, each in derivatives.items()}, **more})
 
 
 def file(text: str) -> bytes:

@@ -108,6 +108,7 @@ def control(path: str, leaf: Leaf, value: Any, needed: bool = False) -> dict[str
         "low": unit.of(span.low),
         "high": unit.of(span.high),
         "log": span.log,
+        "size": unit.size,
     }
 
 

@@ -138,6 +138,7 @@ class Crew:
 
     def __init__(self, base: Base, count: int, patience: Patience) -> None:
         self.workers = [Worker(base, patience) for _ in range(count)]
+        self.aside = asyncio.Semaphore(count - 1)  # of what takes long and may wait: a worker is left to all else
         self._threads = ThreadPoolExecutor(count, thread_name_prefix="explore")
         self._free: asyncio.Queue[Worker] = asyncio.Queue()
         self._tasks: set[asyncio.Task[bytes]] = set()

@@ -58,6 +58,8 @@ class Page:
         self._asked, self._answered = 0, 0
         self._lanes: dict[str, deque[Job]] = {lane: deque() for lane in LANES}
         self._awake = asyncio.Event()
+        self._aside: Job | None = None
+        self._aside_awake = asyncio.Event()
         self._notes: set[asyncio.Task[None]] = set()
         self.gone = False
 
@@ -75,6 +77,9 @@ class Page:
             self._take_point(asked)
         elif asked.get("kind") in LANES:
             self._take_points(asked["kind"], asked)
+        elif asked.get("kind") == "slopes" and type(asked.get("id")) is int:
+            self._aside = Job("slopes", asked.get("changes"), {"lane": "slopes", "id": asked["id"]})
+            self._aside_awake.set()
         else:
             raise Wrong("a message has no kind that is known")
         self._awake.set()
@@ -120,6 +125,19 @@ class Page:
                 self._awake.clear()
                 continue
             await self._send(await self._crew.solve(worker, job, self._newer, self._note))
+
+    async def work_aside(self) -> None:
+        """Answer what takes long beside all else, the newest of it, where there is a worker for that."""
+        while True:
+            await self._aside_awake.wait()
+            self._aside_awake.clear()
+            async with self._crew.aside:
+                worker = await self._crew.lend()
+                job, self._aside = self._aside, None
+                if job is None:
+                    self._crew.give_back(worker)
+                    continue
+                await self._send(await self._crew.solve(worker, job, lambda: self.gone, lambda text: None))
 
     def _newer(self) -> bool:
         return self.gone or self._newest is not None

@@ -85,7 +85,7 @@ def _bound(host: str, port: int | None) -> socket.socket:
 def prepared(base: Base, rules: Rules, workers: int | None = None, patience: Patience = Patience()) -> App:  # noqa: B008
     """Return the server of a scene."""
     count = workers or max(1, min(cores(), MOST_WORKERS))
-    return application(Desk(page_text(base), Crew(base, count, patience)), rules)
+    return application(Desk(page_text(base, slopes=count > 1), Crew(base, count, patience)), rules)
 
 
 def configured(app: App) -> uvicorn.Config:

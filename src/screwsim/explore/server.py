@@ -98,7 +98,7 @@ async def _line(desk: Desk, socket: WebSocket) -> None:
 
     page = Page(desk.crew, send)
     desk.pages.add(page)
-    tasks = [asyncio.create_task(_read(socket, page)), asyncio.create_task(page.work())]
+    tasks = [asyncio.create_task(each) for each in (_read(socket, page), page.work(), page.work_aside())]
     try:
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         wrong = next((error for task in done if isinstance(error := task.exception(), Wrong)), None)

@@ -140,11 +140,21 @@ def _point(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
     }
     key, drawn = _drawn(scene.machine)
     machine = {} if key == job.machine else {"machine": drawn}
-    return answer.solved(simulate(scene), {**job.tag, "texts": text, "machine_key": key, **machine})
+    return answer.solved(
+        simulate(scene), {**job.tag, "texts": text, "machine_key": key, "process": os.getpid(), **machine}
+    )
 
 
 def _curve(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
     return answer.point(simulate(scene, trace=False), job.tag)
+
+
+def _slopes(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
+    """Return the exact derivatives of all figures by the numbers of the scene, as far as there are."""
+    from screwsim.derivatives.solving import found
+    from screwsim.study.local import numeric_paths
+
+    return answer.slopes(found(scene, numeric_paths(scene)[0]).derivatives, job.tag)
 
 
 def _report(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
@@ -179,6 +189,7 @@ def _drawn(settings: Any) -> tuple[str, dict[str, Any]]:
 JOBS: Mapping[str, Callable[[Base, list[str], Scene, Job], bytes]] = {
     "point": _point,
     "curve": _curve,
+    "slopes": _slopes,
     "report": _report,
     "scene": _whole,
 }

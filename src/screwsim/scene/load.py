@@ -18,6 +18,7 @@ from screwsim.scene.files import other_file
 from screwsim.scene.sections import find_kind, read_effects, read_section
 from screwsim.scene.stated import settled
 from screwsim.scene.sweep import read_sweep
+from screwsim.scene.tolerances import BLOCK, read_tolerances, taken
 from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
 from screwsim.scene.units import Refused, over, parse_quantity
 from screwsim.scene.values import shown
@@ -290,15 +291,18 @@ def _ambient(root: Node) -> float | None:
 
 
 def _read(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
+    root, given = taken(root)
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)
-    scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep"), paths)
+    scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep", BLOCK), paths)
     _keep_kind(problems)
     effects = read_effects(root.value.get("effects"), problems)
     sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:
         return None
     scene = settled(replace(scene, effects=effects, sweep=sweep, joints=joints, folder=folder))
+    uncertain, correlated = read_tolerances(given, root.value.get(BLOCK), scene, problems)
+    scene = replace(scene, uncertain=uncertain, correlated=correlated)
     faults: list[Fault] = [*cross_check(scene), *check_files(scene)]
     problems += [Problem(pointer(root, fault.path), fault.path, fault.what) for fault in faults]
     return scene

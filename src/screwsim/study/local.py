@@ -6,15 +6,17 @@ them a number's are is told with them.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 from screwsim.declare import is_derived
 from screwsim.derivatives.solving import found
 from screwsim.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import Scene, leaf_of, with_values
+from screwsim.scene import Scene, leaf_of, scene_of, with_values
 from screwsim.scene.fields import Leaf, leaf_paths, value_at
 from screwsim.scene.types import Found
 from screwsim.simulate import simulate
@@ -77,21 +79,23 @@ def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
 
 
 def sensitivities(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     paths: Sequence[str] | None = None,
     figures: Sequence[str] | None = None,
     *,
     jobs: int | None = 1,
     progress: Progress | None = None,
+    result: Result | None = None,
 ) -> Sensitivities:
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all that the scene has).
 
-    Raises UsageError for a path or a figure that the scene does not have.
+    `result` is that of the scene, where it is known. Raises UsageError for a path or a figure that is not there.
     """
+    scene = scene_of(scene)
     every, left_out = numeric_paths(scene)
     names = tuple(dict.fromkeys(figure_of(scene, name) for name in figures or ()))
-    values = every if not paths else _asked(scene, paths, every)
-    result = simulate(scene, trace=False)
+    values = every if paths is None or not paths else _asked(scene, paths, every)
+    result = simulate(scene, trace=False) if result is None else result
     if result.status != "ok":
         return Sensitivities(result)
     exact = found(scene, values)

@@ -16,8 +16,11 @@ _SCRIPTS = [
 _SHARED = ("numbers.js", "ledger.js", "theme.js")  # with the page of a report
 
 
-def page_text(base: Base) -> str:
-    """Return the page of a scene; @NONCE@ stands where its policy has a number that is used once."""
+def page_text(base: Base, slopes: bool = True) -> str:
+    """Return the page of a scene; @NONCE@ stands where its policy has a number that is used once.
+
+    `slopes`: the server has a worker for derivatives, beside one for all else.
+    """
     import jinja2
 
     from screwsim import __version__
@@ -30,7 +33,7 @@ def page_text(base: Base) -> str:
         version=__version__,
         style=_shared("theme.css") + _own("page.css"),
         script="\n".join(scripts),
-        document=_embedded(document(base)),
+        document=_embedded({**document(base), "slopes": slopes}),
     )
 
 

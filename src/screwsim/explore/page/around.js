@@ -47,19 +47,44 @@ function askSweep() {
   drawSweep();
 }
 
-// When the small sweep has shown that points cost little.
+// When the small sweep has shown that points cost little: by derivatives where the server has a worker for them.
 function askColours() {
   clearColours();
   const each = (performance.now() - sweep.begun) / sweep.x.length;
-  around.left = 0;
+  around = { id: 0, entries: [], values: [], left: 0 };
   if (!document.getElementById("coloured").value || each > SLOW) return;
   const entries = liveNumbers().filter(({ control }) => control.kind === "number");
+  if (data.slopes) around = { id: askSlopes(), entries, values: [], left: 1 };
+  else askDifferences(entries);
+}
+
+function askDifferences(entries) {
   const points = entries.flatMap(({ control }) => {
     const place = placeOf(control, numberNow(control)) / STEPS;
     return [Math.max(place - STEP, 0), Math.min(place + STEP, 1)].map((share) => [control.path, asSet(control, valueAt(control, STEPS * share))]);
   });
   around = { entries, values: points.map(() => null), left: points.length };
   around.id = askPoints("around", points.slice(0, 200));
+}
+
+// Numbers without a derivative, as of a cycle that cannot be linearised, are looked at by differences.
+function receiveSlopes(head) {
+  if (head.id !== around.id) return;
+  const slopes = head.slopes || {};
+  for (const entry of around.entries) entry.slopes = slopes[entry.control.path];
+  const bare = around.entries.filter((entry) => !entry.slopes);
+  around.left = 0;
+  colourAll();
+  if (bare.length) askDifferences(bare);
+}
+
+// Over its whole way, relative to the figure, by the slope at this point.
+function colourAll() {
+  const name = document.getElementById("coloured").value;
+  for (const { control, slopes, range } of built.filter((each) => each.slopes)) {
+    const way = control.size * (control.log ? numberNow(control) * Math.log(control.high / control.low) : control.high - control.low);
+    colourTrack({ range }, name, (slopes[name] * way) / Math.abs(shown.performance[name]), "");
+  }
 }
 
 function receivePoint(head) {
@@ -70,23 +95,29 @@ function receivePoint(head) {
   } else if (head.lane === "around" && head.id === around.id) {
     around.values[head.index] = head.status === "ok" ? head.performance : null;
     around.left -= 1;
-    if (head.index % 2) colourTrack(head.index >> 1);
+    if (head.index % 2) colourByDifference(head.index >> 1);
   }
 }
 
-// What a slider does to the figure: change over its whole travel, relative, by the difference of two points.
-function colourTrack(index) {
+function colourByDifference(index) {
   const entry = around.entries[index];
   const [low, high] = [around.values[2 * index], around.values[2 * index + 1]];
   const name = document.getElementById("coloured").value;
-  const [a, b, now] = [low, high, shown.performance].map((each) => (each ? each[name] : null));
-  if (!entry || !Number.isFinite(a) || !Number.isFinite(b) || !now) { if (entry) bare(entry); return; }
-  const effect = (b - a) / (2 * STEP) / Math.abs(now);
+  const [a, b, now] = [low, high, shown.performance].map((each) => (each ? each[name] : NaN));
+  if (entry) colourTrack(entry, name, (b - a) / (2 * STEP) / Math.abs(now), ", by a difference");
+}
+
+// effect: the change of the figure over the slider's whole way, relative, as if it went on as here.
+function colourTrack(entry, name, effect, how) {
+  if (!Number.isFinite(effect)) {
+    bare(entry);
+    return;
+  }
   const strong = Math.min(Math.abs(effect) / FULL_TINT, 1);
   const tint = (part) => `color-mix(in srgb, var(--${part}) ${Math.round(100 * strong)}%, var(--line))`;
   const [from, to] = effect > 0 ? [tint("c3"), tint("c4")] : [tint("c4"), tint("c3")];
   entry.range.style.setProperty("--track", `linear-gradient(to right, ${from}, ${to})`);
-  const words = `moving it to the right ${effect > 0 ? "raises" : "lowers"} ${aboutOf(name).words}: ${general(Math.abs(effect) * 100, 2)} % over the whole way, by the slope here`;
+  const words = `moving it to the right ${effect > 0 ? "raises" : "lowers"} ${aboutOf(name).words}: ${general(Math.abs(effect) * 100, 2)} % over the whole way, by the slope here${how}`;
   entry.range.title = words;
   entry.range.setAttribute("aria-description", words);
 }
@@ -98,7 +129,10 @@ function bare(entry) {
 }
 
 function clearColours() {
-  for (const entry of built) if (entry.range) bare(entry);
+  for (const entry of built) {
+    entry.slopes = undefined;
+    if (entry.range) bare(entry);
+  }
 }
 
 function drawSweep() {

@@ -180,6 +180,17 @@ class Chart {
     }));
   }
 
+  // Say what is drawn, for who does not see it.
+  describe() {
+    const { content } = this;
+    if (!content || !content.curves) return;
+    const ranges = content.curves.filter((curve) => !curve.pale && curve.y.length).map((curve) => {
+      const [low, high] = extent([curve.y]).map(plain);
+      return `${curve.name || content.y.label} from ${low} to ${high}`;
+    });
+    this.below.setAttribute("aria-label", `${this.words}; ${content.y.label} over ${content.x.label}: ${ranges.join(", ")}`);
+  }
+
   // What moves: a line at the angle, or points on the curve.
   move(moving) {
     if (moving) this.moving = moving;

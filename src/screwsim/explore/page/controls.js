@@ -1,7 +1,16 @@
 // The fields: built from the scene's own description, filled from the settings.
 
-let built = []; // {control, effect, row, number, range, select}
+const TYPES = 250; // [ms] after which a number that is typed is whole
+
+let built = []; // {control, effect, row, field, range, select}
 let byPath = new Map();
+let typing = 0; // timer of a number that is being typed,
+let typed = null; // and what is done with it
+
+function takeTyped() {
+  clearTimeout(typing);
+  [typing, typed] = [0, typed && typed()];
+}
 
 function controlOf(path) {
   const entry = byPath.get(path);
@@ -10,6 +19,7 @@ function controlOf(path) {
 
 function buildControls() {
   const form = document.getElementById("controls");
+  form.noValidate = true;
   form.addEventListener("submit", (event) => event.preventDefault());
   for (const group of data.groups) form.append(groupOf(group.words, group.controls, group.name === "operation" || group.name === "oil_supply"));
   const effects = foldOf("Effects", true);
@@ -115,6 +125,13 @@ function choiceOf(entry, id, value) {
   value.append(select);
 }
 
+// What an arrow key adds: one in the second digit.
+function stepOf(control) {
+  if (control.kind === "count") return "1";
+  const size = Math.abs(control.value ?? 0) || 0.5 * (control.high - control.low) || 1;
+  return String(Number(`1e${Math.floor(Math.log10(size)) - 1}`));
+}
+
 function unitWords(unit) {
   return unit.replaceAll("^2", "²").replaceAll("^3", "³").replace("um", "µm").replace("degC", "°C").replace("deg", "°");
 }
@@ -122,7 +139,7 @@ function unitWords(unit) {
 function numberOf(entry, id, value) {
   const { control } = entry;
   const field = document.createElement("input");
-  Object.assign(field, { type: "number", id, step: "any" });
+  Object.assign(field, { type: "number", id, step: stepOf(control) });
   if (control.value === null) field.placeholder = control.needed ? "needed" : "open";
   const unit = document.createElement("span");
   unit.textContent = unitWords(control.unit);
@@ -130,8 +147,13 @@ function numberOf(entry, id, value) {
   Object.assign(range, { type: "range", min: "0", max: String(STEPS), step: "1" });
   range.setAttribute("aria-label", control.words);
   range.dataset.path = control.path;
-  field.addEventListener("input", () => { if (field.value !== "" && field.checkValidity()) setTo(control, Number(field.value), field); });
-  field.addEventListener("change", () => { if (field.value === "") setTo(control, undefined); });
+  field.addEventListener("input", () => {
+    typed = () => setTo(control, Number.isFinite(field.valueAsNumber) ? field.valueAsNumber : undefined, field);
+    clearTimeout(typing);
+    typing = setTimeout(takeTyped, TYPES);
+  });
+  field.addEventListener("change", takeTyped); // Enter, or the field is left
+  field.addEventListener("blur", () => fillRow(entry));
   range.addEventListener("input", () => setTo(control, valueAt(control, Number(range.value)), range));
   Object.assign(entry, { field, range, unit });
   value.append(field, unit);

@@ -50,10 +50,19 @@ function askPoints(lane, points) {
   return lineId;
 }
 
+// Ask for the derivatives of all figures, which are found beside all else.
+function askSlopes() {
+  if (!isOpen()) return 0;
+  lineId += 1;
+  socket.send(JSON.stringify({ kind: "slopes", id: lineId, changes: settings }));
+  return lineId;
+}
+
 function receive(buffer) {
   const [head, floats] = opened(buffer);
   if (head.kind === "note") busy(head.text);
-  else if (head.kind === "curve" || head.lane) receivePoint(head);
+  else if (head.lane === "slopes") receiveSlopes(head);
+  else if (head.lane) receivePoint(head);
   else receiveAnswer(head, floats);
 }
 

@@ -123,11 +123,11 @@ function pair(make) {
 function angleAxis(answer) {
   const angle = answer.traces.angle;
   const end = angle[angle.length - 1];
-  return { label: data.machine.kind === "cylinder" ? "crank angle (°)" : "male-rotor angle (°)", range: [angle[0], end], ticks: ticksOf(0, end, 1).length ? everySixty(end) : undefined };
+  return { label: data.machine.kind === "cylinder" ? "crank angle (°)" : "male-rotor angle (°)", range: [angle[0], end], ticks: angleTicks(end) };
 }
 
-function everySixty(end) {
-  const step = end > 400 ? 120 : 60;
+function angleTicks(end) {
+  const step = (end > 400 ? 120 : 60) * (window.innerWidth < 640 ? 2 : 1);
   return Array.from({ length: Math.floor(end / step + 1e-9) + 1 }, (_, i) => i * step);
 }
 

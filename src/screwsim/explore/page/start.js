@@ -70,6 +70,7 @@ function rest() {
 
 function speak() {
   if (!shown) return;
+  for (const chart of Object.values(charts)) chart.describe();
   const words = headlineNames().slice(0, 4).map((name) => `${aboutOf(name).words} ${headlineText(aboutOf(name), shown.performance[name]).join(" ")}`);
   const fault = document.getElementById("fault");
   say(fault.hidden ? `${document.getElementById("status").textContent}: ${words.join(", ")}` : "");

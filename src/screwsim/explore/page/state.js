@@ -1,7 +1,7 @@
 // The settings: what is changed of the scene, its address, its history, and the pinned cases.
 
 const settings = { set: {}, effects: {} };
-let history_ = []; // settings before each change that lasted
+let past = []; // settings before each change that lasted
 let pins = [];
 
 function copied(which = settings) {
@@ -60,16 +60,16 @@ function writeHash() {
 
 // Settings that lasted for a while can be gone back to.
 function remember() {
-  const last = history_.at(-1);
+  const last = past.at(-1);
   if (last && same(last, settings)) return;
-  history_.push(copied());
-  if (history_.length > 100) history_ = history_.slice(-100);
-  document.getElementById("undo").disabled = history_.length < 2;
+  past.push(copied());
+  if (past.length > 100) past = past.slice(-100);
+  document.getElementById("undo").disabled = past.length < 2;
 }
 
 function undo() {
-  if (history_.length && same(history_.at(-1), settings)) history_.pop();
-  const before = history_.pop();
+  if (past.length && same(past.at(-1), settings)) past.pop();
+  const before = past.pop();
   if (!before) return;
   put(before);
   fillControls();

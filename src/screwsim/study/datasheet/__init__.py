@@ -41,10 +41,10 @@ def sheet_of(
     states_lines = operation.condensing_temperature is not None or operation.gas_cooler is not None
     if states_lines and scene.machine.mode == "compressor":
         from screwsim.study.datasheet import refrigeration
-        from screwsim.study.datasheet.bounds import read_bounds
+        from screwsim.study.datasheet.bounds import limits_of
         from screwsim.study.datasheet.refrigeration_sheet import refrigeration_sheet
 
-        asked = refrigeration.asked_of(scene, evaporating, condensing, read_bounds(scene, limits))
+        asked = refrigeration.asked_of(scene, evaporating, condensing, limits_of(scene, limits))
         return refrigeration_sheet(refrigeration.rating(asked, jobs, progress))
     raise UsageError(
         "datasheet: the scene is neither an air package (name effects.air_package) nor a refrigeration compressor "

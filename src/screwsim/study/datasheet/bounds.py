@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from screwsim.declare import KINDS, Kind
 from screwsim.engineering import engineering, quantity, shown_name
-from screwsim.faults import UsageError
 from screwsim.figures import declared
 from screwsim.scene import Scene
-from screwsim.scene.units import ZERO_CELSIUS, Refused, parse_quantity
-from screwsim.study.figures import figure_of
+from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.goals import read_bounds
 
 RATED = "effects.motor.rated_power"
-_BOUND = re.compile(r"\s*([A-Za-z_][\w .-]*?)\s*([<>])=?\s*(.+?)\s*")
-_KINDS: dict[str, Kind] = {"K": KINDS["temperature"], "Pa": KINDS["pressure"], "W": KINDS["power"]}
-_KINDS |= {"N m": KINDS["torque"], "N": KINDS["force"], "m": KINDS["length"], "m3 s-1": KINDS["volume_flow"]}
 
 
 class Bound(NamedTuple):
@@ -50,36 +44,14 @@ def shown(figure: str, value: float) -> str:
     return quantity(about.shown or about.units, value)
 
 
-def read_bounds(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
+def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
     """Return the limits that texts state, and the motor's rated power where the scene has one; raise UsageError."""
-    found = [_read(scene, text) for text in texts]
+    stated = read_bounds(scene, texts, "--limit")
+    found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
     motor = scene.effects.get("motor")
     if motor is not None and not any(bound.figure == "shaft_power" for bound in found):
         found.append(Bound("shaft_power", 1, float(motor.parameters.rated_power), RATED))
     return tuple(found)
-
-
-def _read(scene: Scene, text: str) -> Bound:
-    parts = _BOUND.fullmatch(text)
-    if parts is None:
-        raise UsageError(f"--limit {text}: is not FIGURE<VALUE (write e.g. --limit 'discharge_temperature<110 degC')")
-    name, sign, value = parts.groups()
-    try:
-        figure = figure_of(scene, name)
-    except UsageError as fault:
-        raise UsageError(str(fault).replace(f"--figure {name}", f"--limit {text}", 1)) from None
-    units = declared(figure).units
-    kind = _KINDS.get(units)
-    try:
-        number = float(value) if kind is None else parse_quantity(kind, value)
-    except Refused as refusal:
-        raise UsageError(f"--limit {text}: {refusal}") from None
-    except ValueError:
-        unit = "a number" if units == "1" else f"a number in {units}"
-        raise UsageError(f"--limit {text}: {value!r} is not {unit} (write e.g. --limit '{name}{sign}5')") from None
-    if not math.isfinite(number):
-        raise UsageError(f"--limit {text}: {value!r} is not a finite number (write one)")
-    return Bound(figure, 1 if sign == "<" else -1, number)
 
 
 class Reach(NamedTuple):

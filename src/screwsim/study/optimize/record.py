@@ -29,6 +29,7 @@ from screwsim.study.shards import Parts
 from screwsim.study.warm import Warm
 from screwsim.study.workers import DIED
 
+FRESH = 2000  # evaluations after which workers start afresh: profiles leave tables and rotors in their caches
 BLOCK = 4  # evaluations of a batch whose cycles begin from each other
 REASONS = 100  # kinds of reasons of failed evaluations that are kept
 OTHER = "another reason"
@@ -53,6 +54,7 @@ class Record:
     _rows: list[np.ndarray] = field(default_factory=list)
     _kinds: dict[str, str] = field(default_factory=dict)  # kind of a reason -> its first example
     _packed: bytes = b""
+    _crews: int = 0
     _kept: int = 0  # cases that an earlier run has kept, from the first on
 
     def __post_init__(self) -> None:
@@ -115,6 +117,9 @@ class Record:
         return self.parts.table(cases) if self.parts is not None and cases.stop <= self._kept else None
 
     def _computed(self, places: np.ndarray) -> Table:
+        if len(self) // FRESH > self._crews:  # what workers keep in memory is bounded
+            self._crews = len(self) // FRESH
+            self.crew.leave()
         order = neighbours(places)
         blocks = [order[start : start + BLOCK] for start in range(0, len(order), BLOCK)]
         tables = self._solved(places, blocks)
