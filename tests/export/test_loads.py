@@ -18,6 +18,7 @@ from screwsim.machine.profile_law import lay
 from screwsim.machine.rotors.pair import outlines
 from screwsim.machine.rotors.sections import polygon_area
 from screwsim.results import save
+from screwsim.scene import load
 
 ROOT = Path(__file__).parents[2]
 COMPACT = str(ROOT / "configs" / "r134a" / "compact.yaml")
@@ -67,6 +68,19 @@ def test_the_surfaces_do_the_work_of_the_cycle(found):
     own, other = (found.columns[f"{name}_torque_by_virtual_work"] for name in ("male", "female"))
     assert np.max(np.abs(male - own)) < 0.01 * own.mean()  # tips and blow-hole: the convention of the sections
     assert abs(female.mean() - other.mean()) < 0.025 * own.mean()
+
+
+@pytest.mark.parametrize("name", ["a", "b", "c"])
+def test_the_surfaces_of_each_profile_do_the_work_of_a_compression(name):
+    laid = lay(load(ROOT / "configs" / "rotors" / f"{name}.yaml").machine)
+    angle = np.radians(np.arange(0.0, math.degrees(laid.life)))
+    volume = laid.rotors.volume(np.clip(angle - laid.born, 0.0, laid.curves.life) + laid.rotors.start)
+    closed = angle > laid.injection
+    pressure = np.where(closed, 3e5 * (volume.max() / np.maximum(volume, 0.2 * volume.max())) ** 1.1, 3e5)
+    found = loads_of(Pressures(laid, angle, pressure, 3e5)).columns
+    own, other = (found[f"{rotor}_torque_by_virtual_work"] for rotor in ("male", "female"))
+    assert np.max(np.abs(found["male_torque"] - own)) < 0.015 * own.mean()
+    assert abs(found["female_torque"].mean() - other.mean()) < 0.025 * own.mean()
 
 
 def test_virtual_work_is_the_indicated_power(found, run):

@@ -2,7 +2,7 @@
 
 Gas forces alone: the flanks' pressure over that of suction, without end faces, gears, weights and the contact between
 the rotors. Axial forces are those of the flanks. The mapping of pressures to the surface is held against virtual work:
-the male torque agrees within 1 %, that of the female within 2.5 % of the male's (tests/export/test_loads.py).
+the male torque agrees within 1.5 %, that of the female within 2.5 % of the male's (tests/export/test_loads.py).
 """
 
 from __future__ import annotations

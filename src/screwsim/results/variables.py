@@ -128,12 +128,14 @@ class Plan:
         return self.layout.empty(group, name, self.shape, dtype, self._dimensions, about | self._beside)
 
     def _figures(self, name: str) -> Iterator[Column]:
-        """Make the variables of a group of figures."""
+        """Make the variables of a group of figures; one with the name of an axis is that axis."""
         group = self._group(name)
         if name == "performance":
             about = flag_attributes(STATUSES, "how the case ended", NOT_COMPUTED)
             yield Column(self._empty(group, "status", np.int8, about), lambda table: table.status)
         for figure, about in self._about(name):
+            if figure in group:  # oil_supply_temperature, where oil_supply.temperature varies
+                continue
             data = self._empty(group, figure, float, about)
             yield Column(data, lambda table, figure=figure: table.column(name, figure))
 
