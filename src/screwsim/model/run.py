@@ -18,6 +18,7 @@ import numpy as np
 from screwsim.codegen.calls import Context
 from screwsim.model import compiled, under_scipy
 from screwsim.model.composition import Composition
+from screwsim.model.exchange import here
 from screwsim.model.contexts import ChamberContext, CoupledContext
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
 from screwsim.model.trajectory import Trajectory, with_numbers
@@ -115,6 +116,12 @@ class Machinery:
     def turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
         """Integrate one life from y (changed in place); return (status, angle reached, last step, quadratures)."""
         self.watch()
+        if here.turn is not None:
+            return here.turn(self, y, rtol, h)
+        return self.own_turn(y, rtol, h)
+
+    def own_turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+        """Do what `turn` does, whoever else integrates turns in this thread."""
         c = self.composition
         q = np.zeros(self.nq)
         status, phi, h = self.module.rodas__integrate_one(
