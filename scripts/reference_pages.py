@@ -7,24 +7,30 @@ A test holds both pages to what this writes.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from screwsim import outputs
 from screwsim.effects import catalogue
 from screwsim.figures import known, needs_of
-from screwsim.machine.kinds import MACHINES
+from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene import schema
+from screwsim.scene.keys import ABSENT, REQUIRED, SECTIONS, Key, effect_keys_of, section_keys
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "reference"
 SCENE_HEAD = """\
 # All keys of a scene
 
 Made by `scripts/reference_pages.py` from the declarations that read a scene; `screwsim schema` prints the same as JSON
-Schema for editors. Every quantity is written with its unit (`128 mm`, `20 degC`); a bare number for one is a fault. A
-key with a default, or a dash in its place, may be left out; *required* is what its section must have where it is named.
-M… are equations of [model.md](../model.md), S… of [slider-crank.md](slider-crank.md).
+Schema for editors, and `screwsim explain SCENE.yaml --parameters [EFFECT]` the same beside what a scene has. Every
+quantity is written with its unit (`128 mm`, `20 degC`), of which the table shows one; a bare number for one is a fault.
+A key with a default, or a dash in its place, may be left out; *required* is what its section must have where it is
+named. Beyond *range* a value is refused, beyond what is *usual* it is taken with a warning. M… are equations of
+[model.md](../model.md), S… of [slider-crank.md](slider-crank.md).
+
+Gauge pressures are read where absolute ones are (`7 bar(g)`, `7 barg`, `100 psig`): over `operation.ambient_pressure`,
+which is the standard atmosphere, 1.01325 bar, unless the scene states it.
 
 Beside the sections below a scene may have `base: other.yaml`, whose paths it changes, a `title`, and a `sweep`, whose
 keys are paths of these tables ([sweeps.md](../how-to/sweeps.md)). `--set operation.speed="1000 rpm"` overrides one.
@@ -61,47 +67,26 @@ def cell(text: Any) -> str:
     return str(text).replace("|", "\\|")
 
 
-def value(key: Mapping[str, Any]) -> str:
-    """Return how a value is written: one of several words, a quantity such as, or a kind of number."""
-    if "enum" in key:
-        return ", ".join(f"`{each}`" for each in key["enum"] if each is not None)
-    if "examples" in key:
-        return f"such as `{key['examples'][0]}`"
-    kind = key["type"] if isinstance(key["type"], str) else key["type"][0]
-    if "items" in key:
-        return "a list of numbers" if kind == "array" else "a text, or a list of texts"
-    return {"number": "a number", "integer": "a whole number"}.get(kind, "a text")
+def table(keys: Sequence[Key]) -> str:
+    """Return keys as a table, or that there are none."""
+    rows = [
+        f"| `{key.path}` | {cell(key.unit)} | {_code(key.default)} | {cell(key.range)} | {cell(key.meaning)} |"
+        for key in keys
+    ]
+    heads = ["| key | unit | default | range | what |", "|---|---|---|---|---|"]
+    return "\n".join([*heads, *rows]) if rows else "No keys."
 
 
-def default(key: Mapping[str, Any]) -> str:
-    """Return the default of a key, a dash where it may be absent, or that it is required."""
-    if "default" in key:
-        return f"`{key['default']}`"
-    absent = None in key["enum"] if "enum" in key else "null" in key["type"]
-    return "–" if absent else "required"
+def _code(default: str) -> str:
+    return default if default == ABSENT or default.startswith(REQUIRED) else f"`{default}`"
 
 
-def rows(section: Mapping[str, Any], before: str = "") -> Iterator[str]:
-    """Return a row for each key of a section, keys of inner sections by their paths."""
-    for name, key in section["properties"].items():
-        if "properties" in key:
-            yield from rows(key, f"{before}{name}.")
-        else:
-            yield f"| `{before}{name}` | {cell(value(key))} | {cell(default(key))} | {cell(key['description'])} |"
-
-
-def table(section: Mapping[str, Any]) -> str:
-    """Return the keys of a section as a table, or that it has none."""
-    found = list(rows(section))
-    return "\n".join(["| key | value | default | what |", "|---|---|---|---|", *found]) if found else "No keys."
-
-
-def effect_text(name: str, section: Mapping[str, Any]) -> str:
+def effect_text(name: str) -> str:
     """Return one effect: what it is, its equations, for which machines, its keys."""
     effect = catalogue()[name]
     kinds = [kind for kind, machine in MACHINES.items() if effect.fits(machine)]
     told = f"{effect.title[0].upper()}{effect.title[1:]}. {', '.join(effect.equations)}; {', '.join(kinds)}."
-    return f"### {name}\n\n{told}\n\n{table(section)}\n"
+    return f"### {name}\n\n{told}\n\n{table(effect_keys_of(name, effect.parameters, kinds[0]))}\n"
 
 
 def scene_page() -> str:
@@ -109,11 +94,13 @@ def scene_page() -> str:
     found = schema()["properties"]
     parts = [SCENE_HEAD]
     for kind, machine in zip(MACHINES, found["machine"]["anyOf"], strict=False):  # behind them: one's own
-        parts.append(f"## machine, kind: {kind}\n\n{machine['description']}\n\n{table(machine)}\n")
-    for name in ("gas", "operation", "oil", "oil_supply", "numerics", "output"):
-        parts.append(f"## {name}\n\n{found[name]['description']}\n\n{table(found[name])}\n")
+        parts.append(
+            f"## machine, kind: {kind}\n\n{machine['description']}\n\n{table(section_keys('machine', kind))}\n"
+        )
+    for name in SECTIONS[1:]:
+        parts.append(f"## {name}\n\n{found[name]['description']}\n\n{table(section_keys(name, TWIN_SCREW))}\n")
     parts.append(EFFECTS_HEAD)
-    parts += [effect_text(name, section) for name, section in found["effects"]["properties"].items()]
+    parts += [effect_text(name) for name in found["effects"]["properties"]]
     return "\n".join(parts)
 
 

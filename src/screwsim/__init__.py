@@ -1,8 +1,7 @@
 """Simulate oil-flooded twin-screw compressors, chamber by chamber.
 
-    scene = screwsim.load("x.yaml")
-    result = screwsim.simulate(scene)
-    result.performance.isothermal_efficiency
+    result = screwsim.simulate("x.yaml")        a path, a dict, YAML text, or a scene of screwsim.load
+    result.performance.isothermal_efficiency    the figures with units and meanings: print(result.performance)
 
 Each public name is imported when it is first used, so that `import screwsim` costs nothing.
 """
@@ -15,12 +14,16 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from screwsim import plot
+    from screwsim.api import calibrate, optimum, performance_map
     from screwsim.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
     from screwsim.simulate import simulate
-    from screwsim.study.sweep import sweep
+    from screwsim.study.optimize import optimize
+    from screwsim.study.seek import find
+    from screwsim.study.sweep import run_sweep, sweep
 
 __version__ = "0.1.0"
 
@@ -30,9 +33,16 @@ __all__ = [
     "SceneError",
     "UsageError",
     "__version__",
+    "calibrate",
+    "find",
     "load",
     "loads",
     "open_results",
+    "optimize",
+    "optimum",
+    "performance_map",
+    "plot",
+    "run_sweep",
     "schema",
     "simulate",
     "sweep",
@@ -43,9 +53,15 @@ _HOMES = {
     "Scene": "screwsim.scene",
     "SceneError": "screwsim.faults",
     "UsageError": "screwsim.faults",
+    "calibrate": "screwsim.api",
+    "find": "screwsim.study.seek",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
     "open_results": "screwsim.results",
+    "optimize": "screwsim.study.optimize",
+    "optimum": "screwsim.api",
+    "performance_map": "screwsim.api",
+    "run_sweep": "screwsim.study.sweep",
     "schema": "screwsim.scene",
     "simulate": "screwsim.simulate",
     "sweep": "screwsim.study.sweep",
@@ -54,6 +70,8 @@ _HOMES = {
 
 def __getattr__(name: str) -> Any:
     """Return a public name from the module that defines it."""
+    if name == "plot":
+        return importlib.import_module("screwsim.plot")
     if name not in _HOMES:
         raise AttributeError(f"module 'screwsim' has no attribute {name!r}")
     value = getattr(importlib.import_module(_HOMES[name]), name)

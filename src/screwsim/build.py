@@ -31,6 +31,7 @@ from screwsim.faults import Fault, Unfound, UsageError, own_number
 from screwsim.fluid import constants
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.models import Asked, find_gas_model, lacking
 from screwsim.fluid.moist_air import moist_air
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.real_gas import RealGas
@@ -79,21 +80,23 @@ MOST_PREPARED = 10_000  # conditions of one sweep that are asked for ahead
 
 
 def build_gas(scene: Scene) -> Gas:
-    """Return the gas of a scene; k of an ideal one from CoolProp at suction temperature where none is given (M6)."""
+    """Return the gas of a scene."""
     dry, humidity = _dry_gas(scene), scene.gas.relative_humidity
     if humidity is None:
         return dry
+    assert isinstance(dry, IdealGas | RealGas)  # `scene.humidity` refuses others
     at = lines(scene)
     return moist_air(dry, at.p_s, at.T_s, humidity)
 
 
-def _dry_gas(scene: Scene) -> IdealGas | RealGas:
-    fluid, k = scene.gas.name, scene.gas.isentropic_exponent
-    if scene.gas.model == "real":
-        return RealGas(fluid, scene.gas.two_phase)
-    if k is None:
-        k = constants.isentropic_exponent(fluid, lines(scene).T_s)
-    return IdealGas(constants.gas_constant(fluid), k)
+def _dry_gas(scene: Scene) -> Gas:
+    said = scene.gas
+    asked = Asked(said.name, said.isentropic_exponent, said.two_phase, lambda: lines(scene).T_s)
+    gas = find_gas_model(said.model).make(asked)
+    missing = lacking(gas) if "." in said.model else []
+    if missing:
+        raise TypeError(f"its gas has no {', '.join(missing)}")
+    return gas
 
 
 class Temperatures(NamedTuple):

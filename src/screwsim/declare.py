@@ -6,6 +6,9 @@ fields are made with `quantity`, `number`, `count`, `choice` and `file`. Values 
 
 What a field cannot be is refused: `gt`, `ge`, `lt`, `le`, and of every quantity what its kind says that no machine goes
 beyond. What it hardly is, outside `hardly=(low, high)`, is taken and warned of.
+
+A field that another one may state in its place names that in `otherwise`: the speed by `tip_speed`. Its value is then a
+`Derived` one, which follows anew whenever what it follows from changes, and is not written.
 """
 
 from __future__ import annotations
@@ -16,6 +19,31 @@ from dataclasses import dataclass
 from typing import Any, TypedDict, Unpack
 
 REQUIRED: Any = dataclasses.MISSING
+
+
+class Derived(float):
+    """A quantity that the scene does not state itself: it follows from what it states."""
+
+
+class DerivedCount(int):
+    """A whole number that the scene does not state itself."""
+
+
+class DerivedWord(str):
+    """A word that the scene does not state itself."""
+
+
+def is_derived(value: Any) -> bool:
+    """Tell whether a value follows from others, or from a default that others may replace."""
+    return isinstance(value, Derived | DerivedCount | DerivedWord)
+
+
+def plain(value: Any) -> Any:
+    """Return a value as one that a scene states itself."""
+    for kind in (Derived, DerivedCount, DerivedWord):
+        if isinstance(value, kind):
+            return kind.__mro__[1](value)
+    return value
 
 
 @dataclass(frozen=True)
@@ -41,6 +69,7 @@ KINDS = {
         Kind("temperature", "K", "285 K", most=1e4, least=1.0),
         Kind("temperature_difference", "K", "10 K", most=1e5),
         Kind("speed", "rad/s", "3000 rpm", most=1e6),
+        Kind("velocity", "m/s", "30 m/s", most=1e6),
         Kind("angle", "rad", "60 deg"),
         Kind("density", "kg/m^3", "980 kg/m^3", most=1e12),
         Kind("heat_capacity", "J/(kg K)", "2.0 kJ/(kg K)", most=1e5),
@@ -66,13 +95,22 @@ Bounds = tuple[float | None, float | None]
 ANY: Bounds = (None, None)
 
 
-def _field(kind: str, default: Any, doc: str, hardly: Bounds = ANY, remedy: str = "", **limits: Any) -> Any:
+def _field(
+    kind: str,
+    default: Any,
+    doc: str,
+    hardly: Bounds = ANY,
+    remedy: str = "",
+    otherwise: tuple[str, ...] = (),
+    **limits: Any,
+) -> Any:
     metadata = {
         "kind": kind,
         "doc": doc,
         "optional": default is None,
         "hardly": hardly,
         "remedy": remedy,
+        "otherwise": otherwise,
         "limits": {name: value for name, value in limits.items() if value is not None},
     }
     if default is REQUIRED:
@@ -81,7 +119,10 @@ def _field(kind: str, default: Any, doc: str, hardly: Bounds = ANY, remedy: str 
 
 
 class Limits(TypedDict, total=False):
-    """What bounds a number [SI]: what it cannot be beyond, what it hardly is beyond, what to write in its place."""
+    """What bounds a number [SI]: what it cannot be beyond, what it hardly is beyond, what to write in its place.
+
+    `otherwise` are fields of the same section that state it in its place.
+    """
 
     gt: float | None
     ge: float | None
@@ -89,6 +130,7 @@ class Limits(TypedDict, total=False):
     le: float | None
     hardly: Bounds
     remedy: str
+    otherwise: tuple[str, ...]
 
 
 def quantity(kind: str, doc: str, default: Any = REQUIRED, **limits: Unpack[Limits]) -> Any:

@@ -9,6 +9,7 @@ from dataclasses import asdict, fields
 from functools import cache
 from typing import Any
 
+from screwsim.display import table_html, table_text
 from screwsim.effects import catalogue, imported
 from screwsim.effects.base import Effect, Intake, PowerLoss, Reading
 from screwsim.faults import Impossible, UsageError
@@ -27,6 +28,7 @@ from screwsim.outputs import (
     Scale,
     Variable,
     cycle_variable,
+    shown,
 )
 from screwsim.scene.types import ActiveEffect, Scene
 
@@ -56,6 +58,12 @@ class Performance(Figures):
         if needs := needs_of(name):
             raise AttributeError(f"no figure {name!r} here: it needs {needs}")
         return super().__getattr__(name)
+
+    def __repr__(self) -> str:
+        return table_text(shown(self))
+
+    def _repr_html_(self) -> str:
+        return table_html("performance", (), shown(self))
 
     def copy(self) -> Performance:
         """Return the same figures, to be changed."""

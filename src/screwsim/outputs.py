@@ -14,6 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim import tables
+from screwsim.display import Shown, table_html, table_text
+
 
 class Variable(NamedTuple):
     """Unit (SI, CF style) and meaning of one result."""
@@ -369,6 +372,20 @@ class Figures(dict[str, Any]):
         except KeyError:
             raise AttributeError(f"no figure {name!r}; known: {', '.join(self)}") from None
 
+    def __dir__(self) -> list[str]:
+        """Return the figures beside the methods: what an editor completes."""
+        return sorted({*super().__dir__(), *self})
+
+
+def shown(figures: Mapping[str, Any]) -> list[Shown]:
+    """Return figures as they are shown, with what is declared of each where that is known."""
+    about: Mapping[str, Figure] = getattr(figures, "about", PERFORMANCE)
+    found = []
+    for name, value in figures.items():
+        each = about.get(name) or PERFORMANCE.get(name) or Figure(name, "1", "")
+        found.append(Shown(name, value, each.units, each.long_name, each.shown, each.scale == EFFICIENCY))
+    return found
+
 
 @dataclass(frozen=True)
 class Result:
@@ -401,6 +418,23 @@ class Result:
         """Return why it has no figures of these names, a text for each that it does not have."""
         none = (name for name in names if self.performance.get(name) is None)
         return [f"no {name}: {self.notes.get(name, 'it is not simulated')}" for name in none]
+
+    def __repr__(self) -> str:
+        return f"Result: {self.told if self.message else self.status}\n{table_text(shown(self.performance))}".rstrip()
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: how it ended, warnings, and all figures with units and meanings."""
+        heading = self.told if self.message else self.status
+        return table_html(heading, [f"warning: {text}" for text in self.warnings], shown(self.performance))
+
+    def to_pandas(self) -> Any:
+        """Return the cycle as a pandas.DataFrame over the angle [degree], SI units; figures are in its `attrs`."""
+        return tables.frame(self.cycle, dict(self.performance))
+
+    def to_xarray(self) -> Any:
+        """Return figures and cycle as an xarray.Dataset, units and meanings as attributes."""
+        about = {each.name: Variable(each.units, each.long_name) for each in shown(self.performance)}
+        return tables.dataset(self.performance, about, self.cycle, {name: cycle_variable(name) for name in self.cycle})
 
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints (the cycle stays in the HDF5 file)."""

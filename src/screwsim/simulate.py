@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Iterable, Iterator
+import os
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal
 
 from screwsim.build import blamed, faults_of_own, prepare
@@ -23,6 +24,7 @@ from screwsim.model.run import Machinery
 from screwsim.numerics import compiling, sources
 from screwsim.numerics.trial import how_it_died
 from screwsim.outputs import Figures, Result
+from screwsim.scene.given import scene_of
 from screwsim.scene.grid import first_by_fluid
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import Scene
@@ -57,13 +59,14 @@ def _balanced(accurate: Accurate, trace: Trace) -> tuple[Figures, Ledger | None]
     return balance, book
 
 
-def simulate(scene: Scene, trace: Trace = True) -> Result:
+def simulate(scene: Scene | str | os.PathLike[str] | Mapping[str, Any], trace: Trace = True) -> Result:
     """Return the result of one scene; bad physics gives a status and what there is, never an exception.
 
+    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file.
     `trace` keeps the cycle over the angle and the ledger, 'ledger' that alone; the ledger is left out without it where
     the scene says `numerics.error: none`. Raises UsageError when the scene asks for a fluid that is not there.
     """
-    return _told(scene, trace, None)
+    return _told(scene_of(scene), trace, None)
 
 
 def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Result]:

@@ -15,7 +15,7 @@ import numpy as np
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import leased
 from screwsim.cycle.pitch import POINTS
-from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.problem import LEAST_OIL, Problem, Series, problem_of
 from screwsim.effects.base import OilSolution
 from screwsim.effects.gas_torque import raw_torque
 from screwsim.evaluate.evaluation import Evaluation, evaluate, loss_torque
@@ -130,14 +130,17 @@ class Run:
         self.begins = self.train.stored(creep, creep, twist)
 
     def _at_rest(self) -> Array:
-        """Return the states of all chambers full of gas of the suction line, without oil of their own."""
+        """Return the states of all chambers full of gas of the suction line, with a trace of oil.
+
+        Oil that is pressed into a chamber meets some there: the rate of its temperature goes with 1 / its mass.
+        """
         parts, composition, suction = self.problem.parts, self.problem.composition, self.problem.suction
         T_s = suction.temperature(suction.line, self.problem.lines.T_s)
         one = [T_s, float(self.machinery.R[R_SUCTION + 1])]
         if parts.oil is not None and "T_oil" in composition.states:
             one.append(parts.oil.temperature)
         if composition.carried:
-            one.append(0.0)
+            one.append(LEAST_OIL)
         if isinstance(parts.oil_content, OilSolution):
             one.append(parts.oil_content.supply)
         return np.tile([*one, *composition.starts], composition.chambers)

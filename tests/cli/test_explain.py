@@ -8,6 +8,7 @@ import screwsim.explain
 from screwsim.effects import catalogue
 from screwsim.explain import explain
 from screwsim.machine.kinds import MACHINES
+from screwsim.scene.fields import leaf_paths
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -96,3 +97,63 @@ def test_the_code_is_the_text_that_is_compiled_and_names_its_equations(command, 
     with_oil = command("explain", "oiled.yaml", "--code").out
     assert {"M12", "M15"} <= set(re.findall(r"M\d+", answer.out))
     assert "def oil_heat__" in with_oil and "def oil_heat__" not in answer.out
+
+
+def test_parameters_tell_every_key_also_of_effects_left_out(command, folder):
+    scene = screwsim.load("small.yaml")
+    words = " ".join(command("explain", "small.yaml", "--parameters").out.split())
+    for name, effect in catalogue().items():
+        if effect.fits(MACHINES["twin_screw"]):
+            state = "simulated" if name in scene.effects else "left out"
+            assert f"effects.{name} ({state}): {effect.title}" in words
+    parameters = {name: effect.parameters for name, effect in catalogue().items()}
+    for path, leaf in leaf_paths(parameters).items():
+        fits = not path.startswith("effects.") or catalogue()[path.split(".")[1]].fits(MACHINES["twin_screw"])
+        assert " ".join(leaf.doc.split()) in words or not fits or path == "title", path
+
+
+def test_parameters_of_an_effect_are_its_unit_default_range_meaning_and_value(command, folder):
+    words = " ".join(command("explain", "small.yaml", "--parameters", "tip_leakage").out.split())
+    assert words.startswith("effects.tip_leakage (simulated): gaps between lobe tips and housing, to both neighbours")
+    told = "gap clearance; unit: mm; default: required; range: > 0 mm; usual 0.001 mm to 1 mm; usual ≤ 0.1 of the"
+    assert f"{told} height of a lobe; here: 0.05 mm" in words
+    assert "effects.blow_hole" not in words
+
+
+def test_a_name_that_is_no_effect_is_told_with_what_is_meant(command, folder):
+    asked = {
+        (
+            "small.yaml",
+            "--parameters",
+            "tip_lekage",
+        ): "--parameters tip_lekage: is not known; did you mean 'tip_leakage'?",
+        (
+            "small.yaml",
+            "--parameters",
+            "ring_leakage",
+        ): "--parameters ring_leakage: is no effect of a twin_screw (screwsim explain lists those that it can have)",
+        ("small.yaml", "tip_leakage"): "tip_leakage: names an effect, which belongs to --parameters (write screwsim "
+        "explain small.yaml --parameters tip_leakage)",
+    }
+    for arguments, told in asked.items():
+        answer = command("explain", *arguments)
+        assert (answer.code, answer.err.strip()) == (2, told)
+
+
+def test_leaks_that_are_not_simulated_are_told_in_one_line(folder):
+    words = " ".join(str(explain(screwsim.load("small.yaml"))).split())
+    lacking = "interlobe_leakage, blow_hole, end_face_leakage and shaft_leakage"
+    assert f"leaks simulated: tip only; typical scenes name {lacking}, too" in words
+    assert "leaks" not in str(explain(screwsim.load(CONFIGS / "r134a" / "point.yaml"))).partition("Left out")[0].split()
+    none = " ".join(str(explain(screwsim.load("small.yaml", without=["tip_leakage"]))).split())
+    assert "leaks simulated: none; typical scenes name tip_leakage, interlobe_leakage" in none
+
+
+def test_gauge_pressure_displacement_and_tip_speed_are_told_as_stated(folder):
+    changes = ["operation.discharge.pressure=11 bar(g)", "operation.speed=null", "operation.tip_speed=25 m/s"]
+    changes += ["machine.volume.max=null", "machine.displacement={flow: 600 m^3/h, at: 2950 rpm}"]
+    words = " ".join(str(explain(screwsim.load("small.yaml", changes))).split())
+    assert "discharge line 12.0132 bar (11 bar(g) over 1.01325 bar of the surroundings)" in words
+    assert "speed 2984.155183 rpm (tips at 25 m/s)" in words
+    assert "displacement 10 m^3/min at 2950 rpm, from which the chambers' volume follows" in words
+    assert "max 847.4576271 cm^3 (follows)" in words

@@ -1,4 +1,4 @@
-"""Let the tests import `covolume`."""
+"""Let the tests import `own_gases`."""
 
 import sys
 from pathlib import Path

@@ -7,11 +7,12 @@ import json
 
 import numpy as np
 import pytest
-from covolume import CovolumeGas
+from own_gases.covolume import CovolumeGas
 
 from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.verdict import REMEDIES
-from screwsim.fluid.constants import gas_constant
+from screwsim.explain import explain
+from screwsim.faults import SceneError, UsageError
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.limits import Outside
@@ -19,6 +20,7 @@ from screwsim.fluid.moist_air import MoistAir
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.real_gas import RealGas
 from screwsim.numerics.kernel import Kernel
+from screwsim.results.schema import identity_of
 from screwsim.scene import loads
 from screwsim.simulate import simulate
 
@@ -161,18 +163,66 @@ SCENE = {
 }
 
 
-def test_a_gas_of_another_back_end_is_solved_and_is_the_ideal_one_where_it_should_be(monkeypatch):
-    scene, R = loads(json.dumps(SCENE)), gas_constant("R134a")
-    ideal = simulate(scene)
+def scene_of(model, **gas):
+    return loads(json.dumps({**SCENE, "gas": {**SCENE["gas"], "model": model, **gas}}))
 
-    def solved(b):
-        monkeypatch.setattr("screwsim.build.build_gas", lambda scene: CovolumeGas(R, 1.12, b))
-        return simulate(scene)
 
-    none, some = solved(0.0), solved(2e-3)
+def test_a_gas_of_another_back_end_is_solved_and_is_the_ideal_one_where_it_should_be():
+    scene = scene_of("ideal")
+    ideal, none, some = (
+        simulate(each) for each in (scene, scene_of("own_gases.dilute"), scene_of("own_gases.covolume"))
+    )
     assert [each.status for each in (ideal, none, some)] == ["ok"] * 3
     assert worst(relative_errors(ideal.performance, none.performance))[1] < 2.0 * scene.numerics.accuracy
     for name in ("mass", "energy", "entropy"):
         assert abs(some.balance[name]) < some.balance.bound
     # less gas has room at the same pressure and temperature
     assert some.performance.gas_mass_flow < none.performance.gas_mass_flow
+
+
+def test_the_scene_reads_back_and_results_know_the_module():
+    scene = scene_of("own_gases.covolume")
+    assert loads(scene.text, folder=scene.folder) == scene
+    assert "module own_gases/covolume.py" in identity_of(scene)
+    assert "gas of own_gases.covolume" in str(explain(scene))
+
+
+MODULES = {
+    "no gas": ("", "cannot be imported (module {} defines no GAS); mend that module"),
+    "another": ("GAS = 3\n", "cannot be imported (module {} defines no GAS); mend that module"),
+    "fails": ("1 / 0\n", "fails on import (ZeroDivisionError: division by zero); mend that module"),
+}
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_module_that_is_no_gas_is_refused_in_one_line(name, tmp_path, monkeypatch):
+    text, what = MODULES[name]
+    package = f"{name.replace(' ', '_')}_gases"
+    (tmp_path / package).mkdir()
+    (tmp_path / package / "it.py").write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    module = f"{package}.it"
+    with pytest.raises(SceneError) as error:
+        scene_of(module)
+    assert [line.partition("gas.model: ")[2] for line in error.value.lines] == [f"'{module}' {what.format(module)}"]
+
+
+def test_a_gas_that_lacks_a_part_of_the_protocol_is_refused_by_its_name(tmp_path, monkeypatch):
+    (tmp_path / "poor_gas").mkdir()
+    text = "from screwsim.fluid.models import GasModel\nGAS = GasModel(lambda asked: object())\n"
+    (tmp_path / "poor_gas" / "it.py").write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(UsageError, match=r"gas.model: poor_gas.it: .*its gas has no equations, varies.*mend that"):
+        simulate(scene_of("poor_gas.it"))
+
+
+@pytest.mark.parametrize(
+    ("gas", "line"),
+    [
+        ({"two_phase": "equilibrium"}, "gas.two_phase: equilibrium needs model: real"),
+        ({"fluid": "air", "relative_humidity": 0.5}, "gas.relative_humidity: needs gas.model: ideal or real"),
+    ],
+)
+def test_what_belongs_to_the_built_in_models_is_refused_beside_another(gas, line):
+    with pytest.raises(SceneError, match=line):
+        scene_of("own_gases.covolume", **gas)

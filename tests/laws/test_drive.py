@@ -265,6 +265,13 @@ def test_a_start_takes_along_what_an_effect_adds_to_the_states():
     assert found.figures.coupling_torque_steady > started().figures.coupling_torque_steady  # flashed gas is compressed
 
 
+def test_a_start_takes_in_oil_that_the_suction_gas_brings():
+    """The chambers hold next to no oil at rest; an infinite rate of its temperature ended such starts at 0 s."""
+    found = start_up(make({**DRIVEN, "oil.transport": "carried", "effects.suction_line": {}}), CREEP, longest=0.05)
+    assert found.message.startswith("after ")
+    assert found.figures.end_speed > 2.0 * CREEP
+
+
 def test_a_pitch_of_a_start_is_that_of_chambers_and_drive_in_one_system():
     """The fifth pitch, at about 88 rad/s: Radau from the same state, under the same constant torque of the losses."""
     changes = {**DRIVEN, "numerics": {"accuracy": 1e-5}, "operation.speed": "900 rpm"}

@@ -77,8 +77,8 @@ TYPICAL = [
     ),
     (
         "1.5 bar",
-        "0.5 barg",
-        "x.yaml:22:15: operation.suction.pressure: '0.5 barg' is a gauge pressure "
+        "0.5 BARG",
+        "x.yaml:22:15: operation.suction.pressure: '0.5 BARG' is a gauge pressure "
         "(write the absolute pressure, e.g. '2 bar')",
     ),
     (
@@ -384,9 +384,9 @@ def test_off_no_and_false_leave_an_effect_out(example, word):
         ),
         (
             "operation=3000 rpm",
-            "operation: '3000 rpm' is not a mapping (write lines NAME: value; known: speed, "
-            "ambient_temperature, suction, discharge, evaporating_temperature, condensing_temperature, superheat, "
-            "subcooling, aftercooler_temperature, gas_cooler)",
+            "operation: '3000 rpm' is not a mapping (write lines NAME: value; known: speed, tip_speed, "
+            "ambient_temperature, ambient_pressure, suction, discharge, evaporating_temperature, "
+            "condensing_temperature, superheat, subcooling, aftercooler_temperature, gas_cooler)",
         ),
         ("effects={}", "effects: {} changes nothing, as it merges into what is there (write null to take that out)"),
         (

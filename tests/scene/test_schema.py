@@ -8,7 +8,7 @@ import pytest
 from screwsim.effects import catalogue
 from screwsim.machine.kinds import MACHINES
 from screwsim.scene import loads, schema
-from screwsim.scene.fields import SWEEPABLE, leaf_paths
+from screwsim.scene.fields import FIXED, SWEEPABLE, leaf_paths
 from screwsim.scene.yaml_tree import Node, Place, compose
 
 
@@ -80,14 +80,15 @@ def test_what_must_be_there_is_demanded_unless_a_base_gives_it():
     assert schema()["anyOf"] == [{"required": ["base"]}, {"$ref": "#/$defs/complete"}]
     complete = schema()["$defs"]["complete"]
     assert complete["required"] == ["machine", "gas", "operation"]
-    assert complete["properties"]["operation"]["required"] == ["speed"]
+    either = [{"required": ["speed"]}, {"required": ["tip_speed"]}]
+    assert complete["properties"]["operation"]["allOf"] == [{"anyOf": either}]
     assert complete["properties"]["effects"]["properties"]["tip_leakage"]["required"] == ["gap"]
 
 
 def test_every_path_that_can_vary_is_an_axis():
     parameters = {name: effect.parameters for name, effect in catalogue().items()}
     leaves = {path: leaf for kind in MACHINES for path, leaf in leaf_paths(parameters, kind).items()}
-    expected = [path for path, leaf in leaves.items() if leaf.kind in SWEEPABLE and path != "machine.kind"]
+    expected = [path for path, leaf in leaves.items() if leaf.kind in SWEEPABLE and path not in FIXED]
     found = schema()["properties"]["sweep"]["properties"]
     assert list(found) == [*expected, "zip", "sample"]
     assert list(found["zip"]["items"]["properties"]) == expected

@@ -14,6 +14,7 @@ from screwsim.report.datasheet import page, ticks
 from screwsim.study.datasheet import Sheet
 from screwsim.study.datasheet.air_rating import rating
 from screwsim.study.datasheet.air_sheet import air_sheet
+from screwsim.study.datasheet.sheet import Table, told
 
 ROOT = Path(__file__).parents[2]
 AIR = ROOT / "configs" / "air"
@@ -53,7 +54,7 @@ def test_shipped_packages_lie_between_what_may_be_sold_and_a_good_one(sheets, na
 @pytest.mark.parametrize("name", FIXED)
 def test_fixed_speed_is_judged_at_full_load_and_idles(sheets, name):
     of, sheet = sheets[name]
-    assert len(sheet.rows) == 1
+    assert len(sheet.tables[0].rows) == 1
     assert of.regulation.efficiency == of.full.result.performance.package_isentropic_efficiency
     assert of.regulation.least == STANDARDS["fixed", "air"].least(of.full.flow)
     share = of.unloaded.result.performance.package_input_power / of.full.result.performance.package_input_power
@@ -65,7 +66,7 @@ def test_variable_speed_is_judged_at_three_loads_of_its_own(sheets, name):
     of, sheet = sheets[name]
     flows = [point.flow for point in of.points]
     assert flows == sorted(flows, reverse=True)
-    assert len(sheet.rows) == len(flows) == 6
+    assert len(sheet.tables[0].rows) == len(flows) == 6
     loads = dict(of.regulation.loads)
     assert of.regulation.efficiency == pytest.approx(0.25 * loads[0.4] + 0.5 * loads[0.7] + 0.25 * loads[1.0])
     assert loads[1.0] == of.full.result.performance.package_isentropic_efficiency
@@ -77,7 +78,7 @@ def test_variable_speed_is_judged_at_three_loads_of_its_own(sheets, name):
 
 def test_figures_of_a_row_are_those_of_its_point_in_the_trades_units(sheets):
     of, sheet = sheets["variable_speed_7"]
-    found, cells = of.points[2].result.performance, dict(zip(sheet.heads, sheet.rows[2], strict=True))
+    found, cells = of.points[2].result.performance, dict(zip(sheet.tables[0].heads, sheet.tables[0].rows[2], strict=True))
     assert float(cells["m³/min"]) == pytest.approx(60.0 * found.free_air_delivered, abs=0.005)
     assert float(cells["acfm"]) == pytest.approx(found.free_air_delivered / CFM, abs=0.05)
     assert float(cells["kW"]) == pytest.approx(1e-3 * found.package_input_power, abs=0.05)
@@ -179,10 +180,13 @@ def test_what_it_cannot_rate_is_told_in_one_line(scene, more, code, words, capsy
     assert "Traceback" not in err
 
 
+TABLE = Table("<u>", ["x<"], [["<b>"]], note="<s>")
+
+
 def test_a_page_shows_any_sheet_and_escapes_what_it_says():
-    sheet = Sheet("heading", "a < b & @STYLE@", [("<i>", "1 & 2")], ["x<"], [["<b>"]], ("c", "d", False), ["<note>"])
+    sheet = Sheet("heading", "a < b & @STYLE@", [("<i>", "1 & 2")], [TABLE], ("c", "d", False), ["<note>"])
     text = page(sheet)
-    for raw in ("<i>", "<b>", "<note>", "a < b"):
+    for raw in ("<i>", "<b>", "<note>", "<u>", "<s>", "a < b"):
         assert raw not in text
     assert "not met" in text
     assert text.count("@STYLE@") == 2  # in the title and its heading, as it was written
@@ -200,8 +204,8 @@ def test_the_how_to_shows_what_the_command_prints(sheets):
     """To one in the last digit, which another machine may round otherwise."""
     text = (ROOT / "docs" / "how-to" / "air-package.md").read_text(encoding="utf-8")
     _, sheet = sheets["variable_speed_7"]
-    shown = {line.split()[0]: line.split() for line in text.splitlines() if len(line.split()) == len(sheet.heads)}
-    for row in sheet.rows:
+    shown = {line.split()[0]: line.split() for line in text.splitlines() if len(line.split()) == len(sheet.tables[0].heads)}
+    for row in sheet.tables[0].rows:
         for cell, theirs in zip(row, shown[row[0]], strict=True):
             digit = 10.0 ** -len(cell.partition(".")[2])
             assert float(theirs) == pytest.approx(float(cell), abs=1.01 * digit)

@@ -16,7 +16,7 @@ from typing import Annotated
 import typer
 
 from screwsim import __version__
-from screwsim.cli import files, mistakes, points, process, studies
+from screwsim.cli import files, mistakes, points, process, seek, studies
 from screwsim.cli.datasheet import datasheet
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
 from screwsim.faults import SceneError, UsageError
@@ -54,7 +54,8 @@ def _root(
 _POINTS = (points.run, points.sweep, points.explain, points.accuracy)
 _STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
 _FILES = (files.rotors, files.plot, files.report, files.validate, files.schema)
-for _command in (*_POINTS, datasheet, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
+_SEEK = (seek.find, seek.optimize)
+for _command in (*_POINTS, datasheet, *_SEEK, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
     app.command("map" if _command is studies.performance_map else None)(_command)
 
 
@@ -70,6 +71,8 @@ def exit_code(arguments: Sequence[str]) -> int:
         outcome = INTERRUPTED if process.interrupted() else _fault(error, arguments)
     if process.interrupted() or outcome == INTERRUPTED:  # some code in between may have swallowed it
         resumes = "; the sweep resumes when it is started again" if "sweep" in arguments[:1] else ""
+        if "optimize" in arguments[:1] and "-o" in arguments:
+            resumes = "; the same command goes on where it stopped"
         return complain(f"interrupted{resumes}", INTERRUPTED)
     return outcome if isinstance(outcome, int) else OK
 

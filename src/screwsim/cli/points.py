@@ -49,7 +49,7 @@ def run(
     if as_json:
         print_json(result.as_json())
     else:
-        print_result(scene.title, result)
+        print_result(scene, result)
     return OK if result.status == "ok" else NOT_ALL_OK
 
 
@@ -122,20 +122,39 @@ def sweep(
 
 def explain(
     scene_file: SceneFile,
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[EFFECT]...", help="With --parameters: of these effects or sections.", show_default=False
+        ),
+    ] = None,
     overrides: Overrides = None,
     without: Without = None,
     code: Annotated[bool, typer.Option("--code", help="Print the text that is compiled for the scene.")] = False,
+    parameters: Annotated[
+        bool, typer.Option("--parameters", help="Say of every key its unit, default, range and meaning.")
+    ] = False,
 ) -> None:
     """Say what is simulated, and what is left out: of a scene, or of two stages in a row."""
     from screwsim.study.stages import explain_stages, is_stages, read_stages
 
+    if names and not parameters:
+        what = "names an effect, which belongs to --parameters"
+        raise UsageError(f"{names[0]}: {what} (write screwsim explain {scene_file} --parameters {names[0]})")
+    if parameters and code:
+        raise UsageError("--parameters and --code are two answers (ask for one of the two)")
     if is_stages(scene_file):
-        if without or code:
-            option = "--without" if without else "--code"
+        if without or code or parameters:
+            option = "--without" if without else "--code" if code else "--parameters"
             raise UsageError(f"{scene_file}: stages have no {option} (explain one of the two scenes instead)")
         say(explain_stages(read_stages(scene_file, overrides or ())))
         return
     scene = loaded(scene_file, overrides, without)
+    if parameters:
+        from screwsim.explain.parameters import parameters as keys
+
+        say(keys(scene, names or ()))
+        return
     import screwsim.explain as explained
 
     say(explained.code(scene) if code else str(explained.explain(scene)))

@@ -148,10 +148,10 @@ def warnings(
     share = found["chamber_condensate_share"]
     if share > WET:
         remedy = "among its oil (warmer oil)" if problem.parts.oil is not None else "(drier or warmer air)"
-        yield f"up to {share:.2g} of the water in a chamber is liquid {remedy}"
+        yield f"up to {share:.0%} of the water in a chamber is liquid {remedy}"
         ice = chamber_share(problem, gas, life, water.T_TRIPLE)
         if ice > WET:
-            yield f"up to {ice:.2g} of the water in a chamber condenses below 0 degC, and is taken as liquid, no ice"
+            yield f"up to {ice:.0%} of the water in a chamber condenses below 0 degC, and is taken as liquid, no ice"
 
 
 def _celsius(T: float) -> str:

@@ -23,7 +23,9 @@ class GasSettings:
     mole_fractions: tuple[float, ...] | None = numbers(
         "of the components, in place of mass_fractions", None, gt=0.0, lt=1.0
     )
-    model: str = choice("equation of state; real: the fluid's full Helmholtz equation", ("ideal", "real"), "ideal")
+    model: str = choice(
+        "equation of state; real: the fluid's full Helmholtz equation", ("ideal", "real"), "ideal", own="GAS"
+    )
     two_phase: str = choice(
         "a real gas that condenses: refuse it, or follow both phases in equilibrium",
         ("refuse", "equilibrium"),

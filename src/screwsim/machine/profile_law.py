@@ -162,8 +162,7 @@ def check_profile_law(machine: TwinScrew) -> list[Fault]:
     """Return the faults of a machine whose volume comes from its profile: what is missing, rotors that cannot be."""
     if machine.volume.law != "profile":
         what = f"is not used: machine.volume.law is {machine.volume.law} (write law: profile there, or remove this)"
-        names = ("profile", "built_in_volume_ratio")
-        return [Fault(f"machine.{name}", what) for name in names if getattr(machine, name) is not None]
+        return [Fault("machine.profile", what)] if machine.profile is not None else []
     try:
         lay(machine)
     except UsageError as error:

@@ -5,7 +5,7 @@ Source: screwsim, docs/how-to/adding-a-machine.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Protocol
@@ -229,7 +229,8 @@ class MachineKind:
     `settings` is the type of its settings, `geometry` makes a `MachineGeometry` of them, `check` returns their faults.
     `offers` is what effects may ask of it. `sizes` and `speed` bound what can be, `tables` the largest area of a table.
     `called` are other words for it, `chamber` is its chamber in words; `dead_volume` returns path and size [m³] of what
-    is left of a chamber, no path where a table holds it.
+    is left of a chamber, no path where a table holds it. `derived` fills in what of the settings follows from what they
+    state in its place, and `stated` yields what they state twice, or not at all: asked before anything else.
     """
 
     settings: type
@@ -242,3 +243,5 @@ class MachineKind:
     called: tuple[str, ...] = ()
     chamber: str = "this machine"
     dead_volume: Callable[[Any], tuple[str, float]] = lambda machine: ("", 0.0)
+    derived: Callable[[Any], Any] = lambda machine: machine
+    stated: Callable[[Any], Iterable[Fault]] = lambda machine: ()

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.declare import choice, count, file, number, quantity
+from screwsim.declare import DerivedCount, choice, count, file, number, quantity
 from screwsim.faults import Fault
 from screwsim.machine.protocol import MachineSettings
 from screwsim.machine.rotors.settings import Profile
@@ -64,9 +64,31 @@ class DischargePort:
 
     law: str = _law_of("eq. (18), model.md M18")
     area: float | None = quantity("area", "largest area (law: paper)", None, gt=0.0)
-    opens: float | None = quantity("angle", "angle phi_dis at which the port opens, inside (360 deg, 720 deg)", None)
-    phi_C: float | None = quantity("angle", "end of the opening branch of (18), in (opens, (opens + 720 deg)/2]", None)
+    opens: float | None = quantity(
+        "angle",
+        "angle phi_dis at which the port opens, inside (360 deg, 720 deg) (with machine.built_in_volume_ratio: found)",
+        None,
+    )
+    phi_C: float | None = quantity(
+        "angle",
+        "end of the opening branch of (18), in (opens, (opens + 720 deg)/2] (with machine.built_in_volume_ratio: "
+        "5/16 of the way)",
+        None,
+    )
     file: str | None = file("CSV with columns angle_deg, area_m2 (law: table)")
+
+
+@dataclass(frozen=True)
+class Displacement:
+    """The size of a machine as catalogues state it: the volume that it displaces at a speed of their own."""
+
+    flow: float = quantity("volume_flow", "displaced volume a time, of all chambers", gt=0.0, hardly=(1e-3, 10.0))
+    at: float = quantity("speed", "speed of the male rotor at which that is (catalogues: 2950 rpm)", gt=0.0)
+
+    @property
+    def volume(self) -> float:
+        """What is displaced by a revolution [m³]."""
+        return TURN * self.flow / self.at
 
 
 @dataclass(frozen=True)
@@ -77,12 +99,22 @@ class TwinScrew(MachineSettings):
     mode: str = choice(
         "compressor, or expander (discharge below suction pressure)", ("compressor", "expander"), "compressor"
     )
-    male_lobes: int = count("number of male lobes z1", 4, ge=1, le=12)
-    female_lobes: int = count("number of female lobes z2", 6, ge=1, le=14)
-    rotor_diameter: float = quantity("length", "outer diameter of the male rotor", gt=0.0, hardly=(0.02, 1.5))
-    rotor_length: float = quantity("length", "length of the rotors", gt=0.0, hardly=(0.02, 3.0))
+    male_lobes: int = count("number of male lobes z1 (a family's are its own)", DerivedCount(4), ge=1, le=12)
+    female_lobes: int = count("number of female lobes z2 (a family's are its own)", DerivedCount(6), ge=1, le=14)
+    rotor_diameter: float = quantity(
+        "length",
+        "outer diameter of the male rotor",
+        None,
+        gt=0.0,
+        hardly=(0.02, 1.5),
+        otherwise=("displacement",),
+    )
+    rotor_length: float = quantity(
+        "length", "length of the rotors", None, gt=0.0, hardly=(0.02, 3.0), otherwise=("displacement", "profile")
+    )
+    displacement: Displacement | None = None
     built_in_volume_ratio: float | None = number(
-        "largest chamber volume over that at which the discharge port opens (law: profile)",
+        "largest chamber volume over that at which the discharge port opens (laws: profile, paper)",
         None,
         gt=1.0,
         hardly=(None, 12.0),

@@ -10,6 +10,7 @@ from screwsim.machine import protocol
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.protocol import MachineKind, Size, Speed
 from screwsim.machine.settings import TwinScrew, check_twin_screw
+from screwsim.machine.stated import derived, stated_faults
 
 
 def _a_turn(machine: TwinScrew) -> float:
@@ -91,7 +92,7 @@ _SIZES = (
 
 def _check(machine: TwinScrew) -> list[Fault]:
     found = check_twin_screw(machine)
-    if machine.volume.law != "profile" and machine.profile is None and machine.built_in_volume_ratio is None:
+    if machine.volume.law != "profile" and machine.profile is None:
         return list(found)
     from screwsim.machine.profile_law import check_profile_law  # here: rotors take long to import
 
@@ -116,4 +117,6 @@ MACHINE = MachineKind(
     called=("screw", "double_screw"),
     chamber="a chamber",
     dead_volume=_dead_volume,
+    derived=derived,
+    stated=stated_faults,
 )

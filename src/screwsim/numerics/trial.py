@@ -15,7 +15,7 @@ from typing import NoReturn
 from screwsim.numerics import sources
 
 _DONE = b"."
-DEFINED = ("EFFECT", "MACHINE", "INTEGRATOR")  # what a module of the user's own may define
+DEFINED = ("EFFECT", "MACHINE", "INTEGRATOR", "GAS")  # what a module of the user's own may define
 
 
 def own_module(name: str) -> ModuleType:

@@ -14,6 +14,7 @@ from screwsim.outputs import STATUSES, Result, sorted_entries
 from screwsim.printing.tables import wrapped
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
+from screwsim.scene.typical import leaks_told, left_out_told
 from screwsim.screen import json_safe, printable, say
 from screwsim.study.sweep import SweepSummary
 
@@ -57,13 +58,13 @@ def write_json(document: Any, path: Path) -> str:
     return write_text(path, json_safe(text) + "\n")
 
 
-def print_result(title: str, result: Result) -> None:
+def print_result(scene: Scene, result: Result) -> None:
     """Print a result: its warnings, the table of figures with its ledger, then notes, balances and numerics."""
     from rich.console import Console
 
     console = Console(highlight=False, markup=False, emoji=False)
-    if title:
-        console.print(printable(title), style="bold")
+    if scene.title:
+        console.print(printable(scene.title), style="bold")
     console.print(wrapped(printable(f"status: {_ended(result)}")))
     for warning in result.warnings:
         console.print(wrapped(printable(f"warning: {warning}")))
@@ -77,8 +78,9 @@ def print_result(title: str, result: Result) -> None:
         console.print()
         console.print(_knock_out(result.knock_out))
     console.print()
-    for line in _account(result):
-        console.print(wrapped(printable(line)))
+    for line in (*_account(result), leaks_told(scene), left_out_told(scene)):
+        if line:
+            console.print(wrapped(printable(line)))
 
 
 def _ended(result: Result) -> str:

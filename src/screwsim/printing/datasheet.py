@@ -10,15 +10,20 @@ from screwsim.study.datasheet import Sheet
 
 
 def print_sheet(sheet: Sheet) -> None:
-    """Print a data sheet: its lines, the table of its points, the verdict, notes."""
+    """Print a data sheet: its lines, its tables, the verdict, notes."""
     for text in filter(None, (sheet.title, sheet.heading)):
         say(wrapped(text))
     say()
     width = max((len(name) for name, _ in sheet.lines), default=0) + 2
     for name, text in sheet.lines:
         say(textwrap.fill(text, WIDTH - 1, initial_indent=name.ljust(width), subsequent_indent=" " * width))
-    say()
-    say("\n".join(plain_table(sheet.heads, sheet.rows)))
+    for table in sheet.tables:
+        say()
+        if len(sheet.tables) > 1:
+            say(wrapped(table.title))
+        say("\n".join(plain_table(table.heads, table.rows, table.left)))
+        if table.note:
+            say(wrapped(table.note))
     if sheet.verdict is not None:
         what, text, _ = sheet.verdict
         say()

@@ -54,16 +54,30 @@ def _valves(trace: Trace) -> Any:
 def _loop(trace: Trace) -> Any:
     """Draw pressure over volume, with the lines' pressures and the points where oil and port come in."""
     figure = new_figure(SINGLE, 68.0)
-    axes = figure.subplots()
+    clipped, V, p = _draw_loop(axes := figure.subplots(), trace)
+    note(figure, trace.title, clipped)
+    _mark_loop(axes, trace, V, p)
+    return figure
+
+
+def draw_loop(axes: Any, trace: Trace) -> None:
+    """Draw pressure over volume into axes, the marked angles as circles with their names."""
+    _, V, p = _draw_loop(axes, trace)
+    for text, angle in trace.marks.items():
+        at = float(np.interp(angle, trace.angle, V)), float(np.interp(angle, trace.angle, p))
+        axes.plot(*at, "o", color=COLOURS[0], markerfacecolor="white", markeredgewidth=0.9, zorder=3)
+        axes.annotate(f"{text}, {short(angle)}°", at, (6, 6), textcoords="offset points", fontsize=SMALL)
+
+
+def _draw_loop(axes: Any, trace: Trace) -> tuple[str, Any, Any]:
+    """Draw the loop alone; return the note on what is beyond the axes, and volume and pressure as shown."""
     V, p = trace.values["volume"] * VOLUME.factor, trace.values["pressure"] * PRESSURE.factor
     axes.plot(V, p, color=COLOURS[0])
     clipped = _pressure_axis(axes, trace)
     axes.set_xlim(-0.02 * float(np.nanmax(V)), 1.05 * float(np.nanmax(V)))
     axes.set(xlabel=VOLUME.label, ylabel=PRESSURE.label)
     plain_ticks(axes.xaxis)
-    note(figure, trace.title, clipped)
-    _mark_loop(axes, trace, V, p)
-    return figure
+    return clipped, V, p
 
 
 def _mark_loop(axes: Any, trace: Trace, V: Any, p: Any) -> None:
@@ -81,23 +95,62 @@ def _states(trace: Trace) -> Any:
     """Draw pressure, temperatures and gas mass over the angle, one above the other."""
     figure = new_figure(SINGLE, 130.0)
     upper, middle, lower = figure.subplots(3, 1, sharex=True)
-    values = trace.values
-    upper.plot(trace.angle, values["pressure"] * PRESSURE.factor, color=COLOURS[0])
-    upper.set_ylabel(PRESSURE.label)
-    clipped = _pressure_axis(upper, trace)
-    middle.plot(trace.angle, TEMPERATURE.of(values["gas_temperature"]), color=COLOURS[0], label="gas $T$")
-    if np.isfinite(values.get("oil_temperature", np.nan)).any():
-        oil = TEMPERATURE.of(values["oil_temperature"])
-        middle.plot(trace.angle, oil, color=COLOURS[3], linestyle=DASHES[1], label=r"oil $T_\mathrm{oil}$")
+    clipped = _pressure(upper, trace)
+    if _temperatures(middle, trace):
         middle.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
-    middle.set_ylabel(TEMPERATURE.label)
-    lower.plot(trace.angle, values["gas_mass"] * GAS_MASS.factor, color=COLOURS[0])
+    lower.plot(trace.angle, trace.values["gas_mass"] * GAS_MASS.factor, color=COLOURS[0])
     lower.set(xlabel=trace.axis.label, ylabel=GAS_MASS.label, ylim=(0.0, None))
     for axes in (upper, middle, lower):
         _angle_axis(axes, trace)
     _name_marks(upper, trace)
     note(figure, trace.title, clipped)
     return figure
+
+
+def _pressure(axes: Any, trace: Trace) -> str:
+    axes.plot(trace.angle, trace.values["pressure"] * PRESSURE.factor, color=COLOURS[0])
+    axes.set_ylabel(PRESSURE.label)
+    return _pressure_axis(axes, trace)
+
+
+def _temperatures(axes: Any, trace: Trace) -> bool:
+    """Draw the temperature of the gas, and of the oil where it has one; tell whether it has."""
+    axes.plot(trace.angle, TEMPERATURE.of(trace.values["gas_temperature"]), color=COLOURS[0], label="gas $T$")
+    axes.set_ylabel(TEMPERATURE.label)
+    if not np.isfinite(trace.values.get("oil_temperature", np.nan)).any():
+        return False
+    oil = TEMPERATURE.of(trace.values["oil_temperature"])
+    axes.plot(trace.angle, oil, color=COLOURS[3], linestyle=DASHES[1], label=r"oil $T_\mathrm{oil}$")
+    return True
+
+
+def draw_pressure(axes: Any, trace: Trace) -> None:
+    """Draw the pressure over the angle into axes."""
+    _pressure(axes, trace)
+    _angle_axis(axes, trace)
+    axes.set_xlabel(trace.axis.label)
+
+
+def draw_temperatures(axes: Any, trace: Trace) -> None:
+    """Draw the temperatures over the angle into axes."""
+    if _temperatures(axes, trace):
+        axes.legend()
+    _angle_axis(axes, trace)
+    axes.set_xlabel(trace.axis.label)
+
+
+def draw_flows(axes: Any, trace: Trace) -> None:
+    """Draw the mass flow of every path over the angle into axes, a colour each."""
+    axes.axhline(0.0, color=GREY, linewidth=0.4)
+    for i, (words, sides) in enumerate(flow_paths(trace.values).items()):
+        for j, (side, name) in enumerate(sides.items()):
+            flow = trace.values[name] * MASS_FLOW.factor
+            style = {"color": COLOURS[i % len(COLOURS)], "linestyle": DASHES[j]}
+            axes.plot(trace.angle, flow, **style, label=f"{words}, {side}" if side else words)
+    axes.set_ylabel(MASS_FLOW.label)
+    axes.legend(fontsize=SMALL)
+    _angle_axis(axes, trace)
+    axes.set_xlabel(trace.axis.label)
 
 
 def _flows(trace: Trace) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
 from importlib import resources
 from pathlib import Path
@@ -13,11 +13,14 @@ from screwsim import __version__
 from screwsim.results.atomic import make_folder, write_text
 
 WIDE, HIGH = 640.0, 300.0  # of a drawing
-LEFT, RIGHT, TOP, BOTTOM = 52.0, 14.0, 26.0, 44.0  # its margins
+LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 26.0, 44.0  # its margins
 TICKS = 6
 ROOM = 0.08  # of the range, left free above and below a curve
+COLOURS, DASHES = 6, ("", "7 3", "2 3", "9 3 2 3")  # of several curves: colours of the page, and then dashes
 CLASSES = {True: "holds", False: "fails", None: ""}
 WORDS = {True: "met", False: "not met", None: "no verdict"}
+MANY = 2  # tables, or drawings, that may stand beside one another
+BESIDE = 7  # columns of a table that may
 
 
 def write_page(sheet: Any, output: Path) -> str:
@@ -30,21 +33,42 @@ def page(sheet: Any) -> str:
     """Return the HTML text of a data sheet (`study.datasheet.Sheet`)."""
     source = resources.files("screwsim.report")
     lines = (f'<tr><th scope="row">{escape(name)}</th><td>{escape(text)}</td></tr>' for name, text in sheet.lines)
-    rows = ("".join(f'<td class="n">{escape(cell)}</td>' for cell in row) for row in sheet.rows)
     parts = {
         "VERSION": escape(__version__),
         "TITLE": escape(sheet.title or sheet.heading),
         "HEADING": escape(sheet.heading),
         "STYLE": source.joinpath("page").joinpath("page.css").read_text(encoding="utf-8"),
         "LINES": "".join(lines),
-        "HEADS": "".join(f'<th scope="col" class="n">{escape(head)}</th>' for head in sheet.heads),
-        "ROWS": "".join(f"<tr>{row}</tr>" for row in rows),
-        "CURVES": "".join(f"<h2>{escape(each.y_label)}</h2>{drawing(each)}" for each in sheet.curves),
+        "TABLES": _beside("tables", [_table(each) for each in sheet.tables], len(sheet.tables)),
+        "DRAWINGS": _beside("drawings", [_figure(each) for each in sheet.drawings], len(sheet.drawings)),
         "VERDICT": _verdict(sheet.verdict),
         "NOTES": "".join(f"<li>{escape(note)}</li>" for note in sheet.notes),
     }
     pieces = source.joinpath("datasheet.html").read_text(encoding="utf-8").split("@")
     return "".join(parts.get(piece, piece) if i % 2 else piece for i, piece in enumerate(pieces))
+
+
+def _beside(name: str, parts: Sequence[str], count: int) -> str:
+    many = " many" if count >= MANY else ""
+    return f'<div class="{name}{many}">{"".join(parts)}</div>' if parts else ""
+
+
+def _table(table: Any) -> str:
+    kinds = ["" if i < table.left else ' class="n"' for i in range(len(table.heads))]
+    heads = "".join(
+        f'<th scope="col"{kind}>{escape(head)}</th>' for kind, head in zip(kinds, table.heads, strict=True)
+    )
+    rows = (
+        "".join(f"<td{kind}>{escape(cell)}</td>" for kind, cell in zip(kinds, row, strict=True)) for row in table.rows
+    )
+    body = "".join(f"<tr>{row}</tr>" for row in rows)
+    wide = "" if len(table.heads) <= BESIDE else ' class="wide"'
+    note = f'<p class="hint">{escape(table.note)}</p>' if table.note else ""
+    return (
+        f"<section{wide}><h2>{escape(table.title)}</h2>"
+        f'<div class="scroll" role="region" aria-label="{escape(table.title)}" tabindex="0">'
+        f'<table class="points"><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table></div>{note}</section>'
+    )
 
 
 def _verdict(verdict: tuple[str, str, bool | None] | None) -> str:
@@ -64,9 +88,27 @@ def ticks(low: float, high: float) -> list[float]:
     return [step * i for i in range(first, math.floor(high / step + 1e-9) + 1)]
 
 
-def drawing(curve: Any) -> str:
-    """Return a curve with its points as an SVG; its text follows the colours of the page."""
-    (x_0, x_1), (y_0, y_1) = (0.0, max(curve.x) * (1.0 + ROOM)), _range(curve.y)
+def _figure(one: Any) -> str:
+    named = [(curve.name, *_look(i)) for i, curve in enumerate(one.curves) if curve.name]
+    keys = "".join(
+        f'<li><i style="border-top-style: {"dashed" if dashes else "solid"}; border-color: {colour}"></i>'
+        f"{escape(name)}</li>"
+        for name, colour, dashes in named
+    )
+    legend = f'<ul class="legend">{keys}</ul>' if keys else ""
+    return f"<section><h2>{escape(one.title)}</h2>{legend}{drawing(one)}</section>"
+
+
+def _look(number: int) -> tuple[str, str]:
+    """Return colour and dashes of one of several curves; the first is the page's accent."""
+    colour = "var(--accent)" if number == 0 else f"var(--c{number % COLOURS})"
+    return colour, DASHES[number % len(DASHES)]
+
+
+def drawing(one: Any) -> str:
+    """Return curves with their points as an SVG; its text follows the colours of the page."""
+    x, y = ([value for curve in one.curves for value in getattr(curve, name)] for name in ("x", "y"))
+    (x_0, x_1), (y_0, y_1) = (0.0, max(x) * (1.0 + ROOM)) if one.from_zero else _range(x), _range(y)
 
     def across(value: float) -> float:
         return LEFT + (WIDE - LEFT - RIGHT) * (value - x_0) / (x_1 - x_0)
@@ -74,24 +116,34 @@ def drawing(curve: Any) -> str:
     def up(value: float) -> float:
         return HIGH - BOTTOM - (HIGH - TOP - BOTTOM) * (value - y_0) / (y_1 - y_0)
 
-    floor, label = HIGH - BOTTOM, f"{curve.y_label} over {curve.x_label}"
+    floor, label = HIGH - BOTTOM, f"{one.y_label} over {one.x_label}"
     drawn = [
         f'<svg viewBox="0 0 {WIDE:g} {HIGH:g}" role="img" aria-label="{escape(label)}">',
         f'<path d="M{LEFT:g},{TOP:g}V{floor:g}H{WIDE - RIGHT:g}" fill="none" stroke="var(--soft)"/>',
     ]
     for at in ticks(x_0, x_1):
         drawn.append(f'<path d="M{across(at):.1f},{floor:g}v5" stroke="var(--soft)"/>')
-        drawn.append(f'<text x="{across(at):.1f}" y="{floor + 18:g}" text-anchor="middle">{at:g}</text>')
+        drawn.append(f'<text x="{across(at):.1f}" y="{floor + 18:g}" text-anchor="middle">{_digits(at)}</text>')
     for at in ticks(y_0, y_1):
         drawn.append(f'<path d="M{LEFT:g},{up(at):.1f}H{WIDE - RIGHT:g}" stroke="var(--line)"/>')
-        drawn.append(f'<text x="{LEFT - 6:g}" y="{up(at) + 4:.1f}" text-anchor="end">{float(f"{at:.6g}"):g}</text>')
-    points = [(across(x), up(y)) for x, y in zip(curve.x, curve.y, strict=True)]
-    joined = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
-    drawn.append(f'<polyline points="{joined}" fill="none" stroke="var(--accent)" stroke-width="1.8"/>')
-    drawn += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="var(--accent)"/>' for x, y in points]
+        drawn.append(f'<text x="{LEFT - 6:g}" y="{up(at) + 4:.1f}" text-anchor="end">{_digits(at)}</text>')
+    for number, curve in enumerate(one.curves):
+        drawn += _drawn([(across(a), up(b)) for a, b in zip(curve.x, curve.y, strict=True)], *_look(number))
     middle = 0.5 * (LEFT + WIDE - RIGHT)
-    drawn.append(f'<text x="{middle:g}" y="{HIGH - 6:g}" text-anchor="middle">{escape(curve.x_label)}</text></svg>')
+    drawn.append(f'<text x="{middle:g}" y="{HIGH - 6:g}" text-anchor="middle">{escape(one.x_label)}</text>')
+    above = "" if one.y_label == one.title else escape(one.y_label)  # what its heading does not say
+    drawn.append(f'<text x="4" y="14">{above}</text></svg>')
     return "".join(drawn)
+
+
+def _drawn(points: Sequence[tuple[float, float]], colour: str, dashes: str) -> Iterator[str]:
+    joined, dashed = " ".join(f"{x:.1f},{y:.1f}" for x, y in points), f' stroke-dasharray="{dashes}"' if dashes else ""
+    yield f'<polyline points="{joined}" fill="none" stroke="{colour}" stroke-width="1.8"{dashed}/>'
+    yield from (f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in points)
+
+
+def _digits(value: float) -> str:
+    return f"{float(f'{value:.6g}') + 0.0:g}"
 
 
 def _range(values: Sequence[float]) -> tuple[float, float]:

@@ -39,31 +39,36 @@ def plans(results: Results) -> Iterator[Plan]:
 
 def _draw(results: Results, layout: Layout, chosen: dict[int, int], constant: str, name: str) -> Any:
     """Draw filled contours with a scale; where a case has no result the map is white."""
+    figure = new_figure(SINGLE, 76.0)
+    found = draw_contours(figure.subplots(), results, layout, chosen, name)
+    curves = family(results, layout, chosen, None, name)
+    optima = "○ optimum of a row, by a parabola through three points" if found else ""
+    counts = ((families.not_closed(curves), "not closed"), (families.with_warnings(curves), "with warnings"))
+    told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
+    note(figure, constant, optima, *told, left_out(results, layout, chosen, curves))
+    return figure
+
+
+def draw_contours(axes: Any, results: Results, layout: Layout, chosen: dict[int, int], name: str) -> int:
+    """Draw filled contours into axes, their scale beside them; return how many optima are marked."""
     x, y, z = _surface(results, layout, chosen, name)
     points = np.array([(x[j], y[i]) for i, j in np.argwhere(~np.ma.getmaskarray(z))])
     x, y, z = _refined(x, y, z)
-    figure = new_figure(SINGLE, 76.0)
-    axes = figure.subplots()
     levels = _levels(z)
     filled = axes.contourf(x, y, z, levels=levels, cmap="viridis", extend="neither")
     axes.contour(x, y, z, levels=levels, colors="black", linewidths=0.3)
     axes.tick_params(which="both", pad=5.0)  # labels of both axes keep apart in the corner
-    bar = figure.colorbar(filled, ax=axes, ticks=levels[:: 1 + len(levels) // 10], pad=0.03, aspect=28)
+    bar = axes.figure.colorbar(filled, ax=axes, ticks=levels[:: 1 + len(levels) // 10], pad=0.03, aspect=28)
     bar.ax.tick_params(which="both", length=2.0)
     bar.ax.minorticks_off()
     bar.set_label(shown_figure(results, name).label)
-    curves = family(results, layout, chosen, None, name)
     if len(points) <= _POINTS_SHOWN:
         axes.plot(*points.T, ".", color="black", markersize=1.6, clip_on=False, in_layout=False)
     found = _optima(axes, results, layout, chosen, name) if HAS_OPTIMUM in name else 0
     for axis, set_label, place in ((axes.xaxis, axes.set_xlabel, layout.x), (axes.yaxis, axes.set_ylabel, _y(layout))):
         set_label(shown_axis(results.axis_list[place]).label)
         _scale(axes, axis, shown_axis(results.axis_list[place]).of(results.axis_list[place].values))
-    optima = "○ optimum of a row, by a parabola through three points" if found else ""
-    counts = ((families.not_closed(curves), "not closed"), (families.with_warnings(curves), "with warnings"))
-    told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
-    note(figure, constant, optima, *told, left_out(results, layout, chosen, curves))
-    return figure
+    return found
 
 
 def _refined(x: np.ndarray, y: np.ndarray, z: Any) -> tuple[np.ndarray, np.ndarray, Any]:

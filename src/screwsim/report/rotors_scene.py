@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.declare import plain
 from screwsim.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import Interface, Laid, lay
@@ -149,6 +150,7 @@ def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
 
 def _tabled(scene: Scene, laid: Laid, folder: Path) -> Any:
     machine = twin_screw(scene.machine)
+    sizes = ("rotor_diameter", "rotor_length", "male_lobes", "female_lobes")
     volume = replace(
         machine.volume,
         law="table",
@@ -163,4 +165,7 @@ def _tabled(scene: Scene, laid: Laid, folder: Path) -> Any:
         for name in ("suction_port", "discharge_port")
         if (port := getattr(machine, name)) is not None and port.law == "profile"
     }
-    return replace(machine, profile=None, built_in_volume_ratio=None, volume=volume, **ports)
+    stated = {name: plain(getattr(machine, name)) for name in sizes}
+    return replace(
+        machine, profile=None, displacement=None, built_in_volume_ratio=None, volume=volume, **ports, **stated
+    )

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.outputs import Result
 from screwsim.report.families import efficiency_name
 from screwsim.report.quantities import ANGLE, CRANK_ANGLE, DEGREE, Shown, value_of
 from screwsim.results import Results
@@ -51,6 +52,18 @@ def chosen_trace(results: Results) -> Trace | None:
         if np.isfinite(value := _line_pressure(results, line, index))
     }
     return Trace(title, angle, values, pressures, marks_of(results, index, angle, values), angle_axis(results))
+
+
+def trace_of(result: Result) -> Trace:
+    """Return the cycle of a result in memory; of the lines' pressures and marks what the result itself tells."""
+    values = {name: column for name, column in result.cycle.items() if name != "angle"}
+    pressures = {
+        symbol: float(value)
+        for symbol, line in (("$p_s$", "suction"), ("$p_d$", "discharge"))
+        if (value := result.performance.get(f"{line}_pressure")) is not None
+    }
+    title = "" if result.status == "ok" else "not closed"
+    return Trace(title, result.cycle["angle"], values, pressures, {})
 
 
 def case_title(results: Results, index: tuple[int, ...]) -> str:

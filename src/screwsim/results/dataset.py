@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from screwsim.faults import UsageError
 from screwsim.outputs import KNOCK_OUT_STATUSES, STATUSES
 from screwsim.results.read import OWN, Group, Results
 from screwsim.results.schema import Axis
+from screwsim.tables import library
 
 _PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out")
 
@@ -31,6 +35,22 @@ def dataset(results: Results, group: str | None) -> Any:
         if name in part:
             coordinates[name] = (name, part[name], part.about[name]._asdict())
     return xr.Dataset(variables, coordinates, dict(results.attributes))
+
+
+def frame(results: Results, group: str) -> Any:
+    """Return a group of results as a pandas.DataFrame, a row a case; raise UsageError of what is over an angle."""
+    part: Group = getattr(results, group)
+    if OWN.get(group) is not None:
+        raise UsageError(f"{group}: has more than one value a case (use to_xarray({group!r}))")
+    columns = {path: results.along(path).ravel() for path in results.varied}
+    joined = {inner.name for axis in results.axis_list for inner in axis.joined}
+    for name in part:
+        values = np.asarray(part[name])
+        if name == "status":
+            values = results.status
+        if name not in joined and values.ndim in (0, len(results.shape)):
+            columns[name] = np.broadcast_to(values, results.shape).ravel()
+    return library("pandas").DataFrame({name: np.atleast_1d(column) for name, column in columns.items()})
 
 
 def _variables(part: Group, prefix: str, axes: tuple[Axis, ...]) -> dict[str, Any]:

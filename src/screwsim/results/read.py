@@ -19,7 +19,7 @@ from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis
 from screwsim.results.stored import REMEDY, Odd, opened
 
 _LONG_TEXTS = 1 << 24  # letters; more texts than that come as objects, for numpy gives each the room of the longest
-_OPTIONAL = ("cycle", "ledger", "knock_out")  # the first two come with traces, the last where it was asked for
+_OPTIONAL = ("cycle", "ledger", "knock_out", "optimum")  # the first two come with traces, the others of their studies
 OWN = {"cycle": "angle", "knock_out": "effect"}  # the coordinate of its own that a group has
 _LARGEST = 1e30  # of a coordinate, in SI units
 _TEXTS = ("title", "source", "history", "scene_yaml", "scene_sha256", "screwsim_fingerprint", "screwsim_version")
@@ -95,6 +95,7 @@ class Results:
     cycle: Group  # with `angle`; empty unless the traces were kept
     ledger: Group  # empty unless the traces were kept
     knock_out: Group  # over `effect`; empty unless it was asked for, of one run
+    optimum: Group  # over the first axis; empty unless an optimisation wrote the file
 
     @property
     def scene_yaml(self) -> str:
@@ -158,6 +159,18 @@ class Results:
 
         return dataset(self, group)
 
+    def to_pandas(self, group: str = "performance") -> Any:
+        """Return one group as a pandas.DataFrame, a row a case: what varies, then the variables, SI units."""
+        from screwsim.results.dataset import frame
+
+        return frame(self, group)
+
+    def __repr__(self) -> str:
+        axes = " × ".join(f"{axis.path} ({len(axis.values)})" for axis in self.axis_list) or "one run"
+        words, counts = np.unique(self.status, return_counts=True)
+        ended = ", ".join(f"{count} {word}" for word, count in zip(words, counts, strict=True))
+        return f"Results of {self.path}: {axes}; {ended}; figures: {', '.join(self.figures)}"
+
 
 def open_results(path: str | Path) -> Results:
     """Return the results in a file; raise UsageError, in one line, when it is not a results file of ours."""
@@ -190,6 +203,7 @@ def _group(path: Path, file: Any, name: str, axes: tuple[Axis, ...]) -> Group:
         return Group(path, name, {}, {})
     group = stored.member(file, name, dataset=False)
     known = tuple(inner.name for axis in axes for inner in (axis, *axis.joined))
+    axes = axes[:1] if name == "optimum" else axes
     if name == "inputs":
         known = tuple(each for each in known if stored.is_scale(stored.member(group, each)))
     shape = () if name == "knock_out" else tuple(len(axis.values) for axis in axes)

@@ -30,6 +30,11 @@ class Warned(NamedTuple):
     kinds: tuple[Kind, ...]
 
 
+def kind_of(warning: str) -> str:
+    """Return what warnings have in common that differ by their numbers alone."""
+    return _NUMBER.sub("#", warning)
+
+
 def warned(results: Results) -> Warned:
     """Return what the cases of a file warn of."""
     words, number = results.performance.texts(NAME)
@@ -40,7 +45,7 @@ def warned(results: Results) -> Warned:
         if not word or not count:
             continue
         told += count
-        for mask, text in {_NUMBER.sub("#", line): line for line in reversed(word.split("\n"))}.items():
+        for mask, text in {kind_of(line): line for line in reversed(word.split("\n"))}.items():
             known = found.get(mask, Kind(0, first, text))
             earlier = known if known.first < first else Kind(0, first, text)
             found[mask] = Kind(known.cases + count, earlier.first, earlier.text)

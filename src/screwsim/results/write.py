@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from screwsim.outputs import Figures, Result
 from screwsim.results import atomic
 from screwsim.results.guarded import GuardedFile
 from screwsim.results.knock_out import write_knock_out
-from screwsim.results.netcdf import Selection, chunks_of
+from screwsim.results.netcdf import Layout, Selection, chunks_of
 from screwsim.results.schema import Axis, axes_of
 from screwsim.results.table import InMemory, Table, Tables, regrouped, table_of
 from screwsim.results.variables import Column, Names, Plan, names_of
@@ -86,10 +86,12 @@ class Draft:
             with suppress(OSError):
                 self._lay_out(names_of([head])[0])
 
-    def complete(self, source: Tables, knock_out: Sequence[Figures] = ()) -> None:
+    def complete(
+        self, source: Tables, knock_out: Sequence[Figures] = (), beside: Callable[[Layout], None] | None = None
+    ) -> None:
         """Write all results, chunk by chunk: no more than one chunk of each variable is in memory.
 
-        Raise UsageError in one line when the system refuses; the old file stays then.
+        `beside` writes a group of its own. Raise UsageError in one line when the system refuses; the old file stays then.
         """
         cases = math.prod(len(axis.values) for axis in self._about[1])
         if cases != source.cases:
@@ -110,6 +112,8 @@ class Draft:
                     self._check()
             if knock_out:
                 write_knock_out(plan.layout, knock_out)
+            if beside is not None:
+                beside(plan.layout)
             self._close()
             self._put()
 

@@ -2,6 +2,7 @@
 
 from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import value_at
+from screwsim.scene.given import scene_of
 from screwsim.scene.grid import (
     axis_label,
     case,
@@ -34,6 +35,7 @@ __all__ = [
     "only",
     "read_value",
     "refrigerating_effect",
+    "scene_of",
     "scene_text",
     "schema",
     "suction_enthalpy",

@@ -13,6 +13,7 @@ from screwsim.machine.protocol import OIL
 from screwsim.scene.fields import leaf_paths, value_at
 from screwsim.scene.operation import check_operation
 from screwsim.scene.sizes import area_fault, size_faults
+from screwsim.scene.stated import stated_faults
 from screwsim.scene.types import Scene
 
 SEPARATOR = "separator"  # the effect that finds the oil's temperature
@@ -25,6 +26,9 @@ READ_ELSEWHERE = {"machine.profile.file", "effects.motor.efficiency_file"}
 
 def cross_check(scene: Scene) -> list[Fault]:
     """Return the faults of a scene, or of one case of its grid, whose fields are each valid."""
+    stated = stated_faults(scene)
+    if stated:
+        return stated
     operation = check_operation(scene)
     return [
         *check_machine(scene.machine),

@@ -18,7 +18,7 @@ from screwsim.scene.units import Refused
 
 APART = ("effects", "sweep", "joints", "text", "folder", "losses")  # parts of a scene that are not plain sections
 SWEEPABLE = {*KINDS, "number", "count", "choice", "fluid"}
-FIXED = {"machine.kind"}  # another kind is another scene
+FIXED = {"machine.kind", "operation.ambient_pressure"}  # another scene; gauge pressures were read over it
 _MANY = 4  # paths that a message lists
 
 
@@ -26,7 +26,8 @@ _MANY = 4  # paths that a message lists
 class Leaf:
     """One input: its kind (a name of `KINDS`, or number, count, choice, fluid, word, file), default [SI] and limits.
 
-    `hardly` are the bounds [SI] beyond which it hardly lies, `remedy` what to write in place of one out of range.
+    `hardly` are the bounds [SI] beyond which it hardly lies, `remedy` what to write in place of one out of range;
+    `otherwise` are inputs beside it that may state it in its place.
     """
 
     kind: str
@@ -35,6 +36,7 @@ class Leaf:
     limits: Mapping[str, Any]
     hardly: Bounds = ANY
     remedy: str = ""
+    otherwise: tuple[str, ...] = ()
 
     @property
     def required(self) -> bool:
@@ -73,7 +75,8 @@ def section_of(cls: type, required: bool = True) -> Section:
 def _describe(cls: type, item: Any, hint: Any) -> Leaf | Section:
     if "kind" in item.metadata:
         meta = item.metadata
-        return Leaf(meta["kind"], meta["doc"], item.default, meta["limits"], meta["hardly"], meta["remedy"])
+        about = {name: meta[name] for name in ("hardly", "remedy", "otherwise")}
+        return Leaf(meta["kind"], meta["doc"], item.default, meta["limits"], **about)
     optional = isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
     inner = [part for part in typing.get_args(hint) if part is not type(None)] if optional else [hint]
     if not inner or not all(dataclasses.is_dataclass(part) for part in inner):

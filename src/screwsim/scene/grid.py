@@ -11,8 +11,9 @@ from screwsim.effects import catalogue
 from screwsim.faults import UsageError
 from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import Leaf, effect_keys, sweep_leaf, value_at
+from screwsim.scene.stated import settled
 from screwsim.scene.types import Joint, Scene
-from screwsim.scene.units import Refused
+from screwsim.scene.units import Refused, over
 from screwsim.scene.values import convert
 
 FLUID = "gas.fluid"
@@ -112,6 +113,7 @@ def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:
         scene = replace(scene, gas=replace(scene.gas, mass_fractions=None, mole_fractions=None))
     for path, value in values.items():
         scene = _with_value(scene, path, value)
+    scene = settled(scene, values)
     return replace(scene, text="") if scene.text else scene
 
 
@@ -170,7 +172,8 @@ def leaf_of(scene: Scene, path: str) -> Leaf:
 def read_value(scene: Scene, path: str, raw: Any) -> Any:
     """Return a value as written in YAML ('1000 rpm', 3) in SI, checked like the field; raise `UsageError`."""
     try:
-        return convert(leaf_of(scene, path), raw, scene.folder)
+        with over(scene.operation.ambient_pressure):
+            return convert(leaf_of(scene, path), raw, scene.folder)
     except Refused as refusal:
         raise UsageError(f"{path}: {refusal}") from None
 

@@ -27,6 +27,9 @@ def humidity_faults(gas: GasSettings, aftercooler: float | None) -> Iterator[Fau
     if gas.name.lower() != AIR:
         what = f"belongs to air, and the gas is {gas.name}"
         yield Fault(HUMIDITY, f"{what} (remove it, null in place of a base's, or write fluid: air)")
+    elif "." in gas.model:
+        what = "needs gas.model: ideal or real, whose air is known to be dry air"
+        yield Fault(HUMIDITY, f"{what} (write one of them, or remove this)")
     elif gas.two_phase == "equilibrium":
         what = "belongs to a pure fluid; water of moist air condenses in equilibrium by itself"
         yield Fault("gas.two_phase", f"{what} (remove it, or write refuse)")

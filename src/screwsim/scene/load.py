@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 
+from screwsim.declare import KINDS
 from screwsim.effects import catalogue
 from screwsim.faults import Fault, UsageError
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
@@ -15,15 +16,17 @@ from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.fields import leaf_paths, scene_section
 from screwsim.scene.files import other_file
 from screwsim.scene.sections import find_kind, read_effects, read_section
+from screwsim.scene.stated import settled
 from screwsim.scene.sweep import read_sweep
-from screwsim.scene.types import Scene
-from screwsim.scene.units import Refused
+from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
+from screwsim.scene.units import Refused, over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer, scene_error
 from screwsim.textfiles import MOST_YAML, Unreadable, read_text
 
 OVERRIDE = 1_000_000  # rank of the first override: after all files
+SET = "--set "  # stands before an override where it is told of
 MOST_BASES = 32  # one above the other
 
 
@@ -43,12 +46,20 @@ def load(
 
 
 def loads(
-    text: str, name: str = "<text>", folder: str = ".", overrides: Iterable[str] = (), without: Iterable[str] = ()
+    text: str,
+    name: str = "<text>",
+    folder: str = ".",
+    overrides: Iterable[str] = (),
+    without: Iterable[str] = (),
+    told: str = SET,
 ) -> Scene:
-    """Return the scene of a YAML text; files and a base are found relative to `folder`."""
+    """Return the scene of a YAML text; files and a base are found relative to `folder`.
+
+    `told` stands before an override where its faults are told of.
+    """
     problems: list[Problem] = []
     start = Place(0, name, folder=os.path.abspath(folder))
-    return _finish(_read_text(text, start, (), problems), start, overrides, without, problems)
+    return _finish(_read_text(text, start, (), problems), start, overrides, without, problems, told=told)
 
 
 def _finish(
@@ -58,12 +69,14 @@ def _finish(
     without: Iterable[str],
     problems: list[Problem],
     stage: str = "",
+    told: str = SET,
 ) -> Scene:
     overrides, without = list(overrides), list(without)  # they may be iterators
     if root is None:
         raise scene_error(problems)
     for number, override in enumerate(overrides):
-        root = _override(root, override, replace(start, rank=OVERRIDE + number, line=0, column=0), problems, stage)
+        there = replace(start, rank=OVERRIDE + number, line=0, column=0)
+        root = _override(root, override, there, problems, told + stage)
     scene = _typed(_remove(root, without), start.folder, problems)
     if problems or scene is None:
         raise scene_error(_of_stage(problem, stage) for problem in problems)
@@ -139,16 +152,16 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: list[Problem]) -> N
     return _read_file(path, start, (*trail, real), problems, at)
 
 
-def _override(root: Node, override: str, place: Place, problems: list[Problem], stage: str) -> Node:
-    """Return the tree changed by one `PATH=VALUE`."""
+def _override(root: Node, override: str, place: Place, problems: list[Problem], told: str) -> Node:
+    """Return the tree changed by one `PATH=VALUE`; `told` stands before it where it is told of."""
     path, equals, text = override.partition("=")
     path = path.strip()
     if not equals or not all(part.strip() for part in path.split(".")):
-        example = f"--set {stage}operation.speed='1000 rpm'"
-        raise UsageError(f"--set {stage}{one_line(override)}: is not PATH=VALUE (write e.g. {example})")
+        example = f"{told}operation.speed='1000 rpm'"
+        raise UsageError(f"{told}{one_line(override)}: is not PATH=VALUE (write e.g. {example})")
     if path == "base":
-        raise UsageError(f"--set {stage}base=…: a base belongs into the file (write it there, or name the other scene)")
-    place = replace(place, source=f"--set {stage}{override}")
+        raise UsageError(f"{told}base=…: a base belongs into the file (write it there, or name the other scene)")
+    place = replace(place, source=f"{told}{override}")
     node = _override_value(text, place, path, problems)
     if node is None:
         return root
@@ -260,6 +273,23 @@ def _keep_kind(problems: list[Problem]) -> None:
 
 def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
+    with over(_ambient(root)):
+        return _read(root, folder, problems)
+
+
+def _ambient(root: Node) -> float | None:
+    """Return the pressure [Pa] over which a tree's gauge pressures are; None where it states that badly."""
+    operation = root.value.get("operation")
+    stated = operation.value.get("ambient_pressure") if operation and isinstance(operation.value, dict) else None
+    if stated is None or stated.value is None:
+        return STANDARD_ATMOSPHERE
+    try:
+        return parse_quantity(KINDS["pressure"], stated.value) if isinstance(stated.value, str) else None
+    except Refused:
+        return None
+
+
+def _read(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)
     scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep"), paths)
@@ -268,7 +298,7 @@ def _typed(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
     sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:
         return None
-    scene = replace(scene, effects=effects, sweep=sweep, joints=joints, folder=folder)
+    scene = settled(replace(scene, effects=effects, sweep=sweep, joints=joints, folder=folder))
     faults: list[Fault] = [*cross_check(scene), *check_files(scene)]
     problems += [Problem(pointer(root, fault.path), fault.path, fault.what) for fault in faults]
     return scene

@@ -56,7 +56,7 @@ def _gas(scene: Scene) -> Iterator[Fault]:
     yield from humidity_faults(gas, scene.operation.aftercooler_temperature)
     if gas.model == "real" and gas.isentropic_exponent is not None:
         yield Fault("gas.isentropic_exponent", "belongs to model: ideal (remove it, or write model: ideal)")
-    if gas.model == "ideal" and gas.two_phase == "equilibrium":
+    if gas.model != "real" and gas.two_phase == "equilibrium":
         yield Fault("gas.two_phase", "equilibrium needs model: real (write that, or remove two_phase)")
     elif gas.two_phase == "equilibrium" and is_blend(gas.name) and constants.limits(gas.name) is not None:
         why = constants.why_no_dome(gas.name)

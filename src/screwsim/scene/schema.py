@@ -167,7 +167,14 @@ def _demands(section: Section, effects: dict[str, Section] | None = None) -> dic
         parts = {name: {**there, **part} if part.get("required") else part for name, part in parts.items()}
         inner["effects"] = {"properties": {name: part for name, part in parts.items() if part}}
     inner = {name: part for name, part in inner.items() if part}
-    return {key: value for key, value in (("required", required), ("properties", inner)) if value}
+    either = [{"anyOf": [{"required": [each]} for each in (name, *others)]} for name, others in _either(section)]
+    return {key: value for key, value in (("required", required), ("allOf", either), ("properties", inner)) if value}
+
+
+def _either(section: Section) -> list[tuple[str, tuple[str, ...]]]:
+    """Return the inputs that another one may state in their place, with those."""
+    leaves = ((name, item) for name, item in section.fields.items() if isinstance(item, Leaf))
+    return [(name, item.otherwise) for name, item in leaves if item.otherwise]
 
 
 def _sweep() -> dict[str, Any]:

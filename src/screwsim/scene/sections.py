@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from screwsim.effects import catalogue, find_effect
@@ -46,7 +46,7 @@ def read_section(
         child = content.get(name)
         below = join(path, name)
         if child is None or child.value is None:
-            _absent(item, child or node, below, problems)
+            _absent(item, child or node, below, problems, content)
         elif isinstance(item, Section):
             values[name] = read_section(item, child, below, problems, paths=paths)
         else:
@@ -54,11 +54,13 @@ def read_section(
     return section.type(**values) if len(problems) == before else None
 
 
-def _absent(item: Leaf | Section, node: Node, path: str, problems: list[Problem]) -> None:
+def _absent(item: Leaf | Section, node: Node, path: str, problems: list[Problem], beside: Mapping[str, Node]) -> None:
     if isinstance(item, Section) and item.required:
         needed = [name for name, field in item.fields.items() if field.required]
         problems.append(Problem(node.heading, path, f"is missing (write it with {', '.join(needed or item.fields)})"))
-    if isinstance(item, Leaf) and item.required:
+    others = item.otherwise if isinstance(item, Leaf) else ()
+    stated = any(name in beside and beside[name].value is not None for name in others)
+    if isinstance(item, Leaf) and (item.required or (others and not stated)):
         remedy = f"write {path.rpartition('.')[2]}: {_blank(item)}"
         problems.append(Problem(node.heading, path, f"is missing ({remedy}; {item.doc})"))
 

@@ -17,6 +17,7 @@ NO_SUPERHEAT = (
 )
 
 
+STANDARD_ATMOSPHERE = 101325.0  # [Pa], ISO 2533
 COLDEST, HOTTEST = 150.0, 700.0  # [K] of injected oil
 
 
@@ -66,9 +67,7 @@ class DischargeState:
 class GasCooler:
     """A gas cooler in place of a condenser: above the critical pressure nothing condenses, two numbers state it."""
 
-    pressure: float = quantity(
-        "pressure", "absolute pressure p_d in the gas cooler", ge=1.0, le=1e9, hardly=(1e3, 2e7)
-    )
+    pressure: float = quantity("pressure", "absolute pressure p_d in the gas cooler", ge=1.0, le=1e9, hardly=(1e3, 2e7))
     outlet_temperature: float = quantity(
         "temperature",
         "of the fluid behind the gas cooler, for the cooling capacity",
@@ -82,7 +81,10 @@ class GasCooler:
 class Operation:
     """Speed, the surroundings, and the states of both lines: as pressures, or by saturation temperatures."""
 
-    speed: float = quantity("speed", "speed of the male rotor, or of the crank", gt=0.0)
+    speed: float = quantity("speed", "speed of the male rotor, or of the crank", None, gt=0.0, otherwise=("tip_speed",))
+    tip_speed: float | None = quantity(
+        "velocity", "of the male rotor's tips, in place of speed (twin_screw)", None, gt=0.0, hardly=(None, 150.0)
+    )
     ambient_temperature: float = quantity(
         "temperature",
         "temperature T_0 of the surroundings, to which the ledger refers",
@@ -90,6 +92,14 @@ class Operation:
         ge=50.0,
         le=1000.0,
         hardly=(200.0, 350.0),
+    )
+    ambient_pressure: float = quantity(
+        "pressure",
+        "pressure of the surroundings, over which gauge pressures are, as bar(g) (the default: standard atmosphere)",
+        STANDARD_ATMOSPHERE,
+        ge=1e3,
+        le=2e5,
+        hardly=(5e4, 1.1e5),
     )
     suction: SuctionState = SuctionState()
     discharge: DischargeState = DischargeState()
@@ -211,6 +221,25 @@ class Scene:
     @property
     def own(self) -> dict[str, str]:
         """The modules of the user's own that this scene names, and where it names them."""
-        named = {"machine.kind": self.machine.kind, "numerics.integrator": self.numerics.integrator}
+        named = {"machine.kind": self.machine.kind, "gas.model": self.gas.model}
+        named["numerics.integrator"] = self.numerics.integrator
         found = {name: f"{path}: {name}" for path, name in named.items() if "." in name}
         return found | {name: f"effects.{name}" for name in self.effects if "." in name}
+
+    def with_(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> Scene:
+        """Return this scene with other values at dotted paths, read and checked as `--set` does; this one stays.
+
+            scene.with_({"operation.speed": "1000 rpm"})        scene.with_(operation__speed="1000 rpm")
+
+        A text is read as in a file, with its unit; None takes a value out, 'off' an effect. Raise `SceneError`, a line
+        a fault, or `UsageError`.
+        """
+        from screwsim.scene.given import changed
+
+        return changed(self, {**(values or {}), **{name.replace("__", "."): value for name, value in more.items()}})
+
+    def without(self, *effects: str) -> Scene:
+        """Return this scene without some of its effects."""
+        from screwsim.scene.given import changed
+
+        return changed(self, {}, effects)

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from typing import Any
 
@@ -22,6 +25,24 @@ class Refused(Exception):
 NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _QUANTITY = re.compile(rf"\s*({NUMBER})\s*(.*?)\s*", re.DOTALL)
 _GAUGE = re.compile(r"(bar|mbar|[kM]?Pa|psi|atm)[ _]?(\(g\)|g|gauge)", re.IGNORECASE)
+_ambient: ContextVar[float | None] = ContextVar("ambient", default=None)  # [Pa], over which gauge pressures are read
+
+
+class Gauge(float):
+    """An absolute pressure [Pa] that was written over the ambient one; `written` says how."""
+
+    written: str = ""
+
+
+@contextmanager
+def over(ambient: float | None) -> Iterator[None]:
+    """Read gauge pressures over an ambient pressure [Pa]; outside of it, or over None, they are refused."""
+    token = _ambient.set(ambient)
+    try:
+        yield
+    finally:
+        _ambient.reset(token)
+
 
 # Grammar of what pint may see: names with a one-digit power, at most one level of brackets, no numbers.
 _TERM = r"[A-Za-z][A-Za-z_]*(?:\^-?[1-9](?![0-9]))?"
@@ -40,6 +61,7 @@ _TABLE: dict[str, dict[str, tuple[float, float]]] = {
     "Pa": {"Pa": (1, 1), "hPa": (1e2, 1), "kPa": (1e3, 1), "MPa": (1e6, 1), "bar": (1e5, 1), "mbar": (1e2, 1)},
     "K": {"K": (1, 1)},
     "rad/s": {"rad/s": (1, 1), "rpm": (math.pi, 30), "rev/s": (2 * math.pi, 1)},
+    "m/s": {"m/s": (1, 1), "cm/s": (1, 1e2), "mm/s": (1, 1e3)},
     "rad": {"rad": (1, 1), "deg": _DEGREE, "degree": _DEGREE, "degrees": _DEGREE},
     "kg/m^3": {"kg/m^3": (1, 1), "g/cm^3": (1e3, 1), "kg/l": (1e3, 1), "kg/L": (1e3, 1)},
     "J/(kg K)": {"J/(kg K)": (1, 1), "kJ/(kg K)": (1e3, 1), "J/(g K)": (1e3, 1)},
@@ -110,6 +132,9 @@ def parse_quantity(kind: Kind, text: str) -> float:
         raise _odd(kind, text, shown) or wrong
     if not match[2]:
         raise Refused(f"{shown} has no unit (write e.g. '{kind.example}')")
+    gauge = _from_gauge(kind, float(match[1]), match[2], text)
+    if gauge is not None:
+        return gauge
     refuse_traps(kind, match[2], shown)
     number, unit = float(match[1]), tidy_unit(match[2])
     value = _from_table(kind, number, unit)
@@ -120,6 +145,21 @@ def parse_quantity(kind: Kind, text: str) -> float:
     if not math.isfinite(value):
         raise Refused(f"{shown} is not finite (write e.g. '{kind.example}')")
     return value
+
+
+def _from_gauge(kind: Kind, number: float, unit: str, text: str) -> Gauge | None:
+    """Return the absolute pressure [Pa] of a gauge pressure; None of any other, and where none is read."""
+    found, ambient = _GAUGE.fullmatch(unit), _ambient.get()
+    if kind.name != "pressure" or found is None or ambient is None:
+        return None
+    value = _from_table(kind, number, found[1])
+    if value is None and found[1] in ("psi", "atm"):
+        value = _from_pint(kind, number, found[1])
+    if value is None or not math.isfinite(value):
+        return None
+    pressure = Gauge(value + ambient)
+    pressure.written = " ".join(text.split())
+    return pressure
 
 
 def _odd(kind: Kind, text: str, shown: str) -> Refused | None:
@@ -145,8 +185,10 @@ def _meant(kind: Kind, number: str, unit: str, shown: str) -> Refused | None:
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
-    """Refuse units that mean two things: gauge pressures, Hz, degrees Celsius of a difference."""
+    """Refuse units that mean two things: Hz, degrees Celsius of a difference; gauge pressures where none is read."""
     if kind.si == "Pa" and _GAUGE.fullmatch(unit):
+        if kind.name == "pressure_difference":
+            raise Refused(f"{shown} is a gauge pressure, not a difference (write e.g. '{kind.example}')")
         raise Refused(f"{shown} is a gauge pressure (write the absolute pressure, e.g. '{kind.example}')")
     if kind.name == "speed" and unit.lower() in ("hz", "khz", "1/s", "s^-1", "1/min", "min^-1"):
         raise Refused(f"{shown} is ambiguous, turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+from screwsim.fluid.models import find_gas_model
 from screwsim.machine.kinds import MACHINES
 from screwsim.near import nearest
 from screwsim.numerics.integrators import find_integrator
@@ -111,7 +112,8 @@ def imported(name: str, look: Callable[[], Any]) -> Any:
         raise Refused(f"fails on import ({type(error).__name__}: {error}); mend that module") from None
 
 
-_OWN = {"INTEGRATOR": find_integrator}  # what looks for a choice of the user's own, by the variable of its module
+# what looks for a choice of the user's own, by the variable of its module
+_OWN = {"INTEGRATOR": find_integrator, "GAS": find_gas_model}
 
 
 def _choice(leaf: Leaf, raw: Any, folder: str) -> str:

@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 from typing import Any
 
+from screwsim.declare import is_derived
 from screwsim.scene.fields import Leaf, Section, leaf_paths, scene_section, section_of
 from screwsim.scene.grid import dimensions
 from screwsim.scene.types import Sample, Scene
@@ -13,7 +14,10 @@ from screwsim.scene.values import text_of
 
 
 def scene_text(scene: Scene) -> str:
-    """Return the YAML text that alone, beside its curve files, reproduces the scene; absent values are left out."""
+    """Return the YAML text that alone, beside its curve files, reproduces the scene.
+
+    Absent values are left out, and what follows from others.
+    """
     lines = list(_section(scene_section(scene.machine.kind), scene, scene.folder, ""))
     lines.append("effects:" if scene.effects else "effects: {}")
     for name, active in scene.effects.items():
@@ -59,7 +63,7 @@ def _sample(sample: Sample, leaves: dict[str, Leaf]) -> Iterator[str]:
 def _section(section: Section, value: Any, folder: str, indent: str) -> Iterator[str]:
     for name, item in section.fields.items():
         part = getattr(value, name)
-        if part is None:
+        if part is None or is_derived(part):
             continue
         if isinstance(item, Section):
             inner = list(_section(item, part, folder, indent + "  "))

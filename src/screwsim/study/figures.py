@@ -27,10 +27,12 @@ _SHORT = {symbol: name for name, symbols in _SYMBOLS.items() for symbol in symbo
 _OTHERWISE = "a name of performance in `run --json`"
 
 
-def figure_named(text: str, here: Iterable[str] = (), others: Iterable[str] = ()) -> str:
+def figure_named(
+    text: str, here: Iterable[str] = (), others: Iterable[str] = (), option: str = "--figure"
+) -> str:
     """Return the figure that a text names; raise UsageError with the nearest, or with those there are `here`.
 
-    Known are those of the program, those here, and others.
+    Known are those of the program, those here, and others; `option` is where the text was given.
     """
     here = tuple(here)
     every = tuple(dict.fromkeys((*known(), *here, *others)))
@@ -39,16 +41,16 @@ def figure_named(text: str, here: Iterable[str] = (), others: Iterable[str] = ()
     if same or bare in _SHORT:
         return same[0] if same else _SHORT[bare]
     there = ", ".join(here)
-    raise UsageError(f"--figure {text}: {unknown(text, every, f'one of {there}' if there else _OTHERWISE)}")
+    raise UsageError(f"{option} {text}: {unknown(text, every, f'one of {there}' if there else _OTHERWISE)}")
 
 
-def figure_of(scene: Scene, text: str) -> str:
+def figure_of(scene: Scene, text: str, option: str = "--figure") -> str:
     """Return the figure of a scene that a text names; raise UsageError where there is none, with those that it has."""
     here = figures_of(scene)
-    name = figure_named(text, here)
+    name = figure_named(text, here, option=option)
     if name not in here:
         what = f"is not called for in this scene: it needs {needs_of(name)}"
-        raise UsageError(f"--figure {text}: {what} (use one of {', '.join(here)})")
+        raise UsageError(f"{option} {text}: {what} (use one of {', '.join(here)})")
     return name
 
 

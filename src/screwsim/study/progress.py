@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
@@ -127,6 +128,51 @@ class Steps(Progress):
     def _tell(self) -> None:
         if self._done < len(self._names):
             tell(f"{self._title} {self._done + 1} of {len(self._names)}: {self._names[self._done]}")
+
+
+class Line(Progress):
+    """One line on stderr that is written over, at most twice a second: for notebooks, which know no bars."""
+
+    def __init__(self, title: str, every: float = 0.5) -> None:
+        self._title = title
+        self._every = every
+        self._cases = self._done = self._failed = 0
+        self._told = 0.0
+
+    def start(self, cases: int, reused: int) -> None:
+        self._cases, self._done = cases, reused
+
+    def advance(self, cases: int, failed: int) -> None:
+        self._done += cases
+        self._failed += failed
+        now = time.monotonic()
+        if now - self._told >= self._every:
+            self._told = now
+            self._write("")
+
+    def stop(self) -> None:
+        self._write("\n")
+
+    def _write(self, end: str) -> None:
+        failures = f", {self._failed} not ok" if self._failed else ""
+        print(f"\r{self._title}: {self._done} of {self._cases}{failures}", end=end, file=sys.stderr, flush=True)
+
+
+def in_notebook() -> bool:
+    """Tell whether a notebook shows what is printed; a plain shell of IPython is none."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    return shell is not None and getattr(shell, "kernel", None) is not None
+
+
+def for_program(title: str, wanted: bool | None = None) -> Progress:
+    """Return what a program's call tells: a bar in a terminal or a line where it is wanted, in a notebook by itself."""
+    if wanted is None:
+        return Surviving(Line(title)) if in_notebook() else Silent()
+    if not wanted:
+        return Silent()
+    found = for_terminal(title)
+    return found if isinstance(found, Surviving) else Surviving(Line(title))
 
 
 def _digits(rate: float) -> str:

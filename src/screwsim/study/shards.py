@@ -28,8 +28,9 @@ _NAME = re.compile(r"cases_(\d{9})_(\d{9})\.npz")
 class Parts:
     """The folder of parts of one sweep, held by one process at a time."""
 
-    def __init__(self, output: Path, identity: Mapping[str, Any]) -> None:
+    def __init__(self, output: Path, identity: Mapping[str, Any], study: str = "sweep") -> None:
         self.output = output
+        self.study = study  # in words, of which it holds the cases
         self.folder = output.with_name(output.name + ".parts")
         self.identity = dict(identity)  # what must agree for parts to belong together
         self._lock: Any = None
@@ -74,7 +75,7 @@ class Parts:
         except (BlockingIOError, PermissionError):
             self._lock.close()
             raise UsageError(
-                f"{self.output}: another sweep is writing it (wait for it, or choose another -o)"
+                f"{self.output}: another {self.study} is writing it (wait for it, or choose another -o)"
             ) from None
         except (ImportError, OSError):
             pass  # no locks on this system or disk: two sweeps at once only do the same work twice
@@ -154,6 +155,16 @@ class Parts:
 
     def _path(self, cases: range) -> Path:
         return self.folder / f"cases_{cases.start:09d}_{cases.stop:09d}.npz"
+
+    def table(self, wanted: range) -> Table | None:
+        """Return some of the cases, from as many parts as they lie in; None where one is missing."""
+        found, stop = [], wanted.start
+        for path, cases in self._files():
+            if cases.start <= stop < cases.stop and stop < wanted.stop:
+                table = self._at_hand.get(path) or read_part(path)
+                found.append(table.rows(slice(stop - cases.start, wanted.stop - cases.start)))
+                stop = min(cases.stop, wanted.stop)
+        return join(found) if found and stop == wanted.stop else None
 
     def all(self, total: int) -> StoredTables:
         """Return all cases, read from the parts one after the other."""

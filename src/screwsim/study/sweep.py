@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -21,13 +22,14 @@ from screwsim.results.schema import axes_of, digest, identity_of
 from screwsim.results.table import same_angles
 from screwsim.results.write import Draft
 from screwsim.scene import grid
+from screwsim.scene.given import scene_of
 from screwsim.scene.types import Scene
 from screwsim.study.agreement import Watch, wanted_of
 from screwsim.study.blocks import blocks_of
 from screwsim.study.cases import Block, Job, Outcome, SimulateMany, packed, run_blocks, run_packed
 from screwsim.study.culprits import settle
 from screwsim.study.limit import CASE_LIMIT, check_limit
-from screwsim.study.progress import Progress, Silent
+from screwsim.study.progress import Progress, Silent, for_program
 from screwsim.study.shards import Parts
 from screwsim.study.workers import Chunks, LocalPool, Pool, Work, cores
 
@@ -97,17 +99,32 @@ def run_sweep(
     return _finished(output, began, parts, reused)
 
 
-def sweep(scene: Scene, jobs: int | None = None, **options: Any) -> Any:
+def sweep(
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    jobs: int | None = None,
+    progress: Progress | bool | None = None,
+    **options: Any,
+) -> Any:
     """Return all figures of a scene's sweep in memory: an xarray.Dataset, or Results where xarray is missing.
 
-        data = screwsim.sweep(screwsim.load("study.yaml"))
+        data = screwsim.sweep("study.yaml")
         data.shaft_power.sel(operation_speed=314.159, method="nearest")
+
+    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. `progress` True: a
+    bar or a line on stderr, None: that only where a notebook shows it.
 
     Dimensions are those of the sweep (docs/how-to/sweeps.md), named by their paths with `_` for each dot, values in SI;
     `case` and `sample` where paths vary together. Names of balance, error, numerics, cycle and ledger carry their group
     as prefix. `jobs` workers (default: all cores); `options` as of `run_sweep`, e.g. `scheduler="tcp://…"`. For results
     that do not fit into memory sweep into a file and open that lazily.
     """
+    scene = scene_of(scene)
+    if not scene.sweep:
+        raise UsageError(
+            "the scene has no sweep (scene.with_({'sweep.operation.speed': ['1000 rpm', '3000 rpm']}) gives it one; "
+            "one point is simulated by screwsim.simulate)"
+        )
+    options["progress"] = progress if isinstance(progress, Progress) else for_program("sweep", progress)
     try:
         import xarray  # noqa: F401 - only whether it is there
     except ImportError:

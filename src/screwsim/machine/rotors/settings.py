@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.declare import choice, file, quantity
+from screwsim.declare import DerivedWord, choice, file, quantity
 from screwsim.faults import Fault
+from screwsim.machine.rotors.families import FAMILIES
 
 _NEEDS = {
     "circular": ("female_tip_radius",),
@@ -18,14 +19,27 @@ _NEEDS = {
 class Profile:
     """A profile of a rotor pair; the male outer diameter and the lobes are the machine's."""
 
+    family: str | None = choice(
+        "rotors by a name (docs/reference/rotors.md): kind, lobes, wrap and, by rotor_diameter, all lengths follow",
+        tuple(FAMILIES),
+        None,
+    )
     kind: str = choice(
         "circular: symmetric, arcs about the pitch point; rack: asymmetric, leading flank from a rack; points: a file",
         ("circular", "rack", "points"),
-        "rack",
+        DerivedWord("rack"),
     )
-    centre_distance: float = quantity("length", "distance of the rotors' axes", gt=0.0)
-    female_diameter: float = quantity("length", "outer diameter of the female rotor", gt=0.0)
-    wrap_angle: float = quantity("angle", "angle by which the male rotor is twisted over its length", gt=0.0)
+    centre_distance: float = quantity("length", "distance of the rotors' axes", None, gt=0.0, otherwise=("family",))
+    female_diameter: float = quantity(
+        "length", "outer diameter of the female rotor", None, gt=0.0, otherwise=("family",)
+    )
+    wrap_angle: float = quantity(
+        "angle",
+        "angle by which the male rotor is twisted over its length (a family's may be replaced)",
+        None,
+        gt=0.0,
+        otherwise=("family",),
+    )
     male_tip_radius: float | None = quantity("length", "r3, tip of the male lobe (kind: rack)", None, gt=0.0)
     female_tip_radius: float | None = quantity("length", "r4, tip of the female lobe (circular, rack)", None, gt=0.0)
     flank_radius: float | None = quantity("length", "rho, arc of the rack at the male tip (kind: rack)", None, gt=0.0)

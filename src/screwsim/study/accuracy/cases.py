@@ -65,14 +65,14 @@ class Case:
     asked: float
     way: Way
     scene: Scene
-    back_end: str  # 'ideal' | 'compiled' | 'coolprop'
+    back_end: str  # 'ideal' | 'compiled' | 'coolprop' | 'own'
     factor: float | None = None  # of the choice that is looked at
     own_reference: bool = False  # is it another model, with a reference of its own?
 
 
 def own_back_end(scene: Scene) -> str:
     """Return the back end of a scene's gas."""
-    return "compiled" if scene.gas.model == "real" else "ideal"
+    return {"real": "compiled", "ideal": "ideal"}.get(scene.gas.model, "own")
 
 
 def integrators(scene: Scene, extent: Extent) -> Iterator[Case]:
@@ -90,8 +90,7 @@ def integrators(scene: Scene, extent: Extent) -> Iterator[Case]:
 
 def back_ends(scene: Scene, extent: Extent) -> Iterator[Case]:
     """Yield our method and one of scipy's on the other property back ends."""
-    others = {"ideal": "compiled", "compiled": "ideal"}
-    other = others[own_back_end(scene)]
+    other = "compiled" if own_back_end(scene) == "ideal" else "ideal"
     model = "real" if other == "compiled" else "ideal"
     k = None if model == "real" else scene.gas.isentropic_exponent
     changed = replace(scene, gas=replace(scene.gas, model=model, isentropic_exponent=k), text="")

@@ -7,7 +7,7 @@ search turns back, and a difference over it is taken to the other side.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,36 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from screwsim.outputs import Figures, Result
-from screwsim.scene import Scene
 from screwsim.study.calibration.fit import Fit, Point
 from screwsim.study.optimum import Simulate, closed
+from screwsim.study.warm import Warm
 
 Array = NDArray[np.float64]
 PENALTY = 1e4  # [uncertainties] of a figure without a solution
 STEP = 0.01  # of the bounds' distance, each way: far above the solver's noise
-
-
-class Warm:
-    """A simulator that begins each cycle from the one before: of one point while parameters change."""
-
-    def __init__(self) -> None:
-        self._scene: Scene | None = None
-        self._course: Iterator[Result] | None = None
-
-    def __call__(self, scene: Scene) -> Result:
-        from screwsim.simulate import simulate_many
-
-        self._scene = scene
-        self._course = self._course or iter(simulate_many(self._scenes(), trace=False))
-        try:
-            return next(self._course)
-        except Exception:
-            self._course = None
-            raise
-
-    def _scenes(self) -> Iterator[Scene]:
-        while self._scene is not None:
-            yield self._scene
 
 
 @dataclass(frozen=True)

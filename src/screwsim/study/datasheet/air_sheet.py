@@ -12,7 +12,7 @@ from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
-from screwsim.study.datasheet.sheet import Curve, Sheet
+from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, told
 
 INLET = 1e5, 293.15  # Pa, K
 KW, MINUTE, HOUR, RPM = 1e3, 60.0, 3600.0, 0.10471975511965977  # W, s, s, rad/s
@@ -35,22 +35,18 @@ def air_sheet(scene: Scene, rated: Rating) -> Sheet:
     """Return the sheet of a rating."""
     rows = [_row(point, rated.full) for point in rated.points]
     good = [point for point in rated.points if point.flow > 0.0]
-    curve = Curve(
-        "free air delivered [m³/min]",
-        "package specific power [kW/(m³/min)]",
-        [MINUTE * point.flow for point in good],
-        [_specific(point) for point in good],
-    )
+    curve = Curve([MINUTE * point.flow for point in good], [_specific(point) for point in good])
+    label = "package specific power [kW/(m³/min)]"
+    drawing = Drawing(label, "free air delivered [m³/min]", label, [curve], from_zero=True)
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     return Sheet(
         heading="Air package, rating by ISO 1217",
         title=scene.title,
         lines=list(_lines(scene, rated)),
-        heads=HEADS,
-        rows=rows,
+        tables=[Table("Points", HEADS, rows)],
         verdict=_verdict(rated.regulation),
         notes=list(_notes(scene, every)),
-        curves=[curve] if len(good) > 1 else [],
+        drawings=[drawing] if len(good) > 1 else [],
         document=_document(scene, rated),
         ok=all(point.ok for point in every),
     )
@@ -165,14 +161,15 @@ def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
     for point in points:
         if not point.ok:
             yield f"{point.speed / RPM:.0f} rpm: {point.result.told}"
-    yield from dict.fromkeys(warning for point in points for warning in point.result.warnings)
+    yield from told([(f"{point.speed / RPM:.0f} rpm", point.result.warnings) for point in points])
     yield MEANT
 
 
 def _figures(point: Point) -> dict[str, Any]:
     found = point.result.performance
     kept = {name: found[name] for name in KEPT if name in found}
-    return {"speed": point.speed, "status": point.result.status, "message": point.result.message, **kept}
+    said = {"status": point.result.status, "message": point.result.message, "warnings": list(point.result.warnings)}
+    return {"speed": point.speed, **said, **kept}
 
 
 def _document(scene: Scene, rated: Rating) -> dict[str, Any]:

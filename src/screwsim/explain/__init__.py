@@ -6,12 +6,11 @@ Nothing is compiled for it.
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.build import build_parts, faults_of_own, open_temperatures, package_of, regularisation
+from screwsim.build import build_parts, faults_of_own, regularisation
 from screwsim.cycle.wanted import wanted_of
 from screwsim.declare import KINDS
 from screwsim.effects import catalogue
@@ -28,10 +27,9 @@ from screwsim.effects.base import (
     Shaft,
     Wall,
 )
+from screwsim.explain.media import gas_rows, oil_rows
+from screwsim.explain.rows import NO_BREAK, WIDTH, parameters_text, row
 from screwsim.figures import called_for
-from screwsim.fluid.composition import is_blend
-from screwsim.fluid.ideal_gas import IdealGas
-from screwsim.fluid.moist_air import MoistAir
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import ROTORS
 from screwsim.machine.settings import TwinScrew
@@ -39,16 +37,12 @@ from screwsim.machine.slider_crank.settings import SliderCrank
 from screwsim.model.compose import HELD_GAS, compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
-from screwsim.scene.fields import Leaf, Section, section_of
+from screwsim.scene.fields import Section, section_of
 from screwsim.scene.grid import FLUID, case_count, dimensions
-from screwsim.scene.lines import lines
 from screwsim.scene.types import ActiveEffect, Scene
+from screwsim.scene.typical import leaks_told
 from screwsim.scene.units import readable_quantity
-from screwsim.scene.values import text_of
 
-WIDTH = 79
-NAME_WIDTH = 20
-NO_BREAK = "\u00a0"  # holds a name, its value and its unit on one line
 STATE_MEANINGS = {
     "T": "gas temperature [K]",
     "rho": "gas density [kg/m^3], gas mass over volume",
@@ -56,11 +50,8 @@ STATE_MEANINGS = {
     "x_oil": "oil mass over gas mass",
     "w_gas": "gas dissolved in the oil, per oil",
 }
+__all__ = ["WIDTH", "Explanation", "code", "explain"]
 BALANCES = "balances of mass and energy M1, M2; work M7"
-TRANSPORT = {
-    "paper": "paper: the ratio d stays constant after {at} (M9); oil appears and vanishes with leaking gas",
-    "carried": "carried: oil mass is a state, leaks carry the donor's oil (M8, M9)",
-}
 CLOSING = {
     "auto": "auto: turn by turn as long as that costs no more than all chambers at once would",
     "histories": "histories: one chamber, its neighbours read from its own last life",
@@ -106,8 +97,8 @@ def explain(scene: Scene) -> Explanation:
         ("Left out: no term, no state, no computing time", _left_out(left_out)),
         ("Chamber", _chamber(parts, model, "male rotor" if ROTORS in kind.offers else "shaft")),
         ("Flow paths", _paths(parts)),
-        ("Gas", _gas(scene, parts)),
-        ("Oil", _oil(scene, parts)),
+        ("Gas", gas_rows(scene, parts)),
+        ("Oil", oil_rows(scene, parts)),
         ("Numerics (docs/explanation/numerics.md)", _numerics(scene)),
         ("Compiled model", _size(model)),
     ]
@@ -126,43 +117,38 @@ def _counted(scene: Scene, left_out: tuple[str, ...]) -> str:
     return f"{text}; {own} of your own" if own else text
 
 
-def _row(name: str, text: str) -> str:
-    """Return a name with its text in the second column, wrapped."""
-    head = f"  {name:<{NAME_WIDTH}}" if len(name) < NAME_WIDTH else f"  {name}\n{'':<{NAME_WIDTH + 2}}"
-    first, *others = textwrap.wrap(text, WIDTH - NAME_WIDTH - 2, break_on_hyphens=False) or [""]
-    return "\n".join([head + first, *(" " * (NAME_WIDTH + 2) + line for line in others)]).replace(NO_BREAK, " ")
-
-
 def _machine(scene: Scene, parts: Parts) -> Iterator[str]:
     if isinstance(scene.machine, SliderCrank):
         yield from _cylinder(scene.machine, scene.operation.speed)
     elif isinstance(scene.machine, TwinScrew):
         yield from _screws(scene.machine, parts)
     else:
-        yield _row("kind", f"{scene.machine.kind}, {scene.machine.mode}")
+        yield row("kind", f"{scene.machine.kind}, {scene.machine.mode}")
         swept = f"swept volume {parts.geometry.swept_volume * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
-        yield _row("parameters", f"{_parameters(scene.machine, skip=('kind', 'mode'))}; {swept}")
-    speed = readable_quantity(KINDS["speed"], scene.operation.speed)
-    yield _row("speed", f"{speed}, {parts.omega / parts.geometry.pitch:.5g} chamber lives/s")
+        yield row("parameters", f"{parameters_text(scene.machine, skip=('kind', 'mode'))}; {swept}")
+    speed, tips = readable_quantity(KINDS["speed"], scene.operation.speed), scene.operation.tip_speed
+    stated = "" if tips is None else f" (tips at {readable_quantity(KINDS['velocity'], tips)})"
+    yield row("speed", f"{speed}{stated}, {parts.omega / parts.geometry.pitch:.5g} chamber lives/s")
 
 
 def _cylinder(machine: SliderCrank, omega: float) -> Iterator[str]:
-    yield _row("kind", f"{machine.kind}, {machine.mode}")
-    yield _row("volume", f"crank and rod (S1, S5), {_parameters(machine, skip=('kind', 'mode'))}")
+    yield row("kind", f"{machine.kind}, {machine.mode}")
+    yield row("volume", f"crank and rod (S1, S5), {parameters_text(machine, skip=('kind', 'mode'))}")
     stroke = f"stroke {1e3 * machine.stroke:.6g} mm".replace(" ", NO_BREAK)
     swept = f"swept volume {machine.swept_volume * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
-    yield _row("", f"{stroke}, {swept}, clearance {machine.clearance_ratio:.3%} of it")
-    yield _row("", f"mean piston speed {machine.surface_speed(omega):.5g} m/s")
+    yield row("", f"{stroke}, {swept}, clearance {machine.clearance_ratio:.3%} of it")
+    yield row("", f"mean piston speed {machine.surface_speed(omega):.5g} m/s")
 
 
 def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     length = KINDS["length"]
     size = f"{readable_quantity(length, machine.rotor_diameter)} x {readable_quantity(length, machine.rotor_length)}"
-    yield _row(
+    yield row(
         "kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}"
     )
+    yield from _otherwise(machine)
     if parts.geometry.expands:
-        yield _row(
+        yield row(
             "", "the machine below runs backwards: its laws at one life less the angle, its lines exchanged (M150)"
         )
     laws = {"volume": machine.volume, "suction_port": machine.suction_port, "discharge_port": machine.discharge_port}
@@ -170,8 +156,20 @@ def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
     for name, law in laws.items():
         if law is not None:
             equation = {"table": "M14", "profile": "docs/reference/rotors.md"}.get(law.law, numbers[name])
-            yield _row(name, ", ".join(filter(None, (f"law: {law.law} ({equation})", _parameters(law)))))
+            yield row(name, ", ".join(filter(None, (f"law: {law.law} ({equation})", parameters_text(law)))))
     yield from _rotors(machine, parts)
+
+
+def _otherwise(machine: TwinScrew) -> Iterator[str]:
+    """Yield what states the machine's size and port in place of lengths and angles."""
+    stated = machine.displacement
+    if stated is not None:
+        flow, at = readable_quantity(KINDS["volume_flow"], stated.flow), readable_quantity(KINDS["speed"], stated.at)
+        follows = "the rotors' size" if machine.volume.law == "profile" else "the chambers' volume"
+        yield row("displacement", f"{flow} at {at}, from which {follows} follows")
+    if machine.built_in_volume_ratio is not None and machine.volume.law != "profile":
+        what = f"{machine.built_in_volume_ratio:g}, from which the discharge port's angles follow (M16)"
+        yield row("volume ratio", what)
 
 
 def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
@@ -179,30 +177,14 @@ def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
     if laid is None:
         return
     degrees = [f"{math.degrees(angle):.5g}" for angle in (laid.born, laid.injection, laid.opens, laid.ends)]
-    yield _row("profile", _parameters(machine.profile, skip=()))
+    yield row("profile", parameters_text(machine.profile, skip=()))
     swept = f"{laid.swept * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
-    yield _row("", f"swept volume {swept} of a chamber; built-in volume ratio {machine.built_in_volume_ratio:g}")
-    yield _row(
+    yield row("", f"swept volume {swept} of a chamber; built-in volume ratio {machine.built_in_volume_ratio:g}")
+    yield row(
         "angles",
         f"born at {degrees[0]} deg, suction closes at {degrees[1]} deg, discharge opens at {degrees[2]} deg, "
         f"ends at {degrees[3]} deg; idle before and after, with its dead volume",
     )
-
-
-def _parameters(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
-    """Return the declared values of a section in customary units, defaults marked, absent ones left out."""
-    fields = section_of(type(values)).fields
-    texts = []
-    for name, leaf in fields.items():
-        value = getattr(values, name)
-        if isinstance(leaf, Leaf) and name not in skip and value is not None:
-            mark = " (default)" if not leaf.required and value == leaf.default else ""
-            texts.append(f"{name} {_text(leaf, value)}{mark}".replace(" ", NO_BREAK))
-    return ", ".join(texts)
-
-
-def _text(leaf: Leaf, value: Any) -> str:
-    return text_of(leaf, value) if leaf.dimension is None else readable_quantity(leaf.dimension, value)
 
 
 def _sections(values: Any, under: str = "") -> Iterator[str]:
@@ -210,7 +192,7 @@ def _sections(values: Any, under: str = "") -> Iterator[str]:
     for name, item in section_of(type(values)).fields.items():
         value = getattr(values, name)
         if isinstance(item, Section) and value is not None:
-            own = _parameters(value, skip=())
+            own = parameters_text(value, skip=())
             yield f"{under}{name}: {own}" if own else f"{under}{name}"
             yield from _sections(value, f"{under}{name}.")
 
@@ -218,17 +200,20 @@ def _sections(values: Any, under: str = "") -> Iterator[str]:
 def _effects(scene: Scene, parts: Parts) -> Iterator[str]:
     called = called_for(scene, parts)
     for name, active in scene.effects.items():
-        yield _row(name, active.effect.title)
+        yield row(name, active.effect.title)
         given = [each.name for each in active.effect.figures if each.name in called]
-        yield from (_row("", text) for text in _about(active, parts.effects[name], parts.dissolves, given))
+        yield from (row("", text) for text in _about(active, parts.effects[name], parts.dissolves, given))
     if not scene.effects:
-        yield _row("none", "a closed chamber: its gas is compressed and expands again")
+        yield row("none", "a closed chamber: its gas is compressed and expands again")
+    told = leaks_told(scene)
+    if told:
+        yield row("leaks", told.removeprefix("leaks "))
 
 
 def _about(active: ActiveEffect, built: Any, dissolves: bool, given: list[str]) -> Iterator[str]:
     effect = active.effect
     yield f"{', '.join(effect.equations)}; source: {effect.source}"
-    parameters = _parameters(active.parameters, skip=())
+    parameters = parameters_text(active.parameters, skip=())
     if parameters:
         yield parameters
     yield from _sections(active.parameters)
@@ -263,25 +248,25 @@ def _words(name: str) -> str:
 
 def _left_out(names: tuple[str, ...]) -> Iterator[str]:
     for name in names:
-        yield _row(name, catalogue()[name].title)
+        yield row(name, catalogue()[name].title)
     if not names:
-        yield _row("none", "every effect of the catalogue is active")
+        yield row("none", "every effect of the catalogue is active")
 
 
 def _chamber(parts: Parts, model: Composition, axis: str) -> Iterator[str]:
     geometry = parts.geometry
     states = ", ".join(f"{name} {STATE_MEANINGS.get(name, '')}".strip() for name in model.states)
-    yield _row("states", f"{states}; {BALANCES}")
+    yield row("states", f"{states}; {BALANCES}")
     if geometry.chambers == 1:
-        yield _row("life", f"{math.degrees(geometry.life):g} deg of the crank, from top dead centre; one chamber")
-        yield _row("trapped mass", f"at the bottom dead centre, {math.degrees(geometry.injection_angle):.6g} deg")
+        yield row("life", f"{math.degrees(geometry.life):g} deg of the crank, from top dead centre; one chamber")
+        yield row("trapped mass", f"at the bottom dead centre, {math.degrees(geometry.injection_angle):.6g} deg")
         return
-    yield _row("life", f"{math.degrees(geometry.life):g} deg of the {axis}")
+    yield row("life", f"{math.degrees(geometry.life):g} deg of the {axis}")
     pitch = math.degrees(geometry.pitch)
-    yield _row("alive at once", f"{geometry.chambers} chambers, one lobe pitch of {pitch:.6g} deg apart")
+    yield row("alive at once", f"{geometry.chambers} chambers, one lobe pitch of {pitch:.6g} deg apart")
     port = parts.oil_port
     at = f"at {math.degrees(geometry.injection_angle):g} deg"
-    yield _row("injection", at if port is None else f"through a port, up to {math.degrees(port.closes):g} deg")
+    yield row("injection", at if port is None else f"through a port, up to {math.degrees(port.closes):g} deg")
 
 
 def _paths(parts: Parts) -> Iterator[str]:
@@ -299,95 +284,32 @@ def _paths(parts: Parts) -> Iterator[str]:
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
             held = "" if path.resistance is None else f", {path.resistance.title}"
             held += ", open as its valve is" if path.opening is not None else ""
-            yield _row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
-    yield _row("every path", "nozzle flow in both directions, choking included (M12, M13)")
+            yield row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
+    yield row("every path", "nozzle flow in both directions, choking included (M12, M13)")
     if parts.geometry.chambers > 1:
-        yield _row("ahead of the last", "lies the discharge line; behind the first one there is no gap")
-
-
-def _gas(scene: Scene, parts: Parts) -> Iterator[str]:
-    gas = parts.gas
-    equations = ", ".join(gas.equations)
-    yield _row(scene.gas.name, f"{scene.gas.model} gas ({equations})")
-    dry = gas.dry if isinstance(gas, MoistAir) else gas
-    if isinstance(dry, IdealGas):
-        given = "given" if scene.gas.isentropic_exponent is not None else "cp0/(cp0 - R) at suction temperature"
-        yield _row("", f"R = {dry.R:.6g} J/(kg K), k = {dry.k:.6g} ({given})")
-    at, operation = lines(scene), scene.operation
-    if isinstance(gas, MoistAir):
-        humid = f"relative humidity {scene.gas.relative_humidity:g} of the suction line"
-        yield _row("water", f"{gas.humidity_ratio:.5g} per dry air ({humid}, M320)")
-        where = "discharge pressure" if package_of(scene) is None else "the outlet's pressure, of what is sucked"
-        yield _row("dew point", f"{gas.dew_point(at.p_d):.5g} K at {where} (M327)")
-    condensing = "dew" if is_blend(scene.gas.name) else "bubble"
-    dew = _stated(operation.evaporating_temperature, "dew")
-    bubble = _stated(operation.condensing_temperature, condensing)
-    yield _row("suction line", f"{at.p_s / 1e5:.6g} bar{dew}, {at.T_s:.6g} K")
-    T_d = operation.discharge.temperature
-    back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)
-    yield _row("surroundings", f"{operation.ambient_temperature:.6g} K, to which the ledger's exergy refers (M59)")
-    back = f"what flows back has {'the ' if T_d is None else ''}{back}"
-    yield _row("discharge line", f"{at.p_d / 1e5:.6g} bar{bubble}; {back}")
-    if package_of(scene) is not None:
-        yield _row("package", "both are its lines; what it loses to the machine is found with the cycle (M341-M343)")
-    if operation.condensing_temperature is not None:
-        subcooling = readable_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
-        yield _row("cooling", f"liquid subcooled by {subcooling}; enthalpies of the real fluid (M43)")
-    cooler = operation.gas_cooler
-    if cooler is not None:
-        T = readable_quantity(KINDS["temperature"], cooler.outlet_temperature)
-        yield _row("cooling", f"the gas cooler leaves it at {T}; enthalpies of the real fluid (M330)")
-
-
-def _stated(T: float | None, point: str) -> str:
-    """Return what to say of a line whose pressure is that of saturation at T [K] (M42)."""
-    return "" if T is None else f" ({point} point at {T:.6g} K, M42)"
-
-
-def _oil(scene: Scene, parts: Parts) -> Iterator[str]:
-    oil, supply = scene.oil, scene.oil_supply
-    if oil is None or supply is None:
-        yield _row("none", "no oil is injected")
-        return
-    yield _row("oil", _parameters(oil, skip=("transport",)))
-    port = parts.oil_port
-    at = f"{math.degrees(parts.geometry.injection_angle):g} deg"
-    if port is not None:
-        at = f"a port up to {math.degrees(port.closes):g} deg"
-    equation = f"its ratio d at {at} is given" if supply.kind == "pump" else "the orifice decides (M30)"
-    foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
-    yield _row("supply", f"{supply.kind}: {equation}; {_parameters(supply, skip=foreign)}")
-    if supply.temperature is None:
-        outlet = "is that of the cooler's outlet (M283)"
-        found = "is found with the cycle (M284)" if open_temperatures(scene)[0] else outlet
-        yield _row("temperature", found)
-    if parts.oil_room:
-        yield _row("room", "the oil takes room in the chambers (M106); the indicated work lifts it to discharge")
-    heated = any("T_oil" in active.effect.states for active in scene.effects.values())
-    text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
-    yield _row("transport", text if heated else "oil exchanges no heat and is no part of the balances (no oil_heat)")
+        yield row("ahead of the last", "lies the discharge line; behind the first one there is no gap")
 
 
 def _numerics(scene: Scene) -> Iterator[str]:
     numerics, wanted = scene.numerics, wanted_of(scene.numerics, regularisation(scene))
-    yield _row("accuracy", f"{numerics.accuracy:g} wanted of the performance figures; bound of the balances")
+    yield row("accuracy", f"{numerics.accuracy:g} wanted of the performance figures; bound of the balances")
     origin = "given" if numerics.rtol is not None else "from the accuracy"
     histories = f", of histories {wanted.of_histories * wanted.rtol:.3g}" if wanted.of_histories < 1.0 else ""
-    yield _row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g}{histories} ({origin})")
-    yield _row("closing", CLOSING.get(numerics.closing, numerics.closing))
+    yield row("integrator", f"{numerics.integrator}, rtol {wanted.rtol:.3g}{histories} ({origin})")
+    yield row("closing", CLOSING.get(numerics.closing, numerics.closing))
     suction, discharge, gaps = regularisation(scene)
     text = f"pressure differences below {suction:.3g} Pa (suction port), {discharge:.3g} Pa (discharge port)"
-    yield _row("regularisation", f"{text}, {gaps:.3g} of the pressure (gaps) are smoothed")
+    yield row("regularisation", f"{text}, {gaps:.3g} of the pressure (gaps) are smoothed")
 
 
 def _size(model: Composition) -> Iterator[str]:
     n = len(model.states)
-    yield _row("one chamber", f"{n} states, {len(model.plenum_paths) + len(model.gap_paths)} flow paths")
+    yield row("one chamber", f"{n} states, {len(model.plenum_paths) + len(model.gap_paths)} flow paths")
     if model.made:
         beside = f"{len(model.made)} numbers of effects beside the discharge line (docs/explanation/numerics.md)"
-        yield _row("the cycle makes", beside)
-    yield _row("coupled", f"{n} states x {model.chambers} chambers = {n * model.chambers}")
-    yield _row("breakpoints", f"{len(model.breakpoints)} angles of one life where a law is not smooth; steps end there")
+        yield row("the cycle makes", beside)
+    yield row("coupled", f"{n} states x {model.chambers} chambers = {n * model.chambers}")
+    yield row("breakpoints", f"{len(model.breakpoints)} angles of one life where a law is not smooth; steps end there")
 
 
 def _sweep(scene: Scene) -> Iterator[str]:
@@ -395,7 +317,7 @@ def _sweep(scene: Scene) -> Iterator[str]:
         kinds = f"{dimension.size} values" if dimension.size != 1 else "1 value"
         if dimension.joint is None:
             words = f": {', '.join(scene.sweep[FLUID])}" if dimension.name == FLUID else ""
-            yield _row(f"{dimension.name}", f"{kinds}{words}") if words else f"  {dimension.name}: {kinds}"
+            yield row(f"{dimension.name}", f"{kinds}{words}") if words else f"  {dimension.name}: {kinds}"
             continue
         sample = dimension.joint.sample
         how = f"{sample.kind.replace('_', ' ')}, seed {sample.seed}" if sample else "side by side"

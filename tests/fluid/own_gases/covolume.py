@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from screwsim.fluid.constants import gas_constant, isentropic_exponent
+from screwsim.fluid.models import GasModel
 from screwsim.fluid.nozzle import choking
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.numerics.kernel import kernel
@@ -104,3 +106,15 @@ class CovolumeGas:
 
     def why_outside(self, T, rho):
         return None
+
+
+COVOLUME = 2e-3  # [m³/kg]
+
+
+def make(asked):
+    """Return the gas of what a scene says; k from CoolProp at suction temperature where none is given."""
+    k = asked.isentropic_exponent or isentropic_exponent(asked.fluid, asked.suction_temperature())
+    return CovolumeGas(gas_constant(asked.fluid), k, COVOLUME)
+
+
+GAS = GasModel(make)

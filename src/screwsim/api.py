@@ -1,0 +1,81 @@
+"""Studies as a program calls them: scenes and results as they are at hand, values with units, progress if seen.
+
+Each is the study of the command of that name; its arguments are what the command is given.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from screwsim.faults import UsageError
+from screwsim.results import Results, open_results
+from screwsim.scene import Scene, scene_of
+from screwsim.study import optimum as _optimum
+from screwsim.study import performance_map as _map
+from screwsim.study.calibration import calibrate as _calibrate
+from screwsim.study.calibration import read_fit
+from screwsim.study.calibration.fit import Fit
+from screwsim.study.calibration.solve import Calibration
+from screwsim.study.progress import for_program
+from screwsim.study.sweep import run_sweep
+
+SceneLike = Scene | str | os.PathLike[str] | Mapping[str, Any]
+ResultsLike = Results | str | os.PathLike[str]
+
+
+def optimum(
+    scene: SceneLike,
+    path: str = _optimum.OIL_RATIO,
+    figure: str | None = None,
+    *,
+    low: float | str | None = None,
+    high: float | str | None = None,
+    minimum: bool = False,
+    jobs: int | None = None,
+    progress: bool | None = None,
+) -> list[_optimum.Best]:
+    """Return the best value of a path for each point of the scene's other axes (`screwsim optimum`).
+
+        best, = screwsim.optimum("point.yaml", "oil_supply.ratio", low=0.5, high=4)
+
+    `low` and `high` are numbers or texts with a unit; without them the range is that of the scene's axis. Without a
+    figure the efficiency is sought, as the command does. `progress` None: only where a notebook shows it.
+    """
+    at = scene_of(scene)
+    ends = {"first": None if low is None else str(low), "last": None if high is None else str(high)}
+    asked = _optimum.question(at, path, figure, minimum=minimum, **ends)
+    return _optimum.optimum(at, asked, jobs=jobs, progress=for_program("optimum", progress))
+
+
+def performance_map(results: ResultsLike, figures: Sequence[str] = _map.FIGURES) -> list[_map.PerformanceMap]:
+    """Return the ten-coefficient maps of a sweep over both temperatures, one a point of its other axes.
+
+    The results are a file of a sweep or what `open_results` gives; a scene with such a sweep is swept first by
+    `screwsim.run_sweep(scene, "map.h5")`.
+    """
+    return _map.performance_maps(results_of(results), tuple(figures))
+
+
+def calibrate(
+    fit: Fit | str | os.PathLike[str], *, jobs: int | None = None, progress: bool | None = None
+) -> Calibration:
+    """Return parameters fitted to measured points (`screwsim calibrate`): of a fit, or the path of its file."""
+    if not isinstance(fit, Fit | str | os.PathLike):
+        raise UsageError(f"{type(fit).__name__} is no fit (pass the path of a FIT.yaml)")
+    asked = fit if isinstance(fit, Fit) else read_fit(fit)
+    return _calibrate(asked, jobs=jobs, progress=for_program("calibrate", progress))
+
+
+def results_of(given: Any) -> Results:
+    """Return the results that are meant by a path or by results themselves; raise UsageError with what to pass."""
+    if isinstance(given, Results):
+        return given
+    if isinstance(given, str | os.PathLike):
+        return open_results(os.fspath(given))
+    what = "an xarray.Dataset" if type(given).__name__ == "Dataset" else type(given).__name__
+    raise UsageError(f"{what} is no file of results (pass the path of one, written by screwsim.run_sweep)")
+
+
+__all__ = ["calibrate", "optimum", "performance_map", "results_of", "run_sweep"]

@@ -1,0 +1,93 @@
+"""What a scene says of its gas and its oil, and of the lines, in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from screwsim.build import open_temperatures, package_of
+from screwsim.declare import KINDS
+from screwsim.explain.rows import parameters_text, row
+from screwsim.fluid.composition import is_blend
+from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.moist_air import MoistAir
+from screwsim.model.parts import Parts
+from screwsim.scene.lines import lines
+from screwsim.scene.types import Scene
+from screwsim.scene.units import Gauge, readable_quantity
+
+TRANSPORT = {
+    "paper": "paper: the ratio d stays constant after {at} (M9); oil appears and vanishes with leaking gas",
+    "carried": "carried: oil mass is a state, leaks carry the donor's oil (M8, M9)",
+}
+
+
+def gas_rows(scene: Scene, parts: Parts) -> Iterator[str]:
+    gas = parts.gas
+    equations = f" ({', '.join(gas.equations)})" if gas.equations else ""
+    model = f"gas of {scene.gas.model}" if "." in scene.gas.model else f"{scene.gas.model} gas"
+    yield row(scene.gas.name, f"{model}{equations}")
+    dry = gas.dry if isinstance(gas, MoistAir) else gas
+    if isinstance(dry, IdealGas):
+        given = "given" if scene.gas.isentropic_exponent is not None else "cp0/(cp0 - R) at suction temperature"
+        yield row("", f"R = {dry.R:.6g} J/(kg K), k = {dry.k:.6g} ({given})")
+    at, operation = lines(scene), scene.operation
+    if isinstance(gas, MoistAir):
+        humid = f"relative humidity {scene.gas.relative_humidity:g} of the suction line"
+        yield row("water", f"{gas.humidity_ratio:.5g} per dry air ({humid}, M320)")
+        where = "discharge pressure" if package_of(scene) is None else "the outlet's pressure, of what is sucked"
+        yield row("dew point", f"{gas.dew_point(at.p_d):.5g} K at {where} (M327)")
+    condensing = "dew" if is_blend(scene.gas.name) else "bubble"
+    dew = _stated(operation.evaporating_temperature, "dew")
+    bubble = _stated(operation.condensing_temperature, condensing)
+    dew, bubble = dew or _over(scene, operation.suction.pressure), bubble or _over(scene, operation.discharge.pressure)
+    yield row("suction line", f"{at.p_s / 1e5:.6g} bar{dew}, {at.T_s:.6g} K")
+    T_d = operation.discharge.temperature
+    back = "mean temperature of the outflow (M27)" if T_d is None else readable_quantity(KINDS["temperature"], T_d)
+    yield row("surroundings", f"{operation.ambient_temperature:.6g} K, to which the ledger's exergy refers (M59)")
+    back = f"what flows back has {'the ' if T_d is None else ''}{back}"
+    yield row("discharge line", f"{at.p_d / 1e5:.6g} bar{bubble}; {back}")
+    if package_of(scene) is not None:
+        yield row("package", "both are its lines; what it loses to the machine is found with the cycle (M341-M343)")
+    if operation.condensing_temperature is not None:
+        subcooling = readable_quantity(KINDS["temperature_difference"], operation.subcooling or 0.0)
+        yield row("cooling", f"liquid subcooled by {subcooling}; enthalpies of the real fluid (M43)")
+    cooler = operation.gas_cooler
+    if cooler is not None:
+        T = readable_quantity(KINDS["temperature"], cooler.outlet_temperature)
+        yield row("cooling", f"the gas cooler leaves it at {T}; enthalpies of the real fluid (M330)")
+
+
+def _over(scene: Scene, p: float | None) -> str:
+    """Return what to say of a pressure that was stated over the ambient one."""
+    ambient = readable_quantity(KINDS["pressure"], scene.operation.ambient_pressure)
+    return f" ({p.written} over {ambient} of the surroundings)" if isinstance(p, Gauge) else ""
+
+
+def _stated(T: float | None, point: str) -> str:
+    """Return what to say of a line whose pressure is that of saturation at T [K] (M42)."""
+    return "" if T is None else f" ({point} point at {T:.6g} K, M42)"
+
+
+def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:
+    oil, supply = scene.oil, scene.oil_supply
+    if oil is None or supply is None:
+        yield row("none", "no oil is injected")
+        return
+    yield row("oil", parameters_text(oil, skip=("transport",)))
+    port = parts.oil_port
+    at = f"{math.degrees(parts.geometry.injection_angle):g} deg"
+    if port is not None:
+        at = f"a port up to {math.degrees(port.closes):g} deg"
+    equation = f"its ratio d at {at} is given" if supply.kind == "pump" else "the orifice decides (M30)"
+    foreign = ("kind", "orifice_count") if supply.kind == "pump" else ("kind", "source")
+    yield row("supply", f"{supply.kind}: {equation}; {parameters_text(supply, skip=foreign)}")
+    if supply.temperature is None:
+        outlet = "is that of the cooler's outlet (M283)"
+        found = "is found with the cycle (M284)" if open_temperatures(scene)[0] else outlet
+        yield row("temperature", found)
+    if parts.oil_room:
+        yield row("room", "the oil takes room in the chambers (M106); the indicated work lifts it to discharge")
+    heated = any("T_oil" in active.effect.states for active in scene.effects.values())
+    text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
+    yield row("transport", text if heated else "oil exchanges no heat and is no part of the balances (no oil_heat)")

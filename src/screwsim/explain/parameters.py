@@ -1,0 +1,79 @@
+"""All keys of a scene, or of some effects: unit, default, range, meaning, and what stands in the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from screwsim.declare import is_derived
+from screwsim.effects import catalogue, find_effect
+from screwsim.effects.base import Effect
+from screwsim.explain.rows import NO_BREAK, row
+from screwsim.faults import UsageError
+from screwsim.machine.kinds import kind_of
+from screwsim.scene.fields import unknown, value_at
+from screwsim.scene.keys import ABSENT, SECTIONS, Key, effect_keys_of, section_keys
+from screwsim.scene.types import Scene
+from screwsim.scene.units import readable_quantity
+from screwsim.scene.values import text_of
+
+
+def parameters(scene: Scene, names: Sequence[str] = ()) -> str:
+    """Return the keys of sections and effects of these names; without any, all that the scene's machine can have.
+
+    Raises UsageError for a name that is neither.
+    """
+    kind = scene.machine.kind
+    fitting = {name: effect for name, effect in catalogue().items() if effect.fits(kind_of(scene.machine))}
+    known = fitting | {name: active.effect for name, active in scene.effects.items()}
+    asked = [name.removeprefix("effects.") for name in names] or [*SECTIONS, *known]
+    return "\n\n".join("\n".join(_part(scene, name, known, kind)) for name in asked)
+
+
+def _part(scene: Scene, name: str, known: dict[str, Effect], kind: str) -> Iterator[str]:
+    if name in SECTIONS:
+        yield f"{name}{_absent(scene, name)}"
+        yield from _rows(scene, name, section_keys(name, kind))
+        return
+    if name not in known and name in catalogue():
+        raise UsageError(
+            f"--parameters {name}: is no effect of a {kind} (screwsim explain lists those that it can have)"
+        )
+    if name not in known and "." not in name:
+        raise UsageError(f"--parameters {name}: {unknown(name, [*SECTIONS, *known])}")
+    effect = known.get(name) or _own(name)
+    state = "simulated" if name in scene.effects else "left out"
+    yield f"effects.{name} ({state}): {effect.title}"
+    yield from _rows(scene, f"effects.{name}", effect_keys_of(name, effect.parameters, kind))
+
+
+def _own(name: str) -> Effect:
+    try:
+        return find_effect(name)
+    except (KeyError, ImportError) as error:
+        raise UsageError(f"--parameters {name}: cannot be imported ({error})") from None
+
+
+def _absent(scene: Scene, name: str) -> str:
+    return " (not in this scene)" if getattr(scene, name) is None else ""
+
+
+def _rows(scene: Scene, under: str, keys: Iterable[Key]) -> Iterator[str]:
+    """Yield what each key is; at its end what the scene has there."""
+    none = True
+    for key in keys:
+        none = False
+        about = [key.meaning, f"unit: {key.unit}", f"default: {key.default}"]
+        about += [] if key.range == ABSENT else [f"range: {key.range}"]
+        yield row(key.path, "; ".join([*about, *_here(scene, f"{under}.{key.path}", key)]))
+    if none:
+        yield "  no keys"
+
+
+def _here(scene: Scene, path: str, key: Key) -> Iterator[str]:
+    value = value_at(scene, path)
+    if value is None or value == "":
+        return
+    kind = key.leaf.dimension
+    text = text_of(key.leaf, value) if kind is None else readable_quantity(kind, value)
+    follows = " (follows)" if is_derived(value) and text != key.default else ""
+    yield f"here: {text}{follows}".replace(" ", NO_BREAK)

@@ -1,0 +1,66 @@
+"""The registry of gas models: ideal and real by their names, a user's own by the dotted name of its module.
+
+A scene names a model of one's own as it names an effect of one's own, `gas.model: my_gases.covolume`: a module with a
+variable `GAS`, a `GasModel` that makes a gas (`fluid.gas`) of what the scene says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from screwsim.fluid import constants
+from screwsim.fluid.gas import Gas
+from screwsim.fluid.ideal_gas import IdealGas
+from screwsim.fluid.real_gas import RealGas
+from screwsim.numerics.trial import own_module
+
+
+class Asked(NamedTuple):
+    """What a scene says of its gas: CoolProp's name of the fluid, k and `two_phase` as stated.
+
+    `suction_temperature` returns T_s [K]; it asks for a saturation where the line is stated by one.
+    """
+
+    fluid: str
+    isentropic_exponent: float | None
+    two_phase: str
+    suction_temperature: Callable[[], float]
+
+
+@dataclass(frozen=True)
+class GasModel:
+    """A model by what makes a gas of what a scene says; what it cannot make raises ValueError in words."""
+
+    make: Callable[[Asked], Gas]
+
+
+def _ideal(asked: Asked) -> IdealGas:
+    """Return an ideal gas; k from CoolProp at suction temperature where none is given (M6)."""
+    k = asked.isentropic_exponent
+    if k is None:
+        k = constants.isentropic_exponent(asked.fluid, asked.suction_temperature())
+    return IdealGas(constants.gas_constant(asked.fluid), k)
+
+
+def _real(asked: Asked) -> RealGas:
+    return RealGas(asked.fluid, asked.two_phase)
+
+
+MODELS: dict[str, GasModel] = {"ideal": GasModel(_ideal), "real": GasModel(_real)}
+
+
+def find_gas_model(name: str) -> GasModel:
+    """Return the model of a name; raise KeyError where there is none, ImportError for a dotted one."""
+    if "." not in name:
+        return MODELS[name]
+    found = getattr(own_module(name), "GAS", None)
+    if not isinstance(found, GasModel):
+        raise ImportError(f"module {name} defines no GAS")
+    return found
+
+
+def lacking(gas: object) -> list[str]:
+    """Return the names of what a gas lacks of the protocol."""
+    return [name for name in vars(Gas) if not name.startswith("_") and not hasattr(gas, name)]

@@ -1,0 +1,208 @@
+"""What a twin-screw scene states other than by lengths and angles: displacement, family of rotors, volume ratio.
+
+What follows is filled in as `Derived` values, anew whenever a case of a sweep changes what it follows from. A scene
+that states the same thing twice is refused: nothing is overruled in silence. Units SI.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+from screwsim.declare import Derived, DerivedCount, DerivedWord, is_derived
+from screwsim.faults import Fault
+from screwsim.machine.paper_law import TURN
+from screwsim.machine.rotors.families import FAMILIES
+from screwsim.machine.rotors.settings import Profile
+from screwsim.machine.settings import LIFE, TwinScrew
+
+LENGTHS = (
+    "centre_distance",
+    "female_diameter",
+    "male_tip_radius",
+    "female_tip_radius",
+    "flank_radius",
+    "pressure_angle",
+    "root_radius",
+    "file",
+)
+OPENING = 5.0 / 16.0  # (φ_C − φ_dis) over half of the port's life: how fast that of rotors (b) opens
+LAST = math.radians(10.0)  # of a life, in which no port opens any more (as `Rotors.discharge_angle`)
+PATH = "machine.built_in_volume_ratio"
+
+
+def own(value: Any) -> Any:
+    """Return a value that the scene states itself; None of one that follows."""
+    return None if is_derived(value) else value
+
+
+def states_otherwise(machine: TwinScrew) -> bool:
+    """Tell whether anything of a machine follows from what is stated in its place."""
+    profile = machine.profile
+    family = profile is not None and profile.family is not None
+    return family or machine.displacement is not None or _opened_by_ratio(machine)
+
+
+def _opened_by_ratio(machine: TwinScrew) -> bool:
+    return machine.built_in_volume_ratio is not None and machine.volume.law != "profile"
+
+
+def derived(machine: TwinScrew) -> TwinScrew:
+    """Return a machine with all that follows from what it states; as it is where `stated_faults` has a word."""
+    if not states_otherwise(machine) or any(stated_faults(machine)):
+        return machine
+    machine = _sized(_lobed(machine))
+    return _opened(_profiled(machine))
+
+
+# ---- family and size -----------------------------------------------------------------------------------------
+
+
+def _lobed(machine: TwinScrew) -> TwinScrew:
+    profile = machine.profile
+    if profile is None or profile.family is None:
+        return machine
+    family = FAMILIES[profile.family]
+    wrap = own(profile.wrap_angle) or Derived(family.wrap_angle)
+    profile = replace(profile, kind=DerivedWord(family.kind), wrap_angle=wrap)
+    lobes = DerivedCount(family.male_lobes), DerivedCount(family.female_lobes)
+    return replace(machine, profile=profile, male_lobes=lobes[0], female_lobes=lobes[1])
+
+
+def _sized(machine: TwinScrew) -> TwinScrew:
+    """Return a machine with its diameter and length, or the volume of a chamber, from a displacement."""
+    profile, stated = machine.profile, machine.displacement
+    family = None if profile is None or profile.family is None else FAMILIES[profile.family]
+    if stated is not None and machine.volume.law != "profile":
+        return replace(machine, volume=replace(machine.volume, max=Derived(stated.volume / machine.male_lobes)))
+    if profile is None or family is None:
+        return machine
+    length, diameter = own(machine.rotor_length), own(machine.rotor_diameter)
+    if stated is not None:
+        volume = stated.volume / family.male_lobes / unit_volume(profile.family or "", profile.wrap_angle)
+        diameter = Derived((volume / family.length) ** (1.0 / 3.0) if length is None else math.sqrt(volume / length))
+    assert diameter is not None  # else a fault
+    return replace(machine, rotor_diameter=diameter, rotor_length=length or Derived(family.length * diameter))
+
+
+def _profiled(machine: TwinScrew) -> TwinScrew:
+    profile = machine.profile
+    if profile is None or profile.family is None:
+        return machine
+    return replace(machine, profile=_of_size(profile, machine.rotor_diameter))
+
+
+def _of_size(profile: Profile, diameter: float) -> Profile:
+    family = FAMILIES[profile.family or ""]
+    lengths = {name: Derived(share * diameter) for name, share in family.shares.items()}
+    angle = None if family.pressure_angle is None else Derived(family.pressure_angle)
+    return replace(profile, **lengths, pressure_angle=angle)
+
+
+@lru_cache(maxsize=64)
+def unit_volume(name: str, wrap: float) -> float:
+    """Return the largest volume of one chamber over D² L of a family with that wrap [rad]: no size changes it."""
+    from screwsim.machine.rotors.rotors import make_rotors  # here: rotors take long to import
+
+    family = FAMILIES[name]
+    profile = _of_size(Profile(family=name, kind=family.kind, wrap_angle=wrap), 1.0)
+    return make_rotors(profile, family.male_lobes, family.female_lobes, 1.0, 1.0).largest[1]
+
+
+# ---- the discharge port of the paper's law -------------------------------------------------------------------
+
+
+def _opened(machine: TwinScrew) -> TwinScrew:
+    port, ratio = machine.discharge_port, machine.built_in_volume_ratio
+    if port is None or ratio is None or not _opened_by_ratio(machine):
+        return machine
+    opens = opening_angle(machine, ratio)
+    end = Derived(opens + OPENING * 0.5 * (LIFE - opens))
+    return replace(machine, discharge_port=replace(port, opens=Derived(opens), phi_C=end))
+
+
+def opening_angle(machine: TwinScrew, ratio: float) -> float:
+    """Return the angle [rad] at which a chamber of the paper's law has its largest volume over a ratio (M16 inverted).
+
+    Dead volume included, as `built_in_volume_ratio` of a result is.
+    """
+    law = machine.volume
+    largest, c = law.max or 0.0, float(law.phi_A or 0.0) / TURN
+    left = ((largest + law.dead) / ratio - law.dead) / largest  # of the bump, M15
+    if left <= 0.0:
+        return LIFE
+    x = 2.0 - math.sqrt(c * left) if left < c else 1.0 + math.sqrt((1.0 - left) * (1.0 - c))
+    return x * TURN
+
+
+# ---- what contradicts ----------------------------------------------------------------------------------------
+
+
+def stated_faults(machine: TwinScrew) -> Iterator[Fault]:
+    """Yield what is stated twice, and what nothing states."""
+    yield from _of_family(machine)
+    yield from _of_displacement(machine)
+    by_family = machine.profile is not None and machine.profile.family is not None and machine.volume.law == "profile"
+    if own(machine.rotor_diameter) is None and not (by_family and machine.displacement is not None):
+        what = "is missing (write rotor_diameter: … mm; outer diameter of the male rotor"
+        only = "; displacement states volume.max alone here)" if machine.displacement is not None else ")"
+        yield Fault("machine.rotor_diameter", what + only)
+    if own(machine.rotor_length) is None and not by_family:
+        yield Fault("machine.rotor_length", "is missing (write rotor_length: … mm; length of the rotors)")
+    if _opened_by_ratio(machine):
+        yield from _of_ratio(machine)
+
+
+def _of_family(machine: TwinScrew) -> Iterator[Fault]:
+    profile = machine.profile
+    if profile is None or profile.family is None:
+        return
+    family, beside = FAMILIES[profile.family], "is given beside machine.profile.family"
+    for name in LENGTHS:
+        if own(getattr(profile, name)) is not None:
+            what = f"{beside}, whose rotors follow from rotor_diameter"
+            yield Fault(f"machine.profile.{name}", f"{what} (remove one of the two, null in place of a base's)")
+    if own(profile.kind) not in (None, family.kind):
+        yield Fault("machine.profile.kind", f"{beside}: {profile.family}, which is {family.kind} (remove it)")
+    for name in ("male_lobes", "female_lobes"):
+        value, known = own(getattr(machine, name)), getattr(family, name)
+        if value not in (None, known):
+            yield Fault(f"machine.{name}", f"{beside}: {profile.family}, which has {known} (remove it)")
+
+
+def _of_displacement(machine: TwinScrew) -> Iterator[Fault]:
+    if machine.displacement is None:
+        return
+    path, remedy = "machine.displacement", "remove one of the two, null in place of a base's"
+    if machine.volume.law != "profile":
+        if own(machine.volume.max) is not None:
+            yield Fault("machine.volume.max", f"is given beside {path}, which states it, too ({remedy})")
+    elif machine.profile is None or machine.profile.family is None:
+        what = "needs machine.profile.family: the profile here states the size of its rotors by lengths"
+        yield Fault(path, f"{what} (write family: b, or remove it)")
+    elif own(machine.rotor_diameter) is not None:
+        yield Fault("machine.rotor_diameter", f"is given beside {path}, which states it, too ({remedy})")
+
+
+def _of_ratio(machine: TwinScrew) -> Iterator[Fault]:
+    port = machine.discharge_port
+    if machine.volume.law == "table" or (port is not None and port.law == "table"):
+        part = "volume" if machine.volume.law == "table" else "discharge_port"
+        what = f"cannot be kept: machine.{part} is a table, and no angle of its own moves the port in its file"
+        yield Fault(PATH, f"{what} (remove it, or write law: profile or law: paper)")
+        return
+    if port is None:
+        yield Fault(PATH, "needs the section machine.discharge_port, which it opens (write it, or remove this)")
+        return
+    for name in ("opens", "phi_C"):
+        if own(getattr(port, name)) is not None:
+            what = f"is given beside {PATH}, from which it follows"
+            yield Fault(f"machine.discharge_port.{name}", f"{what} (remove one of the two, null in place of a base's)")
+    law, ratio = machine.volume, machine.built_in_volume_ratio or 0.0
+    sound = law.phi_A is not None and 0.0 < law.phi_A <= TURN and (law.max or machine.displacement is not None)
+    if sound and opening_angle(_sized(machine), ratio) > LIFE - LAST:
+        what = f"{ratio:.4g} leaves the port less than 10 deg before the end of discharge"
+        yield Fault(PATH, f"{what} (choose a smaller ratio)")

@@ -1,0 +1,142 @@
+"""Figures drawn into axes of one's own: of a result with its cycle, or of a sweep's file.
+
+    figure, (left, right) = matplotlib.pyplot.subplots(1, 2)
+    screwsim.plot.pressure_volume(result, ax=left)
+    screwsim.plot.curves("sweep.h5", "isentropic_efficiency", ax=right)
+
+Each returns the axes; without `ax` it draws into those of a new figure of pyplot. Whole figures as the command
+`screwsim plot` writes them: `screwsim.plot.write`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+from screwsim.faults import UsageError
+from screwsim.outputs import Result
+from screwsim.report import cycle, families, maps, sweeps
+from screwsim.report import plot as write
+from screwsim.report.quantities import shown_axis, shown_figure
+from screwsim.report.trace import Trace, chosen_trace, trace_of
+from screwsim.results import Results, open_results
+from screwsim.study.figures import figure_named
+
+__all__ = ["contours", "curves", "mass_flows", "pressure", "pressure_volume", "pv", "temperatures", "write"]
+
+CycleLike = Result | Results | str | os.PathLike[str]
+
+
+def pressure_volume(result: CycleLike, ax: Any = None) -> Any:
+    """Draw the loop of pressure over volume, lines' pressures and marks with it; return the axes."""
+    return _drawn(cycle.draw_loop, result, ax)
+
+
+pv = pressure_volume
+
+
+def pressure(result: CycleLike, ax: Any = None) -> Any:
+    """Draw the chamber's pressure over the angle; return the axes."""
+    return _drawn(cycle.draw_pressure, result, ax)
+
+
+def temperatures(result: CycleLike, ax: Any = None) -> Any:
+    """Draw the temperatures of gas and oil over the angle; return the axes."""
+    return _drawn(cycle.draw_temperatures, result, ax)
+
+
+def mass_flows(result: CycleLike, ax: Any = None) -> Any:
+    """Draw the mass flow of every path over the angle, both sides of a gap together; return the axes."""
+    return _drawn(cycle.draw_flows, result, ax)
+
+
+def curves(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
+    """Draw a figure over an axis of a sweep, a curve a value of another; return the axes.
+
+    Without a figure that is the efficiency. Axes beyond two stand at their first value, which the title says.
+    """
+    found = _results(results)
+    layout = families.layout_of(found)
+    if layout is None:
+        raise UsageError(f"{found.path}: has no axis of numbers to draw over (sweep a path)")
+    name = _figure(found, figure)
+    _, constant, chosen = next(families.slices(found, layout))
+    drawn = families.family(found, layout, chosen, None, name)
+    if not drawn:
+        raise UsageError(f"{found.path}: has no curve of {name} (fewer than two cases have a value)")
+    axes = _axes(ax)
+    sweeps.draw_curves(axes, drawn, optima="efficiency" in name)
+    label = shown_axis(found.axis_list[layout.x]).label
+    sweeps.label_axes(axes, label, shown_figure(found, name).label, [curve.x for curve in drawn])
+    if layout.curves is not None:
+        own = [line for line in axes.get_lines() if line.get_linestyle() != "None"][: len(drawn)]
+        heading = families.curves_heading(found, layout)
+        axes.legend(own, [curve.text for curve in drawn], title=heading[0] or heading[1].partition(": ")[2])
+    if constant:
+        axes.set_title(constant)
+    return axes
+
+
+def contours(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
+    """Draw a figure as filled contours over two axes of a sweep, with a scale beside; return the axes."""
+    found = _results(results)
+    layout = families.layout_of(found, by_fluid=False)
+    if layout is None or layout.curves is None:
+        raise UsageError(f"{found.path}: has no two axes of numbers (sweep two paths)")
+    name = _figure(found, figure)
+    _, constant, chosen = next(families.slices(found, layout))
+    axes = _axes(ax)
+    maps.draw_contours(axes, found, layout, chosen, name)
+    if constant:
+        axes.set_title(constant)
+    return axes
+
+
+def _drawn(draw: Callable[[Any, Trace], None], result: CycleLike, ax: Any) -> Any:
+    trace = _trace(result)
+    axes = _axes(ax)
+    draw(axes, trace)
+    return axes
+
+
+def _axes(ax: Any) -> Any:
+    if ax is None:
+        from matplotlib import pyplot
+
+        return pyplot.subplots()[1]
+    if not hasattr(ax, "plot"):
+        raise UsageError(f"ax is {type(ax).__name__} (pass axes of matplotlib, e.g. those of pyplot.subplots())")
+    return ax
+
+
+def _trace(result: CycleLike) -> Trace:
+    """Return the cycle of a result, or of a file's best case."""
+    if isinstance(result, Result):
+        if "angle" not in result.cycle:
+            why = f"the case {result.told}" if result.status == "failed" else "simulate(scene, trace=True) keeps it"
+            raise UsageError(f"the result has no cycle to draw ({why})")
+        return trace_of(result)
+    found = _results(result)
+    trace = chosen_trace(found)
+    if trace is None:
+        raise UsageError(f"{found.path}: keeps no cycle (screwsim run does; a sweep with output.keep: cycle)")
+    return trace
+
+
+def _results(given: Any) -> Results:
+    if isinstance(given, Results):
+        return given
+    if isinstance(given, str | os.PathLike):
+        return open_results(os.fspath(given))
+    raise UsageError(f"{type(given).__name__} cannot be drawn (pass a Result, or the path of a file of results)")
+
+
+def _figure(results: Results, figure: str | None) -> str:
+    """Return the figure that is meant; the efficiency where none is."""
+    if figure is not None:
+        return figure_named(figure, results.figures, results.error)
+    name = families.efficiency_name(results)
+    if name is None:
+        raise UsageError(f"{results.path}: has no efficiency (pass one of {', '.join(results.figures)})")
+    return name

@@ -1,0 +1,186 @@
+"""What `screwsim find` prints and writes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from screwsim.engineering import engineering, shown_name
+from screwsim.figures import declared
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.scene import Scene, axis_label, leaf_of
+from screwsim.screen import say
+from screwsim.study.columns import Column, write_columns
+from screwsim.study.inputs import in_customary, shown_value
+from screwsim.study.seek import DIGITS, Found, Question
+
+BESIDE = ("cooling_capacity", "shaft_power", "cop", "isentropic_efficiency", "volumetric_efficiency")
+BESIDE += ("discharge_temperature", "gas_mass_flow")  # of one answer, shown beside the figures that were sought
+
+
+def find_document(scene: Scene, asked: Question, rows: Sequence[Found]) -> dict[str, Any]:
+    """Return what `find --json` prints: the question, a row a point of the other axes, counts; SI units."""
+    return {
+        "title": scene.title,
+        "vary": {span.path: {"from": span.low, "to": span.high, "start": span.start} for span in asked.spans},
+        "goals": {goal.figure: goal.value for goal in asked.goals},
+        "catalogue": list(asked.sizes) or None,
+        "rows": [_row_document(row) for row in rows],
+        "solutions": sum(row.solutions for row in rows),
+        "failed_solutions": sum(row.failed for row in rows),
+    }
+
+
+def _row_document(row: Found) -> dict[str, Any]:
+    size = row.size
+    performance = {} if row.result is None else dict(row.result.performance)
+    return {
+        "at": dict(row.at),
+        "status": row.status,
+        "message": row.message,
+        "values": dict(row.values),
+        "uncertainties": dict(row.uncertainties),
+        "figures": dict(row.figures),
+        "errors": dict(row.errors),
+        "borders": dict(row.borders),
+        "size": None if size is None else {"value": size.value, "figure": size.figure},
+        "performance": performance,
+        "warnings": [] if row.result is None else list(row.result.warnings),
+        "solutions": row.solutions,
+        "failed_solutions": row.failed,
+    }
+
+
+def print_find(scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
+    """Print the values of each point of the other axes, what they give, and what is to be said of them."""
+    if scene.title:
+        say(wrapped(scene.title))
+    for span in asked.spans:
+        low, high = (shown_value(scene, span.path, end) for end in (span.low, span.high))
+        say(wrapped(f"{span.path}, {low} … {high}"))
+    wanted = (f"{shown_name(goal.figure)} {_text(goal.figure, goal.value)}" for goal in asked.goals)
+    say(wrapped(f"for {' and '.join(wanted)}"))
+    say()
+    if len(rows) == 1:
+        _print_one(scene, asked, rows[0])
+        return
+    paths = list(rows[0].at)
+    heads = [*(path.rpartition(".")[2].replace("_", " ") for path in paths)]
+    heads += [*(span.path.rpartition(".")[2] for span in asked.spans), "±"] if len(asked.spans) == 1 else []
+    heads += [] if len(asked.spans) == 1 else [span.path.rpartition(".")[2] for span in asked.spans]
+    heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "solutions"]
+    say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
+    for line in (line for row in rows for line in _notes(scene, paths, row)):
+        say(wrapped(line))
+
+
+def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Found) -> list[str]:
+    cells = [shown_value(scene, path, row.at[path]) for path in paths]
+    ok = row.status == "ok"
+    for span in asked.spans:
+        shown = shown_value(scene, span.path, row.values[span.path], 5) if row.values else ""
+        mark = {"lower border": " <", "upper border": " >"}.get(row.borders.get(span.path, ""), "")
+        cells.append((shown + mark) if ok else row.status)
+        if len(asked.spans) == 1:
+            cells.append(_width(scene, span.path, row.uncertainties.get(span.path)) if ok else "")
+    if asked.sizes:
+        cells.append("" if row.size is None else shown_value(scene, asked.spans[0].path, row.size.value))
+    for goal in asked.goals:
+        value = row.size.figure if row.size else row.figures.get(goal.figure)
+        cells.append("" if value is None else _text(goal.figure, value))
+    return [*cells, str(row.solutions)]
+
+
+def _notes(scene: Scene, paths: Sequence[str], row: Found) -> Iterator[str]:
+    where = ", ".join(shown_value(scene, path, row.at[path]) for path in paths)
+    if row.message:
+        yield f"{where}: {row.message}" if where else row.message
+
+
+def _print_one(scene: Scene, asked: Question, row: Found) -> None:
+    """Print one answer with figures beside those that were sought."""
+    if row.status == "ok":
+        for span in asked.spans:
+            say(f"{span.path} = {_value(scene, span.path, row)}")
+        if row.size is not None:
+            _print_size(scene, asked, row)
+        say()
+        for name, text in _figures(asked, row):
+            say(f"  {name:<24}{text}")
+        say()
+    for line in _notes(scene, (), row):
+        say(wrapped(line))
+    if row.status == "ok" and row.result is not None:
+        for warning in row.result.warnings:
+            say(wrapped(f"warning: {warning}"))
+    failed = f", {row.failed} of them without the figures" if row.failed else ""
+    say(f"{row.solutions} solutions{failed}")
+
+
+def _print_size(scene: Scene, asked: Question, row: Found) -> None:
+    assert row.size is not None
+    path, goal = asked.spans[0].path, asked.goals[0]
+    over = f"{100.0 * (row.size.figure / goal.value - 1.0):+.1f} %" if declared(goal.figure).units != "K" else ""
+    gives = f"{shown_name(goal.figure)} {_text(goal.figure, row.size.figure)}"
+    say(wrapped(f"next size of the catalogue: {shown_value(scene, path, row.size.value)}, {gives} {over}".rstrip()))
+
+
+def _value(scene: Scene, path: str, row: Found) -> str:
+    text, width = shown_value(scene, path, row.values[path], DIGITS), row.uncertainties.get(path)
+    if row.size is not None and not row.uncertainties:  # every size is beyond the goal
+        return f"{text} ({row.borders.get(path, 'nearest')}: the goal lies below every size)"
+    return f"{text} ± {_width(scene, path, width)}" if width is not None else text
+
+
+def _width(scene: Scene, path: str, width: float | None) -> str:
+    """Return a difference of a path's values in its customary unit."""
+    if width is None:
+        return ""
+    zero, unit = in_customary(scene, path, 0.0)
+    number, _ = in_customary(scene, path, width)
+    return f"{number - zero:.1g}" + (f" {unit}" if unit else "")
+
+
+def _figures(asked: Question, row: Found) -> Iterator[tuple[str, str]]:
+    """Yield the figures sought with their errors, then some of the others; of a size those that it gives."""
+    performance = {} if row.result is None else row.result.performance
+    sought = [goal.figure for goal in asked.goals]
+    for name in sought:
+        value = row.size.figure if row.size else row.figures[name]
+        error = row.errors[name] / abs(row.figures[name]) if row.figures[name] else 0.0
+        yield shown_name(name), f"{_text(name, value)}, error {error:.0e}"
+    for name in BESIDE:
+        if name not in sought and performance.get(name) is not None:
+            yield shown_name(name), _text(name, performance[name])
+
+
+def _text(name: str, value: float) -> str:
+    return " ".join(engineering(name, value)).strip()
+
+
+def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
+    """Write a row a point of the other axes: CSV or HDF5, SI units."""
+    columns = {}
+    for axis in rows[0].at:
+        columns[axis] = Column([row.at[axis] for row in rows], axis_label(axis, scene)[1] or "1", leaf_of(scene, axis).doc)
+    for span in asked.spans:
+        units, doc = axis_label(span.path, scene)[1], leaf_of(scene, span.path).doc
+        columns[span.path] = Column([row.values.get(span.path) for row in rows], units, f"found {doc}")
+        wide = [row.uncertainties.get(span.path) for row in rows]
+        columns[f"{span.path}_uncertainty"] = Column(wide, units, "what the figures' numerical errors make of it")
+    for goal in asked.goals:
+        about = declared(goal.figure)
+        columns[goal.figure] = Column([row.figures.get(goal.figure) for row in rows], about.units, about.long_name)
+        errors = [row.errors.get(goal.figure) for row in rows]
+        columns[f"{goal.figure}_error"] = Column(errors, about.units, "its estimated numerical error, absolute")
+    if asked.sizes:
+        values = [None if row.size is None else row.size.value for row in rows]
+        columns["size"] = Column(values, axis_label(asked.spans[0].path, scene)[1], "next size of the catalogue")
+        gives = [None if row.size is None else row.size.figure for row in rows]
+        columns["size_figure"] = Column(gives, declared(asked.goals[0].figure).units, "what that size gives")
+    columns["solutions"] = Column([row.solutions for row in rows], "1", "number of solutions")
+    columns["failed_solutions"] = Column([row.failed for row in rows], "1", "number of those without the figures")
+    columns["status"] = Column([row.status for row in rows], "", "ok, none (in the ranges), or failed")
+    columns["message"] = Column([row.message for row in rows], "", "how near the search came, why solutions failed")
+    write_columns(path, "goal seek", columns)

@@ -1,0 +1,181 @@
+"""What `screwsim optimize` prints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from screwsim.engineering import engineering, shown_name
+from screwsim.figures import declared
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.screen import say
+from screwsim.study.inputs import in_customary, shown_value
+from screwsim.study.optimize import Optimum, Question, Reach
+from screwsim.study.seek import DIGITS
+
+SHOWN = 12  # rows of a front that are printed; all are in the file
+REASONS = 3  # of failed evaluations
+BESIDE = ("cooling_capacity", "shaft_power", "cop", "discharge_temperature")  # of operating points, beside the aims
+
+
+def optimize_document(found: Optimum) -> dict[str, Any]:
+    """Return what `optimize --json` prints: the question, the best or the front, counts; SI units."""
+    asked = found.asked
+    names = [aim.figure for aim in asked.aims]
+    return {
+        "title": asked.scene.title,
+        "status": found.status,
+        "message": found.message,
+        "vary": {span.path: [span.low, span.high] for span in asked.spans},
+        "maximize": [aim.figure for aim in asked.aims if not aim.minimum],
+        "minimize": [aim.figure for aim in asked.aims if aim.minimum],
+        "subject_to": [bound._asdict() for bound in asked.bounds],
+        "over": None if asked.points.single else asked.points.name,
+        "operating_points": [] if asked.points.single else [_point(asked, i) for i in range(len(asked.points.points))],
+        "mapping": list(asked.points.told),
+        "front": [
+            {
+                "evaluation": int(row),
+                "values": found.values_at(row),
+                "aims": dict(zip(names, found.aims[row].tolist(), strict=True)),
+                "errors": dict(zip(names, found.errors[row].tolist(), strict=True)),
+                "excess": found.excess[row].tolist(),
+            }
+            for row in found.front
+        ],
+        "as_good": {path: reach.__dict__ for path, reach in found.reach.items()},
+        "other_optima": [list(each) for each in found.others],
+        "best_points": [
+            {"name": each.point.name, "values": each.values, "performance": dict(each.result.performance)}
+            for each in found.points
+        ],
+        "evaluations": len(found.places),
+        "failed_evaluations": found.failed,
+        "outside_bounds": found.outside,
+        "reasons": dict(found.reasons),
+        "reused": found.reused,
+        "seed": asked.seed,
+    }
+
+
+def _point(asked: Question, number: int) -> dict[str, Any]:
+    point = asked.points.points[number]
+    return {"name": point.name, "weight": point.weight, "load": point.load, "values": dict(point.values)}
+
+
+def print_optimize(found: Optimum) -> None:
+    """Print the question, the best or the front, what is to be said of it, and the counts."""
+    asked = found.asked
+    if asked.scene.title:
+        say(wrapped(asked.scene.title))
+    senses = (f"{'lowest' if aim.minimum else 'highest'} {shown_name(aim.figure)}" for aim in asked.aims)
+    over = "" if asked.points.single else f" over {asked.points.name}"
+    say(wrapped(f"{' and '.join(senses)}{over}, varying {', '.join(_range(asked, i) for i in range(len(asked.spans)))}"))
+    for bound in asked.bounds:
+        say(wrapped(f"subject to {shown_name(bound.figure)} {bound.sign} {_text(bound.figure, bound.value)}"))
+    for line in asked.points.told:
+        say(wrapped(line))
+    say()
+    if found.status != "ok":
+        say(wrapped(found.message))
+    elif len(asked.aims) == 1:
+        _print_best(found)
+    else:
+        _print_front(found)
+    say()
+    for line in _counts(found):
+        say(wrapped(line))
+
+
+def _range(asked: Question, number: int) -> str:
+    span = asked.spans[number]
+    low, high = (shown_value(asked.scene, span.path, end) for end in (span.low, span.high))
+    return f"{span.path} {low} … {high}"
+
+
+def _print_best(found: Optimum) -> None:
+    """Print the best values with how far others are as good, the aim with its error, and the operating points."""
+    asked, row, aim = found.asked, int(found.front[0]), found.asked.aims[0]
+    rows = []
+    for path, value in found.values.items():
+        reach = found.reach[path]
+        mark = {"lower border": " <", "upper border": " >"}.get(reach.border, "")
+        rows.append([path, shown_value(asked.scene, path, value, DIGITS) + mark, _reach(found, path, reach)])
+    say("\n".join(plain_table(["", "best", "as good"], rows, 1)))
+    value, error = found.aims[row, 0], found.errors[row, 0]
+    say()
+    say(f"{shown_name(aim.figure)} {_text(aim.figure, value)}, error {error / abs(value) if value else 0.0:.0e}")
+    if not asked.points.single:
+        say()
+        say("\n".join(_points(found)))
+    for path, reach in found.reach.items():
+        if reach.border:
+            say(wrapped(f"{path} lies at the {reach.border} of its range, a better one may lie beyond: widen it"))
+    for place, height in found.others:
+        where = shown_value(asked.scene, asked.spans[0].path, place, 4)
+        say(wrapped(f"another local optimum at {where}: {_text(aim.figure, height)}"))
+
+
+def _reach(found: Optimum, path: str, reach: Reach) -> str:
+    low, high = (in_customary(found.asked.scene, path, end)[0] for end in (reach.low, reach.high))
+    return f"{low:.5g} … {high:.5g}"
+
+
+def _points(found: Optimum) -> Iterator[str]:
+    """Yield the lines of a table of the operating points at the best."""
+    asked, points = found.asked, found.asked.points
+    sought = [aim.figure for aim in asked.aims]
+    names = [name for name in dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *BESIDE))]
+    there = [name for name in names if all(each.result.performance.get(name) is not None for each in found.points)]
+    weight = "energy share" if points.energy else "weight"
+    paths = list(dict.fromkeys(path for each in found.points for path in each.values))
+    heads = ["point", weight, *(path.rpartition(".")[2].replace("_", " ") for path in paths)]
+    rows = []
+    total = sum(point.weight for point in points.points)
+    for each in found.points:
+        cells = [each.point.name, f"{each.point.weight / total:.3g}"]
+        cells += [shown_value(asked.scene, path, each.values[path]) if path in each.values else "" for path in paths]
+        rows.append([*cells, *(_text(name, each.result.performance[name], short=True) for name in there)])
+    yield from plain_table([*heads, *(shown_name(name) for name in there)], rows, 1)
+
+
+def _print_front(found: Optimum) -> None:
+    """Print some rows of the front, evenly picked, the first and the last included."""
+    asked, front = found.asked, found.front
+    picked = np.unique(np.round(np.linspace(0, len(front) - 1, min(SHOWN, len(front)))).astype(int))
+    heads = [*(shown_name(aim.figure) for aim in asked.aims), "error"]
+    heads += [*(span.path.rpartition(".")[2].replace("_", " ") for span in asked.spans), "evaluation"]
+    say("\n".join(plain_table(heads, [_front_cells(found, int(front[i])) for i in picked])))
+    some = f"{len(picked)} of the {len(front)}" if len(picked) < len(front) else f"the {len(front)}"
+    say(wrapped(f"{some} evaluations that no other betters in all aims; error: the larger of the aims, relative"))
+
+
+def _front_cells(found: Optimum, row: int) -> list[str]:
+    asked = found.asked
+    aims, errors = found.aims[row], found.errors[row]
+    largest = max(error / abs(aim) for aim, error in zip(aims, errors, strict=True) if aim)
+    values = found.values_at(row)
+    cells = [_text(aim.figure, value) for aim, value in zip(asked.aims, aims, strict=True)]
+    return [*cells, f"{largest:.0e}", *(shown_value(asked.scene, path, values[path], 4) for path in values), str(row)]
+
+
+def _counts(found: Optimum) -> Iterator[str]:
+    words = [f"{len(found.places)} evaluations"]
+    words += [f"{found.reused} of them of an earlier run"] if found.reused else []
+    words += [f"{found.outside} outside the bounds"] if found.outside else []
+    words += [f"{found.failed} failed"] if found.failed else []
+    yield ", ".join(words) + f", seed {found.asked.seed}"
+    shown: Sequence[tuple[str, int]] = list(found.reasons.items())[:REASONS]
+    yield from (f"{count}: {reason}" for reason, count in shown)
+    rest = sum(found.reasons.values()) - sum(count for _, count in shown)
+    if rest:
+        yield f"{rest}: other reasons"
+
+
+def _text(name: str, value: float, short: bool = False) -> str:
+    number, unit = engineering(name, value)
+    if short and declared(name).units == "K":
+        return unit.partition("(")[2].rstrip(")")  # degrees Celsius alone
+    return f"{number} {unit}".strip()

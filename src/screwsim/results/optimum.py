@@ -1,0 +1,50 @@
+"""What an optimisation found, in the results of all its cases: aims over the evaluations, and which are best."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from screwsim.outputs import Variable
+from screwsim.results.netcdf import Layout, number_attributes, set_attributes
+
+EVALUATION, POINT = "evaluation", "point"  # the dimensions
+AIM, ERROR, EXCESS = "aim_", "error_", "excess_"  # beginnings of names
+
+
+@dataclass(frozen=True)
+class Evaluated:
+    """Columns over the evaluations: aims, their errors and the excess over bounds by figure; and the question as text."""
+
+    aims: Mapping[str, np.ndarray]
+    errors: Mapping[str, np.ndarray]
+    excess: Mapping[str, np.ndarray]
+    feasible: np.ndarray
+    front: np.ndarray  # 1: no other is better in all aims
+    units: Mapping[str, str]
+    minimum: Sequence[str]  # aims that were to be lowest
+    question: str  # JSON
+
+
+def write_optimum(layout: Layout, found: Evaluated) -> None:
+    """Write the group `optimum`."""
+    group, count = layout.group("optimum"), len(found.feasible)
+    about = {"units": "1", "long_name": "number of the evaluation, from 0", "path": EVALUATION}
+    layout.coordinate(group, EVALUATION, np.arange(count, dtype=np.int32), about)
+    set_attributes(group, {"question": found.question})
+    for name, values in found.aims.items():
+        sense = "lowest" if name in found.minimum else "highest"
+        told = Variable(found.units[name], f"{name.replace('_', ' ')} over the operating points, to be {sense}")
+        layout.variable(group, AIM + name, values, (EVALUATION,), number_attributes(told) | {"sense": sense})
+        told = Variable(found.units[name], f"estimated numerical error of {name.replace('_', ' ')}, absolute")
+        layout.variable(group, ERROR + name, found.errors[name], (EVALUATION,), number_attributes(told))
+    for name, values in found.excess.items():
+        told = Variable(found.units[name], f"by how much {name} breaks its bound; negative within")
+        layout.variable(group, EXCESS + name, values, (EVALUATION,), number_attributes(told))
+    for name, values, says in (
+        ("feasible", found.feasible, "1: it has results, and is within all bounds"),
+        ("front", found.front, "1: feasible, and no other is better in all aims"),
+    ):
+        layout.variable(group, name, values.astype(np.int8), (EVALUATION,), {"units": "1", "long_name": says})

@@ -1,0 +1,81 @@
+"""A scene as a program is given it: a path, a dict, YAML text, or a scene; and the same scene with other values."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from screwsim.faults import UsageError
+from screwsim.scene.load import load, loads
+from screwsim.scene.types import Scene
+from screwsim.scene.write import scene_text
+
+_TAKES = "a path, a dict as in the file, YAML text, or a Scene of screwsim.load"
+
+
+def scene_of(given: Any) -> Scene:
+    """Return the scene that is meant by a path, a dict, a YAML text or a scene itself.
+
+    A text is YAML where it has more than one line, or a colon or brace and names no file. Files that a dict or a text
+    names are found from where the program runs. Raise `SceneError` with all faults, `UsageError` for anything else.
+    """
+    if isinstance(given, Scene):
+        return given
+    if isinstance(given, Mapping):
+        return loads(yaml_text(given), "<dict>")
+    if isinstance(given, str) and _is_text(given):
+        return loads(given)
+    if isinstance(given, str | os.PathLike):
+        return load(given)
+    raise UsageError(f"{type(given).__name__} is no scene (pass {_TAKES})")
+
+
+def _is_text(given: str) -> bool:
+    if "\n" in given:
+        return True
+    return (": " in given or given.lstrip().startswith("{")) and not os.path.exists(given)
+
+
+def yaml_text(given: Mapping[str, Any]) -> str:
+    """Return a dict as YAML, a key a line, so that faults tell where; raise UsageError of what no file could hold."""
+    lines: list[str] = []
+    _write(given, "", "", lines)
+    return "\n".join(lines) + "\n"
+
+
+def _write(given: Mapping[str, Any], indent: str, path: str, lines: list[str]) -> None:
+    for name, value in given.items():
+        below = f"{path}.{name}" if path else str(name)
+        if isinstance(value, Mapping) and value:
+            lines.append(f"{indent}{json.dumps(str(name))}:")
+            _write(value, indent + "  ", below, lines)
+        else:
+            lines.append(f"{indent}{json.dumps(str(name))}: {flow(value, below)}")
+
+
+def flow(value: Any, path: str) -> str:
+    """Return a value as YAML in one line; raise UsageError where it is of a kind that no file can hold."""
+    try:
+        return json.dumps(value, default=_plain, ensure_ascii=False, allow_nan=False)
+    except (TypeError, ValueError):
+        what = f"{str(value)[:40]} ({type(value).__name__}) cannot be written into a scene"
+        raise UsageError(f"{path}: {what} (pass a number, a text such as '3000 rpm', a list or a dict)") from None
+
+
+def _plain(value: Any) -> Any:
+    """Return a number or array of numpy, a path, a tuple's like as JSON knows it; raise TypeError of anything else."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return os.fspath(value)
+
+
+def changed(scene: Scene, values: Mapping[str, Any], without: Iterable[str] = ()) -> Scene:
+    """Return the scene with other values at dotted paths, read and checked as `--set` does; and without some effects.
+
+    A text is read as in a file ('3000 rpm', 'off'), None takes a value out. Raise `SceneError` or `UsageError`.
+    """
+    texts = {path: value if isinstance(value, str) else flow(value, path) for path, value in values.items()}
+    overrides = [f"{path}={text}" for path, text in texts.items()]
+    return loads(scene.text or scene_text(scene), "<scene>", scene.folder, overrides, without, told="with_: ")

@@ -1,0 +1,82 @@
+"""Workers that stay for many small batches: a study whose next questions depend on the last answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, wait
+from typing import Any
+
+from screwsim.study.workers import TICK, Guard, LocalPool, stop, submit, worker_died
+
+
+class Crew:
+    """Call a function of a module for each payload of a batch on the same workers; of one job in this process.
+
+    A payload over which a worker dies is tried once more, alone; where that worker dies, too, its answer is `died` of it.
+    """
+
+    def __init__(self, jobs: int, died: Callable[[Any], Any], tick: Callable[[], None]) -> None:
+        self.jobs = jobs
+        self._died = died
+        self._tick = tick
+        self._executor: Executor | None = None
+
+    def __enter__(self) -> Crew:
+        """Return the crew, whose workers start with the first batch."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Let the workers go."""
+        self.leave()
+
+    def leave(self) -> None:
+        """Let the workers go, and what they keep in memory with them; the next batch starts others."""
+        if self._executor is not None:
+            stop(self._executor)
+            self._executor = None
+
+    def answers(self, task: Callable[[Any], Any], payloads: Sequence[Any]) -> list[Any]:
+        """Return the answers to payloads, in their order."""
+        if self.jobs <= 1:
+            return [self._here(task, payload) for payload in payloads]
+        found: dict[int, Any] = {}
+        self._executor = self._executor or LocalPool(self.jobs).executor(self.jobs)
+        lost = _drained(self._executor, task, dict(enumerate(payloads)), found, self._tick)
+        if lost:
+            self.leave()
+        for number in sorted(lost):
+            alone = LocalPool(1).executor(1)
+            try:
+                if _drained(alone, task, {number: payloads[number]}, found, self._tick):
+                    found[number] = self._died(payloads[number])
+            finally:
+                stop(alone)
+        return [found[number] for number in range(len(payloads))]
+
+    def _here(self, task: Callable[[Any], Any], payload: Any) -> Any:
+        self._tick()
+        return task(payload)
+
+
+def _drained(
+    executor: Executor,
+    task: Callable[[Any], Any],
+    payloads: dict[int, Any],
+    found: dict[int, Any],
+    tick: Callable[[], None],
+) -> set[int]:
+    """Put the answers to payloads into `found`; return the numbers of those that a worker's death took along."""
+    guard = Guard(executor)
+    running = {submit(executor, task, payload): number for number, payload in payloads.items()}
+    lost: set[int] = set()
+    while running:
+        done, _ = wait(running, TICK, FIRST_COMPLETED)
+        for future in done:
+            number = running.pop(future)
+            if worker_died(future):
+                lost.add(number)
+            else:
+                found[number] = future.result()
+        guard.look()
+        tick()
+    return lost

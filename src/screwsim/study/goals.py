@@ -1,0 +1,96 @@
+"""What is asked of figures, as a person writes it: 'cooling_capacity=500 kW', 'discharge_temperature<90 degC'."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from screwsim.faults import UsageError
+from screwsim.figures import declared
+from screwsim.scene import Scene
+from screwsim.scene.numerals import odd_number, told
+from screwsim.scene.units import NUMBER
+from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO
+from screwsim.study.figures import figure_of
+
+MORE_UNITS = {"W": {"MW": 1e6}, "m3 s-1": {"L/min": 1.0 / 60000.0}, "m3": {"L": 1e-3}}
+SIGNS = ("=", "<", ">")
+
+
+class Goal(NamedTuple):
+    """A figure and the value [SI] that it is to have."""
+
+    figure: str
+    value: float
+
+
+class Bound(NamedTuple):
+    """A figure that is to lie at most ('<') or at least ('>') at a value [SI]."""
+
+    figure: str
+    sign: str
+    value: float
+
+    def excess(self, figure: float) -> float:
+        """Return by how much a figure [SI] breaks the bound; negative within it."""
+        return figure - self.value if self.sign == "<" else self.value - figure
+
+
+def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
+    """Return the goals of texts FIGURE=VALUE; raise UsageError in one line."""
+    found = []
+    for text in texts:
+        figure, _, value = _parted(scene, text, "--for", "=", "cooling_capacity=500 kW")
+        found.append(Goal(figure, value))
+    _refuse_twice("--for", [goal.figure for goal in found])
+    if not found:
+        raise UsageError("nothing is sought (write --for FIGURE=VALUE, e.g. --for 'cooling_capacity=500 kW')")
+    return tuple(found)
+
+
+def read_bounds(scene: Scene, texts: Iterable[str]) -> tuple[Bound, ...]:
+    """Return the bounds of texts FIGURE<VALUE or FIGURE>VALUE; raise UsageError in one line."""
+    option, example = "--subject-to", "discharge_temperature<90 degC"
+    found = [Bound(*_parted(scene, text.replace("<=", "<").replace(">=", ">"), option, "<>", example)) for text in texts]
+    _refuse_twice(option, [f"{bound.figure}{bound.sign}" for bound in found])
+    return tuple(found)
+
+
+def _parted(scene: Scene, text: str, option: str, signs: str, example: str) -> tuple[str, str, float]:
+    """Return figure, sign and value [SI] of a text."""
+    match = re.fullmatch(rf"\s*([^=<>]+?)\s*([{signs}])\s*([^=<>]+?)\s*", text)
+    if match is None:
+        shape = " or ".join(f"FIGURE{sign}VALUE" for sign in signs)
+        raise UsageError(f"{option} {text}: is not {shape} (write e.g. {option} '{example}')")
+    figure = figure_of(scene, match[1], option)
+    return figure, match[2], read_figure(figure, match[3], f"{option} {text}")
+
+
+def read_figure(figure: str, text: str, where: str) -> float:
+    """Return the value of a figure as a person writes it ('500 kW', '85 %', '90 degC') in SI; raise UsageError."""
+    units = units_of(figure)
+    match = re.fullmatch(rf"({NUMBER})\s*(.*?)", text.strip())
+    if match is None:
+        odd = odd_number(text)
+        raise UsageError(f"{where}: {text!r} {told(odd, '')}" if odd else f"{where}: {text!r} is no number with a unit")
+    number, unit = float(match[1]), match[2].strip().replace("°C", CELSIUS).replace("³", "^3").replace("µ", "u")
+    if unit == CELSIUS and "K" in units:
+        return number + ZERO
+    if unit in units:
+        return number * units[unit]
+    offered = [each for each in (*units, *([CELSIUS] if "K" in units else [])) if each]
+    what = f"has no unit {unit!r}" if unit else f"{match[1]} has no unit"
+    raise UsageError(f"{where}: {figure} {what} (write one of {', '.join(offered) or 'a plain number'})")
+
+
+def units_of(figure: str) -> dict[str, float]:
+    """Return {unit: factor to SI} of the units in which a figure may be written."""
+    si = declared(figure).units
+    return {**UNITS.get(si, {si: 1.0}), **MORE_UNITS.get(si, {})}
+
+
+def _refuse_twice(option: str, names: list[str]) -> None:
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"{option} {name}: is given twice (remove one)")

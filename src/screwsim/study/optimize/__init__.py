@@ -1,0 +1,220 @@
+"""Optimisation: the values of paths at which figures are best, over operating points, within bounds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.results.atomic import make_folder
+from screwsim.scene import Scene, scene_text, with_values
+from screwsim.study.crew import Crew
+from screwsim.study.goals import Bound
+from screwsim.study.inputs import check_fit
+from screwsim.study.optimize.evaluate import Simulated, simulated
+from screwsim.study.optimize.points import Points
+from screwsim.study.optimize.question import Aim, Question, question
+from screwsim.study.optimize.record import Record
+from screwsim.study.optimize.solve import front_of, search
+from screwsim.study.optimize.store import kept, write
+from screwsim.study.optimum import Simulate, simulator
+from screwsim.study.progress import Progress, Silent
+from screwsim.study.search import Top
+from screwsim.study.seek import rounded
+from screwsim.study.spans import read_spans
+from screwsim.study.warm import Warm
+from screwsim.study.workers import cores
+
+__all__ = ["Aim", "Optimum", "Question", "Reach", "optimize", "question", "run", "spans_of"]
+
+BORDER = 2e-4  # of a range: at its end
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far a path [SI] may go with one aim as good within its error, by what was evaluated; `border` it lies at."""
+
+    low: float
+    high: float
+    border: str = ""
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """What was found, all in SI units; `status` none: no evaluation has results within the bounds.
+
+    Rows of `places` (0 … 1 between the bounds), `aims`, `errors` (of the aims, numerical, absolute) and `excess` (over
+    the bounds) are the evaluations; NaN where one failed. `front` are the rows that no other dominates, by the first aim;
+    with one aim that is the best alone, of which `values`, `reach`, `points` and `scene` are. `others` are further local
+    optima (value, aim) of one path.
+    """
+
+    asked: Question
+    status: str  # ok | none
+    places: np.ndarray
+    aims: np.ndarray
+    errors: np.ndarray
+    excess: np.ndarray
+    front: np.ndarray
+    failed: int
+    outside: int  # evaluations with results that break a bound
+    reasons: Mapping[str, int]
+    message: str = ""
+    reused: int = 0
+    reach: Mapping[str, Reach] = field(default_factory=dict)
+    others: tuple[tuple[float, float], ...] = ()
+    points: tuple[Simulated, ...] = ()
+    scene: Scene | None = None
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The values [SI] of the best, or of the first of the front."""
+        return self.values_at(int(self.front[0])) if len(self.front) else {}
+
+    def values_at(self, row: int) -> dict[str, float]:
+        """Return the values [SI] of an evaluation."""
+        return self.asked.values(self.places[row])
+
+    def scene_at(self, row: int) -> Scene:
+        """Return the scene of an evaluation."""
+        scene = self.asked.scene
+        changed = with_values(scene, rounded(scene, self.values_at(row)))
+        return replace(changed, text=scene_text(changed))
+
+
+def optimize(
+    scene: Scene,
+    vary: Iterable[str] | Mapping[str, tuple[float, float]],
+    maximize: Iterable[str] = (),
+    minimize: Iterable[str] = (),
+    *,
+    subject_to: Iterable[str] | Sequence[Bound] = (),
+    over: str | Points | None = None,
+    evaluations: int | None = None,
+    seed: int = 1,
+    output: str | Path | None = None,
+    jobs: int | None = None,
+    restart: bool = False,
+    simulate: Simulate | None = None,
+    progress: Progress | None = None,
+) -> Optimum:
+    """Return the best values of paths for one aim, or the front of several (a scene's sweep is left aside).
+
+        found = screwsim.optimize(scene, ["oil_supply.ratio=0.3..3", "operation.speed=1000 rpm..5000 rpm"],
+                                  maximize=["isentropic_efficiency", "cooling_capacity"])
+        found.values_at(found.front[0]), found.aims[found.front]
+
+    What is asked is as in `question`. With an `output` all evaluations are kept in HDF5, and those of an interrupted run
+    of the same question are not repeated (unless `restart`).
+    """
+    base = replace(scene, sweep={}, joints=(), text="")
+    base = replace(base, text=scene_text(base))
+    spans = vary if isinstance(vary, Mapping) else spans_of(scene, vary)
+    asked = question(base, spans, maximize, minimize, subject_to=subject_to, over=over, evaluations=evaluations, seed=seed)
+    return run(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=progress)
+
+
+def spans_of(scene: Scene, vary: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """Return the ranges [SI] of texts 'PATH=LOW..HIGH', or 'PATH' of an axis of the scene's sweep."""
+    listed = [vary] if isinstance(vary, str) else vary
+    return {span.path: (span.low, span.high) for span in read_spans(scene, listed, ranged=True)}
+
+
+def run(
+    asked: Question,
+    output: str | Path | None = None,
+    *,
+    jobs: int | None = None,
+    restart: bool = False,
+    simulate: Simulate | None = None,
+    progress: Progress | None = None,
+) -> Optimum:
+    """Return the answer to a question."""
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"--jobs {jobs}: is no number of workers (write 1 or more, or leave it out for all cores)")
+    begin = asked.values([span.first for span in asked.spans])
+    check_fit(with_values(asked.scene, asked.points.points[0].values), begin, ", ".join(begin))
+    if simulate is None:
+        simulator(with_values(asked.scene, begin))  # compiled before the fork
+    progress = progress or Silent()
+    target = None if output is None else Path(output)
+    if target is not None:
+        make_folder(target.parent)
+    with nullcontext() if target is None else kept(target, asked, restart) as parts:
+        try:
+            with Crew(jobs or cores(), lambda work: None, progress.tick) as crew:
+                record = Record(asked, crew, parts, simulate, progress)
+                top = search(record)
+        finally:
+            progress.stop()
+        found = _judged(record, top, simulate or Warm())
+        if target is not None:
+            write(target, record, _feasible(record), found.front)
+    return found
+
+
+def _feasible(record: Record) -> np.ndarray:
+    aims, _, excess = record.columns()
+    return np.isfinite(aims).all(axis=1) & (excess <= 0.0).all(axis=1)
+
+
+def _judged(record: Record, top: Top | None, simulate: Simulate) -> Optimum:
+    """Return what the evaluations tell."""
+    asked, (aims, errors, excess) = record.asked, record.columns()
+    feasible, solved = _feasible(record), np.isfinite(aims).all(axis=1)
+    signs = np.array([aim.sign for aim in asked.aims])
+    front = front_of(np.where(feasible[:, None], signs * aims, math.nan))
+    found = Optimum(
+        asked,
+        "ok" if len(front) else "none",
+        record.places,
+        aims,
+        errors,
+        excess,
+        front,
+        int(np.count_nonzero(~solved)),
+        int(np.count_nonzero(solved & ~feasible)),
+        dict(record.reasons.most_common()),
+        "" if len(front) else _why_none(record, solved, excess),
+        record.reused,
+    )
+    if len(asked.aims) > 1 or not len(front):
+        return found
+    best = int(front[0])
+    points = tuple(simulated(asked, rounded(asked.scene, found.values), simulate))
+    others = () if top is None else tuple((asked.spans[0].value(each.x), float(signs[0] * -each.y)) for each in top.others)
+    reach = {span.path: _reach(found, feasible, i, best, top) for i, span in enumerate(asked.spans)}
+    return replace(found, reach=reach, others=others, points=points, scene=found.scene_at(best))
+
+
+def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
+    """Return why no evaluation is feasible."""
+    if not solved.any():
+        reason, count = record.reasons.most_common(1)[0]
+        return f"all {len(record)} evaluations failed, {count} of them so: {reason}"
+    least = np.nanmin(excess[solved], axis=0)
+    bounds = zip(record.asked.bounds, least, strict=True)
+    worst = max(bounds, key=lambda pair: pair[1] / max(abs(pair[0].value), 1e-12))
+    from screwsim.study.seek.found import figure_text
+
+    bound, off = worst
+    came = figure_text(bound.figure, bound.value + (off if bound.sign == "<" else -off))
+    asked = f"{bound.figure}{bound.sign}{figure_text(bound.figure, bound.value)}"
+    return f"no evaluation is within the bounds: for {asked} the nearest is {came} (widen the ranges, or the bound)"
+
+
+def _reach(found: Optimum, feasible: np.ndarray, column: int, best: int, top: Top | None) -> Reach:
+    """Return how far a path may go, as good within the error of the best; of one path by the parabola of its top."""
+    span, place = found.asked.spans[column], float(found.places[best, column])
+    border = "lower border" if place < BORDER else "upper border" if place > 1.0 - BORDER else ""
+    if top is not None and not found.asked.bounds:
+        return Reach(span.value(top.low), span.value(top.high), border)
+    sign = found.asked.aims[0].sign
+    worse = sign * (found.aims[:, 0] - found.aims[best, 0])
+    good = found.places[feasible & (worse <= found.errors[best, 0]), column]
+    return Reach(span.value(float(good.min())), span.value(float(good.max())), border)

@@ -1,0 +1,171 @@
+"""One set of values: simulated at every operating point, weighted, held against the bounds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.errors import error_scale
+from screwsim.figures import declared
+from screwsim.outputs import STATUSES, Figures, Result
+from screwsim.results.table import Table, columns_of, names_of
+from screwsim.scene import Scene, value_at, with_values
+from screwsim.study.goals import Goal
+from screwsim.study.optimize.points import OperatingPoint, Points
+from screwsim.study.optimize.question import Question
+from screwsim.study.optimum import Simulate, closed
+from screwsim.study.seek import one
+from screwsim.study.seek.trials import Trials
+from screwsim.study.spans import Span
+
+LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
+LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control over the load, where a part load is sought
+UNCOMPUTED = "not simulated: another operating point has no result"
+COP = "cop"
+
+
+class Evaluation(NamedTuple):
+    """What a set of values gives: each aim and its error [SI], by how much each bound is broken; or why it failed."""
+
+    aims: tuple[float, ...]
+    errors: tuple[float, ...]
+    excess: tuple[float, ...]
+    failed: str = ""
+
+    @property
+    def feasible(self) -> bool:
+        return not self.failed and all(excess <= 0.0 for excess in self.excess)
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """An operating point with the values that its load needed, and its result."""
+
+    point: OperatingPoint
+    values: dict[str, Any]
+    result: Result
+
+
+def simulated(asked: Question, values: dict[str, float], simulate: Simulate) -> list[Simulated]:
+    """Return every operating point of a set of values; after one that fails the others are not simulated."""
+    machine, full = with_values(asked.scene, values), None
+    found: list[Simulated] = []
+    for point in asked.points.points:
+        scene, own = with_values(machine, point.values), dict(point.values)
+        if found and found[-1].result.status != "ok":
+            found.append(Simulated(point, own, Result("failed", message=UNCOMPUTED)))
+            continue
+        if point.load is None or full is None:
+            result = closed(scene, simulate)
+        else:
+            control, result = _at_load(scene, asked.points, point.load, full, simulate)
+            own |= control
+        if full is None and result.status == "ok" and point.load is not None:
+            full = result, value_at(scene, asked.points.by)
+            own |= {asked.points.by: full[1]}
+        found.append(Simulated(point, own, _whole(asked, result)))
+    return found
+
+
+def _whole(asked: Question, result: Result) -> Result:
+    """Return a result that has all figures asked for, else a failed one."""
+    lacks = result.lacks(asked.figures) if result.status == "ok" else []
+    return replace(result, status="failed", message="; ".join(lacks)) if lacks else result
+
+
+def _at_load(
+    scene: Scene, points: Points, load: float, full: tuple[Result, float], simulate: Simulate
+) -> tuple[dict[str, float], Result]:
+    """Return the control and the result at a part load of the full one's capacity."""
+    result, control = full
+    capacity = result.performance.cooling_capacity
+    low, high = sorted((LEAST_CONTROL * load * control, MOST_CONTROL * control))
+    start = load * control * result.performance.volumetric_cooling_capacity / _cooling(scene, result)
+    span = Span(points.by, low, high, min(max(start, low), high) if points.by == "operation.speed" else control)
+    goal = Goal("cooling_capacity", load * capacity)
+    trials = Trials(scene, (span,), (goal,), simulate, LOAD_TOLERANCE)
+    met = one.solve(trials)
+    if met is None or met.result is None:
+        why = trials.reasons[0] if trials.reasons else f"{points.by} does not bring it down so far"
+        return {}, Result("failed", message=f"the load of {load:.0%} is not reached: {why}")
+    return trials.values(met.places), met.result
+
+
+def _cooling(scene: Scene, full: Result) -> float:
+    """Return about the cooling per volume of suction gas [J/m³] at other temperatures, by that of the full load.
+
+    The refrigerating effect is the fluid's own; the density follows the suction pressure.
+    """
+    from screwsim.scene import lines, refrigerating_effect
+
+    then = full.performance
+    effect = then.cooling_capacity / then.gas_mass_flow
+    here, at = refrigerating_effect(scene) or effect, lines(scene)
+    density = at.p_s / at.T_s / (then.suction_pressure / then.suction_temperature)
+    return float(then.volumetric_cooling_capacity * here / effect * density)
+
+
+def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
+    """Return the evaluation of the results from a row of a table on, one an operating point."""
+    rows = range(row, row + len(asked.points.points))
+    bad = [each for each in rows if table.status[each] != STATUSES.index("ok")]
+    nothing = (math.nan,) * len(asked.aims)
+    if bad:
+        return Evaluation(nothing, nothing, (math.nan,) * len(asked.bounds), told(table, bad[0]))
+    found = {name: np.array([value_of(table, each, name) for each in rows]) for name in asked.figures}
+    wide = {name: np.array([error_of(asked.scene, table, each, name) for each in rows]) for name in asked.figures}
+    pairs = [mean(asked.points, aim.figure, found[aim.figure], wide[aim.figure]) for aim in asked.aims]
+    excess = tuple(
+        float(max(bound.excess(value) for value in found[bound.figure])) for bound in asked.bounds
+    )  # at the worst point
+    return Evaluation(tuple(value for value, _ in pairs), tuple(error for _, error in pairs), excess)
+
+
+def mean(points: Points, name: str, values: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
+    """Return a figure over the operating points, and its error; the COP of energy weights is cooling over work."""
+    weights = np.array([point.weight for point in points.points])
+    weights = weights / weights.sum()
+    if points.energy and name == COP:
+        total = 1.0 / float(weights @ (1.0 / values))
+        return total, float(weights @ (errors * (total / values) ** 2))
+    return float(weights @ values), float(weights @ errors)
+
+
+def told(table: Table, row: int) -> str:
+    """Return how a row of a table ended, in words."""
+    texts = table.texts["message"]
+    return f"{STATUSES[table.status[row]].replace('_', ' ')}: {texts.words[texts.number[row]]}"
+
+
+def value_of(table: Table, row: int, name: str, group: str = "performance") -> float:
+    """Return a figure of a row, NaN where it has none."""
+    place = columns_of(names_of(table.about)).get((group, name))
+    return math.nan if place is None else float(table.figures[row, place])
+
+
+def error_of(scene: Scene, table: Table, row: int, name: str) -> float:
+    """Return the estimated error of a figure in its own unit; by the wanted accuracy where nothing is estimated."""
+    scale = declared(name, Figures() if not table.about else _About(table)).scale
+    known = {each.name: value for each in table.about if not math.isnan(value := value_of(table, row, each.name))}
+    relative = value_of(table, row, name, "error")
+    relative = scene.numerics.accuracy if math.isnan(relative) else relative
+    return float(error_scale(name, scale, known) * relative)
+
+
+class _About:
+    """What is declared of the figures of a table, as `figures.declared` asks for it."""
+
+    def __init__(self, table: Table) -> None:
+        self.about = {each.name: each for each in table.about}
+
+
+def broken(asked: Question, evaluation: Evaluation) -> float:
+    """Return by how much bounds are broken together, over their sizes; 0 within all."""
+    sizes: Sequence[float] = [
+        10.0 if declared(bound.figure).units == "K" else max(abs(bound.value), 1e-12) for bound in asked.bounds
+    ]
+    return sum(max(excess, 0.0) / size for excess, size in zip(evaluation.excess, sizes, strict=True))

@@ -1,0 +1,200 @@
+"""Operating points over which figures are weighted: of a CSV file, or of a seasonal figure by its name."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from screwsim.faults import UsageError
+from screwsim.scene import Scene, leaf_of
+from screwsim.scene.operation import CONDENSING, EVAPORATING
+from screwsim.scene.units import NUMBER, ZERO_CELSIUS, Refused
+from screwsim.scene.values import convert
+from screwsim.sheets import BadSheet, Row, read_sheet
+from screwsim.study.inputs import check_continuous
+from screwsim.study.optimize.standards import WATER, Standard, standards
+from screwsim.textfiles import Unreadable
+
+LEAST_CONDENSING = 20.0  # [°C] below which a chiller's control holds the condenser: an assumption of ours
+LEAST_APPROACH = 1.0  # [K] between water or air and refrigerant at full load
+SPEED = "operation.speed"
+MOST = 100  # points of one file
+_EXAMPLE = "weight, operation.condensing_temperature [degC], load"
+
+
+@dataclass(frozen=True)
+class OperatingPoint:
+    """One point: values [SI] by scene path, its weight, and the load over the first point's, None where none is asked."""
+
+    name: str
+    values: Mapping[str, Any]
+    weight: float = 1.0
+    load: float | None = None
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points with how they are averaged: `energy` weights are shares of the cooling energy, so that the COP of all is
+    cooling over work; else the mean is that of the figures. Loads are reached by the path `by`."""
+
+    name: str
+    points: tuple[OperatingPoint, ...]
+    energy: bool = False
+    by: str = SPEED
+    told: tuple[str, ...] = ()  # how conditions of a chiller became the compressor's
+
+    @property
+    def single(self) -> bool:
+        return not self.name
+
+
+ONE = Points("", (OperatingPoint("", {}),))
+
+
+def read_points(scene: Scene, named: str | None) -> Points:
+    """Return the points of a standard or a CSV file by its name; one point, as the scene has it, without."""
+    if not named:
+        return ONE
+    standard = standards().get(named.upper().replace("-WATER", "-water"))
+    if standard is not None:
+        return points_of(scene, standard)
+    if not os.path.exists(named) and not named.lower().endswith(".csv"):
+        names = ", ".join(standards())
+        raise UsageError(f"--over {named}: is neither a file nor a seasonal figure (there are {names}; or a CSV file)")
+    return _from_file(scene, named)
+
+
+def points_of(scene: Scene, standard: Standard) -> Points:
+    """Return a standard's points as a compressor meets them.
+
+    The scene's own temperatures are those of the full load: what lies between them and the chilled water, or what comes to
+    the condenser, is taken to shrink with the load, as with surfaces of constant size; the condenser is held at
+    `LEAST_CONDENSING` at least. Superheat and subcooling stay.
+    """
+    T_e, T_c = scene.operation.evaporating_temperature, scene.operation.condensing_temperature
+    if T_e is None or T_c is None:
+        what = f"needs {EVAPORATING} and {CONDENSING} in the scene: its temperatures at full load"
+        raise UsageError(f"--over {standard.name}: {what} (write them in place of pressures)")
+    cold = WATER + ZERO_CELSIUS - T_e
+    warm = T_c - (standard.ratings[0].entering + ZERO_CELSIUS)
+    for what, size, path, remedy in (
+        (f"the evaporator below water of {WATER:g} °C", cold, EVAPORATING, "lower"),
+        (f"the condenser above {standard.ratings[0].entering:g} °C at full load", warm, CONDENSING, "raise"),
+    ):
+        if size < LEAST_APPROACH:
+            raise UsageError(f"--over {standard.name}: leaves {size:.3g} K for {what} ({remedy} {path})")
+    points = []
+    for name, rating in zip("ABCD", standard.ratings, strict=True):
+        condensing = max(rating.entering + warm * rating.load, LEAST_CONDENSING)
+        values = {
+            EVAPORATING: WATER - cold * rating.load + ZERO_CELSIUS,
+            CONDENSING: condensing + ZERO_CELSIUS,
+        }
+        points.append(OperatingPoint(name, values, rating.weight, rating.load))
+    return Points(standard.name, tuple(points), standard.energy, SPEED, tuple(_told(standard, cold, warm)))
+
+
+def _told(standard: Standard, cold: float, warm: float) -> Iterator[str]:
+    medium = "water" if standard.name.endswith("-water") else "air"
+    yield (
+        f"{standard.name} ({standard.source}) as the compressor meets it: water leaves at {WATER:g} °C, {cold:.3g} K above "
+        f"evaporation, and {medium} enters {warm:.3g} K below condensation at full load, both in proportion to the load; "
+        f"condensing at {LEAST_CONDENSING:g} °C at least; loads by {SPEED}; no fans, pumps, standby"
+    )
+
+
+def as_csv(points: Points) -> str:
+    """Return points as the text of a CSV file that reads back to them."""
+    paths = list(points.points[0].values)
+    lines = [f"# {line}" for line in points.told]
+    weight, load = "energy" if points.energy else "weight", "load" if points.by == SPEED else f"load by {points.by}"
+    lines.append(", ".join(["name", weight, load, *(f"{path} [degC]" for path in paths)]))
+    for each in points.points:
+        temperatures = (f"{round(value - ZERO_CELSIUS, 6):g}" for value in each.values.values())
+        lines.append(", ".join([each.name, f"{each.weight:.6g}", f"{each.load:g}", *temperatures]))
+    return "\n".join(lines) + "\n"
+
+
+@dataclass(frozen=True)
+class _Column:
+    kind: str  # name, weight, load, path
+    path: str = ""
+    unit: str = ""
+
+
+def _from_file(scene: Scene, name: str) -> Points:
+    """Return the points of a CSV file; raise UsageError with the line at fault."""
+    try:
+        sheet = read_sheet(name)
+    except Unreadable as reason:
+        raise UsageError(f"--over {name}: cannot be read: {reason} (name a CSV file in UTF-8)") from None
+    except BadSheet as fault:
+        raise UsageError(f"--over {name}: {fault}") from None
+    if not 1 <= len(sheet.rows) <= MOST:
+        raise UsageError(f"--over {name}: has {len(sheet.rows)} points (write 1 to {MOST}, a line each; {_EXAMPLE})")
+    columns = [_column(scene, text, f"--over {name} line {sheet.head.line}") for text in sheet.head.cells]
+    kinds = [column.kind for column in columns]
+    if "weight" in kinds and "energy" in kinds:
+        raise UsageError(f"--over {name}: has weight and energy (keep one: both weigh the points)")
+    points = tuple(_point(scene, row, columns, f"--over {name} line {row.line}") for row in sheet.rows)
+    if not sum(point.weight for point in points) > 0.0:
+        raise UsageError(f"--over {name}: all weights are zero (weigh at least one point)")
+    loads = [point.load for point in points if point.load is not None]
+    if loads and points[0].load != 1.0:
+        raise UsageError(f"--over {name}: its first point is not of load 1 (write the full load first)")
+    by = next((column.path for column in columns if column.kind == "load"), SPEED)
+    if loads:
+        check_continuous(scene, by)
+    return Points(os.path.basename(name), points, "energy" in kinds, by)
+
+
+def _column(scene: Scene, text: str, where: str) -> _Column:
+    match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", text)
+    assert match is not None
+    name, unit = match[1], (match[2] or "").strip()
+    load = re.fullmatch(r"load(?:\s+by\s+(\S+))?", name)
+    if load is not None:
+        return _Column("load", load[1] or SPEED)
+    if name in ("name", "weight", "energy"):
+        return _Column(name)
+    try:
+        leaf = leaf_of(scene, name)
+    except UsageError as error:
+        raise UsageError(f"{where}: {error} (columns are paths, name, weight or energy, load)") from None
+    if unit and leaf.dimension is None:
+        raise UsageError(f"{where}: {name} has no unit (remove the brackets)")
+    return _Column("path", name, unit)
+
+
+def _point(scene: Scene, row: Row, columns: Sequence[_Column], where: str) -> OperatingPoint:
+    values: dict[str, Any] = {}
+    found: dict[str, Any] = {"name": f"line {row.line}", "weight": 1.0, "load": None}
+    for text, column in zip(row.cells, columns, strict=True):
+        if column.kind == "path":
+            values[column.path] = _value(scene, text, column, where)
+        elif column.kind == "name":
+            found["name"] = text or found["name"]
+        elif text or column.kind != "load":
+            found[column.kind] = _share(text, column.kind, where)
+    return OperatingPoint(found["name"], values, found.get("energy", found["weight"]), found["load"])
+
+
+def _value(scene: Scene, text: str, column: _Column, where: str) -> Any:
+    leaf = leaf_of(scene, column.path)
+    number = leaf.dimension is None and re.fullmatch(NUMBER, text)
+    raw = (int(text) if leaf.kind == "count" and text.isdigit() else float(text)) if number else text
+    try:
+        return convert(leaf, f"{text} {column.unit}" if column.unit else raw, scene.folder)
+    except Refused as refusal:
+        raise UsageError(f"{where}: {column.path}: {refusal}") from None
+
+
+def _share(text: str, kind: str, where: str) -> float:
+    """Return a weight or a load, at least zero."""
+    if not re.fullmatch(NUMBER, text) or float(text) < 0.0 or (kind == "load" and not 0.0 < float(text) <= 2.0):
+        bounds = "above 0 and at most 2" if kind == "load" else "of at least 0"
+        raise UsageError(f"{where}: {kind} {text!r} is no number {bounds} (write e.g. 0.5)")
+    return float(text)

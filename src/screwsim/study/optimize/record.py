@@ -1,0 +1,168 @@
+"""All evaluations of an optimisation, in the order in which it asked for them; those of an earlier run are not repeated.
+
+What is asked for next depends on nothing but the answers so far, so that a run that is begun again asks for the same:
+the stored cases of an interrupted one are its first answers. A batch is cut into blocks whose cycles begin from each
+other; the cut depends on the batch alone, so that answers depend neither on the number of workers nor on interruptions.
+"""
+
+from __future__ import annotations
+
+import pickle
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.outputs import Result
+from screwsim.results.table import Table, join, table_of
+from screwsim.study.crew import Crew
+from screwsim.study.limit import CASE_LIMIT, Limit
+from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulated
+from screwsim.study.optimize.question import Question
+from screwsim.study.optimum import Simulate
+from screwsim.study.progress import Progress, Silent
+from screwsim.study.shards import Parts
+from screwsim.study.warm import Warm
+from screwsim.study.workers import DIED
+
+BLOCK = 4  # evaluations of a batch whose cycles begin from each other
+REASONS = 100  # kinds of reasons of failed evaluations that are kept
+OTHER = "another reason"
+
+
+class Spent(Exception):
+    """The evaluations are spent."""
+
+
+@dataclass
+class Record:
+    """Evaluations so far: places (n, paths), aims, errors, excess (n, …), and why some failed."""
+
+    asked: Question
+    crew: Crew
+    parts: Parts | None = None  # where the cases are kept
+    simulate: Simulate | None = None
+    progress: Progress = field(default_factory=Silent)
+    reasons: Counter[str] = field(default_factory=Counter)
+    reused: int = 0
+    _places: list[np.ndarray] = field(default_factory=list)
+    _rows: list[np.ndarray] = field(default_factory=list)
+    _kinds: dict[str, str] = field(default_factory=dict)  # kind of a reason -> its first example
+    _packed: bytes = b""
+    _kept: int = 0  # cases that an earlier run has kept, from the first on
+
+    def __post_init__(self) -> None:
+        limit = CASE_LIMIT * len(self.asked.points.points) if self.crew.jobs > 1 else None
+        self._packed = pickle.dumps((self.asked, self.simulate, limit))
+        if self.parts is not None:
+            for cases in self.parts.finished():
+                self._kept = cases.stop if cases.start == self._kept else self._kept
+        self.progress.start(self.asked.evaluations, 0)
+
+    def __len__(self) -> int:
+        return sum(map(len, self._places))
+
+    @property
+    def places(self) -> np.ndarray:
+        """Places of all evaluations, (n, paths)."""
+        return np.concatenate(self._places) if self._places else np.empty((0, len(self.asked.spans)))
+
+    def columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return aims, their errors and the excess over the bounds, (n, …); NaN where an evaluation failed."""
+        aims, bounds = len(self.asked.aims), len(self.asked.bounds)
+        rows = np.concatenate(self._rows) if self._rows else np.empty((0, 2 * aims + bounds))
+        return rows[:, :aims], rows[:, aims : 2 * aims], rows[:, 2 * aims :]
+
+    def evaluate(self, places: np.ndarray) -> list[Evaluation]:
+        """Return the evaluations of places (n, paths); raise `Spent` when there are not so many left, with those kept."""
+        wanted, left = np.clip(np.atleast_2d(np.asarray(places, float)), 0.0, 1.0), self.asked.evaluations - len(self)
+        places = wanted[:left]
+        if not len(places):
+            raise Spent
+        case = len(self) * len(self.asked.points.points)
+        table = self._of_earlier_run(case, len(places))
+        if table is None:
+            table = self._computed(places)
+            if self.parts is not None:
+                self.parts.write(case, table)
+        else:
+            self.reused += len(places)
+        size = len(self.asked.points.points)
+        found = [evaluation_of(self.asked, table, size * number) for number in range(len(places))]
+        self._keep(places, found)
+        if len(places) < len(wanted):
+            raise Spent
+        return found
+
+    def _keep(self, places: np.ndarray, found: Sequence[Evaluation]) -> None:
+        failed = [each.failed for each in found if each.failed]
+        for reason in failed:  # one example of those that differ by their numbers alone
+            kind = re.sub(r"[0-9][0-9.e+-]*", "#", reason)
+            example = self._kinds.setdefault(kind, reason) if len(self._kinds) < REASONS else self._kinds.get(kind, OTHER)
+            self.reasons[example] += 1
+        self._places.append(places)
+        self._rows.append(np.array([(*each.aims, *each.errors, *each.excess) for each in found], float))
+        self.progress.advance(len(found), len(failed))
+
+    def _of_earlier_run(self, case: int, count: int) -> Table | None:
+        """Return the cases of a batch that an earlier run has kept; None where it has not all of them."""
+        cases = range(case, case + count * len(self.asked.points.points))
+        return self.parts.table(cases) if self.parts is not None and cases.stop <= self._kept else None
+
+    def _computed(self, places: np.ndarray) -> Table:
+        order = neighbours(places)
+        blocks = [order[start : start + BLOCK] for start in range(0, len(order), BLOCK)]
+        tables = self._solved(places, blocks)
+        whole = join(tables) if len(tables) > 1 else tables[0]
+        size, back = len(self.asked.points.points), np.argsort(order)
+        return whole.rows((size * back[:, None] + np.arange(size)).ravel())
+
+    def _solved(self, places: np.ndarray, blocks: Sequence[np.ndarray]) -> list[Table]:
+        """Return the results of blocks; where a worker died over one, its evaluations are tried one by one."""
+        tables = self.crew.answers(_block, [_Work(self._packed, places[rows]) for rows in blocks])
+        for number, table in enumerate(tables):
+            if table is None and len(blocks[number]) == 1:
+                tables[number] = _dead(self.asked)
+            elif table is None:
+                tables[number] = join(self._solved(places, [rows[None] for rows in blocks[number]]))
+        return tables
+
+
+def neighbours(places: np.ndarray) -> np.ndarray:
+    """Return an order in which each place is followed by the nearest that is left."""
+    left, order = set(range(1, len(places))), [0]
+    while left:
+        rest = np.array(sorted(left))
+        nearest = rest[np.argmin(np.sum((places[rest] - places[order[-1]]) ** 2, axis=1))]
+        order.append(int(nearest))
+        left.remove(int(nearest))
+    return np.array(order)
+
+
+class _Work(NamedTuple):
+    """A block as it is sent: what is asked and what simulates, pickled once, and the places (n, paths)."""
+
+    packed: bytes
+    places: np.ndarray
+
+
+_unpacked = lru_cache(maxsize=1)(pickle.loads)
+
+
+def _block(work: _Work) -> Table:
+    """Return the results of a block, an operating point a row."""
+    asked, simulate, limit = _unpacked(work.packed)
+    simulate = simulate or Warm()
+    results: list[Result] = []
+    for places in work.places:
+        with Limit(limit):
+            results += [each.result for each in simulated(asked, asked.values(places), simulate)]
+    return table_of(results, keep_cycle=False)
+
+
+def _dead(asked: Question) -> Table:
+    return table_of([Result("failed", message=DIED)] * len(asked.points.points), keep_cycle=False)

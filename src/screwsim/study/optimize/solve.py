@@ -1,0 +1,167 @@
+"""The searches: over one path by bracket and bounded search, one aim by differential evolution with a polish, else NSGA-II.
+
+Each works on places 0 … 1 between the bounds and asks a `Record` for evaluations until it has converged or those are
+spent. Failed evaluations are worse than any other; of those that break bounds the less the better.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from screwsim.faults import UsageError
+from screwsim.study.optimize.evaluate import Evaluation, broken
+from screwsim.study.optimize.question import Question
+from screwsim.study.optimize.record import Record, Spent
+from screwsim.study.search import COARSE, Point, Top, highest
+
+Array = NDArray[np.float64]
+FAILED = 1e12  # what a failed evaluation counts as
+PENALTY = 10.0  # of the largest aim of the first batch: what a bound that is broken by its own size costs
+EVOLVED = 0.7  # share of the evaluations that differential evolution may take
+SPREAD = 3e-4  # of the aims of a population at which it has converged
+SIMPLEX, PLACE = 0.05, 1e-3  # of the ranges: the polish begins and ends with
+
+
+def search(record: Record) -> Top | None:
+    """Search until converged or spent; of one path with one aim return the top."""
+    try:
+        if len(record.asked.aims) > 1:
+            _nsga2(record)
+        elif len(record.asked.spans) == 1:
+            return _line(record)
+        else:
+            _evolution(record)
+    except Spent:
+        pass
+    return None
+
+
+def _score(asked: Question, evaluation: Evaluation, penalty: float) -> float:
+    """Return what is to be lowest for one aim."""
+    if evaluation.failed:
+        return FAILED
+    return asked.aims[0].sign * evaluation.aims[0] + penalty * broken(asked, evaluation)
+
+
+def _penalty(evaluations: Sequence[Evaluation]) -> float:
+    known = [abs(each.aims[0]) for each in evaluations if not each.failed]
+    return PENALTY * max(known, default=1.0) or PENALTY
+
+
+def _line(record: Record) -> Top | None:
+    """Bracket every local optimum at evenly spaced places, at once; then narrow each."""
+    asked = record.asked
+    places = np.linspace(0.0, 1.0, COARSE)
+    first = record.evaluate(places[:, None])
+    known, penalty = dict(zip(places.tolist(), first, strict=True)), _penalty(first)
+
+    def point(place: float) -> Point:
+        found = known.get(place) or record.evaluate(np.array([[place]]))[0]
+        if found.failed:
+            return Point(place, math.nan)
+        return Point(place, -_score(asked, found, penalty), found.errors[0])
+
+    return highest(point, 0.0, 1.0)
+
+
+def _first(asked: Question, count: int) -> Array:
+    """Return places to begin with: the scene's own, as far as they lie in the ranges, and a Latin hypercube."""
+    from scipy.stats import qmc
+
+    cube = qmc.LatinHypercube(len(asked.spans), rng=np.random.default_rng(asked.seed)).random(count)
+    if all(span.start is not None for span in asked.spans):
+        cube[0] = [span.first for span in asked.spans]
+    return cube
+
+
+def _evolution(record: Record) -> None:
+    """Search for one aim by differential evolution, then by Nelder and Mead's simplex from the best."""
+    from scipy.optimize import differential_evolution, minimize
+
+    asked = record.asked
+    size, count = len(asked.spans), asked.evaluations
+    members = max(5, min(6 * size, math.isqrt(count) + 4))
+    first = _first(asked, members)
+    penalty = 0.0
+
+    def scores(columns: Array) -> Array:
+        nonlocal penalty
+        found = record.evaluate(columns.T)
+        penalty = penalty or _penalty(found)
+        return np.array([_score(asked, each, penalty) for each in found])
+
+    def score(place: Array) -> float:
+        return _score(asked, record.evaluate(place[None])[0], penalty)
+
+    generations = max(1, int(EVOLVED * count) // members - 1)
+    found = differential_evolution(
+        scores,
+        [(0.0, 1.0)] * size,
+        init=first,
+        maxiter=generations,
+        tol=SPREAD,
+        rng=np.random.default_rng(asked.seed),
+        polish=False,
+        updating="deferred",
+        vectorized=True,
+    )
+    best = np.clip(found.x, 0.0, 1.0)
+    corners = [best + SIMPLEX * np.eye(size)[i] * (1.0 if best[i] < 0.5 else -1.0) for i in range(size)]
+    _, errors, _ = record.columns()
+    close = float(np.nanmedian(errors)) if np.isfinite(errors).any() else 1e-9
+    ends = {"initial_simplex": np.array([best, *corners]), "xatol": PLACE, "fatol": close, "maxfev": count}
+    minimize(score, best, method="Nelder-Mead", bounds=[(0.0, 1.0)] * size, options=ends)
+
+
+def population(evaluations: int) -> int:
+    """Return how many members a population has where so many evaluations are to be spent."""
+    return max(8, 4 * round(1.6 * math.sqrt(evaluations) / 4))
+
+
+def _nsga2(record: Record) -> None:
+    """Search for several aims by NSGA-II, the bounds as its constraints."""
+    try:
+        from pymoo.algorithms.moo.nsga2 import NSGA2
+        from pymoo.core.evaluator import Evaluator
+        from pymoo.core.problem import Problem
+        from pymoo.core.termination import NoTermination
+        from pymoo.problems.static import StaticProblem
+    except ImportError:
+        remedy = "pip install 'screwsim[optimize]'"
+        raise UsageError(f"pymoo is not installed, which several aims need (install it with: {remedy})") from None
+    asked = record.asked
+    size = population(asked.evaluations)
+    problem = Problem(n_var=len(asked.spans), n_obj=len(asked.aims), n_ieq_constr=1, xl=0.0, xu=1.0)
+    algorithm = NSGA2(pop_size=size, sampling=_first(asked, size))
+    algorithm.setup(problem, termination=NoTermination(), seed=asked.seed, verbose=False)
+    while True:
+        asks = algorithm.ask()
+        found = record.evaluate(np.asarray(asks.get("X"), float))
+        F = np.array([[FAILED] * len(asked.aims) if each.failed else _lowered(asked, each) for each in found])
+        G = np.array([[FAILED if each.failed else broken(asked, each)] for each in found])
+        Evaluator().eval(StaticProblem(problem, F=F, G=G), asks)
+        algorithm.tell(infills=asks)
+
+
+def _lowered(asked: Question, evaluation: Evaluation) -> list[float]:
+    """Return the aims as all are to be lowest."""
+    return [aim.sign * value for aim, value in zip(asked.aims, evaluation.aims, strict=True)]
+
+
+def front_of(values: Array) -> NDArray[np.intp]:
+    """Return which rows no other row dominates, all columns to be lowest, in the order of the first column.
+
+    NaN is never in front; of equal rows the first.
+    """
+    good = np.flatnonzero(np.all(np.isfinite(values), axis=1))
+    order = good[np.lexsort(values[good].T[::-1])]
+    kept: list[int] = []
+    for row in order:  # none that comes later dominates it
+        ahead = values[kept]
+        if not len(kept) or not np.any(np.all(ahead <= values[row], axis=1)):
+            kept.append(int(row))
+    return np.array(kept, np.intp)

@@ -1,0 +1,141 @@
+"""An optimisation on disk: all its cases as results of a sweep are, and what was aimed at over the evaluations."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.figures import declared
+from screwsim.results.identity import differences, unpacked
+from screwsim.results.optimum import EVALUATION, POINT, Evaluated, write_optimum
+from screwsim.results.read import read_attributes
+from screwsim.results.schema import Axis, axis_of, digest, identity_of
+from screwsim.results.write import Draft
+from screwsim.scene import axis_label, leaf_of
+from screwsim.study.optimize.question import Question
+from screwsim.study.optimize.record import Record
+from screwsim.study.shards import Parts
+
+QUESTION = "question"  # in what tells results apart
+
+
+def question_text(asked: Question) -> str:
+    """Return the question as JSON, SI units."""
+    return json.dumps(
+        {
+            "vary": {span.path: [span.low, span.high] for span in asked.spans},
+            "maximize": [aim.figure for aim in asked.aims if not aim.minimum],
+            "minimize": [aim.figure for aim in asked.aims if aim.minimum],
+            "subject_to": [list(bound) for bound in asked.bounds],
+            "over": None if asked.points.single else asked.points.name,
+            "energy_weights": asked.points.energy,
+            "loads_by": asked.points.by,
+            "points": [
+                {"name": each.name, "weight": each.weight, "load": each.load, "values": dict(each.values)}
+                for each in asked.points.points
+            ],
+            "evaluations": asked.evaluations,
+            "seed": asked.seed,
+        }
+    )
+
+
+def identity(asked: Question) -> dict[str, str]:
+    """Return what tells the results of one optimisation from those of another."""
+    try:
+        pymoo = metadata.version("pymoo")
+    except metadata.PackageNotFoundError:
+        pymoo = "none"
+    return {**identity_of(asked.scene), QUESTION: question_text(asked), "pymoo": pymoo}
+
+
+@contextmanager
+def kept(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
+    """Hold the parts of an optimisation; raise UsageError where they, or the file, are of something else."""
+    own = {"scene_sha256": digest(asked.scene.text), "identity": identity(asked)}
+    parts = Parts(output, own, "optimisation")
+    if not restart:
+        if output.exists():
+            _refuse_existing(output)
+        _refuse_others(parts, own)
+    parts.open(restart)
+    try:
+        yield parts
+    finally:
+        parts.close()
+
+
+def _refuse_existing(output: Path) -> None:
+    read_attributes(output)  # raises of a file that is none of ours
+    raise UsageError(f"{output}: is there already (choose another -o, or --restart to replace it)")
+
+
+def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
+    stored = parts.stored_identity()
+    if stored is None:
+        return
+    found = stored.get("identity")
+    found = found if isinstance(found, dict) else unpacked(found) or {}
+    if found.get(QUESTION) != own["identity"][QUESTION] or stored.get("scene_sha256") != own["scene_sha256"]:
+        raise UsageError(f"{parts.folder}: holds another optimisation's evaluations (choose another -o, or --restart)")
+    what = differences(found, own["identity"])
+    if what:
+        raise UsageError(f"{parts.folder}: holds evaluations of this, but {what} (--restart computes them again)")
+
+
+def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray) -> None:
+    """Write all cases and what was found to HDF5, and remove the parts."""
+    assert record.parts is not None
+    asked = record.asked
+    aims, errors, excess = record.columns()
+    on_front = np.zeros(len(record), np.int8)
+    on_front[front] = 1
+    names, bounds = [aim.figure for aim in asked.aims], [f"{bound.figure}_{_SIDE[bound.sign]}" for bound in asked.bounds]
+    found = Evaluated(
+        dict(zip(names, aims.T, strict=True)),
+        dict(zip(names, errors.T, strict=True)),
+        dict(zip(bounds, excess.T, strict=True)),
+        feasible,
+        on_front,
+        {name: declared(name).units for name in names}
+        | {label: declared(bound.figure).units for label, bound in zip(bounds, asked.bounds, strict=True)},
+        [aim.figure for aim in asked.aims if aim.minimum],
+        question_text(asked),
+    )
+    axes = axes_of(record)
+    with Draft(output, asked.scene, axes, "optimize") as draft:
+        cases = len(record) * len(asked.points.points)
+        draft.complete(record.parts.all(cases), beside=partial(write_optimum, found=found))
+    record.parts.discard()
+
+
+_SIDE = {"<": "most", ">": "least"}
+
+
+def axes_of(record: Record) -> tuple[Axis, ...]:
+    """Return the axes of the cases: evaluations with the paths that vary along them, then operating points."""
+    asked, places = record.asked, record.places
+    values = [[span.value(float(place)) for place in places[:, i]] for i, span in enumerate(asked.spans)]
+    along = tuple(_axis(asked, span.path, row) for span, row in zip(asked.spans, values, strict=True))
+    about = "number of the evaluation, from 0"
+    axes = [Axis(EVALUATION, np.arange(len(record), dtype=np.int32), "1", about, along)]
+    if not asked.points.single:
+        points = asked.points.points
+        inner = [_axis(asked, path, [point.values[path] for point in points]) for path in points[0].values]
+        weights = np.array([point.weight for point in points])
+        inner.append(Axis("weight", weights, "1", "weight of the operating point"))
+        about = "number of the operating point, from 0"
+        axes.append(Axis(POINT, np.arange(len(points), dtype=np.int32), "1", about, tuple(inner)))
+    return tuple(axes)
+
+
+def _axis(asked: Question, path: str, values: list[Any]) -> Axis:
+    return axis_of(path, values, axis_label(path, asked.scene)[1] or "1", leaf_of(asked.scene, path).doc)

@@ -1,0 +1,160 @@
+"""Goal seek: the values of paths at which figures are what they are wanted to be, and machines sized that way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+from screwsim.faults import UsageError
+from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
+from screwsim.scene.grid import only
+from screwsim.study.each import each
+from screwsim.study.figures import figure_of
+from screwsim.study.goals import Goal, read_goals
+from screwsim.study.inputs import check_continuous, check_fit, read_text, shown_value
+from screwsim.study.optimum import Simulate
+from screwsim.study.progress import Progress
+from screwsim.study.seek import one, several
+from screwsim.study.seek.catalogue import next_size, read_catalogue
+from screwsim.study.seek.found import Found, judged
+from screwsim.study.seek.trials import Trial, Trials
+from screwsim.study.spans import Span, read_spans, schema_range, span_of
+from screwsim.study.warm import Warm
+from screwsim.study.workers import DIED
+
+__all__ = ["Found", "Question", "find", "find_each", "question"]
+
+DIGITS = 7  # of a value that was found: far below its error
+Vary = Iterable[str] | Mapping[str, tuple[float, float] | None]
+Goals = Iterable[str] | Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked: as many paths as goals, and of one path the sizes [SI] that a maker has."""
+
+    spans: tuple[Span, ...]
+    goals: tuple[Goal, ...]
+    sizes: tuple[float, ...] = ()
+
+
+def question(scene: Scene, vary: Vary, goals: Goals, catalogue: str | Sequence[float] = ()) -> Question:
+    """Return what is asked; raise UsageError, in one line, of what makes no sense.
+
+    `vary` are texts 'PATH' or 'PATH=LOW..HIGH', or {path: (low, high) [SI], None for the range that the scene or the
+    schema gives}; `goals` texts 'FIGURE=VALUE', or {figure: value [SI]}; `catalogue` a text or sizes [SI].
+    """
+    vary = vary if isinstance(vary, Mapping) else list(vary)
+    wanted = _goals(scene, goals)
+    if catalogue and len(vary) != 1:
+        raise UsageError("--catalogue: rounds one path (give one --vary with it)")
+    path = next((str(each).partition("=")[0].strip() for each in vary), "")
+    sizes = read_catalogue(scene, path, catalogue) if isinstance(catalogue, str) and catalogue else catalogue
+    sizes = tuple(sorted(map(float, sizes or ())))
+    spans = _spans(scene, vary) if isinstance(vary, Mapping) else read_spans(scene, vary, ranged=False, sizes=sizes)
+    if len(spans) > len(wanted):
+        more, remedy = f"{len(spans)} paths vary for {_count(wanted)}", "screwsim optimize finds the best of them"
+        raise UsageError(f"--vary: {more} (vary as many as there are --for; {remedy}, --subject-to the goals)")
+    if len(spans) < len(wanted):
+        less, remedy = f"{_count(wanted)} for {len(spans)} varied paths", "screwsim calibrate fits more figures"
+        raise UsageError(f"--for: {less} (vary as many paths as there are goals; {remedy})")
+    return Question(spans, wanted, sizes)
+
+
+def _count(goals: Sequence[Goal]) -> str:
+    return f"{len(goals)} goal{'s' * (len(goals) != 1)}"
+
+
+def _goals(scene: Scene, goals: Goals) -> tuple[Goal, ...]:
+    if not isinstance(goals, Mapping):
+        return read_goals(scene, [goals] if isinstance(goals, str) else goals)
+    return tuple(Goal(figure_of(scene, name, "goal"), float(value)) for name, value in goals.items())
+
+
+def _spans(scene: Scene, vary: Mapping[str, tuple[float, float] | None]) -> tuple[Span, ...]:
+    found = []
+    for path, ends in vary.items():
+        check_continuous(scene, path)
+        ends = ends or schema_range(scene, path)
+        if ends is None or not ends[0] < ends[1]:
+            raise UsageError(f"{path}: has no range (give two values [SI], the lower one first)")
+        found.append(span_of(scene, path, *ends))
+    return tuple(found)
+
+
+def find(
+    scene: Scene, vary: Vary, goals: Goals, *, catalogue: str | Sequence[float] = (), simulate: Simulate | None = None
+) -> Found:
+    """Return the values of paths at which figures have the values wanted (a scene's sweep is left aside).
+
+        found = screwsim.find(scene, ["operation.speed"], ["cooling_capacity=500 kW"])
+        found.values["operation.speed"], found.scene, found.result.performance
+
+    What is varied and sought is as in `question`. Where nothing in the ranges meets the goals `status` is 'none', and
+    `message` says how near the search came.
+    """
+    asked = question(scene, vary, goals, catalogue)
+    return find_each(replace(scene, sweep={}, joints=(), text=""), asked, jobs=1, simulate=simulate)[0]
+
+
+def find_each(
+    scene: Scene,
+    asked: Question,
+    *,
+    jobs: int | None = None,
+    simulate: Simulate | None = None,
+    progress: Progress | None = None,
+) -> list[Found]:
+    """Return what is found at each point of the scene's axes but those of the paths (one without them)."""
+    varied = {span.path: span.value(span.first) for span in asked.spans}
+    rest = only(scene, [path for path in scene.sweep if path not in varied])
+    check_fit(case(rest, 0), varied, ", ".join(varied))
+    count = case_count(rest)
+    if simulate is None and count > 1 and jobs != 1:
+        from screwsim.simulate import warm_up
+
+        warm_up(with_values(case(rest, 0), varied))  # before the fork
+    return each(
+        partial(_found, rest, asked, simulate),
+        count,
+        died=lambda number: Found("failed", asked.spans, asked.goals, DIED, case_values(rest, number)),
+        jobs=jobs,
+        failed=lambda found: found.status != "ok",
+        progress=progress,
+    )
+
+
+def _found(rest: Scene, asked: Question, simulate: Simulate | None, number: int) -> Found:
+    """Return what is found at one point of the other axes."""
+    trials = Trials(case(rest, number), asked.spans, asked.goals, simulate or Warm())
+    met = (one if len(asked.spans) == 1 else several).solve(trials)
+    at: dict[str, Any] = case_values(rest, number)
+    found = judged(trials, met, at)
+    if met is not None:
+        values = rounded(trials.scene, found.values)
+        found = replace(found, values=values, scene=_written(with_values(trials.scene, values)))
+    return _sized(trials, found, met, asked) if asked.sizes and found.status != "failed" else found
+
+
+def _sized(trials: Trials, found: Found, met: Trial | None, asked: Question) -> Found:
+    """Return an answer with the next size of the catalogue."""
+    size, path = next_size(trials, met, asked.sizes), asked.spans[0].path
+    counts = {"solutions": len(trials.known), "failed": len(trials.reasons)}
+    if size is None:
+        largest = shown_value(trials.scene, path, asked.sizes[-1])
+        why = f"no size of the catalogue up to {largest} meets the goal"
+        return replace(found, status="none", message="; ".join(filter(None, (why, found.message))), scene=None, **counts)
+    scene = _written(with_values(trials.scene, {path: size.value}))
+    message = "" if found.status == "none" else found.message
+    return replace(found, status="ok", message=message, size=size, scene=scene, result=size.result, **counts)
+
+
+def _written(scene: Scene) -> Scene:
+    return replace(scene, text=scene_text(scene))
+
+
+def rounded(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
+    """Return values [SI] as they are written: `DIGITS` digits of the customary unit."""
+    return {path: read_text(scene, path, shown_value(scene, path, value, DIGITS)) for path, value in values.items()}

@@ -1,0 +1,159 @@
+"""The answer to a goal seek: values with their errors, what the figures then are, or how near the search came."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from screwsim.engineering import engineering, shown_name
+from screwsim.outputs import Result
+from screwsim.scene import Scene
+from screwsim.study.goals import Goal
+from screwsim.study.inputs import shown_value
+from screwsim.study.seek import one, several
+from screwsim.study.seek.trials import Trial, Trials
+from screwsim.study.spans import Span
+
+BORDER = 1e-6  # of a range: at its end
+CLEAR = 4.0  # errors of a figure from which on two solutions tell its slope
+BORDERS = ("lower border", "upper border")
+
+
+@dataclass(frozen=True)
+class Size:
+    """A size of a catalogue that meets the goal, and what it gives [SI]."""
+
+    value: float
+    figure: float
+    result: Result
+
+
+@dataclass(frozen=True)
+class Found:
+    """What was found at one point of the scene's other axes (`at`), all in SI units.
+
+    `status` is ok; none: nothing in the ranges meets the goals, `values` and `figures` are those of the nearest; failed:
+    no solution has the figures. `uncertainties` are what the figures' estimated numerical `errors` (absolute) make of the
+    values; `borders` names the end of a range at which a value lies.
+    """
+
+    status: str  # ok | none | failed
+    spans: tuple[Span, ...]
+    goals: tuple[Goal, ...]
+    message: str = ""
+    at: Mapping[str, Any] = field(default_factory=dict)
+    values: Mapping[str, float] = field(default_factory=dict)
+    uncertainties: Mapping[str, float | None] = field(default_factory=dict)
+    figures: Mapping[str, float] = field(default_factory=dict)
+    errors: Mapping[str, float] = field(default_factory=dict)
+    borders: Mapping[str, str] = field(default_factory=dict)
+    size: Size | None = None
+    solutions: int = 0
+    failed: int = 0
+    scene: Scene | None = None  # with the values; of a catalogue, with the size
+    result: Result | None = None
+
+
+def judged(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -> Found:
+    """Return what a search found."""
+    head: dict[str, Any] = {"spans": trials.spans, "goals": trials.goals, "at": at}
+    told = _failures(trials)
+    best = met or trials.nearest
+    if best is None:
+        return Found("failed", **head, message=told, **_counts(trials))
+    names = [goal.figure for goal in trials.goals]
+    assert best.off is not None
+    head |= {
+        "values": trials.values(best.places),
+        "figures": {goal.figure: off + goal.value for goal, off in zip(trials.goals, best.off, strict=True)},
+        "errors": dict(zip(names, best.errors, strict=True)),
+        "borders": _borders(trials, best),
+        "result": best.result,
+    }
+    if met is None:
+        why = missed(trials, best)
+        return Found("none", **head, message=f"{why}; {told}" if told else why, **_counts(trials))
+    head |= {"uncertainties": uncertainties(trials, met), "scene": trials.scene_at(met.places)}
+    return Found("ok", **head, message=told, **_counts(trials))
+
+
+def _counts(trials: Trials) -> dict[str, int]:
+    return {"solutions": len(trials.known), "failed": len(trials.reasons)}
+
+
+def _failures(trials: Trials) -> str:
+    if not trials.reasons:
+        return ""
+    return f"{len(trials.reasons)} of {len(trials.known)} solutions: {trials.reasons[0]}"
+
+
+def _borders(trials: Trials, trial: Trial) -> dict[str, str]:
+    ends = {span.path: BORDERS[place > 0.5] for span, place in zip(trials.spans, trial.places, strict=True)}
+    near = {span.path: min(place, 1.0 - place) for span, place in zip(trials.spans, trial.places, strict=True)}
+    return {path: end for path, end in ends.items() if near[path] <= BORDER}
+
+
+def uncertainties(trials: Trials, met: Trial) -> dict[str, float | None]:
+    """Return what the errors of the figures make of the values [SI]: over their slopes, all to the worse side."""
+    slopes = _slope(trials, met) if len(trials.spans) == 1 else several.jacobian(trials, met)
+    if slopes is None or np.linalg.cond(slopes) > 1e12:
+        return {span.path: None for span in trials.spans}
+    errors = np.array(met.errors) / np.array(trials.sizes)
+    off = np.abs(np.linalg.inv(slopes)) @ errors
+    rows = zip(trials.spans, met.places, off, strict=True)
+    return {span.path: float(abs(span.slope(place)) * each) for span, place, each in rows}
+
+
+def _slope(trials: Trials, met: Trial) -> np.ndarray | None:
+    """Return the slope of the one figure over its size, by the nearest solution that is clearly another."""
+    (size,) = trials.sizes
+    assert met.off is not None
+    for other in sorted(trials.closed, key=lambda trial: abs(trial.places[0] - met.places[0])):
+        assert other.off is not None
+        rise, run = other.off[0] - met.off[0], other.places[0] - met.places[0]
+        if run and abs(rise) > CLEAR * (met.errors[0] + other.errors[0]):
+            return np.array([[rise / size / run]])
+    return None
+
+
+def missed(trials: Trials, best: Trial) -> str:
+    """Return why nothing meets the goals, and how near the search came, in one line."""
+    scene, goals = trials.scene, trials.goals
+    wanted = " and ".join(f"{shown_name(goal.figure)} {figure_text(goal.figure, goal.value)}" for goal in goals)
+    ranges = ", ".join(
+        f"{span.path} {shown_value(scene, span.path, span.low)} … {shown_value(scene, span.path, span.high)}"
+        for span in trials.spans
+    )
+    jump = _jump(trials)
+    if jump:
+        return f"nothing within {ranges} gives {wanted}: {jump}"
+    assert best.off is not None
+    came = ", ".join(figure_text(goal.figure, off + goal.value) for goal, off in zip(goals, best.off, strict=True))
+    borders = _borders(trials, best)
+    where = ", ".join(
+        f"{span.path} {shown_value(scene, span.path, value)}" + (f", its {borders[span.path]}" if span.path in borders else "")
+        for span, value in zip(trials.spans, trials.values(best.places).values(), strict=True)
+    )
+    remedy = "widen the range" if borders else "change what else bounds it"
+    return f"nothing within {ranges} gives {wanted}: the nearest is {came}, at {where} ({remedy})"
+
+
+def _jump(trials: Trials) -> str:
+    """Return how one figure passes its goal without having it; empty where it does not."""
+    ends = one.bracket(trials) if len(trials.spans) == 1 else None
+    if ends is None:
+        return ""
+    (span,), (goal,) = trials.spans, trials.goals
+    low, high = (shown_value(trials.scene, span.path, span.value(each.places[0]), 7) for each in ends)
+    a, b = (figure_text(goal.figure, (each.off or (math.nan,))[0] + goal.value) for each in ends)
+    why = f", where solutions fail: {trials.reasons[-1]}" if trials.reasons else ""
+    return f"it goes from {a} at {low} to {b} at {high} without it{why}"
+
+
+def figure_text(name: str, value: float) -> str:
+    """Return a figure [SI] with its unit for people."""
+    return " ".join(engineering(name, value)).strip()

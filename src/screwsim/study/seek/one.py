@@ -1,0 +1,142 @@
+"""One goal by one path: a walk to a change of sign, then Brent's way of narrowing it; failures are gone round."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+
+from screwsim.study.search import Point, highest
+from screwsim.study.seek.trials import Trial, Trials
+
+MOST = 40  # solutions of the walk and the narrowing
+OTHERS = (0.5, 0.25, 0.75, 0.1, 0.9, 0.0, 1.0)  # places to begin at where the scene's own fails
+WIDEST, LEAST = 0.35, 0.01  # a step of the walk, in places
+SCAN = 9  # places over the whole range, where the walk came to an end without the goal
+NARROW = 1e-8  # width of a change of sign at which it is a jump
+FRACTIONS = (0.5, 0.25, 0.75, 0.125, 0.875)  # of a change of sign, where a solution in it fails
+
+Bracket = tuple[Trial, Trial]
+
+
+def solve(trials: Trials) -> Trial | None:
+    """Return the solution that meets the goal; None where there is none: `trials` tells how near it came."""
+    if not _begun(trials):
+        return None
+    _walk(trials)
+    best = trials.nearest
+    if best is not None and trials.met(best):
+        return best
+    if bracket(trials) is None:
+        _scan(trials)
+    return _narrowed(trials)
+
+
+def _begun(trials: Trials) -> bool:
+    """Solve at the scene's own place, else at others until one has the figure; tell whether one has."""
+    return any(trials.at(place).closed for place in (trials.spans[0].first, *OTHERS))
+
+
+def bracket(trials: Trials) -> Bracket | None:
+    """Return the neighbours between which the figure passes its goal, nearest to it; None of none."""
+    row = sorted(trials.closed, key=lambda trial: trial.places)
+    pairs = [pair for pair in itertools.pairwise(row) if _off(pair[0]) * _off(pair[1]) <= 0.0]
+    return min(pairs, key=lambda pair: min(abs(_off(each)) for each in pair), default=None)
+
+
+def _off(trial: Trial) -> float:
+    assert trial.off is not None
+    return trial.off[0]
+
+
+def _walk(trials: Trials) -> None:
+    """Follow the secant until the figure passes its goal, or an end of the range, or a failure is met."""
+    for _ in range(MOST):
+        best = trials.nearest
+        if best is None or trials.met(best) or bracket(trials) is not None:
+            return
+        here = best.places[0]
+        place = min(max(_next(trials, best), 0.0), 1.0)
+        for _ in range(4):  # halfway back from what fails
+            if (place,) in trials.known or trials.at(place).closed:
+                break
+            place = 0.5 * (place + here)
+        new = trials.nearest
+        if new is best and bracket(trials) is None:  # no nearer: the end of the range, or a turn of the figure
+            return
+
+
+def _next(trials: Trials, best: Trial) -> float:
+    """Return where a secant through the two best solutions passes the goal; at first, as if in proportion."""
+    here, off = best.places[0], _off(best)
+    others = sorted((each for each in trials.closed if each is not best), key=trials.far)
+    if others:
+        other = others[0]
+        slope = (_off(other) - off) / (other.places[0] - here)
+        step = -off / slope if slope else math.copysign(WIDEST, 0.5 - here)
+    else:
+        span, goal = trials.spans[0], trials.goals[0]
+        had, value = off + goal.value, span.value(here)
+        wanted = value * goal.value / had if had * goal.value > 0.0 and value > 0.0 else value
+        step = span.place(wanted) - here or math.copysign(0.1, 0.5 - here)
+    return here + math.copysign(min(max(abs(step), LEAST if not others else 0.0), WIDEST), step)
+
+
+def _scan(trials: Trials) -> None:
+    """Look over the whole range, and closer about where the figure is nearest to its goal."""
+
+    def near(place: float) -> Point:
+        if bracket(trials) is not None:  # enough is known
+            return Point(place, math.nan)
+        trial = trials.at(place)
+        return Point(place, -abs(_off(trial)) if trial.closed else math.nan, max(trial.errors, default=0.0))
+
+    highest(near, 0.0, 1.0, SCAN)
+
+
+def _narrowed(trials: Trials) -> Trial | None:
+    """Return the solution at a change of sign; None without one, at a jump, or where all within it fail."""
+    narrowing = 0
+    for _ in range(MOST):
+        best, ends = trials.nearest, bracket(trials)
+        if best is not None and trials.met(best):
+            return best
+        if ends is None:
+            return None
+        width = ends[1].places[0] - ends[0].places[0]
+        if width < NARROW:
+            return None
+        for place in _inside(trials, ends, narrowing > 2):
+            if (place,) not in trials.known and trials.at(place).closed:
+                break
+        else:
+            return None
+        after = bracket(trials)
+        left = width if after is None else after[1].places[0] - after[0].places[0]
+        narrowing = narrowing + 1 if left > 0.5 * width else 0
+    return None
+
+
+def _inside(trials: Trials, ends: Bracket, halve: bool) -> Iterator[float]:
+    """Yield places within a change of sign: by inverse interpolation, else by the secant, then by parts of it."""
+    low, high = ends[0].places[0], ends[1].places[0]
+    if not halve:
+        row = sorted(trials.closed, key=trials.far)[:3]
+        guess = _inverse([(_off(each), each.places[0]) for each in row])
+        if guess is None or not low < guess < high:
+            a, b = _off(ends[0]), _off(ends[1])
+            guess = low - a * (high - low) / (b - a)
+        margin = 1e-3 * (high - low)  # so that the other end comes nearer, too
+        yield min(max(guess, low + margin), high - margin)
+    yield from (low + part * (high - low) for part in FRACTIONS)
+
+
+def _inverse(points: list[tuple[float, float]]) -> float | None:
+    """Return where the parabola of the places over the figure (off, place) passes zero; None where it is none."""
+    if len(points) < 3 or len({off for off, _ in points}) < 3:
+        return None
+    total = 0.0
+    for off, place in points:
+        others = [each for each, _ in points if each != off]
+        total += place * math.prod(-each / (off - each) for each in others)
+    return total

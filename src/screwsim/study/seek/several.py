@@ -1,0 +1,91 @@
+"""Several goals by as many paths: Newton's way with a Jacobian of differences, kept up by Broyden's rule, damped."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from screwsim.study.seek.trials import Trial, Trials
+
+Array = NDArray[np.float64]
+
+STEP = 0.01  # of the ranges: a difference of the Jacobian
+FARTHEST = 0.35  # of a range: a step of Newton's
+MOST = 60  # steps of Newton's, of one start
+HALVED = 4  # times that a step is halved before the Jacobian is made anew
+STILL = 1e-9  # step below which nothing is gained
+STARTS = ((), (0.5,), (0.25,), (0.75,))  # the scene's own place, then these of all ranges
+
+
+def solve(trials: Trials) -> Trial | None:
+    """Return the solution that meets all goals; None where none of the starts comes to one."""
+    for place in STARTS:
+        start = tuple(place[0] if place else span.first for span in trials.spans)
+        found = _from(trials, trials.at(*start)) if trials.at(*start).closed else None
+        if found is not None and trials.met(found):
+            return found
+    return None
+
+
+def jacobian(trials: Trials, at: Trial) -> Array | None:
+    """Return how the figures over their sizes change with the places; None where both sides of a place fail."""
+    columns = []
+    for number, place in enumerate(at.places):
+        for step in sorted((STEP, -STEP), key=lambda step, place=place: abs(place + step - 0.5)):
+            moved = trials.at(*(each + step * (i == number) for i, each in enumerate(at.places)))
+            if moved.closed:
+                columns.append((_scaled(trials, moved) - _scaled(trials, at)) / (moved.places[number] - place))
+                break
+        else:
+            return None
+    return np.column_stack(columns)
+
+
+def _scaled(trials: Trials, trial: Trial) -> Array:
+    return np.array(trial.off, float) / np.array(trials.sizes)
+
+
+def _from(trials: Trials, here: Trial) -> Trial:
+    """Return where damped steps from a solution lead."""
+    slopes, fresh = jacobian(trials, here), True
+    for _ in range(MOST):
+        if trials.met(here) or slopes is None:
+            return here
+        step = _step(slopes, here.places, _scaled(trials, here))
+        new = _damped(trials, here, step, slopes)
+        if new is not None:
+            slopes, here, fresh = _kept_up(trials, slopes, here, new), new, False
+            continue
+        if fresh:
+            return here  # Newton's own direction gains nothing: the nearest that the ranges allow
+        slopes, fresh = jacobian(trials, here), True
+    return here
+
+
+def _step(slopes: Array, places: tuple[float, ...], off: Array) -> Array:
+    """Return the step that makes the linear model least within the ranges, and no longer than `FARTHEST`."""
+    from scipy.optimize import lsq_linear
+
+    low = np.maximum(-np.array(places), -FARTHEST)
+    high = np.minimum(1.0 - np.array(places), FARTHEST)
+    tiny = 1e-12  # it wants room
+    return np.asarray(lsq_linear(slopes, -off, (low - tiny, high + tiny)).x, float)
+
+
+def _damped(trials: Trials, here: Trial, step: Array, slopes: Array) -> Trial | None:
+    """Return the first solution along a step, whole, halved …, that is nearer; None where none is."""
+    for number in range(HALVED):
+        part = step * 0.5**number
+        if np.max(np.abs(part)) < STILL:
+            return None
+        new = trials.at(*(np.array(here.places) + part))
+        if new.closed and trials.far(new) < (1.0 - 1e-4) * trials.far(here):
+            return new
+    return None
+
+
+def _kept_up(trials: Trials, slopes: Array, here: Trial, new: Trial) -> Array:
+    """Return the Jacobian changed by Broyden's rule: it tells of the step what the step has told."""
+    step = np.array(new.places) - np.array(here.places)
+    missed = _scaled(trials, new) - _scaled(trials, here) - slopes @ step
+    return slopes + np.outer(missed, step) / float(step @ step)

@@ -1,0 +1,102 @@
+"""The solutions of one search for goals: figures less their goals over places 0 … 1, and what went wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from screwsim.outputs import Result
+from screwsim.scene import Scene, with_values
+from screwsim.study.goals import Goal
+from screwsim.study.optimum import Simulate, absolute_error, closed
+from screwsim.study.spans import Span
+
+CLOSE = 0.5  # of the estimated errors of the figures: met when no further off
+ROUNDING = 1e-9  # of a goal
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One solution: where, how far each figure [SI] is above its goal, and its estimated error; None: failed."""
+
+    places: tuple[float, ...]
+    off: tuple[float, ...] | None
+    errors: tuple[float, ...] = ()
+    result: Result | None = None
+
+    @property
+    def closed(self) -> bool:
+        return self.off is not None
+
+
+@dataclass
+class Trials:
+    """What is sought, and every solution so far; a place is solved once."""
+
+    scene: Scene
+    spans: tuple[Span, ...]
+    goals: tuple[Goal, ...]
+    simulate: Simulate
+    tolerance: float = 0.0  # of the goals, within which they count as met beside the errors
+    reasons: list[str] = field(default_factory=list)  # of solutions that failed, did not close, or lack a figure
+    known: dict[tuple[float, ...], Trial] = field(default_factory=dict)
+
+    def at(self, *places: float) -> Trial:
+        """Return the solution at places, within the spans."""
+        places = tuple(min(max(place, 0.0), 1.0) for place in places)
+        if places not in self.known:
+            self.known[places] = self._solved(places)
+        return self.known[places]
+
+    def scene_at(self, places: tuple[float, ...]) -> Scene:
+        """Return the scene at places."""
+        return with_values(self.scene, self.values(places))
+
+    def values(self, places: tuple[float, ...]) -> dict[str, float]:
+        """Return the values [SI] at places."""
+        return {span.path: span.value(place) for span, place in zip(self.spans, places, strict=True)}
+
+    def _solved(self, places: tuple[float, ...]) -> Trial:
+        scene, names = self.scene_at(places), [goal.figure for goal in self.goals]
+        result = closed(scene, self.simulate)
+        lacks = result.lacks(names) if result.status == "ok" else []
+        if result.status != "ok" or lacks:
+            self.reasons.append("; ".join(lacks) or result.told)
+            return Trial(places, None, result=result)
+        off = tuple(float(result.performance[goal.figure]) - goal.value for goal in self.goals)
+        return Trial(places, off, tuple(absolute_error(result, name, scene) for name in names), result)
+
+    @property
+    def closed(self) -> list[Trial]:
+        """Return the solutions that have their figures."""
+        return [trial for trial in self.known.values() if trial.closed]
+
+    def met(self, trial: Trial) -> bool:
+        """Tell whether a solution meets its goals within their estimated errors, or the tolerance."""
+        least = max(self.tolerance, ROUNDING)
+        return trial.off is not None and all(
+            abs(off) <= max(CLOSE * error, least * abs(goal.value))
+            for off, error, goal in zip(trial.off, trial.errors, self.goals, strict=True)
+        )
+
+    def far(self, trial: Trial) -> float:
+        """Return how far a solution is off: the sum of squares over the sizes of the goals."""
+        if trial.off is None:
+            return float("inf")
+        return sum((off / size) ** 2 for off, size in zip(trial.off, self.sizes, strict=True))
+
+    @property
+    def sizes(self) -> tuple[float, ...]:
+        """What a difference of each figure is measured by; of a temperature ten kelvins."""
+        return tuple(size_of(goal) for goal in self.goals)
+
+    @property
+    def nearest(self) -> Trial | None:
+        """Return the solution that is nearest to its goals."""
+        return min(self.closed, key=self.far, default=None)
+
+
+def size_of(goal: Goal) -> float:
+    """Return what a difference from a goal [SI] is measured by: its size, of a temperature ten kelvins."""
+    from screwsim.figures import declared
+
+    return 10.0 if declared(goal.figure).units == "K" else max(abs(goal.value), 1e-12)

@@ -1,0 +1,126 @@
+"""Paths that a study varies between two values, as given, or as the scene and the schema bound them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from screwsim.faults import UsageError
+from screwsim.machine.kinds import kind_of
+from screwsim.scene import Scene, leaf_of, value_at
+from screwsim.study.inputs import check_continuous, read_text, shown_value
+
+LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search goes over the logarithm
+FAR = 20.0  # without a range: so many times the scene's value, and its fraction, at the most
+
+
+@dataclass(frozen=True)
+class Span:
+    """A path that varies between two values [SI]; `start`: the scene's value, None where it has none inside."""
+
+    path: str
+    low: float
+    high: float
+    start: float | None = None
+
+    @property
+    def logarithmic(self) -> bool:
+        return self.low > 0.0 and self.high / self.low >= LOGARITHMIC_FROM
+
+    def value(self, place: float) -> float:
+        """Return the value [SI] at a place 0 … 1, exactly an end at an end."""
+        if place <= 0.0 or place >= 1.0:
+            return self.low if place <= 0.0 else self.high
+        if self.logarithmic:
+            return self.low * (self.high / self.low) ** place
+        return self.low + (self.high - self.low) * place
+
+    def place(self, value: float) -> float:
+        """Return where a value [SI] lies, 0 … 1."""
+        value = min(max(value, self.low), self.high)
+        if self.logarithmic:
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    def slope(self, place: float) -> float:
+        """Return by how much the value [SI] grows per unit of place."""
+        if self.logarithmic:
+            return self.value(place) * math.log(self.high / self.low)
+        return self.high - self.low
+
+    @property
+    def first(self) -> float:
+        """Place from which a search starts: the scene's value, the middle where it has none."""
+        return 0.5 if self.start is None else self.place(self.start)
+
+
+def read_spans(scene: Scene, texts: Iterable[str], *, ranged: bool, sizes: Sequence[float] = ()) -> tuple[Span, ...]:
+    """Return the spans of texts PATH=LOW..HIGH, or PATH alone; raise UsageError in one line.
+
+    Without a range it is that of `sizes` (a catalogue), of the sweep's axis, or of what the schema allows; where it must
+    be stated (`ranged`) the last of these is none.
+    """
+    found: dict[str, Span] = {}
+    for text in texts:
+        path, equals, ends = (part.strip() for part in text.partition("="))
+        if path in found:
+            raise UsageError(f"--vary {path}: is given twice (remove one)")
+        check_continuous(scene, path)
+        low, high = _stated(scene, path, text, ends) if equals else _known(scene, path, ranged, sizes)
+        if not low < high:
+            shown = " … ".join(shown_value(scene, path, end) for end in (low, high))
+            raise UsageError(f"--vary {path}: the range {shown} is empty (LOW must be below HIGH)")
+        found[path] = span_of(scene, path, low, high)
+    if not found:
+        raise UsageError("nothing varies (write one or more --vary PATH=LOW..HIGH)")
+    return tuple(found.values())
+
+
+def span_of(scene: Scene, path: str, low: float, high: float) -> Span:
+    """Return a path's span between two values [SI], with the scene's own value where that lies between them."""
+    start = value_at(scene, path)
+    inside = isinstance(start, int | float) and low <= start <= high
+    return Span(path, low, high, float(start) if inside else None)
+
+
+def _stated(scene: Scene, path: str, text: str, ends: str) -> tuple[float, float]:
+    low, dots, high = ends.partition("..")
+    if not (dots and low.strip() and high.strip()) or "..." in ends:  # 0...5 is not up to 0.5
+        example = "--vary 'operation.speed=1000 rpm..4500 rpm'"
+        raise UsageError(f"--vary {text}: is not PATH=LOW..HIGH (write e.g. {example})")
+    return read_text(scene, path, low), read_text(scene, path, high)
+
+
+def _known(scene: Scene, path: str, ranged: bool, sizes: Sequence[float]) -> tuple[float, float]:
+    """Return the range [SI] of a path for which none is stated."""
+    axis = sizes or scene.sweep.get(path, ())
+    if len(axis) > 1:
+        return min(axis), max(axis)
+    bounds = None if ranged else schema_range(scene, path)
+    if bounds is None:
+        raise UsageError(f"--vary {path}: has no range (write {path}=LOW..HIGH, or an axis of it under sweep:)")
+    return bounds
+
+
+def schema_range(scene: Scene, path: str) -> tuple[float, float] | None:
+    """Return the values [SI] between which a path is usual, at most `FAR` times its own apart; None of no value.
+
+    Those are its field's limits, what it hardly is beyond, and for sizes and the speed what machines hardly have.
+    """
+    leaf, value = leaf_of(scene, path), value_at(scene, path)
+    if not isinstance(value, int | float) or isinstance(value, bool) or value == 0:
+        return None
+    near = sorted((value / FAR, value * FAR))
+    if leaf.kind == "temperature":  # its zero is far from any use
+        near = [value - 60.0, value + 60.0]
+    lows = [leaf.limits.get("gt"), leaf.limits.get("ge"), leaf.hardly[0], near[0]]
+    highs = [leaf.limits.get("lt"), leaf.limits.get("le"), leaf.hardly[1], near[1]]
+    kind = kind_of(scene.machine)
+    for size in (each for each in kind.sizes if each.path == path):
+        lows.append(size.usual[0] * size.of(scene.machine))
+        highs.append(size.usual[1] * size.of(scene.machine))
+    if path == "operation.speed" and kind.speed is not None:
+        highs.append(kind.speed.usual / scene.machine.surface_speed(1.0))
+    low, high = max(each for each in lows if each is not None), min(each for each in highs if each is not None)
+    return min(low, float(value)), max(high, float(value))

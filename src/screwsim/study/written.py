@@ -1,0 +1,95 @@
+"""A scene that a study found, as a file: its base, and the paths that differ from it; whole where that says not all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from screwsim.faults import SceneError, UsageError
+from screwsim.results.atomic import keep_others, make_folder, write_text
+from screwsim.scene import Scene, leaf_of, loads, scene_text
+from screwsim.scene.values import text_of
+from screwsim.scene.write import quoted
+from screwsim.study.calibration.scene import keys
+
+BEGINS = "# Found by: screwsim "  # a scene that a study wrote
+
+
+def check_scene_file(path: Path, option: str = "-o") -> None:
+    """Raise UsageError where a scene is not to be written: another ending, or a file that no study wrote."""
+    if path.suffix.lower() not in (".yaml", ".yml"):
+        raise UsageError(f"{option} {path}: a scene is written, which ends in .yaml (write {path.with_suffix('.yaml')})")
+    keep_others(path, BEGINS.encode())
+
+
+def write_found(
+    path: Path,
+    found: Scene,
+    values: Mapping[str, float],
+    file: str,
+    overrides: Sequence[str],
+    without: Sequence[str],
+    told: str,
+) -> str:
+    """Write the scene `found` with `values` [SI] over a scene file and its overrides, and return the path.
+
+    `told` says in the first line what wrote it: 'find x.yaml; …'.
+    """
+    make_folder(path.parent)
+    head = f"{BEGINS}{' '.join(told.split())}\n"
+    text = head + _over(found, values, file, overrides, without, path.parent)
+    if not _same(text, found, path.parent):
+        text = head + scene_text(replace(found, folder=os.path.abspath(path.parent)))
+    return write_text(path, text)
+
+
+def _over(
+    found: Scene, values: Mapping[str, float], file: str, overrides: Sequence[str], without: Sequence[str], folder: Path
+) -> str:
+    tree: dict[str, Any] = {}
+    for override in overrides:
+        path, _, value = override.partition("=")
+        if not path.strip().startswith("sweep"):
+            _put(tree, path.strip(), _yaml(value))
+    for name in without:
+        tree.setdefault("effects", {})[name] = "off"
+    for path, value in values.items():
+        _put(tree, path, text_of(leaf_of(found, path), value))
+    lines = [f"base: {quoted(os.path.relpath(os.path.realpath(file), os.path.realpath(folder)))}", "sweep: null"]
+    return "\n".join([*lines, *_lines(tree, "")]) + "\n"
+
+
+def _yaml(text: str) -> str:
+    """Return the text of an override as a value in a file: a mapping or a list is none without its brackets."""
+    bare = text.strip()
+    plain = bare[:1] in ("{", "[", '"', "'") or (": " not in bare and " #" not in bare and not bare.startswith("- "))
+    return (bare or "null") if plain else quoted(bare)
+
+
+def _put(tree: dict[str, Any], path: str, text: str) -> None:
+    *above, last = keys(path)
+    for name in above:
+        inner = tree.get(name)
+        tree = tree.setdefault(name, {}) if not isinstance(inner, str) else tree.__setitem__(name, {}) or tree[name]
+    tree[last] = text
+
+
+def _lines(tree: Mapping[str, Any], indent: str) -> Iterator[str]:
+    for name, item in tree.items():
+        if isinstance(item, dict):
+            yield f"{indent}{name}:"
+            yield from _lines(item, indent + "  ")
+        else:
+            yield f"{indent}{name}: {item}"
+
+
+def _same(text: str, found: Scene, folder: Path) -> bool:
+    """Tell whether a text gives the scene."""
+    try:
+        again = loads(text, folder=str(folder))
+    except (SceneError, UsageError):
+        return False
+    return scene_text(replace(again, folder=found.folder)) == scene_text(found)

@@ -1,0 +1,19 @@
+"""The page on adding a gas names all that the protocol asks, and nothing else."""
+
+import re
+from pathlib import Path
+
+from screwsim.fluid.gas import Gas
+from screwsim.fluid.models import Asked
+
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "adding-a-gas.md").read_text(encoding="utf-8")
+
+
+def test_every_part_of_the_protocol_has_its_row():
+    rows = re.findall(r"^\| (`[a-z_`, A-Z]+`) \|", PAGE, flags=re.MULTILINE)
+    named = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
+    assert named == {name for name in vars(Gas) if not name.startswith("_")}
+
+
+def test_what_a_gas_is_made_of_is_named():
+    assert set(Asked._fields) <= set(re.findall(r"`(\w+)", PAGE))

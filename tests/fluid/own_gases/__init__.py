@@ -1,0 +1,1 @@
+"""Gases as users write them: each a module of its own with a variable GAS."""

@@ -1,0 +1,94 @@
+"""Figures in axes of one's own: what is drawn is what was computed, and what cannot be drawn says why."""
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from report_fakes import PUMP, SCENE, ok
+
+import screwsim
+from screwsim import plot
+from screwsim.outputs import Result
+from screwsim.scene import loads
+from screwsim.study.sweep import run_sweep
+
+
+@pytest.fixture
+def axes():
+    return Figure().subplots()
+
+
+@pytest.fixture(scope="module")
+def closed() -> Result:
+    return ok(loads(SCENE), keep=True)
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    path = tmp_path_factory.mktemp("swept") / "x.h5"
+    run_sweep(loads(PUMP), path, jobs=1, simulate=ok)
+    return path
+
+
+def test_the_loop_is_that_of_the_cycle(closed, axes):
+    assert screwsim.plot.pv is plot.pressure_volume
+    assert plot.pv(closed, ax=axes) is axes
+    drawn = axes.get_lines()[0]
+    np.testing.assert_allclose(drawn.get_ydata(), closed.cycle["pressure"] * 1e-5)
+    np.testing.assert_allclose(drawn.get_xdata(), closed.cycle["volume"] * 1e6)
+    assert axes.get_xlabel() and axes.get_ylabel()
+
+
+@pytest.mark.parametrize("draw", [plot.pressure, plot.temperatures, plot.mass_flows])
+def test_curves_over_the_angle_span_it(draw, closed, axes):
+    draw(closed, ax=axes)
+    assert axes.get_xlim() == (0.0, 720.0) and axes.get_xlabel()
+
+
+def test_both_sides_of_a_gap_are_told_apart(closed, axes):
+    plot.mass_flows(closed, ax=axes)
+    words = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert words == ["suction port", "discharge port", "tip leakage, leading", "tip leakage, trailing"]
+
+
+def test_a_sweep_is_a_curve_a_speed(swept, axes):
+    plot.curves(swept, "shaft power", ax=axes)
+    assert len(axes.get_legend().get_texts()) == 5
+    drawn = [line for line in axes.get_lines() if len(line.get_ydata())]
+    lowest = min(drawn, key=lambda line: float(np.max(line.get_ydata())))
+    np.testing.assert_allclose(lowest.get_ydata(), 10.0 * 250.0 * np.pi / 30.0 * 1e-3)  # kW at 250 rpm
+
+
+def test_contours_have_a_scale(swept, axes):
+    plot.contours(swept, ax=axes)
+    assert len(axes.figure.axes) == 2
+
+
+def test_settings_of_the_caller_stay(closed, axes):
+    before = dict(matplotlib.rcParams)
+    plot.pv(closed, ax=axes)
+    assert dict(matplotlib.rcParams) == before
+
+
+@pytest.mark.parametrize(
+    ("draw", "given", "says"),
+    [
+        (plot.pv, 3, "int cannot be drawn (pass a Result"),
+        (plot.pv, Result("ok"), "the result has no cycle to draw (simulate(scene, trace=True) keeps it)"),
+        (plot.pv, Result("failed", "gone"), "the result has no cycle to draw (the case failed: gone)"),
+    ],
+)
+def test_what_cannot_be_drawn_says_why(draw, given, says):
+    with pytest.raises(screwsim.UsageError) as error:
+        draw(given)
+    assert str(error.value).startswith(says)
+
+
+def test_axes_must_be_axes(closed):
+    with pytest.raises(screwsim.UsageError, match="ax is str"):
+        plot.pv(closed, ax="left")
+
+
+def test_an_unknown_figure_is_told_with_those_there(swept, axes):
+    with pytest.raises(screwsim.UsageError, match="--figure powr"):
+        plot.curves(swept, "powr", ax=axes)

@@ -1,0 +1,183 @@
+"""The package as a program uses it: what is taken as a scene, values changed, how figures show themselves."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import screwsim
+from screwsim.outputs import Figures, Result
+from screwsim.results import open_results
+from screwsim.results.write import save
+from screwsim.scene.given import yaml_text
+from screwsim.study.progress import Line, Silent, for_program
+from screwsim.study.sweep import run_sweep
+
+MACHINE = {
+    "rotor_diameter": "160 mm",
+    "rotor_length": "176 mm",
+    "volume": {"max": "600 cm^3", "phi_A": "60 deg"},
+    "suction_port": {"area": "40 cm^2", "phi_B": "60 deg"},
+    "discharge_port": {"area": "12 cm^2", "opens": "600 deg", "phi_C": "640 deg"},
+}
+GIVEN = {
+    "title": "small: one",
+    "machine": MACHINE,
+    "gas": {"fluid": "R134a", "isentropic_exponent": 1.12},
+    "operation": {
+        "speed": "3000 rpm",
+        "suction": {"pressure": "1.5 bar", "temperature": "283 K"},
+        "discharge": {"pressure": "12 bar"},
+    },
+    "effects": {"suction_port": {}, "discharge_port": {}, "tip_leakage": {"gap": "50 um"}},
+}
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    return screwsim.simulate(GIVEN)
+
+
+def made(case) -> Result:
+    """Return figures that follow from the speed alone."""
+    speed = case.operation.speed
+    figures = Figures(shaft_power=10.0 * speed, isothermal_efficiency=0.5 + 1e-4 * speed, gas_mass_flow=1e-3 * speed)
+    return Result("ok", performance=figures, error=Figures(dict.fromkeys(figures, 1e-6)))
+
+
+def test_path_text_dict_and_scene_are_one_scene(tmp_path):
+    path = tmp_path / "x.yaml"
+    path.write_text(yaml_text(GIVEN))
+    scene = screwsim.load(path)
+    for given in (path, str(path), yaml_text(GIVEN), json.dumps(GIVEN), GIVEN, scene):
+        assert screwsim.scene.scene_of(given).text == scene.text
+
+
+def test_numbers_of_numpy_are_numbers():
+    given = {**GIVEN, "numerics": {"accuracy": np.float64(1e-3)}}
+    assert screwsim.scene.scene_of(given).numerics.accuracy == 1e-3
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        (3.0, "float is no scene (pass a path, a dict"),
+        ({**GIVEN, "numerics": {"accuracy": object()}}, "numerics.accuracy: <object object"),
+        ({**GIVEN, "numerics": {"accuracy": float("nan")}}, "numerics.accuracy: nan (float) cannot be written"),
+    ],
+)
+def test_what_is_no_scene_says_what_to_pass(given, says):
+    with pytest.raises(screwsim.UsageError) as error:
+        screwsim.simulate(given)
+    assert str(error.value).startswith(says)
+
+
+def test_a_fault_in_a_dict_has_its_path():
+    with pytest.raises(screwsim.SceneError) as error:
+        screwsim.simulate({**GIVEN, "gas": {"fluid": "R134b"}})
+    assert error.value.lines[0].startswith("<dict>:") and "gas.fluid: 'R134b'" in error.value.lines[0]
+
+
+def test_values_are_changed_in_a_new_scene():
+    scene = screwsim.scene.scene_of(GIVEN)
+    other = scene.with_({"operation.discharge.pressure": "8 bar"}, operation__speed="1000 rpm")
+    assert other.operation.discharge.pressure == 8e5
+    assert other.operation.speed == pytest.approx(104.7, abs=0.1)
+    assert scene.operation.discharge.pressure == 12e5 and "1000 rpm" in other.text
+    assert list(scene.without("tip_leakage").effects) == ["suction_port", "discharge_port"]
+    assert list(scene.with_({"effects.tip_leakage": "off"}).effects) == ["suction_port", "discharge_port"]
+    assert scene.with_({"sweep.operation.speed": ["1000 rpm", "2000 rpm"]}).sweep
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "says"),
+    [
+        ("operation.speed", 3000, "with_: operation.speed=3000: operation.speed: 3000 has no unit"),
+        ("operation.sped", "3 rpm", "with_: operation.sped=3 rpm: operation.sped: is not known; did you mean 'speed'?"),
+    ],
+)
+def test_changed_values_are_checked_like_set(path, value, says):
+    with pytest.raises(screwsim.SceneError) as error:
+        screwsim.scene.scene_of(GIVEN).with_({path: value})
+    assert error.value.lines[0].startswith(says)
+
+
+def test_figures_show_their_units_and_meanings(result):
+    shown = repr(result.performance)
+    line = next(line for line in shown.splitlines() if line.startswith("gas_mass_flow "))
+    assert line.endswith("net gas mass flow from the suction line") and " kg/s " in line
+    assert float(line.split()[1]) == pytest.approx(result.performance.gas_mass_flow, rel=1e-5)
+    assert "gas_mass_flow" in dir(result.performance)
+    assert repr(result).startswith("Result: ok\n")
+
+
+def test_a_notebook_shows_a_table_with_customary_units(result):
+    page = result._repr_html_()
+    efficiency = result.performance.volumetric_efficiency
+    assert page.count("<tr>") == len(result.performance) + 1
+    assert f"{100 * efficiency:.5g} %" in page and "°C" in page
+    hostile = Result("failed", message="<b>no</b>")._repr_html_()
+    assert "<b>no</b>" not in hostile and "&lt;b&gt;no" in hostile
+
+
+def test_a_result_is_a_table_of_pandas_and_of_xarray(result):
+    frame, data = result.to_pandas(), result.to_xarray()
+    assert frame.index.name == "angle" and list(frame.pressure) == list(result.cycle["pressure"])
+    assert frame.attrs["shaft_power"] == result.performance.shaft_power
+    assert float(data.shaft_power) == result.performance.shaft_power and data.shaft_power.units == "W"
+    assert data.pressure.dims == ("angle",)
+
+
+def test_results_are_a_row_a_case(tmp_path):
+    scene = screwsim.scene.scene_of(GIVEN).with_({"sweep.operation.speed": ["1000 rpm", "2000 rpm"]})
+    run_sweep(scene, tmp_path / "x.h5", jobs=1, simulate=made)
+    results = open_results(tmp_path / "x.h5")
+    frame = results.to_pandas()
+    assert list(frame["shaft_power"]) == pytest.approx(list(10.0 * frame["operation.speed"]))
+    assert list(frame["status"]) == ["ok", "ok"]
+    assert "operation.speed (2); 2 ok" in repr(results)
+
+
+def test_a_run_is_one_row(tmp_path, result):
+    save(tmp_path / "x.h5", screwsim.scene.scene_of(GIVEN), result)
+    frame = open_results(tmp_path / "x.h5").to_pandas()
+    assert frame["shaft_power"].tolist() == [result.performance.shaft_power]
+
+
+def test_studies_take_what_is_at_hand(monkeypatch, tmp_path):
+    monkeypatch.setattr("screwsim.study.optimum.simulator", lambda warm=None: made)
+    (best,) = screwsim.optimum(GIVEN, "operation.speed", "shaft_power", low="1000 rpm", high="2000 rpm", jobs=1)
+    assert (best.status, best.place) == ("ok", "upper border")
+    with pytest.raises(screwsim.UsageError, match="Dataset is no file of results"):
+        screwsim.performance_map(type("Dataset", (), {})())
+    with pytest.raises(screwsim.UsageError, match="int is no fit"):
+        screwsim.calibrate(3)
+
+
+def test_a_sweep_without_axes_says_how_to_get_them():
+    with pytest.raises(screwsim.UsageError, match=r"scene\.with_\(\{'sweep"):
+        screwsim.sweep(GIVEN)
+
+
+def test_progress_is_silent_unless_asked_for(capsys):
+    assert isinstance(for_program("x"), Silent)
+    line = Line("sweep", every=0.0)
+    line.start(4, 1)
+    line.advance(2, 1)
+    line.stop()
+    told = capsys.readouterr().err
+    assert told.split("\r")[-1] == "sweep: 3 of 4, 1 not ok\n"
+
+
+def test_importing_the_package_imports_nothing_else():
+    code = "import sys, screwsim; print(sorted(name for name in sys.modules if name.startswith('screwsim')))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "['screwsim']"
+
+
+def test_public_names_are_there_and_typed():
+    assert all(getattr(screwsim, name) is not None for name in screwsim.__all__)
+    assert (Path(screwsim.__file__).parent / "py.typed").exists()

@@ -1,0 +1,99 @@
+"""A closed chamber on every blend: by how much its entropy changes in a turn. Run: closed_blends.py [NAME ...].
+
+The chamber of `tests/laws/test_blends.py`, every opening shut, dry (`two_phase: refuse`) and, from vapour into the dome
+and back, wet (`equilibrium`). Writes `tests/laws/closed_blends.json`, a row a blend and kind, each as it comes: a run
+that was ended goes on where it was; blends that are named are done again. Entropy counts over R.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+STORED = ROOT / "tests" / "laws" / "closed_blends.json"
+sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "laws")]
+from scenes import make  # noqa: E402
+
+from screwsim.build import build_gas  # noqa: E402
+from screwsim.faults import SceneError, UsageError  # noqa: E402
+from screwsim.fluid import constants  # noqa: E402
+from screwsim.fluid.composition import composition, predefined  # noqa: E402
+from screwsim.fluid.saturation import saturation  # noqa: E402
+from screwsim.numerics.store import write_atomically  # noqa: E402
+from screwsim.simulate import simulate  # noqa: E402
+
+# dead volume of half the swept one: the chamber expands by three only, and stays within the equation's temperatures
+SHUT = {"effects": {}, "machine.volume.min": "300 cm^3", "numerics": {"accuracy": 1e-4, "rtol": 1e-10}}
+KINDS = {"dry": ("refuse", 0.75, (10.0, 30.0, 60.0, 100.0)), "wet": ("equilibrium", 0.85, (1.0, 5.0, 15.0, 30.0))}
+LEAST_SHARE = 0.02  # of the turn that a wet chamber spends on each side of its dew line
+
+
+def changes(fluid: str, two_phase: str, p: float, superheat: float) -> dict[str, Any]:
+    """Return the changes of the base scene: a shut chamber of vapour at p [Pa], so far [K] over its dew point."""
+    return {
+        "gas": {"fluid": fluid, "model": "real", "two_phase": two_phase},
+        "oil.transport": "carried",
+        "operation.suction": {"pressure": f"{p:.8g} Pa", "superheat": f"{superheat} K"},
+        "operation.discharge": {"pressure": f"{1.3 * p:.8g} Pa"},
+        **SHUT,
+    }
+
+
+def turn(fluid: str, kind: str) -> dict[str, Any]:
+    """Return what a turn of the chamber does to its entropy, from the first superheat that leaves it what it is."""
+    two_phase, reduced, superheats = KINDS[kind]
+    lines, told = saturation(fluid), ""
+    p = constants.dew_pressure(fluid, max(reduced * lines.T_c, 1.02 * lines.T_low))
+    for superheat in superheats:
+        asked = changes(fluid, two_phase, p, superheat)
+        try:
+            scene = make(asked)
+        except SceneError as fault:
+            return {"refused": str(fault)}
+        result = simulate(scene)
+        if result.status != "ok":
+            told = result.message
+            continue
+        gas, cycle = build_gas(scene), result.cycle
+        states = list(zip(cycle["gas_temperature"], cycle["gas_mass"] / cycle["volume"], strict=True))
+        wet = float(np.mean([gas.phased_state[0](T, rho) for T, rho in states])) if kind == "wet" else 0.0
+        if kind == "wet" and not LEAST_SHARE < wet < 1.0 - LEAST_SHARE:
+            told = f"{wet:.2f} of the turn is wet"
+            continue
+        change = float(np.ptp([gas.specific_entropy(T, rho) for T, rho in states]) / gas.R)
+        return {"superheat": superheat, "p": [float(f(cycle["pressure"])) for f in (min, max)], "wet": wet, "s": change}
+    return {"none": told}
+
+
+def known() -> list[str]:
+    """Return the blends that CoolProp has data for."""
+    found = []
+    for name in sorted(predefined()):
+        try:
+            composition(name)
+            saturation(name)
+        except UsageError:  # docs/reference/blends.md says why
+            continue
+        found.append(name)
+    return found
+
+
+def main() -> None:
+    """Turn the chambers that are not stored yet, or those of the blends named."""
+    rows = json.loads(STORED.read_text(encoding="utf-8")) if STORED.exists() else {}
+    for name in sys.argv[1:] or known():
+        if name in rows and not sys.argv[1:]:
+            continue
+        rows[name] = {kind: turn(name, kind) for kind in KINDS}
+        print(name, rows[name], flush=True)
+        text = ",\n".join(f" {json.dumps(each)}: {json.dumps(rows[each])}" for each in sorted(rows))
+        write_atomically(STORED, f"{{\n{text}\n}}\n".encode())
+
+
+if __name__ == "__main__":
+    main()
