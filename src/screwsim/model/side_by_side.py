@@ -6,6 +6,7 @@ What is small is laid side by side for the call and put back after it; histories
 from __future__ import annotations
 
 import ctypes
+import threading
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -66,9 +67,14 @@ class Lanes:
         self._rows = {name: _aligned(size, np.int64 if name in (*WHOLE, "counts") else float) for name, size in sizes.items()}
         self._out = np.zeros(3 * LANES)
         self._n_E = c.n_E
+        self._alone = threading.Lock()  # of two threads of a worker one after the other
 
     def turns(self, asked: Sequence[Asked]) -> list[Answer]:
         """Integrate a life of each, at most as many as there are lanes."""
+        with self._alone:
+            return self._turns(asked)
+
+    def _turns(self, asked: Sequence[Asked]) -> list[Answer]:
         named = [self._arrays(each) for each in asked]
         for name, rows in self._rows.items():
             for lane, arrays in enumerate(named):
