@@ -86,6 +86,7 @@ class _Together:
         self._ready: deque[_Task] = deque()
         self._waiting: list[_Task] = []
         self._alive = 0
+        self._threads: list[threading.Thread] = []
         self._error: BaseException | None = None
         self._stopped = False
         self._ended = threading.Semaphore(0)
@@ -96,7 +97,11 @@ class _Together:
             self._ended.acquire()
         except BaseException:  # of who waits: Ctrl-C
             self._stopped = True
+            self._ended.acquire()
             raise
+        finally:
+            for thread in self._threads:
+                thread.join()
         if self._error is not None:
             raise self._error
         return self._answers
@@ -117,6 +122,7 @@ class _Together:
     def _begin(self, task: _Task) -> None:
         self._alive += 1
         task.thread = threading.Thread(target=self._run, args=(task,), name=f"point {task.number}", daemon=True)
+        self._threads = [thread for thread in self._threads if thread.is_alive()] + [task.thread]
         task.thread.start()
         self._ready.append(task)
 

@@ -97,7 +97,7 @@ class Machinery:
         """Compile (or load) the driver of one chamber, announced when it takes long; not counted as solution time."""
         if "one" not in compiled.warm(self.module):
             with self.compiling("one"):
-                self.turn(start(), 1e-2, 1e-3)
+                self.own_turn(start(), 1e-2, 1e-3)
                 self.swap()
                 self.states_at(np.array([0.1]))
                 self.blend([self.image(), self.image()], np.array([0.5, 0.5]))
