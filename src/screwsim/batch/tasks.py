@@ -28,6 +28,8 @@ from screwsim.simulate import simulate, simulate_many
 
 Answer = TypeVar("Answer")
 IN_FLIGHT = 2 * LANES  # tasks at a time: turns of like tolerance find each other
+ON_GPU = 1024  # the same on a GPU, and turns in one call
+Turns = Callable[[Sequence[side_by_side.Asked]], list[Any]]
 During = Callable[[Sequence[int]], AbstractContextManager[None]]  # the threads for which a call is made
 
 
@@ -46,21 +48,25 @@ class _Task:
 
 
 def together(
-    tasks: Sequence[Callable[[], Answer]], in_flight: int = IN_FLIGHT, during: During | None = None
+    tasks: Sequence[Callable[[], Answer]], in_flight: int | None = None, during: During | None = None, gpu: bool = False
 ) -> list[Answer]:
     """Return what each task returns; the turns that they ask for are integrated side by side.
 
-    What a task raises is raised here, once all have ended. `during` surrounds waiting and calls, for who takes times.
+    `in_flight` tasks run at a time. What a task raises is raised here, once all have ended. `during` surrounds waiting
+    and calls, for who takes times. With `gpu` a GPU integrates (`screwsim.batch.cuda`), else the lanes of this core.
     """
-    return _Together(tasks, max(1, in_flight), during or _plain).run()
+    default, most = (ON_GPU, ON_GPU) if gpu else (IN_FLIGHT, LANES)
+    return _Together(tasks, max(1, in_flight or default), during or _plain, most, _turns_on_gpu if gpu else _turns).run()
 
 
-def simulate_courses(courses: Iterable[Iterable[Scene]], trace: bool = False) -> list[list[Result]]:
+def simulate_courses(
+    courses: Iterable[Iterable[Scene]], trace: bool = False, gpu: bool = False
+) -> list[list[Result]]:
     """Return the results of courses of scenes, side by side; within a course each scene begins from those before it.
 
     Courses of one scene each are points that have nothing to do with each other, as those of a sample.
     """
-    return together([partial(_course, list(scenes), trace) for scenes in courses])
+    return together([partial(_course, list(scenes), trace) for scenes in courses], gpu=gpu)
 
 
 def _course(scenes: Sequence[Scene], trace: bool) -> list[Result]:
@@ -79,10 +85,13 @@ def _plain(threads: Sequence[int]) -> AbstractContextManager[None]:
 class _Together:
     """Tasks in threads of their own, of which one runs at a time and hands on to the next."""
 
-    def __init__(self, tasks: Sequence[Callable[[], Any]], in_flight: int, during: During) -> None:
+    def __init__(
+        self, tasks: Sequence[Callable[[], Any]], in_flight: int, during: During, most: int, turns: Turns
+    ) -> None:
         self._left = deque(_Task(number, work) for number, work in enumerate(tasks))
         self._answers: list[Any] = [None] * len(tasks)
         self._in_flight, self._during = in_flight, during
+        self._most, self._turns = most, turns
         self._ready: deque[_Task] = deque()
         self._waiting: list[_Task] = []
         self._alive = 0
@@ -149,6 +158,8 @@ class _Together:
             task.go.acquire()
         if self._stopped:
             raise Stopped
+        if isinstance(task.answer, BaseException):  # of the call: it is told in each that was waiting for it
+            raise task.answer
         answer, share = task.answer
         machinery.compile_time += time.perf_counter() - began - share  # what others took is no time of this one
         return answer
@@ -164,7 +175,7 @@ class _Together:
             assert first is not None
             alike = [task for task in self._waiting if _alike(task.asked, first)]
             alike.sort(key=lambda task: _distance(task.asked, first))
-            chosen = alike[:LANES]
+            chosen = alike[: self._most]
             self._answer(chosen)
         self._waiting = [task for task in self._waiting if task not in chosen]
         self._ready.extend(chosen)
@@ -172,8 +183,13 @@ class _Together:
     def _answer(self, chosen: Sequence[_Task]) -> None:
         asked = [task.asked for task in chosen if task.asked is not None]
         began = time.perf_counter()
-        with self._during([task.thread.ident or 0 for task in chosen if task.thread]):
-            answers = _turns(asked)
+        try:
+            with self._during([task.thread.ident or 0 for task in chosen if task.thread]):
+                answers = self._turns(asked)
+        except BaseException as error:  # noqa: BLE001 - raised where the turns were asked for
+            for task in chosen:
+                task.answer = error
+            return
         share = (time.perf_counter() - began) / len(chosen)
         for task, answer in zip(chosen, answers, strict=True):
             task.answer = answer, share
@@ -204,3 +220,17 @@ def _turns(asked: Sequence[side_by_side.Asked]) -> list[Any]:
     if lanes is None:
         return [each.machinery.own_turn(each.y, each.rtol, each.h) for each in asked]
     return lanes.turns(asked)
+
+
+_on_gpu: dict[str, Any] = {}  # by the name of a module
+
+
+def _turns_on_gpu(asked: Sequence[side_by_side.Asked]) -> list[Any]:
+    """Return turns of one structure, integrated on a GPU."""
+    from screwsim.batch.cuda import Cuda
+
+    machinery = asked[0].machinery
+    name = machinery.module.__name__
+    if name not in _on_gpu:
+        _on_gpu[name] = Cuda(machinery)
+    return _on_gpu[name].turns(asked)
