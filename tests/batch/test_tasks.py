@@ -40,7 +40,7 @@ def sample():
 
 @pytest.fixture(scope="module")
 def many(sample):
-    return [result for result, in simulate_courses([[scene] for scene in sample])]
+    return [result for (result,) in simulate_courses([[scene] for scene in sample])]
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_figures_and_their_errors_are_those_of_single_points(alone, many):
 def test_no_bit_depends_on_the_grouping(size, sample, many):
     some = sample[:3] if size == 1 else sample
     groups = [some[first : first + size] for first in range(0, len(some), size)]
-    found = [result for group in groups for result, in simulate_courses([[scene] for scene in group])]
+    found = [result for group in groups for (result,) in simulate_courses([[scene] for scene in group])]
     assert list(map(told, found)) == list(map(told, many[: len(some)]))
 
 

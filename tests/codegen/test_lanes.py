@@ -158,7 +158,9 @@ def test_exponential_and_logarithm_at_their_ends():
     ends = [0.0, -800.0, 800.0, math.nan, math.inf, -math.inf, -708.5, 1.0]
     found = in_lanes("def f(x):\n    return math.exp(x)\n", ends)[0]
     np.testing.assert_array_equal(found[:7], [1.0, 0.0, math.inf, math.nan, math.inf, 0.0, 0.0])
-    found = in_lanes("def f(x):\n    return math.log(x)\n", [0.0, -1.0, 1e-310, math.nan, math.inf, -math.inf, 1.0, 2.0])
+    found = in_lanes(
+        "def f(x):\n    return math.log(x)\n", [0.0, -1.0, 1e-310, math.nan, math.inf, -math.inf, 1.0, 2.0]
+    )
     np.testing.assert_array_equal(found[0, :7], [-math.inf, math.nan, -math.inf, math.nan, math.inf, math.nan, 0.0])
 
 

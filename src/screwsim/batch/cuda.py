@@ -134,12 +134,25 @@ class Cuda:
         c, (old, new), (state, own) = machinery.composition, machinery.histories, machinery.spaces
         steps = min(self.most_steps, machinery.max_steps)
         return {
-            **{"breakpoints": c.breakpoints, "n_breakpoints": np.int64(len(c.breakpoints)), "y": each.y},
-            **{"q": np.zeros(machinery.nq), "rtol": np.float64(each.rtol), "h": np.float64(each.h)},
-            **{"counts": machinery.counts, "quads": new[2][:steps], "P": c.P, "TAB": c.TAB, "R": machinery.R},
-            **{"t_old": old[0][: steps + 1], "d_old": old[1][:steps]},
-            **{"t_new": new[0][: steps + 1], "d_new": new[1][:steps]},
-            **{"kept": machinery.kept, "hints": machinery.hints, "state": state, "own": own},
+            "breakpoints": c.breakpoints,
+            "n_breakpoints": np.int64(len(c.breakpoints)),
+            "y": each.y,
+            "q": np.zeros(machinery.nq),
+            "rtol": np.float64(each.rtol),
+            "h": np.float64(each.h),
+            "counts": machinery.counts,
+            "quads": new[2][:steps],
+            "P": c.P,
+            "TAB": c.TAB,
+            "R": machinery.R,
+            "t_old": old[0][: steps + 1],
+            "d_old": old[1][:steps],
+            "t_new": new[0][: steps + 1],
+            "d_new": new[1][:steps],
+            "kept": machinery.kept,
+            "hints": machinery.hints,
+            "state": state,
+            "own": own,
         }
 
     def _put(self, each: Asked, found: dict[str, Any]) -> Answer:

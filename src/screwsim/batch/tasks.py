@@ -56,12 +56,12 @@ def together(
     and calls, for who takes times. With `gpu` a GPU integrates (`screwsim.batch.cuda`), else the lanes of this core.
     """
     default, most = (ON_GPU, ON_GPU) if gpu else (IN_FLIGHT, LANES)
-    return _Together(tasks, max(1, in_flight or default), during or _plain, most, _turns_on_gpu if gpu else _turns).run()
+    return _Together(
+        tasks, max(1, in_flight or default), during or _plain, most, _turns_on_gpu if gpu else _turns
+    ).run()
 
 
-def simulate_courses(
-    courses: Iterable[Iterable[Scene]], trace: bool = False, gpu: bool = False
-) -> list[list[Result]]:
+def simulate_courses(courses: Iterable[Iterable[Scene]], trace: bool = False, gpu: bool = False) -> list[list[Result]]:
     """Return the results of courses of scenes, side by side; within a course each scene begins from those before it.
 
     Courses of one scene each are points that have nothing to do with each other, as those of a sample.

@@ -203,7 +203,9 @@ class LaneOperations(Expressions):
 
     def _one_by_one(self, name: str, given: Sequence[Value], count: int) -> Value:
         """Return a function's values, asked lane by lane; those that are not at work ask for that of one."""
-        self.library.declare(f"declare double @{name}({', '.join(['double'] * count)}) nounwind willreturn memory(none)")
+        self.library.declare(
+            f"declare double @{name}({', '.join(['double'] * count)}) nounwind willreturn memory(none)"
+        )
         mask, found = self.mask(), "poison"
         kept = [
             self.new(f"select {MASK} {mask}, {REAL} {each.parts[0]}, {REAL} splat (double {float_text(1.0)})")

@@ -18,8 +18,8 @@ import numpy as np
 from screwsim.codegen.calls import Context
 from screwsim.model import compiled, under_scipy
 from screwsim.model.composition import Composition
-from screwsim.model.exchange import here
 from screwsim.model.contexts import ChamberContext, CoupledContext
+from screwsim.model.exchange import here
 from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PLACE
 from screwsim.model.trajectory import Trajectory, with_numbers
 from screwsim.numerics.compiling import seconds_again

@@ -64,7 +64,9 @@ class Lanes:
         c = like.composition
         sizes = {"y": like.n, "q": like.nq, "P": len(c.P), "R": c.n_R, "counts": len(like.counts)}
         sizes |= {"kept": 2, "hints": len(like.hints), "state": len(like.spaces[0]), "own": len(like.spaces[1])}
-        self._rows = {name: _aligned(size, np.int64 if name in (*WHOLE, "counts") else float) for name, size in sizes.items()}
+        self._rows = {
+            name: _aligned(size, np.int64 if name in (*WHOLE, "counts") else float) for name, size in sizes.items()
+        }
         self._out = np.zeros(3 * LANES)
         self._n_E = c.n_E
         self._alone = threading.Lock()  # of two threads of a worker one after the other
@@ -93,10 +95,22 @@ class Lanes:
         c, (old, new) = machinery.composition, machinery.histories
         state, own = machinery.spaces
         return {
-            **{"y": each.y, "q": np.zeros(machinery.nq), "P": c.P, "R": machinery.R, "counts": machinery.counts},
-            **{"kept": machinery.kept, "hints": machinery.hints, "state": state, "own": own},
-            **{"breakpoints": c.breakpoints, "TAB": c.TAB, "t_old": old[0], "d_old": old[1]},
-            **{"t_new": new[0], "d_new": new[1], "quads": new[2]},
+            "y": each.y,
+            "q": np.zeros(machinery.nq),
+            "P": c.P,
+            "R": machinery.R,
+            "counts": machinery.counts,
+            "kept": machinery.kept,
+            "hints": machinery.hints,
+            "state": state,
+            "own": own,
+            "breakpoints": c.breakpoints,
+            "TAB": c.TAB,
+            "t_old": old[0],
+            "d_old": old[1],
+            "t_new": new[0],
+            "d_new": new[1],
+            "quads": new[2],
         }
 
     def _words(self, asked: Sequence[Asked], named: Sequence[dict[str, Array]]) -> Array:
@@ -139,4 +153,8 @@ def _aligned(rows: int, of: Any) -> Array:
 
 
 def _address(table: Array) -> int:
-    return ctypes.addressof(ctypes.c_char.from_buffer(table)) if table.flags.writeable and table.size else table.ctypes.data
+    return (
+        ctypes.addressof(ctypes.c_char.from_buffer(table))
+        if table.flags.writeable and table.size
+        else table.ctypes.data
+    )
