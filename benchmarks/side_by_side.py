@@ -1,7 +1,8 @@
 """Print what points side by side in the lanes of a core gain over one by one, in processor time of interleaved pairs.
 
-Run: python benchmarks/side_by_side.py [PAIRS | SCENE.yaml …]. Courses of R134a over the condensing temperature, with errors estimated or
-not; points of a sample, each from its own first guess; the turns of these alone. Of scenes: by how much their figures differ from those of the point alone, and their evaluations.
+Run: python benchmarks/side_by_side.py [PAIRS | SCENE.yaml …]. Courses of R134a over the condensing temperature, with
+errors estimated or not; points of a sample, each from its own first guess; the turns of these alone. Of scenes: by how
+much their figures differ from those of the point alone, and their evaluations.
 """
 
 from __future__ import annotations

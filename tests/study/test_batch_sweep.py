@@ -1,4 +1,4 @@
-"""A sweep with its blocks side by side: the same cases, statuses and messages, in whatever chunks, after whatever stop."""
+"""A sweep with its blocks side by side: the same cases, statuses and messages, in whatever chunks, after any stop."""
 
 from pathlib import Path
 
@@ -85,7 +85,7 @@ def test_chunks_have_as_many_blocks_as_there_are_lanes_where_all_workers_have_so
         return found
 
     assert sizes(32, 2) == [8, 8, 8, 8]
-    assert sizes(6, 2) == [3, 2, 1]
+    assert sizes(6, 2) == [3, 3]
     assert sum(sizes(37, 3)) == 37
 
 

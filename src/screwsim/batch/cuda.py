@@ -1,7 +1,7 @@
 """The same text on a GPU: a turn of each point in a thread of its own, in double precision, through numba-cuda.
 
-An optional extra (`pip install 'screwsim[gpu]'`). Untested on a device: tests run it in numba's simulator, which runs the
-kernels as Python. What is done between turns stays on the processor, as with lanes (`batch.tasks`).
+An optional extra (`pip install 'screwsim[gpu]'`). Untested on a device: tests run it in numba's simulator, which runs
+the kernels as Python. What is done between turns stays on the processor, as with lanes (`batch.tasks`).
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def _with_local_memory(program: Program, node: ast.FunctionDef, known: dict[str,
 
 @cache
 def kernel_of(text: str, n_E: int) -> Any:
-    """Return the kernel of a composition's text; raise UsageError where numba-cuda is missing, or no device is there."""
+    """Return the kernel of a composition's text; raise UsageError without numba-cuda or a device."""
     try:
         from numba import cuda
     except ImportError:

@@ -1,7 +1,7 @@
 """Solve points side by side: each goes its own way, and what they have in common is done for many in one call.
 
-Each task runs in a thread of its own, one at a time, until it asks for a turn. When all of them have asked, the turns of
-one structure are integrated together (`model.side_by_side`). What is done between turns (mixing, corrections,
+Each task runs in a thread of its own, one at a time, until it asks for a turn. When all of them have asked, the turns
+of one structure are integrated together (`model.side_by_side`). What is done between turns (mixing, corrections,
 estimates, figures, the verdict) is that of a single point, and so is what each lane computes: no result depends on
 which points ran beside it.
 """
@@ -118,7 +118,7 @@ class _Together:
     # ---- one runs at a time ----------------------------------------------------------------------------------------
 
     def _hand_on(self) -> None:
-        """Let the next task run: a new one while there is room, one that has its answer, or after a call one of these."""
+        """Let the next task run: a new one while there is room, one that has its answer, one after a call."""
         while self._left and self._alive < self._in_flight and not self._stopped:
             self._begin(self._left.popleft())
         if not self._ready and self._waiting:

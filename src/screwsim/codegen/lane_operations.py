@@ -286,10 +286,7 @@ class LaneOperations(Expressions):
         """Return the address so many elements on, and the kind of array that begins there."""
         one, name = of.kind.of[0].parts[0], of.kind.name
         uniform = at.kind in OF_LANES
-        if uniform:
-            where = f"i64 {self.as_kind(at, INTEGER).parts[0]}"
-        else:
-            where = f"{WHOLE} {self.as_whole(at)}"
+        where = f"i64 {self.as_kind(at, INTEGER).parts[0]}" if uniform else f"{WHOLE} {self.as_whole(at)}"
         base = f"ptr {of.parts[0]}" if name in "ap" else f"{ADDRESSES} {of.parts[0]}"
         if name == "p" and uniform:
             return self.new(f"getelementptr inbounds <{LANES} x {one}>, {base}, {where}"), of.kind

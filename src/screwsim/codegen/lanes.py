@@ -1,8 +1,8 @@
 """One function of a text for points side by side: what `emit` writes, with a mask of the lanes that are at work.
 
 A branch that lanes do not take together is taken by those that want it while the others wait; a loop runs until none
-of its lanes is left. So each lane does what it would do alone, operation by operation, whatever the others do: no bit of
-its results depends on them. A variable's value is that of the lanes that were at work when it was given; what others
+of its lanes is left. So each lane does what it would do alone, operation by operation, whatever the others do: no bit
+of its results depends on them. A variable's value is that of the lanes that were at work when it was given; what others
 hold stays.
 """
 
@@ -26,9 +26,9 @@ from screwsim.codegen.kinds import (
     Kind,
     Value,
     joined,
-    row_of,
 )
-from screwsim.codegen.lane_operations import MASK, NONE_OF_THEM, WHOLE, LaneOperations
+from screwsim.codegen.lane_expressions import LaneExpressions
+from screwsim.codegen.lane_operations import MASK, NONE_OF_THEM, WHOLE
 from screwsim.codegen.program import constant
 from screwsim.numerics.kernel import nodes
 
@@ -43,7 +43,7 @@ class _Loop(NamedTuple):
     after: str
 
 
-class LaneEmitter(LaneOperations, Emitter):
+class LaneEmitter(LaneExpressions, Emitter):
     """Writes one function of all lanes; `split` tells how many branches that lanes take apart it is within."""
 
     def __init__(self, library: Library, name: str, arguments: Sequence[Kind]) -> None:
@@ -116,9 +116,6 @@ class LaneEmitter(LaneOperations, Emitter):
             before = self.new(f"load {part}, ptr {slot}")
             register = self.new(f"select {MASK} {self.mask()}, {part} {register}, {part} {before}")
         self.add(f"store {part} {register}, ptr {slot}")
-
-    def set_mask(self, mask: str) -> None:
-        self.add(f"store {MASK} {mask}, ptr %m")
 
     def masks(self, first: str) -> str:
         """Return room for a mask."""
@@ -329,100 +326,6 @@ class LaneEmitter(LaneOperations, Emitter):
             self._drop(gone, loop.after)
         self.set_mask(NONE_OF_THEM)
         self.ended = True
-
-    # ---- expressions -----------------------------------------------------------------------------------------------
-
-    def _both(self, every: bool, parts: Sequence[ast.expr]) -> Value:
-        """Return whether all hold, or any; a lane that knows already does not ask what follows."""
-        found, before = self.truth(parts[0]), ""
-        for node in parts[1:]:
-            if found.known is not None:
-                if bool(found.known) is not every:
-                    break
-                found = self.truth(node)
-                continue
-            mask = before or self.mask()
-            before = mask
-            so_far = self.as_kind(found, TRUTHS).parts[0]
-            self.set_mask(self.both(mask, so_far) if every else self.without(mask, so_far))
-            value = self.truth(node)
-            if found.kind == value.kind == TRUTH:
-                ways = (value.parts[0], "false") if every else ("true", value.parts[0])
-                found = Value(TRUTH, (self.new(f"select i1 {found.parts[0]}, i1 {ways[0]}, i1 {ways[1]}"),))
-                continue
-            other = self.as_kind(value, TRUTHS).parts[0]
-            whole = f"{MASK} {other}, {MASK} {NONE_OF_THEM}" if every else f"{MASK} splat (i1 true), {MASK} {other}"
-            found = Value(TRUTHS, (self.new(f"select {MASK} {so_far}, {whole}"),))
-        if before:
-            self.set_mask(before)
-        return found
-
-    def _compared(self, left: ast.expr, ops: Sequence[ast.cmpop], others: Sequence[ast.expr], node: ast.expr) -> Value:
-        values = [self.expression(each) for each in (left, *others)]
-        found = [self.compare(op, a, b, node) for op, a, b in zip(ops, values, values[1:], strict=False)]
-        if len(found) == 1:
-            return found[0]
-        whole = self.as_kind(found[0], TRUTHS)
-        for each in found[1:]:
-            both = f"and {MASK} {whole.parts[0]}, {self.as_kind(each, TRUTHS).parts[0]}"
-            whole = Value(TRUTHS, (self.new(both),))
-        return whole
-
-    def _choice(self, test: ast.expr, body: ast.expr, orelse: ast.expr, node: ast.expr) -> Value:
-        decided = self.truth(test)
-        if decided.known is not None:
-            return self.expression(body if decided.known else orelse)
-        where, before = self.as_kind(decided, TRUTHS).parts[0], self.mask()
-        self.set_mask(self.both(before, where))
-        one = self.expression(body)
-        self.set_mask(self.without(before, where))
-        other = self.expression(orelse)
-        self.set_mask(before)
-        if decided.kind == TRUTH and one.kind == other.kind and one.kind in OF_LANES and one.kind != FLOAT:
-            part = one.kind.parts[0]
-            ways = f"{part} {one.parts[0]}, {part} {other.parts[0]}"
-            return Value(one.kind, (self.new(f"select i1 {decided.parts[0]}, {ways}"),))
-        return self.chosen(where, one, other)
-
-    def _subscript(self, of: Value, index: ast.expr, node: ast.expr) -> Value:
-        if of.kind.name in "tc":
-            return super()._subscript(of, index, node)
-        if isinstance(index, ast.Slice):
-            return self._slice(of, index, node)
-        if self.count_of(index) < of.kind.axes:
-            return self._row(of, index, node)
-        return self.read(*self.element(of, index, node))
-
-    def _attribute(self, of: Value, name: str, node: ast.expr) -> Value:
-        if of.kind.name in ARRAYS and name == "shape":
-            return Value(Kind("t", (INTEGER,) * of.kind.axes), of.parts[1:])
-        return super()._attribute(of, name, node)
-
-    def _row(self, of: Value, index: ast.expr, node: ast.expr) -> Value:
-        if isinstance(index, ast.Tuple):
-            value = of
-            for each in index.elts:
-                value = self._row(value, each, node)
-            return value
-        skip = self.whole(self.expression(index), node)
-        for size in of.parts[2:]:
-            skip = self.operation(ast.Mult(), skip, Value(INTEGER, (size,)), node)
-        at, kind = self.moved(of, skip)
-        return Value(row_of(kind), (at, *of.parts[2:]))
-
-    def _slice(self, of: Value, index: ast.Slice, node: ast.expr) -> Value:
-        if index.step is not None or of.kind.name not in ARRAYS:
-            raise self.fail(node, "this slice is not compiled")
-        first = constant(0) if index.lower is None else self.whole(self.expression(index.lower), node)
-        last = Value(INTEGER, (of.parts[1],))
-        last = last if index.upper is None else self.whole(self.expression(index.upper), node)
-        count, skip = self.operation(ast.Sub(), last, first, node), first
-        if count.kind != INTEGER:
-            raise self.fail(node, "lanes cannot take parts of different length")
-        for size in of.parts[2:]:
-            skip = self.operation(ast.Mult(), skip, Value(INTEGER, (size,)), node)
-        at, kind = self.moved(of, skip)
-        return Value(kind, (at, count.parts[0], *of.parts[2:]))
 
     # ---- calls -----------------------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""Turns of several points of one structure in one call: each in a lane of its own, with its own angle, step and tolerance.
+"""Turns of several points of one structure in one call: each in a lane, with its own angle, step and tolerance.
 
 What is small is laid side by side for the call and put back after it; histories and tables stay where they are.
 """

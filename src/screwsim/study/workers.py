@@ -77,6 +77,7 @@ class Chunks:
         self._jobs = jobs
         self._longest = longest
         self._beside = beside
+        self._least = 0  # of a chunk: not known yet
         self._blocks = 0
         self._seconds = 0.0
 
@@ -97,7 +98,9 @@ class Chunks:
         self._left += len(blocks)
 
     def _size(self) -> int:
-        least = min(self._beside, -(-self._left // self._jobs()))
+        if not self._least:
+            self._least = min(self._beside, max(1, -(-self._left // self._jobs())))
+        least = self._least
         if not self._blocks:
             return max(_FIRST, least)
         wanted = int(CHUNK_SECONDS * self._blocks / max(self._seconds, 1e-9))
