@@ -32,6 +32,8 @@ LONGEST = (
     "tests/report/test_report.py",
     "tests/validation/test_sources.py",
     "tests/laws/test_side_by_side.py",
+    "tests/explore/test_browser.py",
+    "tests/explore/test_server.py",
     "tests/cli/test_process.py",
     "tests/laws/test_line_valve.py",
     "tests/laws/test_dragged_oil.py",

@@ -15,15 +15,18 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from screwsim import plot
-    from screwsim.api import calibrate, optimum, performance_map
+    from screwsim.api import calibrate, datasheet, optimum, performance_map
     from screwsim.faults import SceneError, UsageError
     from screwsim.outputs import Result
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
     from screwsim.simulate import simulate
+    from screwsim.study.local import sensitivities
+    from screwsim.study.map_points import evaluate_map
     from screwsim.study.optimize import optimize
     from screwsim.study.seek import find
     from screwsim.study.sweep import run_sweep, sweep
+    from screwsim.study.uncertain import uncertainty
 
 __version__ = "0.1.0"
 
@@ -34,6 +37,8 @@ __all__ = [
     "UsageError",
     "__version__",
     "calibrate",
+    "datasheet",
+    "evaluate_map",
     "find",
     "load",
     "loads",
@@ -44,8 +49,10 @@ __all__ = [
     "plot",
     "run_sweep",
     "schema",
+    "sensitivities",
     "simulate",
     "sweep",
+    "uncertainty",
 ]
 
 _HOMES = {
@@ -54,6 +61,8 @@ _HOMES = {
     "SceneError": "screwsim.faults",
     "UsageError": "screwsim.faults",
     "calibrate": "screwsim.api",
+    "datasheet": "screwsim.api",
+    "evaluate_map": "screwsim.study.map_points",
     "find": "screwsim.study.seek",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
@@ -63,8 +72,10 @@ _HOMES = {
     "performance_map": "screwsim.api",
     "run_sweep": "screwsim.study.sweep",
     "schema": "screwsim.scene",
+    "sensitivities": "screwsim.study.local",
     "simulate": "screwsim.simulate",
     "sweep": "screwsim.study.sweep",
+    "uncertainty": "screwsim.study.uncertain",
 }
 
 

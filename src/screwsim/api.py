@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from screwsim.faults import UsageError
+from screwsim.report.datasheet import write_sheet
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, scene_of
 from screwsim.study import optimum as _optimum
@@ -18,6 +20,7 @@ from screwsim.study.calibration import calibrate as _calibrate
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.solve import Calibration
+from screwsim.study.datasheet import Sheet, sheet_of
 from screwsim.study.progress import for_program
 from screwsim.study.sweep import run_sweep
 
@@ -47,6 +50,31 @@ def optimum(
     ends = {"first": None if low is None else str(low), "last": None if high is None else str(high)}
     asked = _optimum.question(at, path, figure, minimum=minimum, **ends)
     return _optimum.optimum(at, asked, jobs=jobs, progress=for_program("optimum", progress))
+
+
+def datasheet(
+    scene: SceneLike,
+    *,
+    evaporating: str | None = None,
+    condensing: str | None = None,
+    limits: Sequence[str] = (),
+    output: str | os.PathLike[str] | None = None,
+    jobs: int | None = None,
+    progress: bool | None = None,
+) -> Sheet:
+    """Return the data sheet of an air package or a refrigeration compressor (`screwsim datasheet`).
+
+        sheet = screwsim.datasheet("point.yaml", limits=["discharge_temperature<110 degC"], output="sheet.pdf")
+
+    `sheet.document` holds it in SI units, as `--json` prints it; `output` is where a page or a PDF is written.
+    """
+    bar = for_program("datasheet", progress)
+    found = sheet_of(
+        scene_of(scene), evaporating=evaporating, condensing=condensing, limits=limits, jobs=jobs, progress=bar
+    )
+    if output is not None:
+        write_sheet(found, Path(output))
+    return found
 
 
 def performance_map(results: ResultsLike, figures: Sequence[str] = _map.FIGURES) -> list[_map.PerformanceMap]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from traceback import walk_tb
 from typing import Any, NamedTuple
 
+from screwsim import sought
 from screwsim.effects.base import (
     Around,
     ChamberState,
@@ -112,7 +113,12 @@ def package_of(scene: Scene) -> LosesPressure | None:
     return next((parameters for parameters in every if isinstance(parameters, LosesPressure)), None)
 
 
-def completed(scene: Scene, near: Temperatures | None = None, losses: PressureLosses | None = None) -> Scene:
+def completed(
+    scene: Scene,
+    near: Temperatures | None = None,
+    losses: PressureLosses | None = None,
+    open_numbers: Sequence[float] | None = None,
+) -> Scene:
     """Return a scene in which all has values that is found with the cycle: what is `near`, or first guesses.
 
     These are temperatures that effects.separator finds, and the losses of a package. Raise Unfound where oil or effects
@@ -124,7 +130,7 @@ def completed(scene: Scene, near: Temperatures | None = None, losses: PressureLo
         guess = package.losses(package.at_rated_flow, at.p_s, at.p_d)
         near_by = losses is not None and min(losses.behind, guess.behind) >= 0.0  # both deliver
         scene = replace(scene, losses=losses if near_by else guess)
-    return _tempered(scene, near)
+    return _tempered(sought.completed(scene, open_numbers), near)
 
 
 def _tempered(scene: Scene, near: Temperatures | None) -> Scene:

@@ -25,6 +25,13 @@ class Derived(float):
     """A quantity that the scene does not state itself: it follows from what it states."""
 
 
+class Found(float):
+    """A quantity that a scene leaves open and that is found with the cycle: where the search stands, 0 before it."""
+
+
+AUTO = "auto"  # how a scene asks for it
+
+
 class DerivedCount(int):
     """A whole number that the scene does not state itself."""
 
@@ -102,6 +109,7 @@ def _field(
     hardly: Bounds = ANY,
     remedy: str = "",
     otherwise: tuple[str, ...] = (),
+    auto: bool = False,
     **limits: Any,
 ) -> Any:
     metadata = {
@@ -111,6 +119,7 @@ def _field(
         "hardly": hardly,
         "remedy": remedy,
         "otherwise": otherwise,
+        "auto": auto,
         "limits": {name: value for name, value in limits.items() if value is not None},
     }
     if default is REQUIRED:
@@ -121,7 +130,7 @@ def _field(
 class Limits(TypedDict, total=False):
     """What bounds a number [SI]: what it cannot be beyond, what it hardly is beyond, what to write in its place.
 
-    `otherwise` are fields of the same section that state it in its place.
+    `otherwise` are fields of the same section that state it in its place; with `auto` it may be found with the cycle.
     """
 
     gt: float | None
@@ -131,6 +140,7 @@ class Limits(TypedDict, total=False):
     hardly: Bounds
     remedy: str
     otherwise: tuple[str, ...]
+    auto: bool
 
 
 def quantity(kind: str, doc: str, default: Any = REQUIRED, **limits: Unpack[Limits]) -> Any:

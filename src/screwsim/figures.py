@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, is_dataclass
 from functools import cache
+from operator import is_
 from typing import Any
 
 from screwsim.display import table_html, table_text
@@ -125,11 +126,33 @@ def _giver(effect: str, figure: Figure) -> str:
     return " or ".join(own or [f"effects.{effect}"]) + (f", and {' or '.join(others)}" if others and not own else "")
 
 
+_last: tuple[tuple[Any, ...], Any, dict[str, Figure]] = (), None, {}
+
+
 def called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
-    """Return the figures that a scene calls for: the core's, its effects' losses before the sum, then other figures.
+    """Return the figures that a scene calls for; what the case before called for, where both state the same.
 
     Raise UsageError, in one line, of an effect that gives a figure which nobody declares.
     """
+    global _last
+    same = scene.effects, parts.effects, scene.machine, scene.gas, scene.oil, parts.geometry
+    operation = _stated(scene.operation), _stated(scene.oil_supply), parts.oil is None, parts.set_speed is None
+    last, stated, found = _last  # at once: threads share it
+    if len(last) != len(same) or stated != operation or not all(map(is_, same, last)):
+        found = _called_for(scene, parts)
+        _last = same, operation, found
+    return dict(found)
+
+
+def _stated(part: Any) -> Any:
+    """Return which values a section states, in words or at all: what figures are called for by."""
+    if is_dataclass(part):
+        return tuple([_stated(value) for value in vars(part).values()])
+    return part if isinstance(part, str) else part is None
+
+
+def _called_for(scene: Scene, parts: Parts) -> dict[str, Figure]:
+    """Return the core's figures, the effects' losses before the sum, then other figures."""
     given = dict(_given(scene, parts))
     losses = {part.figure for _, part in parts.all(PowerLoss)}
     called: dict[str, Figure] = {}

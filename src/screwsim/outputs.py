@@ -408,6 +408,7 @@ class Result:
     cycle: Mapping[str, np.ndarray] = field(default_factory=dict)
     ledger: Figures = field(default_factory=Figures)  # empty without the cycle
     knock_out: tuple[Figures, ...] = ()  # what leaving each effect out changes, where it was asked for
+    uncertainty: Mapping[str, Any] = field(default_factory=dict)  # of the inputs, where the scene gives tolerances
 
     @property
     def told(self) -> str:
@@ -438,7 +439,8 @@ class Result:
 
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints (the cycle stays in the HDF5 file)."""
-        asked = {"knock_out": [dict(cost) for cost in self.knock_out]} if self.knock_out else {}
+        asked: dict[str, Any] = {"knock_out": [dict(cost) for cost in self.knock_out]} if self.knock_out else {}
+        asked |= {"uncertainty": dict(self.uncertainty)} if self.uncertainty else {}
         return {
             "status": self.status,
             "message": self.message,

@@ -14,6 +14,8 @@ import os
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from screwsim.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.report import cycle, families, maps, sweeps
@@ -70,7 +72,8 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
     label = shown_axis(found.axis_list[layout.x]).label
     sweeps.label_axes(axes, label, shown_figure(found, name).label, [curve.x for curve in drawn])
     if layout.curves is not None:
-        own = [line for line in axes.get_lines() if line.get_linestyle() != "None"][: len(drawn)]
+        lines = [line for line in axes.get_lines() if line.get_linestyle() != "None"]
+        own = [next(line for line in lines if np.array_equal(line.get_ydata(), curve.y)) for curve in drawn]
         heading = families.curves_heading(found, layout)
         axes.legend(own, [curve.text for curve in drawn], title=heading[0] or heading[1].partition(": ")[2])
     if constant:

@@ -137,7 +137,8 @@ def _simulate(scene: Scene, trace: Trace, series: Series | None) -> Result:
         result = Result("failed", str(wrong), scene_warnings(scene), tuple(scene.effects))
     if course is not None and result.status != "ok":
         course.forget()
-        series.temperatures = series.losses = None
+        series.temperatures = series.losses = series.sought = None
+        series.around = None, 1.0
     return result
 
 
@@ -225,6 +226,11 @@ def _judged(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> t
     elif circuit_open > balance.bound:
         status, left = "not_closed", f"the oil's circuit leaves {circuit_open:.2g} of the shaft power open"
         message = f"{left}, against the bound {balance.bound:.2g}; try a tighter numerics.accuracy"
+    elif circuit.sought_open(of) > balance.bound:
+        status, left = "not_closed", f"what is found with the cycle leaves {circuit.sought_open(of):.2g} of a flow open"
+        message = (
+            f"{left}, against the bound {balance.bound:.2g}; {why or 'state it, or try a tighter numerics.accuracy'}"
+        )
     elif package_open > balance.bound:
         status, left = "not_closed", f"the package's losses leave {package_open:.2g} of a pressure open"
         message = f"{left}, against the bound {balance.bound:.2g}; try a tighter numerics.accuracy"

@@ -7,6 +7,9 @@ from __future__ import annotations
 
 import os
 import stat
+from pathlib import Path
+
+PACKAGE, CONFIGS = Path(__file__).resolve().parent, "configs"
 
 MOST_YAML = 4_000_000  # [byte] of a scene, a fit or a file of stages: some tens of thousands of lines
 MOST_TABLE = 16_000_000  # [byte] of a table
@@ -20,6 +23,21 @@ class Unreadable(Exception):
     def __init__(self, reason: str, line: int = 1, column: int = 1, hdf5: bool = False) -> None:
         super().__init__(reason)
         self.line, self.column, self.hdf5 = line, column, hdf5
+
+
+def shipped_root() -> Path:
+    """Return the folder with the shipped scenes and sources of validation: in the package, or of its checkout."""
+    inside = PACKAGE / "shipped"
+    return PACKAGE.parents[1] if PACKAGE.parent.name == "src" and not inside.is_dir() else inside
+
+
+def shipped(name: str | os.PathLike[str]) -> str:
+    """Return a file's name; where nothing is there and it begins with configs/, the path of the shipped file."""
+    text = os.fspath(name)
+    if not text.startswith(f"{CONFIGS}/") or os.path.lexists(text):
+        return text
+    found = shipped_root() / text
+    return str(found) if found.is_file() and ".." not in found.parts else text
 
 
 def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:

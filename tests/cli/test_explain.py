@@ -156,4 +156,4 @@ def test_gauge_pressure_displacement_and_tip_speed_are_told_as_stated(folder):
     assert "discharge line 12.0132 bar (11 bar(g) over 1.01325 bar of the surroundings)" in words
     assert "speed 2984.155183 rpm (tips at 25 m/s)" in words
     assert "displacement 10 m^3/min at 2950 rpm, from which the chambers' volume follows" in words
-    assert "max 847.4576271 cm^3 (follows)" in words
+    assert "max 847.458 cm^3 (follows)" in words

@@ -152,7 +152,7 @@ def test_mistaken_arguments_are_told_with_what_was_meant(folder, command, argume
 def test_a_command_that_is_none_is_told_with_those_there_are(folder, command):
     answer = command("explore", "small.yaml")
     assert answer.code == 2
-    assert "(there are: run, sweep, explain, " in answer.err and "did you mean" not in answer.err
+    assert "(there are: new, run, sweep, explain, " in answer.err and "did you mean" not in answer.err
 
 
 def test_a_value_below_zero_is_read_on_the_command_line(folder, command):

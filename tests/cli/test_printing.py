@@ -85,3 +85,14 @@ def test_warnings_of_two_stages_name_their_stage(capsys):
     print_stages("", SimpleNamespace(status="ok", message="", performance={"shaft_power": 1.0}, stages=stages))
     lines = capsys.readouterr().out.splitlines()
     assert lines[:2] == ["status: ok", "warning: first stage: too much oil"]
+
+
+def test_a_machine_through_which_more_flows_back_says_so_in_its_first_line(capsys):
+    lines = printed(Result("ok", performance=Figures(FEW, volumetric_efficiency=-0.0321)), capsys)
+    assert lines[1] == "status: ok; the volumetric efficiency is -0.0321: more flows back than is"
+    assert "more flows back" not in "\n".join(printed(Result("ok", performance=Figures(FEW)), capsys))
+
+
+def test_what_is_left_out_stands_below_the_numerics(capsys):
+    print_result("a title", Result("ok", performance=Figures(FEW)), ["leaks simulated: tip only; typical scenes name"])
+    assert capsys.readouterr().out.splitlines()[-1] == "leaks simulated: tip only; typical scenes name"

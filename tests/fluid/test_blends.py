@@ -27,6 +27,7 @@ from screwsim.fluid.saturation import saturation
 
 OWN = own_blend(("R32", "R1234yf"), (0.689, 0.311), by_mole=False)
 BLENDS = ("R454B", "R513A", "R448A", OWN)
+HERE = Path(__file__).parent
 DEPARTURES = json.loads((Path(screwsim.fluid.__file__).parent / "departures.json").read_text(encoding="utf-8"))
 R = 8.31446261815324  # [J/(mol K)], CoolProp's for mixtures
 
@@ -202,6 +203,15 @@ def test_phases_have_teqps_pressure_and_fugacities(fluid):
             assert share[0] * p[0] == pytest.approx(share[1] * p[1], rel=1e-9)
             of_tables = (constants.dew_pressure if side < 0 else constants.bubble_pressure)(fluid, T)
             assert of_tables == pytest.approx(p[1], rel=1e-9)
+
+
+def test_dew_and_bubble_of_every_blend_are_teqps():
+    """As tests/tools/blends_against_teqp.py found, of each that docs/reference lists."""
+    found = json.loads((HERE / "blends_teqp.json").read_text(encoding="utf-8"))
+    page = (HERE.parents[1] / "docs" / "reference" / "blends.md").read_text(encoding="utf-8")
+    assert set(found) == {line.split(" | ")[0][2:] for line in page.splitlines() if line.startswith("| ")} - {"blend"}
+    for name, differences in found.items():
+        assert max(differences.values()) < 1e-9, name  # the liquid's pressure amplifies its density's rounding
 
 
 def test_teqp_finds_the_same_phases():

@@ -299,6 +299,7 @@ def _fluids() -> list[Case]:
             "failed",
             says=("deg", "condenses", "use warmer oil or gas"),
         ),
+        *_wet_blends(saturated),
         Case("wet ammonia", {**ammonia, "operation.suction": {"quality": 0.95}}, "droplets evaporate on the way"),
         Case("saturated ammonia", {**ammonia, "operation.suction": {"quality": 1.0}}, "on the dew line"),
         Case("a gas cooler at the critical pressure", _cooler("73.8 bar", "31 degC"), "p_d next to the critical point"),
@@ -309,6 +310,44 @@ def _fluids() -> list[Case]:
             "the fluid behind it has more enthalpy than the suction gas",
             "refused",
             says=("leaves no cooling", "raise operation.gas_cooler.pressure"),
+        ),
+    ]
+
+
+def _wet_blends(saturated: dict[str, Any]) -> list[Case]:
+    """Return cases of blends whose two phases are followed."""
+    followed = {**DEW, "gas.fluid": "R454B", "gas.two_phase": "equilibrium", "machine.discharge_port.area": "40 cm^2"}
+    wide = {**followed, "gas.fluid": "R407C.mix"}
+    wet = {"operation.superheat": DROP, "operation.suction": {"quality": 0.8}}
+    cold = {"oil_supply.temperature": "290 K", "effects.oil_heat": WET["effects.oil_heat"]}
+    both = "what is sucked evaporates while it is compressed"
+    return [
+        Case("a blend, dry and followed", {**followed, **saturated, "effects.oil_heat": DROP}, "as above, followed"),
+        Case("a wet blend", {**followed, **wet}, both),
+        Case("a wet blend, 250 rpm", {**followed, **wet, **speed(250)}, f"slow, and {both}", most=500_000),
+        Case("a wet blend of wide glide", {**wide, **wet}, both),
+        Case("a wet blend on cold oil", {**followed, **wet, **cold}, "wet from suction to discharge"),
+        Case("a blend on cold oil", {**wide, **cold}, "dry gas condenses on the oil, and crosses its dew line with it"),
+        Case(
+            "a wet blend on cold oil, narrow port",
+            {**followed, **wet, **cold, "machine.discharge_port.area": "12 cm^2"},
+            "the closing port squeezes what has condensed beyond the warm end of its table, next to the critical point",
+            "failed",
+            most=4_000_000,
+            says=("its two phases are followed from 203.8", "a wider discharge port"),
+        ),
+        Case(
+            "a wet blend in deep cold",
+            {
+                **followed,
+                **saturated,
+                "operation.evaporating_temperature": "204 K",
+                "operation.condensing_temperature": "240 K",
+                "oil_supply.temperature": "206 K",
+            },
+            "it expands into the chamber beyond the cold end of its table of two phases",
+            "failed",
+            says=("its two phases are followed from 203.8", "use warmer oil or gas"),
         ),
     ]
 

@@ -82,9 +82,11 @@ FLUIDS = """
 
 `{command}` draws {scenes} scenes from the space of `tests/tools/fluid_space.py`
 ({versions}): three blends, one of them one's own, a fluid at its dew line (a third of these
-suck saturated vapour, a third gas within a millionth to a kelvin of it), wet ammonia, and carbon dioxide with a gas
-cooler. {ok:.1%} are ok; the others condense where the gas may not, or get hotter than the equation goes, which of the
-blends ends at 410 to 435 K. What it made is in `tests/hard/fuzz_fluids_outcome.json`, this section from it.
+suck saturated vapour, a third gas within a millionth to a kelvin of it), wet ammonia, two wet blends, the oil of which
+may be so cold that gas condenses on it, and carbon dioxide with a gas
+cooler. {ok:.1%} are ok; the others condense where the gas may not or where its table of two phases ends, or get hotter
+than the equation goes, which of the blends ends at 410 to 435 K; each of them says so, with its remedy. What it made
+is in `tests/hard/fuzz_fluids_outcome.json`, this section from it.
 """
 MADE = """
 | structure | {names} |

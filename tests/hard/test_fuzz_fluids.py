@@ -48,3 +48,4 @@ def test_the_stored_outcome_is_of_this_space_and_none_of_it_is_bad(status):
     assert made["scenes"] >= 600 and status not in made["status"]
     assert made["radau"]["compared"] >= 10 and made["radau"]["beyond_three_times_unwarned"] == []
     assert made["worst_balance_over_accuracy"]["value"] <= 1.0
+    assert made["unexplained"] == []  # every scene that fails is told by a limit of its gas, and with its remedy

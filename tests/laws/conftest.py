@@ -1,6 +1,7 @@
-"""Let the tests import `scenes`."""
+"""Let the tests import `scenes`, and the tools whose stored outcome they check."""
 
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "tools")]

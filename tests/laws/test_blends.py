@@ -1,12 +1,19 @@
 """Cycles of blends: what a closed chamber keeps, what a whole machine closes, which temperatures state its lines."""
 
+import json
+import re
 from pathlib import Path
 
+import closed_blends
+import CoolProp.CoolProp as coolprop
 import numpy as np
 import pytest
 from scenes import make, run
 
 from screwsim.build import build_gas
+from screwsim.cycle.close import close
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import problem_of
 from screwsim.explain import explain
 from screwsim.faults import SceneError
 from screwsim.fluid import constants
@@ -15,6 +22,8 @@ from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.simulate import simulate
 
 CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
+DOCS = Path(__file__).parents[2] / "docs" / "reference"
+STORED = json.loads((Path(__file__).parent / "closed_blends.json").read_text(encoding="utf-8"))
 OWN = ["gas.fluid=[R32, R1234yf]", "gas.mass_fractions=[0.689, 0.311]"]
 # dead volume of half the swept one: the chamber expands by three only, and stays within the equation's temperatures
 WET = ["gas.two_phase=equilibrium"]
@@ -51,6 +60,51 @@ def test_a_closed_chamber_keeps_its_entropy_through_two_phases():
     assert 0.1 < np.mean(phases) < 0.9
     s = [gas.specific_entropy(T, rho) for T, rho in states]
     assert np.ptp(s) / gas.R < 2e-6  # by which s jumps there: below 1e-6
+
+
+def rows(page):
+    """Return the cells of each row of a table of blends in docs/reference."""
+    lines = (DOCS / page).read_text(encoding="utf-8").splitlines()
+    return {cells[0]: cells[1:] for cells in (re.findall(r"[^|]+", line[1:]) for line in lines if line[:2] == "| ")}
+
+
+def test_a_closed_chamber_of_every_blend_keeps_its_entropy():
+    """As tests/tools/closed_blends.py found, dry and through its two phases, of each that docs/reference lists."""
+    listed = {name.strip() for name in rows("blends.md")} - {"blend"}
+    followed = {name.strip(): float(cells[7]) for name, cells in rows("blend-domes.md").items() if name != " blend "}
+    assert set(STORED) == listed
+    for name, found in STORED.items():
+        assert found["dry"]["s"] < 1e-8, name  # over R: a hundred steps of rtol 1e-10 each
+        assert ("refused" in found["wet"]) == (name not in followed), name
+        if name in followed:  # the jump of s where the table meets the equation, as the page states it
+            assert 0.0 < found["wet"]["wet"] <= 1.0 and found["wet"]["s"] < 2.0 * followed[name] + 1e-8, name
+
+
+@pytest.mark.parametrize("kind", ["dry", "wet"])
+def test_the_stored_change_of_entropy_is_what_comes_out(kind):
+    found = closed_blends.turn("R454B", kind)
+    assert found["wet"] == pytest.approx(STORED["R454B"][kind]["wet"], abs=0.02)
+    assert found["s"] == pytest.approx(STORED["R454B"][kind]["s"], abs=1e-8)
+
+
+def test_nothing_is_asked_of_coolprop_inside_the_cycle(monkeypatch):
+    problem = problem_of(load(CONFIG))
+    machinery = leased(problem)
+    close(problem, machinery, problem.wanted)  # compiled
+
+    def asked(*_args, **_kwargs):
+        raise AssertionError("CoolProp was asked")
+
+    for name in ("AbstractState", "PropsSI"):
+        monkeypatch.setattr(coolprop, name, asked)
+    monkeypatch.setattr(constants, "_ask", asked)
+    assert close(problem, machinery, problem.wanted).status == "ok"
+
+
+def test_a_blends_cycle_takes_about_as_many_evaluations_as_a_pure_fluids():
+    """So that a point takes less than three times R134a's: benchmarks/blends.py --points measures the times."""
+    blends, pure = (simulate(load(CONFIG, overrides=[f"gas.fluid={name}"])).numerics for name in ("R454B", "R134a"))
+    assert blends.rhs_evaluations < 1.5 * pure.rhs_evaluations  # found: 1.3; between other pressures
 
 
 @pytest.mark.parametrize("overrides", [[], OWN], ids=["predefined", "own"])

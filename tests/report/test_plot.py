@@ -30,6 +30,10 @@ def swept(tmp_path_factory):
     return path
 
 
+def legend(axes):
+    return axes.get_legend().get_texts(), axes.get_legend().get_lines()
+
+
 def test_the_loop_is_that_of_the_cycle(closed, axes):
     assert screwsim.plot.pv is plot.pressure_volume
     assert plot.pv(closed, ax=axes) is axes
@@ -53,7 +57,8 @@ def test_both_sides_of_a_gap_are_told_apart(closed, axes):
 
 def test_a_sweep_is_a_curve_a_speed(swept, axes):
     plot.curves(swept, "shaft power", ax=axes)
-    assert len(axes.get_legend().get_texts()) == 5
+    told = {text.get_text(): line.get_color() for text, line in zip(*legend(axes), strict=True)}
+    assert len(told) == len(set(told.values())) == 5
     drawn = [line for line in axes.get_lines() if len(line.get_ydata())]
     lowest = min(drawn, key=lambda line: float(np.max(line.get_ydata())))
     np.testing.assert_allclose(lowest.get_ydata(), 10.0 * 250.0 * np.pi / 30.0 * 1e-3)  # kW at 250 rpm

@@ -1,14 +1,22 @@
 """How a scene states a blend, what it writes back, and what it says of a blend that cannot be."""
 
+import re
 from pathlib import Path
 
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from screwsim.faults import SceneError
+from screwsim.fluid.composition import is_blend, predefined
+from screwsim.fluid.settings import GasSettings
 from screwsim.scene import load, loads
+from screwsim.scene.fluids import fluid_faults
 
 CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
 OWN = "gas.fluid=[R32, R1234yf]"
+REFRIGERANTS = sorted({*predefined(), "R134a", "R1234yf", "R1234ze(E)", "R32", "R744", "R717", "R290", "R245fa", "Air"})
+LETTERS = "0123456789aAbBcCyYzZfE(). "
 NO_FLUID = "is no fluid or predefined blend of CoolProp"
 
 
@@ -106,3 +114,18 @@ def test_no_other_refrigerant_is_offered_for_a_name():
     for name in ("R454Z", "R134", "R1234zf", "R45B", "R404", "R32A", "R454", "R513", "R1234y", "R744A", "R407"):
         assert "did you mean" not in fault_of(f"gas.fluid={name}")
     assert fault_of("gas.fluid=r454b") == f"gas.fluid: 'r454b' {NO_FLUID}; did you mean 'R454B'?"
+
+
+@given(st.sampled_from(REFRIGERANTS), st.integers(0, 2), st.integers(0, 20), st.sampled_from(LETTERS))
+def test_whatever_is_written_another_refrigerant_is_never_offered(fluid, edit, place, letter):
+    """A name with a letter or a digit left out, changed or added is another refrigerant, or none: it is not mended."""
+    at = place % len(fluid)
+    written = fluid[:at] + letter * (edit != 0) + fluid[at + (edit != 2) :]
+    assume(not is_blend(written))
+    for fault in fluid_faults(GasSettings(fluid=written, model="real")):
+        offered = re.findall(r"did you mean '(.+?)'", fault.what)
+        assert all(_bare(name) == _bare(written) for name in offered)
+
+
+def _bare(name):
+    return re.sub(r"[^0-9a-z]", "", name.lower())

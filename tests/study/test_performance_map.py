@@ -1,21 +1,25 @@
 """The ten-coefficient map: exact where the points are a cubic, refused where they do not tell its coefficients."""
 
+import json
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from screwsim.cli import exit_code
 from screwsim.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.scene import load, loads
+from screwsim.study.map_points import evaluate_map
 from screwsim.study.performance_map import PerformanceMap, performance_maps, polynomial
 from screwsim.study.sweep import run_sweep
 
 CONFIGS = Path(__file__).parents[2] / "configs" / "r134a"
 POWER = (8.1e3, -42.0, 151.0, -3.1, 2.2, 0.9, -0.011, 0.021, -0.017, 0.0042)
 FLOW = (0.31, 0.011, -7e-4, 1.3e-4, -1e-5, -4e-6, 5e-7, -3e-7, 1e-7, -2e-8)
+SHARE = load(CONFIGS / "point.yaml").operation.speed / 300.0
 NO_CAPACITY = ("shaft_power", "gas_mass_flow")
 AXES = "[-15 degC, -5 degC, 0 degC, 10 degC]", "[30 degC, 38 degC, 45 degC, 50 degC]"
 
@@ -138,3 +142,47 @@ def test_the_shipped_map_is_a_good_fit(tmp_path):
     for figure, largest, left_out in (("shaft_power", 5e-3, 2e-2), ("gas_mass_flow", 5e-4, 1e-3)):
         fit = found.fits[figure]
         assert fit.largest < largest and fit.left_out is not None and fit.left_out < left_out
+
+
+# ---- the map at points ----
+
+
+def test_a_point_of_the_map_is_the_polynomial_there(tmp_path, capsys):
+    results = swept(tmp_path, *AXES)
+    found = evaluate_map(results.path, 273.15, 311.15, figures=("mdot",))
+    assert found == pytest.approx({"gas_mass_flow": SHARE * polynomial(FLOW, np.array(0.0), np.array(38.0))}, rel=1e-9)
+    at = "evaporating_temperature=-5 degC, operation.condensing_temperature=311.15 K"
+    arguments = ["map", str(results.path), "--at", at, "--figure", "shaft_power"]
+    assert exit_code([*arguments, "--json"]) == 0  # though one case of the sweep failed: the point is inside
+    (point,) = json.loads(capsys.readouterr().out)["points"]
+    assert point["figures"]["shaft_power"] == pytest.approx(float(polynomial(POWER, np.array(-5.0), np.array(38.0))))
+    assert exit_code(arguments) == 0
+    assert "evaporating / condensing temperature -5 / 38 °C" in capsys.readouterr().out
+
+
+def test_another_axis_chooses_the_map(tmp_path):
+    results = swept(tmp_path, *AXES, "  operation.speed: [1000 rpm, 2000 rpm]\n")
+    one, two = (evaluate_map(results, 273.15, 313.15, NO_CAPACITY, speed=rpm * math.pi / 30) for rpm in (1000, 2000))
+    assert two["gas_mass_flow"] == pytest.approx(2.0 * one["gas_mass_flow"], rel=1e-9)
+    with pytest.raises(UsageError, match=r"2 maps fit \(name speed; there are maps at operation.speed = 104.7"):
+        evaluate_map(results, 273.15, 313.15, NO_CAPACITY)
+    with pytest.raises(UsageError, match=r"no map is there \(there are maps at"):
+        evaluate_map(results, 273.15, 313.15, NO_CAPACITY, speed=100.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("evaporating_temperature=10 degC, condensing_temperature=50 degC", "lies outside the envelope"),
+        ("evaporating_temperature=2 degC", "says nothing of condensing_temperature"),
+        ("evaporating_temperature=2", "'2' has no unit (write e.g. '285 K')"),
+        ("cold", "is not NAME=VALUE, NAME=VALUE (write e.g. --at"),
+        ("evaporating_temperature=2 degC, evaporating_temperature=3 degC", "is given twice (remove one)"),
+        ("evaporating_temprature=2 degC", "is not known; did you mean 'evaporating_temperature'?"),
+    ],
+)
+def test_a_point_that_the_map_does_not_know_is_refused_in_one_line(tmp_path, capsys, text, words):
+    results = swept(tmp_path, *AXES)
+    assert exit_code(["map", str(results.path), "--figure", "shaft_power", "--at", text]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err.startswith(f"--at {text}: ") and words in err and len(err.splitlines()) == 1

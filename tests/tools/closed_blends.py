@@ -30,27 +30,30 @@ from screwsim.simulate import simulate  # noqa: E402
 # dead volume of half the swept one: the chamber expands by three only, and stays within the equation's temperatures
 SHUT = {"effects": {}, "machine.volume.min": "300 cm^3", "numerics": {"accuracy": 1e-4, "rtol": 1e-10}}
 KINDS = {"dry": ("refuse", 0.75, (10.0, 30.0, 60.0, 100.0)), "wet": ("equilibrium", 0.85, (1.0, 5.0, 15.0, 30.0))}
-LEAST_SHARE = 0.02  # of the turn that a wet chamber spends on each side of its dew line
+QUALITIES = (0.99, 0.95, 0.85)  # of blends whose isentropes do not cross their dew line from outside
+LEAST_SHARE = 0.02  # of the turn that a wet chamber spends on each side of its dew line, or in the dome
 
 
-def changes(fluid: str, two_phase: str, p: float, superheat: float) -> dict[str, Any]:
-    """Return the changes of the base scene: a shut chamber of vapour at p [Pa], so far [K] over its dew point."""
+def changes(fluid: str, two_phase: str, p: float, state: dict[str, Any]) -> dict[str, Any]:
+    """Return the changes of the base scene: a shut chamber at p [Pa], in a state by superheat or quality."""
     return {
         "gas": {"fluid": fluid, "model": "real", "two_phase": two_phase},
         "oil.transport": "carried",
-        "operation.suction": {"pressure": f"{p:.8g} Pa", "superheat": f"{superheat} K"},
+        "operation.suction": {"pressure": f"{p:.8g} Pa", **state},
         "operation.discharge": {"pressure": f"{1.3 * p:.8g} Pa"},
         **SHUT,
     }
 
 
 def turn(fluid: str, kind: str) -> dict[str, Any]:
-    """Return what a turn of the chamber does to its entropy, from the first superheat that leaves it what it is."""
+    """Return what a turn of the chamber does to its entropy, from the first state that leaves it what it is."""
     two_phase, reduced, superheats = KINDS[kind]
     lines, told = saturation(fluid), ""
     p = constants.dew_pressure(fluid, max(reduced * lines.T_c, 1.02 * lines.T_low))
-    for superheat in superheats:
-        asked = changes(fluid, two_phase, p, superheat)
+    states = [{"superheat": f"{superheat:g} K"} for superheat in superheats]
+    states += [{"quality": quality} for quality in QUALITIES if kind == "wet"]
+    for state in states:
+        asked = changes(fluid, two_phase, p, state)
         try:
             scene = make(asked)
         except SceneError as fault:
@@ -60,13 +63,13 @@ def turn(fluid: str, kind: str) -> dict[str, Any]:
             told = result.message
             continue
         gas, cycle = build_gas(scene), result.cycle
-        states = list(zip(cycle["gas_temperature"], cycle["gas_mass"] / cycle["volume"], strict=True))
-        wet = float(np.mean([gas.phased_state[0](T, rho) for T, rho in states])) if kind == "wet" else 0.0
-        if kind == "wet" and not LEAST_SHARE < wet < 1.0 - LEAST_SHARE:
+        course = list(zip(cycle["gas_temperature"], cycle["gas_mass"] / cycle["volume"], strict=True))
+        wet = float(np.mean([gas.phased_state[0](T, rho) for T, rho in course])) if kind == "wet" else 0.0
+        if kind == "wet" and not LEAST_SHARE < wet <= 1.0 - LEAST_SHARE * ("superheat" in state):
             told = f"{wet:.2f} of the turn is wet"
             continue
-        change = float(np.ptp([gas.specific_entropy(T, rho) for T, rho in states]) / gas.R)
-        return {"superheat": superheat, "p": [float(f(cycle["pressure"])) for f in (min, max)], "wet": wet, "s": change}
+        change = float(np.ptp([gas.specific_entropy(T, rho) for T, rho in course]) / gas.R)
+        return {"from": state, "p": [float(f(cycle["pressure"])) for f in (min, max)], "wet": wet, "s": change}
     return {"none": told}
 
 

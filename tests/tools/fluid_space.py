@@ -1,5 +1,7 @@
 """A third space of random scenes: blends, fluids near and inside their dome, a gas cooler above the critical point.
 
+Of the structures inside the dome the suction gas is wet, and oil may be so cold that gas condenses on it.
+
 The machines and their numbers are those of `fuzz_space.py`; its lines are stated here by temperatures. A third of the
 dry scenes suck saturated vapour, and a third gas within a millionth to a kelvin of it. `tests/tools/fuzz.py --space
 fluid_space` solves them.
@@ -21,10 +23,13 @@ BLENDS = {
 }
 REAL = {"oil.transport": "carried", "gas.model": "real"}
 WET = {"gas.two_phase": "equilibrium"}
+WET_BLENDS = ("wet R454B", "wet R407C")
 STRUCTURES: dict[str, dict[str, Any]] = {
     **{name: {**REAL, **gas} for name, gas in BLENDS.items()},
     "near dew": {**REAL, "gas.fluid": "R32"},
     "wet ammonia": {**REAL, **WET, "gas.fluid": "Ammonia"},
+    "wet R454B": {**REAL, **WET, "gas.fluid": "R454B"},
+    "wet R407C": {**REAL, **WET, "gas.fluid": "R407C.mix"},
     "gas cooler": {**REAL, "gas.fluid": "CO2"},
 }
 RANGES = {  # low, high, logarithmic
@@ -34,6 +39,7 @@ RANGES = {  # low, high, logarithmic
     "nearness": (1e-6, 1.0, True),  # K
     "superheat": (1.0, 40.0, False),  # K
     "quality": (0.6, 1.0, False),
+    "colder": (-60.0, 40.0, False),  # of the oil of wet blends, than the condensing temperature, K
     "pressure": (74.0, 130.0, True),  # of the gas cooler, bar
     "outlet": (290.0, 325.0, False),  # K
 }
@@ -72,8 +78,10 @@ def changes(structure: str, shares: Sequence[float]) -> dict[str, Any]:
     else:
         found["operation.condensing_temperature"] = f"{T:.8g} K"
     found["oil_supply.temperature"] = f"{min(T + numbers['warmer'], HOTTEST):.8g} K"
-    if structure == "wet ammonia":
+    if "gas.two_phase" in STRUCTURES[structure]:
         found.pop("operation.superheat", None)
+        if structure in WET_BLENDS:
+            found["oil_supply.temperature"] = f"{T - own['colder']:.8g} K"
         return found | {"operation.suction": {"quality": round(own["quality"], 8)}}
     near = own["nearness"] if own["which"] < NEAR else own["superheat"]
     return found | {"operation.superheat": f"{0.0 if own['which'] < SATURATED else near:.8g} K"}

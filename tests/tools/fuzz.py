@@ -53,6 +53,7 @@ SPACES: dict[str, Any] = {"fuzz_space": fuzz_space, "fluid_space": fluid_space}
 FILES = {"fuzz_space": ("fuzz_space.py",), "fluid_space": ("fluid_space.py", "fuzz_space.py")}
 FIRST = "fuzz_space"
 NO_ANSWER = "no answer"  # of Radau
+UNEXPLAINED = "check port areas"  # what is said of an integration that stopped for no reason that is known
 PACKAGES = ("numpy", "scipy", "llvmlite", "coolprop")
 PER_GAS = ("oil_ratio", "oil_flow_ratio")  # oil figures over the gas, which next to no oil leaves open
 
@@ -134,6 +135,7 @@ def outcome(rows: list[Row], seed: int, check: int, drawn_from: str = FIRST) -> 
             "worst_over_accuracy": largest(shares, "share"),
         },
         "not_ok": search.not_ok(rows),
+        "unexplained": [row["index"] for row in rows if row["status"] == "failed" and UNEXPLAINED in row["message"]],
     }
 
 

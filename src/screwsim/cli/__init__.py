@@ -11,13 +11,16 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from screwsim import __version__
 from screwsim.cli import files, mistakes, points, process, seek, studies
 from screwsim.cli.datasheet import datasheet
+from screwsim.cli.explore import explore
+from screwsim.cli.export import app as export_app
+from screwsim.cli.new import new
 from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, complain
 from screwsim.faults import SceneError, UsageError
 from screwsim.screen import say
@@ -53,10 +56,11 @@ def _root(
 
 _POINTS = (points.run, points.sweep, points.explain, points.accuracy)
 _STUDIES = (studies.optimum, studies.sensitivity, studies.performance_map, studies.compare, studies.calibrate)
-_FILES = (files.rotors, files.plot, files.report, files.validate, files.schema)
+_FILES = (explore, files.rotors, files.plot, files.report, files.validate, files.schema)
 _SEEK = (seek.find, seek.optimize)
-for _command in (*_POINTS, datasheet, *_SEEK, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
+for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, studies.tolerance, studies.startup, *_FILES):
     app.command("map" if _command is studies.performance_map else None)(_command)
+app.add_typer(export_app, name="export")
 
 
 def exit_code(arguments: Sequence[str]) -> int:
@@ -86,13 +90,21 @@ def _fault(error: Exception, arguments: Sequence[str]) -> int:
     if isinstance(error, typer.Abort):  # how typer tells the end of a file where nothing was asked
         return _internal(error.__cause__ if isinstance(error.__cause__, Exception) else error)
     if isinstance(error, typer.TyperException):  # the arguments make no sense
-        mistakes.explain(error, arguments, typer.main.get_group(app).commands)
+        mistakes.explain(error, *_below(arguments))
         return complain(_shown(error), USAGE)
     if isinstance(error, OSError) and error.errno in FULL:
         where = error.filename or "a file"
         remedy = "make room, or send it elsewhere"
         return complain(f"{where}: cannot be written: {os.strerror(error.errno)} ({remedy})", USAGE)
     return _internal(error)
+
+
+def _below(arguments: Sequence[str]) -> tuple[Sequence[str], Any]:
+    """Return the arguments from the command's name on, and the commands there are: those of a group behind its name."""
+    group = typer.main.get_group(app)
+    inner = group.commands.get(arguments[0]) if arguments else None
+    below = getattr(inner, "commands", None)
+    return (arguments[1:], below) if below else (arguments, group.commands)
 
 
 def _shown(error: typer.TyperException) -> str:

@@ -6,31 +6,51 @@ from pathlib import Path
 from typing import Annotated
 
 from screwsim.cli import options
-from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Overrides, SceneFile, Without, loaded, option
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, loaded, option
 from screwsim.screen import say
 
 
 def datasheet(
     scene_file: SceneFile,
-    output: Annotated[Path | None, option("OUT.html", "Write the sheet as a page.", "-o")] = None,
+    output: Annotated[Path | None, option("OUT.html|.pdf", "Write the sheet as a page, or as PDF.", "-o")] = None,
+    evaporating: Annotated[
+        str | None, option("LOW..HIGH", "Evaporating temperatures of a refrigeration machine's table.")
+    ] = None,
+    condensing: Annotated[
+        str | None, option("LOW..HIGH", "Its condensing temperatures, or pressures of its gas cooler.")
+    ] = None,
+    limits: Annotated[
+        list[str] | None,
+        option("FIGURE<VALUE", "A limit of it, e.g. 'discharge_temperature<110 degC'; repeat it.", "--limit"),
+    ] = None,
     overrides: Overrides = None,
     without: Without = None,
+    jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Rate an air package by ISO 1217: flow, power, efficiency from full to lowest flow (sweep.operation.speed)."""
+    """Rate an air package by ISO 1217, or a refrigeration compressor over its temperatures, at part load, by limits."""
     scene = loaded(scene_file, overrides, without)
     if output is not None:
-        options.check_page(output)
+        options.check_sheet(output)
     from screwsim.printing import print_json
     from screwsim.printing.datasheet import print_sheet
-    from screwsim.report.datasheet import write_page
     from screwsim.study.datasheet import sheet_of
+    from screwsim.study.progress import for_terminal
 
-    sheet = sheet_of(scene)
+    sheet = sheet_of(
+        scene,
+        evaporating=evaporating,
+        condensing=condensing,
+        limits=limits or (),
+        jobs=jobs,
+        progress=for_terminal("datasheet"),
+    )
     if as_json:
         print_json(sheet.document)
     else:
         print_sheet(sheet)
     if output is not None:
-        say(write_page(sheet, output), err=as_json)
+        from screwsim.report.datasheet import write_sheet
+
+        say(write_sheet(sheet, output), err=as_json)
     return OK if sheet.ok else NOT_ALL_OK

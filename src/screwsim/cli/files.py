@@ -71,7 +71,7 @@ def validate(
         Path | None,
         option(
             "DIR",
-            "Where the sources lie, programs that are run (default: validation/ of the checkout that is running).",
+            "Where the sources lie, programs that are run (default: those of the package that is running).",
         ),
     ] = None,
     output: Annotated[Path | None, option("DIR", "Write validation.json and a figure a source.", "-o")] = None,

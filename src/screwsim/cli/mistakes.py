@@ -10,7 +10,8 @@ import typer
 
 from screwsim.near import nearest
 
-_VALUED = ("--set", "--path", "--from", "--to", "--vary", "--for", "--subject-to", "--catalogue")  # options whose values may have blanks
+# options whose values may have blanks
+_VALUED = ("--set", "--path", "--from", "--to", "--vary", "--for", "--subject-to", "--catalogue")
 
 
 def explain(error: typer.TyperException, arguments: Sequence[str], commands: Iterable[str]) -> None:

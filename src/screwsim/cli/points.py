@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -32,6 +33,7 @@ def run(
     if output is not None:
         options.check_place(output)
     from screwsim.printing import print_json, print_result
+    from screwsim.scene.typical import what_is_left_out
     from screwsim.simulate import simulate
 
     result = simulate(scene, trace=True if output is not None else "ledger")
@@ -41,6 +43,10 @@ def run(
 
         names = [f"without {name}" for name in scene.effects]
         result = knocked_out(scene, result, for_terminal("knock-out", names))
+    if scene.uncertain and result.status == "ok":
+        from screwsim.study.uncertain import uncertainty
+
+        result = replace(result, uncertainty=uncertainty(scene, result=result).as_json())
     if output is not None:
         from screwsim.results import save
 
@@ -49,7 +55,11 @@ def run(
     if as_json:
         print_json(result.as_json())
     else:
-        print_result(scene, result)
+        print_result(scene.title, result, what_is_left_out(scene))
+        if result.uncertainty:
+            from screwsim.printing.uncertain import print_uncertainty
+
+            print_uncertainty(result)
     return OK if result.status == "ok" else NOT_ALL_OK
 
 

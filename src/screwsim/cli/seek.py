@@ -74,10 +74,12 @@ def optimize(
     maximize: Annotated[list[str] | None, option("FIGURE", "What is to be highest; repeat it.", "--maximize")] = None,
     minimize: Annotated[list[str] | None, option("FIGURE", "What is to be lowest; repeat it.", "--minimize")] = None,
     subject_to: Annotated[
-        list[str] | None, option("FIGURE<VALUE", "A bound, e.g. 'discharge_temperature<90 degC'; repeat it.", "--subject-to")
+        list[str] | None,
+        option("FIGURE<VALUE", "A bound, e.g. 'discharge_temperature<90 degC'; repeat it.", "--subject-to"),
     ] = None,
     over: Annotated[
-        str | None, option("POINTS.csv|NAME", "Weighted over points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over")
+        str | None,
+        option("POINTS.csv|NAME", "Weighted over points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over"),
     ] = None,
     print_points: Annotated[
         bool, typer.Option("--print-points", help="Print the points of --over as CSV, to be changed, and end.")
@@ -114,7 +116,8 @@ def optimize(
         options.check_results(output)
     if best is not None:
         if len(asked.aims) > 1:
-            raise UsageError(f"--best {best}: of several aims there is no best (take one of the front: --json has its values)")
+            remedy = "take one of the front: --json has its values"
+            raise UsageError(f"--best {best}: of several aims there is no best ({remedy})")
         check_scene_file(best, "--best")
     found = run(asked, output, jobs=jobs, restart=restart, progress=for_terminal("optimize"))
     show(as_json, optimize_document, print_optimize, found)

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from screwsim.cli import options
 from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, SceneFile, Without, base_point, loaded, option
+from screwsim.faults import UsageError
 from screwsim.screen import say
+
+if TYPE_CHECKING:
+    from screwsim.scene import Scene
 
 RPM = math.pi / 30.0
 
@@ -55,31 +61,54 @@ def performance_map(
     figures: Annotated[
         list[str] | None, option("NAME", "What is fitted (default: power, mass flow, cooling capacity).", "--figure")
     ] = None,
+    points: Annotated[
+        list[str] | None,
+        option(
+            "NAME=VALUE,…",
+            "Evaluate the map there, e.g. 'evaporating_temperature=0 degC, condensing_temperature=40 degC'; repeat it.",
+            "--at",
+        ),
+    ] = None,
     output: Annotated[Path | None, option("OUT.csv|.json", "Write the map.", "-o")] = None,
     as_json: AsJson = False,
 ) -> int:
-    """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over evaporating and condensing temperature."""
+    """Fit the ten coefficients of AHRI 540 and EN 12900 to a sweep over both temperatures, or evaluate them."""
     from screwsim.printing import show
-    from screwsim.printing.performance_map import map_document, print_maps, write_maps
+    from screwsim.printing.performance_map import map_document, points_document, print_maps, print_points, write_maps
     from screwsim.results import open_results
+    from screwsim.study.map_points import points_at
     from screwsim.study.performance_map import FIGURES, performance_maps
 
     results = open_results(results_file)
     options.check_target(output, ".csv", ".json")
     maps = performance_maps(results, tuple(dict.fromkeys(figures)) if figures else FIGURES)
+    found = points_at(results, maps, points or ())
     if output is not None:
         write_maps(output, results, maps)
+    if found:
+        show(as_json, points_document, print_points, results, found)
+        return OK
     show(as_json, map_document, print_maps, results, maps)
     return OK if not any(each.message or each.not_ok for each in maps) else NOT_ALL_OK
 
 
 def sensitivity(
     scene_file: SceneFile,
+    places: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[PATH]…", help="With --local: by which numbers (default: all).", show_default=False),
+    ] = None,
+    local: Annotated[
+        bool, typer.Option("--local", help="Derivatives at the point itself, instead of indices.")
+    ] = False,
+    check_sobol: Annotated[
+        int | None, option("N", "Hold the linear uncertainty by the scene's tolerances against N samples.")
+    ] = None,
     paths: Annotated[
         list[str] | None, option("PATH=LOW..HIGH", "What varies, e.g. oil_supply.ratio=0.5..2; repeat it.", "--path")
     ] = None,
     figures: Annotated[
-        list[str] | None, option("NAME", "Of what (default: efficiency, mass flow).", "--figure")
+        list[str] | None, option("NAME", "Of what (default: efficiency, mass flow; --local: all).", "--figure")
     ] = None,
     samples: Annotated[int, option("N", "Base samples, a power of two.")] = 256,
     seed: Annotated[int, option("N", "Seed of samples and confidence intervals.", min=0)] = 1,
@@ -89,8 +118,14 @@ def sensitivity(
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
-    """Tell which inputs a figure depends on: Sobol indices, first order and total."""
+    """Tell which inputs a figure depends on: Sobol indices over ranges, or with --local derivatives at the point."""
     scene = base_point(loaded(scene_file, overrides, without), scene_file)
+    if check_sobol is not None:
+        return _checked(scene, check_sobol, jobs, as_json)
+    if local:
+        return _local(scene, (places or (), paths or ()), figures or (), output, jobs, as_json)
+    if places:
+        raise UsageError(f"{places[0]}: a path without a range (write --path PATH=LOW..HIGH, or add --local)")
     from screwsim.printing import show
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.study.inputs import told_efficiency
@@ -108,6 +143,52 @@ def sensitivity(
         write_sensitivity(output, found)
     show(as_json, sensitivity_document, print_sensitivity, scene, found)
     return OK if not found.message else NOT_ALL_OK
+
+
+def _checked(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
+    """Print the linear uncertainties of a scene's figures beside those of a sample of its inputs."""
+    from screwsim.printing import print_json
+    from screwsim.printing.uncertain import check_document, print_check
+    from screwsim.study.progress import for_terminal
+    from screwsim.study.uncertain import checked, uncertainty
+
+    linear = uncertainty(scene, jobs=jobs)
+    if linear.slopes.result.status == "ok":
+        linear = checked(scene, linear, count, jobs=jobs, progress=for_terminal("samples"))
+    if as_json:
+        print_json({**linear.as_json(), "sampled": check_document(linear)})
+    else:
+        say(scene.title)
+        print_check(linear)
+    ended = linear.slopes.result.status == "ok" and not linear.message
+    return OK if ended else NOT_ALL_OK
+
+
+def _local(
+    scene: Scene,
+    asked: tuple[Sequence[str], Sequence[str]],
+    figures: Sequence[str],
+    output: Path | None,
+    jobs: int | None,
+    as_json: bool,
+) -> int:
+    """Print and write the derivatives of a scene's figures by numbers of it."""
+    from screwsim.printing import show
+    from screwsim.printing.local import local_document, print_local, write_local
+    from screwsim.study.figures import figure_of
+    from screwsim.study.local import sensitivities
+    from screwsim.study.progress import for_terminal
+
+    places, ranges = asked
+    if ranges:
+        raise UsageError(f"--path {ranges[0]}: --local has no ranges (name the path alone, without --path)")
+    options.check_target(output, ".csv", ".h5")
+    names = [figure_of(scene, name) for name in figures]
+    found = sensitivities(scene, places, names, jobs=jobs, progress=for_terminal("sensitivity"))
+    if output is not None and found.derivatives:
+        write_local(output, found)
+    show(as_json, local_document, partial(print_local, chosen=names), scene, found)
+    return OK if found.result.status == "ok" else NOT_ALL_OK
 
 
 def compare(
@@ -133,13 +214,17 @@ def calibrate(
         str, typer.Argument(metavar="FIT", help="What is fitted to what, a YAML file.", show_default=False)
     ],
     folder: Annotated[Path | None, option("DIR", "Write scene.yaml, fit.json and the residual figure.", "-o")] = None,
+    posterior: Annotated[
+        bool, typer.Option("--posterior", help="Say with what probability the points tell what (extra `posterior`).")
+    ] = False,
     jobs: Jobs = None,
     as_json: AsJson = False,
 ) -> int:
     """Fit parameters of a scene to measured points, and say how far the data fix them."""
     options.check_drawer(folder)
-    from screwsim.printing import show
+    from screwsim.printing import print_json
     from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
+    from screwsim.printing.posterior import posterior_document, print_posterior, write_posterior
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import read_fit
@@ -150,14 +235,25 @@ def calibrate(
         make_folder(folder)
         check_folder(folder)
     found = calibrated(fit, jobs=jobs, progress=for_terminal("calibrate"))
-    show(as_json, calibration_document, print_calibration, found)
+    wide = None
+    if posterior and found.status != "interrupted":
+        from screwsim.study.calibration.posterior import posterior as sampled
+
+        wide = sampled(found, jobs=jobs, progress=for_terminal("posterior"))
+    if as_json:
+        print_json(calibration_document(found) | ({} if wide is None else {"posterior": posterior_document(wide)}))
+    else:
+        print_calibration(found)
+        if wide is not None:
+            print_posterior(found, wide)
     if folder is not None:
-        for path in write_calibration(found, folder):
+        written = write_calibration(found, folder) + ([] if wide is None else write_posterior(found, wide, folder))
+        for path in written:
             say(path, err=as_json)
     if found.status == "interrupted":
         say(found.message, err=True)
         return options.INTERRUPTED
-    return OK if found.status == "ok" else NOT_ALL_OK
+    return OK if found.status == "ok" and (wide is None or wide.status == "ok") else NOT_ALL_OK
 
 
 def tolerance(

@@ -23,18 +23,25 @@ def close(problem: Problem, machinery: Machinery, wanted: Wanted, course: Course
     """Close the cycle: continued from a course's last ones where that closes it, else from the first guess."""
     guess = None if course is None else continued(problem, machinery, course)
     if guess is not None:
-        cycle = close_from(problem, machinery, wanted, guess.y, guess.hope)
+        cycle = close_from(problem, machinery, wanted, guess.y, guess.hope, guess.tangents)
         if cycle.status == "ok":
             return cycle
     return close_from(problem, machinery, wanted, begin(problem, machinery))
 
 
-def close_from(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope = NO_HOPE) -> CycleSolution:
+def close_from(
+    problem: Problem,
+    machinery: Machinery,
+    wanted: Wanted,
+    y: Array,
+    hope: Hope = NO_HOPE,
+    lent: Tangents | None = None,
+) -> CycleSolution:
     """Close the cycle from a state at 0° and a guess that is installed as the last history.
 
     With a check the chambers are closed together under it, from where our own method closes.
     """
-    cycle = _close(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, y, hope)
+    cycle = _close(problem, machinery, replace(wanted, check=None) if wanted.check else wanted, y, hope, lent)
     if wanted.check is None or cycle.status == "failed":
         return cycle
     return close_together(problem, machinery, wanted, chambers_at_pitches(machinery))
@@ -43,7 +50,9 @@ def close_from(problem: Problem, machinery: Machinery, wanted: Wanted, y: Array,
 def again(problem: Problem, machinery: Machinery, wanted: Wanted, cycle: CycleSolution) -> CycleSolution:
     """Close a closed cycle, on which the machinery stands, once more with what is wanted now."""
     if cycle.how == "histories":
-        found = _close(problem, machinery, wanted, cycle.y, Hope(cycle.seen, 0.0), cycle.tangents)
+        found = _close(
+            problem, machinery, wanted, cycle.y, Hope(cycle.seen, 0.0, 1.0, cycle.contraction), cycle.tangents
+        )
     else:
         found = close_together(problem, machinery, wanted, cycle.y.copy())
     return replace(found, needed=cycle.needed, first_gap=cycle.first_gap) if found.status == "ok" else found

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.solution import CycleSolution, Hope
 from screwsim.cycle.wanted import Wanted
 from screwsim.model.composition import Composition
@@ -31,11 +32,15 @@ STEEP = 2.0  # change of a cycle over the largest relative change of its paramet
 
 
 class Guess(NamedTuple):
-    """What a turn begins with beside the history: the state at 0°, what the cycle makes, and what is hoped of them."""
+    """What a turn begins with beside the history: the state at 0°, what the cycle makes, and what is hoped of them.
+
+    `tangents` are those by which the last cycle was corrected.
+    """
 
     y: Array
     made: Array
     hope: Hope
+    tangents: Tangents | None = None
 
 
 class _Cycle(NamedTuple):
@@ -56,13 +61,14 @@ class Course:
         self._told: dict[int, Array] = {}  # what each polynomial tells of the next cycle, by the number of its cycles
         self._missed: dict[int, float] = {}  # how far each was off lately
         self._share = 1.0  # of the tolerance of a step with which the balances of the last cycle closed
+        self._last: CycleSolution | None = None
         self.tightness = 1.0  # factor of the tolerances that the last scenes needed for their accuracy
 
     def forget(self) -> None:
         """Begin anew."""
         self._cycles.clear()
         self._told, self._missed = {}, {}
-        self._guessed = False
+        self._guessed, self._last = False, None
         self._share = self.tightness = 1.0
 
     def add(self, cycle: CycleSolution, parameters: Array, made: Array, wanted: Wanted, tightness: float) -> None:
@@ -73,6 +79,7 @@ class Course:
             if self._text:
                 self.forget()
             self._text = c.text
+        self._last = cycle
         values = np.concatenate([cycle.y[: len(c.states)], cycle.seen, made])
         self._gap = cycle.first_gap if self._guessed else None
         share = cycle.rtol / (wanted.of_histories * wanted.rtol) if cycle.how == "histories" else 1.0
@@ -109,7 +116,9 @@ class Course:
         gap = self._gap
         if gap is None:
             gap = STEEP * float(_distances(cycles[-1].parameters, parameters))
-        return Guess(values[:n], values[n + 2 :], Hope((float(values[n]), float(values[n + 1])), gap, self._share))
+        contraction, tangents = (1.0, None) if self._last is None else (self._last.contraction, self._last.tangents)
+        hope = Hope((float(values[n]), float(values[n + 1])), gap, self._share, contraction)
+        return Guess(values[:n], values[n + 2 :], hope, tangents if cycles[-1] is self._cycles[-1] else None)
 
 
 def _angles(c: Composition) -> tuple[float, ...]:

@@ -47,7 +47,7 @@ class Tangents(NamedTuple):
 
     def summed(self, along: Array, sources: Array) -> Array:
         """Return what changes `along` a pitch, and the sources that made them, add to the quadratures (q, k)."""
-        return np.einsum("kij,kjl->il", self.sums, along[:-1]) + np.einsum("kij,kjl->il", self.sums_gain, sources)
+        return (self.sums @ along[:-1] + self.sums_gain @ sources).sum(axis=0)
 
 
 def shifted(changes: Array, chambers: int) -> Array:

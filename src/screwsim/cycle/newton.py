@@ -20,12 +20,17 @@ from screwsim.cycle.feedback import set_unknowns
 from screwsim.cycle.linear_pitch import Tangents, shifted
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.tangents import angles_of, linearised
+from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
+from screwsim.model.slots import P_INJECTION, P_PITCH
 
 Array = np.ndarray
-STALE = 0.3  # change of a corrected turn over that of the one before, above which it is linearised anew ...
+STALE = 0.6  # change of a corrected turn over that of the one before, above which it is linearised anew ...
 OF_NO_USE = 0.9  # ... and above which, if it just was, corrections are given up
-LARGEST = 0.5  # of a correction, in coordinates: of a larger one that share is made
+BEYOND = 0.1  # of a correction by new tangents, in coordinates, above which the next is by newer ones
+REPEATED = 0.5  # share of a correction that the next repeats, up to which what later ones add is made at once
+LARGEST = 1.0  # of a correction, in coordinates: of a larger one that share is made ...
+LEAST_SHARE = 0.4  # ... but none where that is less: a linear one tells nothing there
 SINGULAR = 300.0  # a correction over the change that it is made of, above which any state is about as good as another
 TOO_OFTEN = 3  # corrections that were too large, after which there are no more
 ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
@@ -40,6 +45,13 @@ class Correction(NamedTuple):
     along: Array
     unknowns: Array
     share: float  # of the linear one: less than 1 where that were too large
+    mass: float  # of the trapped gas, relative
+    work: float  # of a life [J]
+
+    def times(self, factor: float) -> Correction:
+        """Return the same correction, longer or shorter."""
+        start, along, unknowns = (factor * each for each in (self.start, self.along, self.unknowns))
+        return Correction(self.edges, start, along, unknowns, self.share, factor * self.mass, factor * self.work)
 
 
 class Residual(NamedTuple):
@@ -82,8 +94,17 @@ def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residu
     if not largest <= SINGULAR * changed:  # not finite, too
         return None
     share = min(1.0, LARGEST / max(largest, LARGEST))
+    if share < LEAST_SHARE:
+        return None
     of_states, along, of_unknowns = (share * each for each in found)
-    return Correction(tangents.edges, of_states, along, of_unknowns, share)
+    mass, work = _trapped(c, of_states), share * float(sums[0] @ weights)
+    return Correction(tangents.edges, of_states, along, of_unknowns, share, mass, work)
+
+
+def _trapped(c: Composition, start: Array) -> float:
+    """Return the relative change of the trapped gas: that of the density where oil is injected, or the largest."""
+    density, index = start.reshape(c.chambers, -1)[:, 1], round(c.P[P_INJECTION] / c.P[P_PITCH])
+    return float(density[index]) if index < c.chambers else float(np.abs(density).max())
 
 
 def _made_of(problem: Problem, machinery: Machinery, residual: Residual, sums: Array) -> Array:
@@ -120,7 +141,8 @@ class Corrections:
         c = machinery.composition
         self.able = c.chambers > 1 and not c.pulsating  # what a line's swing is made of is no quadrature
         self.tangents, self.last = lent, lent
-        self._fresh, self._moved, self._too_large = False, np.inf, 0
+        self._fresh, self._moved, self._too_large, self._far = False, np.inf, 0, False
+        self._before: Array | None = None  # correction before, in coordinates
 
     @property
     def begun(self) -> bool:
@@ -137,15 +159,18 @@ class Corrections:
         if stale and self._fresh and moved > OF_NO_USE * self._moved:
             self.able = False
         due = self.able and (slow or self.begun)
-        if stale:
+        if stale or (due and self._far and not near):
             self.tangents = None
         self._moved = moved
         return due
 
-    def of_turn(self, before: int, start: Array, q: Array, met: Array, made: Array) -> Correction | None:
+    def of_turn(
+        self, before: int, start: Array, q: Array, met: Array, made: Array, whole: bool = False
+    ) -> Correction | None:
         """Move the last history by the correction of a turn, and return it.
 
-        `before` are the steps of the history before, `start` (n,) the change of the state that a life begins with.
+        `before` are the steps of the history before, `start` (n,) the change of the state that a life begins with. With
+        `whole` none is made that would have to be shortened.
         """
         machinery, c = self.machinery, self.machinery.composition
 
@@ -156,6 +181,9 @@ class Corrections:
             return Residual(ahead, np.concatenate([start, np.zeros(N - len(start))]), q, met, made)
 
         found = self._found(residual, met)
+        if whole and (found is None or found.share < 1.0):
+            self._too_large, self.tangents, self.last = 0, None, None
+            return None
         if found is not None:
             _move(machinery, found)
         return found
@@ -176,10 +204,28 @@ class Corrections:
         except np.linalg.LinAlgError:
             tangents = found = None
         self.tangents, self.last = tangents, tangents or self.last
+        if found is not None:
+            found = self._in_full(found)
+            self._far = self._fresh and float(np.abs(found.along).max()) > BEYOND
         if found is None or found.share < 1.0:
             self.tangents, self._too_large = None, self._too_large + 1
             self.able = self.able and self._too_large < TOO_OFTEN
         return found
+
+    def _in_full(self, found: Correction) -> Correction:
+        """Return a correction with what later ones by the same tangents would add to it.
+
+        They repeat a share of each other, which the last two tell.
+        """
+        here = np.concatenate([found.along.ravel(), found.unknowns])
+        before, self._before = self._before, here
+        if self._fresh or before is None or found.share < 1.0:
+            return found
+        share = float(here @ before) / max(float(before @ before), 1e-300)
+        if not abs(share) < REPEATED:
+            return found
+        self._before = here / (1.0 - share)
+        return found.times(1.0 / (1.0 - share))
 
 
 def led(problem: Problem, by: Correction, end: Array, y: Array, made: Array) -> Array:

@@ -90,13 +90,15 @@ class Series:
         self.stock, self.composer, self.course = Stock(), Composer(), Course()
         self.temperatures: Temperatures | None = None  # that effects.separator found last
         self.losses: PressureLosses | None = None  # of a package, found last
+        self.sought: list[float] | None = None  # where other open numbers were found last (`screwsim.sought`)
         self.per_step: dict[str, float] = {}  # relative change of the figures by these, per kelvin or kPa
+        self.around: tuple[Array | None, float] = None, 1.0  # Jacobian of these, and what the first guess left open
 
 
 def problem_of(scene: Scene, series: Series | None = None, set_speed: float | None = None) -> Problem:
     """Return what a scene asks; `set_speed` [rad/s]: what was stated, where the scene's speed was found from it."""
     series = series or Series()
-    scene = completed(scene, series.temperatures, series.losses)
+    scene = completed(scene, series.temperatures, series.losses, series.sought)
     parts, at = build_parts(scene, series.stock, set_speed), lines(scene)
     composition = _by(scene.numerics.integrator, series.composer.compose(parts))
     composition.P.flags.writeable = False

@@ -1,7 +1,8 @@
 """Waveform relaxation: one chamber's life after the other among the histories of its neighbours.
 
 A turn integrates a life, reading the neighbours ahead from the last turn and those behind from this one; it is repeated
-until the trapped mass, the work and the balances stand (docs/explanation/numerics.md).
+until no more is to come of the trapped mass, the work and the unknowns, and the balances stand
+(docs/explanation/numerics.md).
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.mixing import finer
-from screwsim.cycle.newton import Corrections, led
+from screwsim.cycle.newton import Correction, Corrections, led
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import NO_HOPE, CycleSolution, Hope
 from screwsim.cycle.wanted import ENOUGH, Wanted
@@ -27,18 +28,28 @@ from screwsim.numerics.periodic import Anderson
 Array = np.ndarray
 DEAR = 80_000  # evaluations that simultaneous closing takes in the median, with steps of
 DEAR_RTOL = 1e-4  # this tolerance; waveforms may take as many
-FIRST_RTOL = 1e-3  # of the first turn; later ones follow the gap
-AHEAD = 0.05  # tolerance of a turn over the gap of the one before: what it is hoped to contract by
+FIRST_RTOL = 2e-3  # of the first turn; later ones follow the gap
+THEN = 0.3  # tolerance of a turn over that of the one before, at most
+AHEAD = 0.015  # tolerance of a turn over the gap of the one before
+LED = 1e-3  # tolerance of a turn over what the correction before it changed
 GOOD = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
 DEPTH = 5  # of Anderson's method
+TOO_FAR = 0.3  # of a mixture from the newest image, in coordinates, which is not taken
 MAX_TURNS = 40
+LEAKS = 0.13  # mass residual of a first turn, above which it is corrected: what chambers give each other of the charge
 SLOW = 0.3  # change of a turn over that of the one before, above which Newton corrects it
+LASTING = 0.9  # the same, above which near the end it is noise of the steps
 FAR = 0.02  # gap above which the second turn is corrected: how fast turns contract is told by the third
 FARTHEST = 0.1  # change of the states (times `NEAR`) above which a linear correction tells nothing
+QUICK = 0.2  # change of a turn over that of the one before, below which what is to come follows from it
+FORESEEN = 1.5  # tolerances: what a correction may tell to be still to come
+HEAVIER = 2.0  # weight of what is to come of the unknowns: an energy balance with much oil hangs on its temperature
 STALL = 2  # corrected turns near the end without progress, after which steps are refined
 PROGRESS = 0.5  # of the least gap before, below which a gap is progress
 REFINED = 0.4  # tolerance of the steps then over that before
-WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves
+FALLING = 0.5  # residual over that of the turn before, below which it is the turns that close a balance, not the steps
+WORTH = 20.0  # of the tolerance: a change below it is left to the turns themselves ...
+LITTLE = 2e-3  # ... and below this
 
 
 def dear(rtol: float) -> float:
@@ -58,82 +69,192 @@ def relax(
     """Close by turns from y [in place] and the last history; None when they do not and there is another way.
 
     They may cost as much as that other way does in the median (`last` is False): the two seldom cost more than twice
-    the cheaper one. One turn maps (history, state at 0°, feedback unknowns) to the next; Anderson's method mixes the
-    last images. The first turns are integrated loosely: their error is that of the guess. A guess made from cycles of
-    machines nearby may be so good that the first turn closes: it is as fine as is hoped of the guess.
+    the cheaper one. The first turns are integrated loosely: their error is that of the guess. A guess made from cycles
+    of machines nearby may be so good that the first turn closes: it is as fine as is hoped of the guess.
     """
-    c, entries = machinery.composition, problem.entries
-    c.P[c.widths] = wanted.widths
-    accelerate, images = Anderson(DEPTH), []
-    corrections = Corrections(problem, machinery, lent)
-    met = unknowns(problem, machinery)
-    least, stalled = np.inf, 0  # gap near the end, turns without progress there
-    before, gap, turn, q = hope.seen, 1.0, 0, np.zeros(machinery.nq)
-    finest = rtol = hope.share * wanted.of_histories * wanted.rtol
-    first_rtol, first_gap = finest if hope.gap <= GOOD else FIRST_RTOL, 1.0
-    most = machinery.evaluations_of(machinery.counts) + dear(wanted.rtol)
-
-    def vector(values: Array) -> Array:
-        """Return what a turn maps: states at 0° and along the last history, and the unknowns."""
-        return np.concatenate([along(machinery, y), entries.coordinates(values)])
-
-    def ended(status: str, angle: float = 0.0, gap: float = 0.0, residual: float = 0.0) -> CycleSolution:
-        life, steps = machinery.trajectory.copy(), rtol if status == "failed" else finest
-        first, impacts = first_gap if status == "ok" else 1.0, machinery.impacts
-        return CycleSolution(
-            *(status, life, q, y, turn, "histories", steps, angle, gap, "", first, residual / wanted.bound, impacts),
-            tangents=corrections.last,
-        )
-
-    for turn in range(1, MAX_TURNS + 1):
-        point = vector(met)
-        steps_before = int(machinery.kept[1])
-        rtol = max(finest, first_rtol if turn == 1 else min(0.5 * rtol, AHEAD * gap))
-        status, angle, _, q = machinery.turn(y, rtol, 1e-3)
-        if status != 0:
-            return ended("failed", angle) if last else None
-        machinery.swap()
-        made = image_of(problem, machinery.trajectory, q)
-        image = vector(made)
-        now = (float(machinery.R[R_TRAPPED]), float(q[0]))
-        least = LEAST_WORK * now[0] * problem.pv
-        gap_before = gap
-        gap, before = max(change(now, before, least), entries.change(made, met)), now
-        moved = NEAR * float(np.max(np.abs(image - point)))
-        if turn == 1:  # what was expected of mass and work may agree by chance: the states must, too
-            gap = first_gap = max(gap, moved)
-        if gap <= wanted.tolerance and rtol <= finest:
-            residual = residuals(problem, machinery.R, q).largest
-            if residual <= ENOUGH * wanted.bound:
-                return ended("ok", gap=gap, residual=residual)
-            if moved <= wanted.tolerance:  # else it is no matter of the steps yet
-                finest = finer(finest, residual / wanted.bound)
-        if not last and machinery.evaluations_of(machinery.counts) > most:
+    turns = _Turns(problem, machinery, wanted, y, hope, lent)
+    most = np.inf if last else machinery.evaluations_of(machinery.counts) + dear(wanted.rtol)
+    for _ in range(MAX_TURNS):
+        angle = turns.integrate()
+        if angle is not None:
+            return turns.ended("failed", angle) if last else None
+        if turns.closed():
+            return turns.ended("ok")
+        correction = turns.correction()
+        if turns.closes(correction is not None):
+            return turns.ended("ok")
+        if machinery.evaluations_of(machinery.counts) > most:
             return None
-        near = gap <= WORTH * wanted.tolerance
-        if corrections.begun and near and rtol <= finest:
-            least, stalled = (gap, 0) if gap < PROGRESS * least else (least, stalled + 1)
-            if stalled > STALL:  # what is corrected now is noise of the steps
-                finest, least, stalled = REFINED * finest, np.inf, 0
-        slow = turn > 1 and moved < FARTHEST and gap > (SLOW * gap_before if turn > 2 else FAR) and not near
-        if corrections.due(slow, moved, near):
-            begun = corrections.begun
-            found = corrections.of_turn(steps_before, image[: machinery.n] - point[: machinery.n], q, met, made)
-            if found is not None:
-                if not begun:
-                    accelerate.restart()
-                made = led(problem, found, image[: machinery.n], y, made)
-                image = vector(made)
-        images = [*images, machinery.image()][-DEPTH - 1 :]
-        weights, mixed = accelerate.mix(point, image)
-        if len(weights) > 1 and np.max(np.abs(mixed - image)) < 0.3:
-            machinery.blend(images[-len(weights) :], weights)
+        turns.refine()
+        turns.go_on(correction)
+    return turns.ended("not_closed") if last else None
+
+
+class _Turns:
+    """Turns, each begun from the last: (history, state at 0°, feedback unknowns) are mapped to the next.
+
+    Newton's method corrects the images of slow ones; Anderson's mixes those of the others. `gap` is what a turn changed
+    of trapped mass, work and unknowns, beyond what was expected: those of the turn before, corrected or mixed. `left`
+    is what later ones yet would.
+    """
+
+    def __init__(
+        self, problem: Problem, machinery: Machinery, wanted: Wanted, y: Array, hope: Hope, lent: Tangents | None
+    ) -> None:
+        self.problem, self.machinery, self.wanted, self.y = problem, machinery, wanted, y
+        c = machinery.composition
+        c.P[c.widths] = wanted.widths
+        self.corrections, self.accelerate = Corrections(problem, machinery, lent), Anderson(DEPTH)
+        self.images: list[tuple[Array, Array, int]] = []
+        self.seen: list[tuple[float, float]] = []  # mass and work of each
+        self.met, self.q, self.number = unknowns(problem, machinery), np.zeros(machinery.nq), 0
+        self.guessed, self.expected, self.contraction = hope is not NO_HOPE, [hope.seen], hope.contraction
+        self.finest = self.rtol = hope.share * wanted.of_histories * wanted.rtol
+        self.next_rtol = self.finest if hope.gap <= GOOD else FIRST_RTOL
+        self.gap = self.first_gap = self.moved = self.left = 1.0
+        self.before = 1.0, 1.0  # gap, and change of the states, of the turn before
+        self.residual = self.residual_before = np.inf  # of the balances, where steps were the finest
+        self.least_gap, self.stalled = np.inf, 0  # near the end, turns without progress there
+
+    def vector(self, values: Array) -> Array:
+        """Return what a turn maps: states at 0° and along the last history, and the unknowns."""
+        return np.concatenate([along(self.machinery, self.y), self.problem.entries.coordinates(values)])
+
+    def integrate(self) -> float | None:
+        """Integrate a turn and measure what it changed; return where it stopped, None where it came to its end."""
+        problem, machinery = self.problem, self.machinery
+        self.point, self.steps_before = self.vector(self.met), int(machinery.kept[1])
+        self.rtol, self.number = max(self.finest, self.next_rtol), self.number + 1
+        status, angle, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
+        if status != 0:
+            return angle
+        machinery.swap()
+        self.made = image_of(problem, machinery.trajectory, self.q)
+        self.image = self.vector(self.made)
+        now = (float(machinery.R[R_TRAPPED]), float(self.q[0]))
+        self.least_work = LEAST_WORK * now[0] * problem.pv
+        self.before = self.gap, self.moved
+        changed = min(change(now, expected, self.least_work) for expected in self.expected)
+        self.gap = max(changed, problem.entries.change(self.made, self.met))
+        self.moved = NEAR * float(np.max(np.abs(self.image - self.point)))
+        if self.number == 1:  # what was expected of mass and work may agree by chance: the states must, too
+            self.gap = self.first_gap = max(self.gap, self.moved)
+        self.expected, self.residual_before = [now], self.residual
+        self.residual = residuals(problem, machinery.R, self.q).largest if self.rtol <= self.finest else np.inf
+        return None
+
+    def closed(self) -> bool:
+        """Tell whether the last turn changed as little as is wanted, and the balances are closed.
+
+        Where only these are not, nor on the way there, it is for the steps.
+        """
+        if not (self.gap <= self.wanted.tolerance and self.rtol <= self.finest):
+            return False
+        if self.residual <= ENOUGH * self.wanted.bound:
+            return True
+        if self.moved <= self.wanted.tolerance and self.residual > FALLING * self.residual_before:
+            self.finest = finer(self.finest, self.residual / self.wanted.bound)
+        return False
+
+    def closes(self, corrected: bool) -> bool:
+        """Tell whether so little is still to come that no turn need show it, and the balances are closed well."""
+        little = self.left <= (FORESEEN if corrected else 1.0) * self.wanted.tolerance
+        return little and self.rtol <= self.finest and self.residual <= self.wanted.ahead * self.wanted.bound
+
+    @property
+    def near(self) -> bool:
+        """Is the end so near that turns get there by themselves?"""
+        return self.gap <= min(WORTH * self.wanted.tolerance, LITTLE)
+
+    def slow(self) -> bool:
+        """Tell whether this turn is to be corrected: where turns contract slowly, or will."""
+        if self.number == 1:  # states that are far off still lead nearer there
+            return not self.guessed and residuals(self.problem, self.machinery.R, self.q).mass > LEAKS
+        ratio, known = self.gap / self.before[0], self.number > (1 if self.guessed else 2)
+        if self.near:  # where turns by themselves would take more than two more
+            return known and SLOW < ratio < LASTING and self.gap * ratio * ratio > self.wanted.tolerance
+        return self.moved < FARTHEST and (ratio > SLOW if self.number > 2 else self.gap > FAR)
+
+    def correction(self) -> Correction | None:
+        """Return Newton's correction of this turn, by which the last history is moved; foresee what is still to come.
+
+        None where none is due, or to be had. Without one, what is to come follows from how fast turns contract.
+        """
+        self.left, n, corrections = self.gap, self.machinery.n, self.corrections
+        begun = corrections.begun
+        if corrections.due(self.slow(), self.moved, self.near):
+            start = self.image[:n] - self.point[:n]
+            whole = self.number == 1  # of a guess that is farther off a correction may be anything
+            found = corrections.of_turn(self.steps_before, start, self.q, self.met, self.made, whole)
+            if found is not None and not begun:
+                self.accelerate.restart()
+            if found is not None and found.share == 1.0:
+                work = abs(found.work) / max(abs(self.q[0]), self.least_work)
+                self.left = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
+            return found
+        if not begun:
+            if self.number > (1 if self.guessed else 2):
+                self.contraction = max(self.gap / self.before[0], self.moved / self.before[1])
+            if self.contraction < QUICK:
+                self.left = self.gap * self.contraction / (1.0 - self.contraction)
+        return None
+
+    def refine(self) -> None:
+        """Refine the steps where corrected turns near the end make no progress: what they correct is their noise."""
+        if self.corrections.begun and self.near and self.rtol <= self.finest:
+            progress = self.gap < PROGRESS * self.least_gap
+            self.least_gap, self.stalled = (self.gap, 0) if progress else (self.least_gap, self.stalled + 1)
+            if self.stalled > STALL:
+                self.finest, self.least_gap, self.stalled = REFINED * self.finest, np.inf, 0
+
+    def go_on(self, correction: Correction | None) -> None:
+        """Let the next turn begin where this one leads: corrected, or mixed with those before."""
+        problem, machinery, n = self.problem, self.machinery, self.machinery.n
+        made = self.made
+        if correction is not None:
+            made = led(problem, correction, self.image[:n], self.y, made)
+            ((mass, work),) = self.expected
+            self.expected = [(mass * float(np.exp(correction.mass)), work + correction.work)]
+            mixed = self._mixed(self.vector(made), self.stalled > 0)
+            self.next_rtol = LED * self.left
         else:
-            mixed = image
-        y[:] = states_of(mixed[: machinery.n], y, c)
-        met = entries.values(mixed[len(mixed) - len(met) :], made)
-        set_unknowns(problem, machinery, met)
-    return ended("not_closed", gap=gap) if last else None
+            mixed = self._mixed(self.image)
+            self.next_rtol = min(THEN * self.rtol, AHEAD * self.gap)
+        self.y[:] = states_of(mixed[:n], self.y, machinery.composition)
+        self.met = problem.entries.values(mixed[len(mixed) - len(self.met) :], made)
+        set_unknowns(problem, machinery, self.met)
+
+    def _mixed(self, image: Array, wanted: bool = True) -> Array:
+        """Return what Anderson's method mixes of the last images, where that is wanted, and do so with their histories.
+
+        Those that were corrected are not mixed as long as corrections lead on: what different steps leave between their
+        histories is a residual of the gas.
+        """
+        self.images = [*self.images, self.machinery.image()][-DEPTH - 1 :]
+        self.seen = [*self.seen, self.expected[0]][-DEPTH - 1 :]
+        weights, mixed = self.accelerate.mix(self.point, image)
+        if not wanted or len(weights) == 1 or not np.max(np.abs(mixed - image)) < TOO_FAR:
+            return image
+        self.machinery.blend(self.images[-len(weights) :], weights)
+        mass, work = (weights @ np.array(self.seen[-len(weights) :])).tolist()
+        self.expected = [*self.expected, (mass, work)]
+        return mixed
+
+    def ended(self, status: str, angle: float = 0.0) -> CycleSolution:
+        """Return the cycle as the last turn left it."""
+        machinery, ok = self.machinery, status == "ok"
+        return CycleSolution(
+            *(status, machinery.trajectory.copy(), self.q, self.y, self.number, "histories"),
+            rtol=self.rtol if status == "failed" else self.finest,
+            angle=angle,
+            change=0.0 if status == "failed" else self.gap,
+            first_gap=self.first_gap if ok else 1.0,
+            residual=self.residual / self.wanted.bound if ok else 0.0,
+            impacts=machinery.impacts,
+            tangents=self.corrections.last,
+            contraction=self.contraction,
+            left=self.left if ok and self.gap > self.wanted.tolerance and self.corrections.begun else 0.0,
+        )
 
 
 def along(machinery: Machinery, y: Array) -> Array:

@@ -32,6 +32,8 @@ class CycleSolution:
     impacts: int = 0  # of the last turn, where something moves between seat and stop
     speed_curve: Array | None = None  # of the speed that the drive made last (model.speed)
     tangents: Tangents | None = None  # of Newton's correction, where one was made
+    contraction: float = 1.0  # of waveforms: change of a turn over that of the one before, as it was seen last
+    left: float = 0.0  # what Newton's correction tells to be still to come, where that closed the cycle
 
     @property
     def seen(self) -> tuple[float, float]:
@@ -42,12 +44,14 @@ class CycleSolution:
 class Hope(NamedTuple):
     """What is hoped of a guess: its trapped mass [kg] and work [J], and what the first turn will change.
 
-    `share` is that of the wanted tolerance of a step with which the balances will close.
+    `share` is that of the wanted tolerance of a step with which the balances will close, `contraction` what turns left
+    of a change lately.
     """
 
     seen: tuple[float, float]
     gap: float
     share: float = 1.0
+    contraction: float = 1.0
 
 
 NO_HOPE = Hope((0.0, 0.0), 1.0)

@@ -23,18 +23,17 @@ from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.model import compiled
 from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
+from screwsim.model.slices import INSIDE
 from screwsim.model.slots import P_INJECTION, P_PITCH
 
 Array = np.ndarray
 SLICES = 12  # of a pitch
 EVEN = 0.2  # share of an even division in theirs; the rest is as dense as the integrator's steps
 LEAST = 1e-6  # of a pitch: steps that end so near to its ends are not counted
-INSIDE = 1e-6  # rad within the segment of the laws that an angle belongs to, as the middle of its segment
 RELAXED = 3  # steps that lead the states in the middle of a slice to where they change as the history does ...
 STRAYED = 0.02  # ... while T or ρ would change by so much more, or less, of itself over the slice ...
 AT_MOST = 0.1  # ... of at most so much each
 SHIFT = 1e-5  # of a coordinate, for differences
-ANGLE_STEP = 1e-7  # rad, for derivatives by the angle, which nothing here uses
 
 
 def edges_of(machinery: Machinery) -> Array:
@@ -95,107 +94,39 @@ def _changes(machinery: Machinery, edges: Array) -> Array:
 def _slopes(problem: Problem, machinery: Machinery, met: Array, slices: _Slices) -> tuple[Array, Array, Array, Array]:
     """Return derivatives of the coordinates' rates by them and by the unknowns, then those of the quadratures' rates.
 
-    One entry a slice each, in its middle.
+    One entry a slice each, in its middle, where the states are led (`model.slices`).
     """
-    c, nq, N = machinery.composition, machinery.nq, slices.states.shape[1]
-    A, F = np.empty((SLICES, N, N)), np.empty((SLICES, N, len(met)))
-    sums, sums_by_unknowns = np.empty((SLICES, nq, N)), np.empty((SLICES, nq, len(met)))
-    moved, R, P = _moved(problem, machinery, met), machinery.R, c.P
-    R_met, P_met = R.copy(), P.copy()
-    rates = _Rates(machinery, float(slices.middles[0]), slices.states[0])
-    for k, (phi, h, y, change) in enumerate(zip(*slices, strict=True)):
-        y, f, A[k], Jq, scale = _led(rates, c, (phi, h), y, change)
-        sums[k] = Jq[:nq] * scale
-        for j, (R_moved, P_moved) in enumerate(moved):
-            R[:], P[:] = R_moved, P_moved
-            shifted_rates = (rates.rates(phi, y) - f) / SHIFT
-            F[k, :, j], sums_by_unknowns[k, :, j] = shifted_rates[:N] / scale, shifted_rates[N : N + nq]
-        R[:], P[:] = R_met, P_met
-    machinery.counts[2:] += c.chambers * SLICES * len(met), c.chambers * rates.asked
-    return A, F, sums, sums_by_unknowns
+    c, (phi, h, y, changes), N = machinery.composition, slices, slices.states.shape[1]
+    logarithmic = np.tile(~np.isin(np.arange(machinery.n), c.signed), c.chambers).astype(float)
+    R, P = _moved(problem, machinery, met)
+    u, nq, module = len(met), machinery.nq + 1, machinery.together
+    A, Jq, F, G = (np.empty((SLICES, *size)) for size in ((N, N), (nq, N), (u, N), (u, nq)))
+    least_oil, led = (LEAST_OIL if c.carried else 0.0), np.array([RELAXED, AT_MOST, STRAYED], float)
+    states = phi, h, y, changes, logarithmic, machinery.n, least_oil, led
+    given = *states, R, P, SHIFT, machinery.coupled_context, c.n_E_all, A, Jq, F, G
+    if "tangents" not in compiled.warm(module):
+        at_first = y.copy()
+        with machinery.compiling("tangents"):
+            module.slices__derivatives_all(*given)
+        y[:] = at_first
+    asked = module.slices__derivatives_all(*given)
+    machinery.counts[2:] += c.chambers * SLICES * u, c.chambers * asked
+    scale = np.where(logarithmic > 0.0, np.maximum(np.abs(y), 1e-300), 1.0)
+    return A, F.transpose(0, 2, 1), Jq[:, :-1] * scale[:, None, :], G[:, :, :-1].transpose(0, 2, 1)
 
 
-def _led(
-    rates: _Rates, c: Composition, slice_of: tuple[float, float], y: Array, change: Array
-) -> tuple[Array, Array, Array, Array, Array]:
-    """Return states of all chambers in the middle of a slice (angle, width [rad]); rates, derivatives and scales there.
-
-    A chamber that is open to a line follows its pressure within a few pascals, by which gas flows in or out, and the
-    history between the ends of steps is off by as many. So the states are led from there to where they change as the
-    history does over the slice.
-    """
-    (phi, h), N, n = slice_of, len(y), len(c.states)
-    logarithmic = np.tile(~np.isin(np.arange(n), c.signed), c.chambers)
-    left = RELAXED
-    while True:
-        f, J, Jq = rates.with_derivatives(phi, y)
-        scale = np.where(logarithmic, np.maximum(np.abs(y), 1e-300), 1.0)
-        slope, little = f[:N] / scale, _little(y, c)
-        A = J * (scale / scale[:, None])
-        A.flat[:: N + 1] -= np.where(logarithmic, slope, 0.0)
-        A[little] = 0.0
-        off = h * slope - change
-        if left == 0 or not np.abs(off.reshape(-1, n)[:, :2]).max() > STRAYED:
-            return y, f, A, Jq, scale
-        off[little] = 0.0
-        move = np.clip(np.linalg.solve(np.eye(N) - h * A, off), -AT_MOST, AT_MOST)
-        y = np.where(logarithmic, y * np.exp(move), y + move)
-        left -= 1
-
-
-def _little(y: Array, c: Composition) -> Array:
-    """Tell which coordinates are those of oil of no account, which does not change."""
-    rows = np.zeros((c.chambers, len(y) // c.chambers), bool)
-    if c.carried:
-        rows[:, 2:4] = y.reshape(rows.shape)[:, 3:4] <= LEAST_OIL
-    return rows.ravel()
-
-
-def _moved(problem: Problem, machinery: Machinery, met: Array) -> list[tuple[Array, Array]]:
-    """Return (R, P) with each unknown shifted; the machinery is left with them as they are met."""
-    entries, found = problem.entries, []
+def _moved(problem: Problem, machinery: Machinery, met: Array) -> tuple[Array, Array]:
+    """Return R and P with each unknown shifted, one row each, and as they are met in the last one, as they are left."""
+    entries, R, P = problem.entries, [], []
     here = entries.coordinates(met)
-    for j in range(len(met)):
+    for j in range(len(met) + 1):
         there = here.copy()
-        there[j] += SHIFT
-        set_unknowns(problem, machinery, entries.values(there, met))
-        found.append((machinery.R.copy(), machinery.composition.P.copy()))
-    set_unknowns(problem, machinery, met)
-    return found
-
-
-class _Rates:
-    """Rates of states and quadratures of all chambers, and their derivatives, at one angle after the other."""
-
-    def __init__(self, machinery: Machinery, phi: float, y: Array) -> None:
-        c = machinery.composition
-        N, nq = c.chambers * machinery.n, machinery.nq + 1
-        self.module, self.context, self.asked = machinery.together, machinery.coupled_context, 0
-        self.E, self.E_next = np.zeros(c.n_E_all), np.zeros(c.n_E_all)
-        self.f, self.g, self.J, self.Jq = np.empty(N), np.empty(nq), np.empty((N, N)), np.empty((nq, N))
-        self.f_phi, self.g_phi = np.empty(N), np.empty(nq)
-        if "tangents" not in compiled.warm(self.module):
-            with machinery.compiling("tangents"):
-                self.with_derivatives(phi, y)
-                self.rates(phi, y)
-            self.asked = 0
-
-    def with_derivatives(self, phi: float, y: Array) -> tuple[Array, Array, Array]:
-        """Return rates (states, then quadratures) and the derivatives of both by the states; the last are not kept."""
-        around, self.asked = self.module.surroundings__around_chambers, self.asked + 1
-        around(phi, phi - INSIDE, self.context, self.E)
-        around(phi + ANGLE_STEP, phi - INSIDE, self.context, self.E_next)
-        self.module.chambers__jacobian(
-            *(y, self.E, self.E_next, ANGLE_STEP, self.context),
-            *(self.f, self.g, self.J, self.Jq, self.f_phi, self.g_phi),
-        )
-        return np.concatenate([self.f, self.g]), self.J, self.Jq
-
-    def rates(self, phi: float, y: Array) -> Array:
-        """Return rates of states, then quadratures."""
-        self.module.surroundings__around_chambers(phi, phi - INSIDE, self.context, self.E)
-        self.module.chambers__rates(y, self.E, self.context, self.f, self.g)
-        return np.concatenate([self.f, self.g])
+        if j < len(met):
+            there[j] += SHIFT
+        set_unknowns(problem, machinery, entries.values(there, met) if j < len(met) else met)
+        R.append(machinery.R.copy())
+        P.append(machinery.composition.P.copy())
+    return np.array(R), np.array(P)
 
 
 def _injected(machinery: Machinery) -> Array:

@@ -17,7 +17,8 @@ class Wanted:
     """What counts as closed: `tolerance` on changes of mass and work, `bound` on the balances, `rtol` of a step.
 
     Steps of waveforms have `of_histories` times that `rtol`; `widths` [Pa] are those of the regularisation, in the
-    order of `Composition.widths`. With a `check` its method closes the cycle once ours has.
+    order of `Composition.widths`. `ahead` is the share of the bound with which a cycle may close while little is
+    still to come, before a turn shows it. With a `check` its method closes the cycle once ours has.
     """
 
     rtol: float
@@ -26,6 +27,7 @@ class Wanted:
     closing: str
     widths: tuple[float, ...]
     of_histories: float = 1.0
+    ahead: float = ENOUGH
     check: Check | None = None
 
     def tighter(self, factor: float) -> Wanted:
@@ -39,4 +41,4 @@ def wanted_of(numerics: NumericsSettings, widths: tuple[float, ...]) -> Wanted:
     rtol, accuracy = numerics.rtol or 0.3 * numerics.accuracy, numerics.accuracy
     of_histories = 1.0 if numerics.rtol else max(HISTORIES_FINEST, min(1.0, accuracy / HISTORIES_FINER))
     check = check_of(numerics.integrator)
-    return Wanted(rtol, 0.2 * accuracy, accuracy, numerics.closing, widths, of_histories, check)
+    return Wanted(rtol, 0.2 * accuracy, accuracy, numerics.closing, widths, of_histories, check=check)

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.declare import choice, quantity
+from screwsim.declare import Found, choice, quantity
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site
 from screwsim.effects.gap import flow_coefficient
 from screwsim.effects.port_window import WindowParameters, check_window, window_path
@@ -30,6 +30,8 @@ NAME = "economizer"
 GAIN = "economizer_capacity_gain"
 DRAWN_TOO_MUCH = 0.02  # share of the vapour that it makes
 FIGURES = (
+    Figure("economizer_temperature", "K", "saturation temperature in the economizer"),
+    Figure("economizer_pressure", "Pa", "pressure in the economizer"),
     Figure("economizer_mass_flow", "kg s-1", "net mass flow from the economizer"),
     Figure("economizer_flow_ratio", "1", "economizer flow over net suction flow"),
     Figure("economizer_draw_ratio", "1", "vapour that its port draws over that which the liquid makes", needs=COOLED),
@@ -43,7 +45,13 @@ class Parameters(WindowParameters):
 
     area: float = quantity("area", "area of the port", gt=0.0)
     flow_coefficient: float = flow_coefficient("the port", 1.0)
-    temperature: float | None = quantity("temperature", "saturation temperature in the economizer", None, gt=0.0)
+    temperature: float | None = quantity(
+        "temperature",
+        "saturation temperature in the economizer; auto: that at which its port draws what the liquid gives off (M371)",
+        None,
+        gt=0.0,
+        auto=True,
+    )
     pressure: float | None = quantity("pressure", "of the vapour, in place of temperature", None, gt=0.0)
     superheat: float = quantity(
         "temperature_difference", "of the vapour over temperature", 0.0, ge=0.0, hardly=(None, 60.0)
@@ -81,7 +89,12 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
 def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     """Return the vapour drawn, and what it does for the cooling capacity (M102)."""
     site, ratio = drawn.site, drawn.ratio
-    found: dict[str, float | str | None] = {"economizer_mass_flow": drawn.flow, "economizer_flow_ratio": ratio}
+    found: dict[str, float | str | None] = {
+        "economizer_temperature": saturation(parameters, site.fluid),
+        "economizer_pressure": drawn.reservoir.p,
+        "economizer_mass_flow": drawn.flow,
+        "economizer_flow_ratio": ratio,
+    }
     h_c, q_0 = site.liquid_enthalpy, site.refrigerating_effect
     if h_c is None or q_0 is None or ratio is None:
         return found
@@ -114,7 +127,9 @@ def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters, facts)
     p, T, fluid = parameters.pressure, parameters.temperature, facts.gas.name
     stated, limits = "temperature" if p is None else "pressure", constants.limits(fluid)
-    if T is None and p is None:
+    if isinstance(T, Found):
+        yield from _found(parameters, facts)
+    elif T is None and p is None:
         yield Fault(f"effects.{NAME}.temperature", "is missing (write e.g. temperature: 15 degC, or pressure: 5 bar)")
     elif T is not None and p is not None:
         yield Fault(f"effects.{NAME}.temperature", "is given beside pressure (remove one of the two)")
@@ -134,6 +149,26 @@ def check(parameters: Parameters, facts) -> Faults:
         T = saturation(parameters, fluid)
         yield from _between(parameters, T, facts, stated)
         yield from _warm_enough(parameters, T, facts, stated)
+
+
+def _found(parameters: Parameters, facts) -> Faults:
+    """Yield what forbids a temperature that is found: no liquid is known, or it is too cold for any."""
+    path, operation, fluid = f"effects.{NAME}.temperature", facts.operation, facts.gas.name
+    low, high = operation.evaporating_temperature, operation.condensing_temperature
+    if parameters.pressure is not None:
+        yield Fault(path, "is given beside pressure (remove one of the two)")
+    elif parameters.kind == "flash_tank" and is_blend(fluid):
+        what = f"the vapour that boils off {fluid}, a blend, has another composition than the blend"
+        yield Fault(f"effects.{NAME}.kind", f"{what} (write kind: heat_exchanger, or name a pure fluid)")
+    elif low is None or (high is None and operation.gas_cooler is None) or facts.machine.mode == "expander":
+        what = "auto needs the liquid of a condenser or gas cooler (state a compressor's lines by temperatures)"
+        yield Fault(path, f"{what}, or write a temperature")
+    elif operation.gas_cooler is None and low < high:
+        liquid = constants.condensed(fluid, high or 0.0) - (operation.subcooling or 0.0)
+        coldest = low + (parameters.approach if parameters.kind == "heat_exchanger" else 0.0)
+        if liquid <= coldest + 1.0:
+            what = f"the liquid, {liquid:.6g} K, is not warmer than the {coldest:.6g} K to which it could be cooled"
+            yield Fault(f"effects.{NAME}", f"{what} (less subcooling, or a smaller approach)")
 
 
 def _warm_enough(parameters: Parameters, T: float, facts, stated: str) -> Faults:
@@ -169,7 +204,7 @@ def _between(parameters: Parameters, T: float, facts, stated: str) -> Faults:
 EFFECT = Effect(
     name=NAME,
     title="vapour from an economizer, through a port into the closed chamber",
-    equations=("M12", "M13", "M100", "M101", "M102"),
+    equations=("M12", "M13", "M100", "M101", "M102", "M371"),
     source="ours; cycle: textbook",
     parameters=Parameters,
     build=build,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from screwsim import sought
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects.base import InSeparator
 from screwsim.errors import worst
@@ -43,6 +44,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
     yield from _lost_to_suction(of)
     yield from _separated(of)
     yield from humidity.warnings(problem, of.life, found, of.circuit)
+    yield from sought.warnings(problem.scene, found)
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()
     idle = [part.idle for part in parts.pulsations if part.shut is not None]

@@ -27,6 +27,7 @@ REMEDIES = {  # of the limits of an equation of state
     Limit.COLD: "use warmer suction gas or oil, or a wider suction port",
     Limit.WET: "use warmer oil or gas, or gas.two_phase: equilibrium",
     Limit.GLIDING: "use warmer oil or gas",
+    Limit.CRITICAL: "use a wider discharge port, a larger machine.volume.min, a lower discharge pressure or warmer oil",
 }
 
 HOT = 1000.0  # [K] beyond what a machine stands
@@ -104,9 +105,12 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
         return lock
     if cycle.impacts > MOST_IMPACTS:
         return f"the turn was left at {math.degrees(cycle.angle):.2f} deg after {_restless(problem, cycle)}"
-    reason = problem.parts.gas.why_outside(float(cycle.y[0]), float(cycle.y[1]))
-    if reason is not None:
-        return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg: {_remedied(reason)}"
+    n, gas = len(problem.composition.states), problem.parts.gas
+    for i, (T, rho) in enumerate(zip(cycle.y[::n], cycle.y[1::n], strict=True)):  # coupled chambers: of each
+        reason = gas.why_outside(float(T), float(rho))
+        if reason is not None:
+            angle = cycle.angle + i * problem.parts.geometry.pitch
+            return f"the integration stopped at {math.degrees(angle):.2f} deg: {_remedied(reason)}"
     elsewhere = refused(problem.parts.gas, cycle.trajectory)
     if elsewhere:  # a chamber that gas of such a state reaches through a leak
         return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg; in its last turn {elsewhere}"

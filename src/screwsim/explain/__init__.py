@@ -141,8 +141,7 @@ def _cylinder(machine: SliderCrank, omega: float) -> Iterator[str]:
 
 
 def _screws(machine: TwinScrew, parts: Parts) -> Iterator[str]:
-    length = KINDS["length"]
-    size = f"{readable_quantity(length, machine.rotor_diameter)} x {readable_quantity(length, machine.rotor_length)}"
+    size = " x ".join(f"{1e3 * each:.6g} mm" for each in (machine.rotor_diameter, machine.rotor_length))
     yield row(
         "kind", f"{machine.kind}, {machine.mode}, lobes {machine.male_lobes}/{machine.female_lobes}, rotor {size}"
     )
@@ -179,7 +178,8 @@ def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
     degrees = [f"{math.degrees(angle):.5g}" for angle in (laid.born, laid.injection, laid.opens, laid.ends)]
     yield row("profile", parameters_text(machine.profile, skip=()))
     swept = f"{laid.swept * 1e6:.6g} cm^3".replace(" ", NO_BREAK)
-    yield row("", f"swept volume {swept} of a chamber; built-in volume ratio {machine.built_in_volume_ratio:g}")
+    axial = "" if machine.axial_volume_ratio is None else f", of the axial port {machine.axial_volume_ratio:g}"
+    yield row("", f"swept volume {swept} of a chamber; built-in volume ratio {machine.built_in_volume_ratio:g}{axial}")
     yield row(
         "angles",
         f"born at {degrees[0]} deg, suction closes at {degrees[1]} deg, discharge opens at {degrees[2]} deg, "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from screwsim.declare import is_derived
+from screwsim.declare import Found, is_derived
 from screwsim.effects import catalogue, find_effect
 from screwsim.effects.base import Effect
 from screwsim.explain.rows import NO_BREAK, row
@@ -74,6 +74,7 @@ def _here(scene: Scene, path: str, key: Key) -> Iterator[str]:
     if value is None or value == "":
         return
     kind = key.leaf.dimension
-    text = text_of(key.leaf, value) if kind is None else readable_quantity(kind, value)
+    found = kind is None or isinstance(value, Found)
+    text = text_of(key.leaf, value) if found or kind is None else readable_quantity(kind, value)
     follows = " (follows)" if is_derived(value) and text != key.default else ""
     yield f"here: {text}{follows}".replace(" ", NO_BREAK)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import textwrap
 from typing import Any
 
-from screwsim.declare import is_derived
+from screwsim.declare import Found, is_derived
 from screwsim.scene.fields import Leaf, section_of
-from screwsim.scene.units import readable_quantity
+from screwsim.scene.units import customary_unit, readable_quantity, to_customary
 from screwsim.scene.values import text_of
 
 WIDTH = 79
@@ -36,4 +36,10 @@ def parameters_text(values: Any, skip: tuple[str, ...] = ("law",)) -> str:
 
 
 def _text(leaf: Leaf, value: Any) -> str:
-    return text_of(leaf, value) if leaf.dimension is None else readable_quantity(leaf.dimension, value)
+    if leaf.dimension is not None and is_derived(value):  # nobody wrote its digits
+        return f"{to_customary(leaf.dimension, value):.6g} {customary_unit(leaf.dimension)}"
+    return (
+        text_of(leaf, value)
+        if leaf.dimension is None or isinstance(value, Found)
+        else readable_quantity(leaf.dimension, value)
+    )

@@ -21,6 +21,7 @@ class Limit(Enum):
     PRESSED = auto()
     WET = auto()
     GLIDING = auto()  # wet, where its two phases cannot be followed: they differ in composition
+    CRITICAL = auto()  # wet, where they are followed no more, next to the critical point
 
 
 class Outside(NamedTuple):

@@ -327,7 +327,8 @@ class RealGas:
         if low <= T < high:
             return None
         what = f"{self.known.name} condenses at {T:.6g} K, {rho:.6g} kg/m3"
-        return Outside(Limit.GLIDING, f"{what}: its two phases are followed from {low:.6g} K to {high:.6g} K only")
+        limit = Limit.GLIDING if T < low else Limit.CRITICAL
+        return Outside(limit, f"{what}: its two phases are followed from {low:.6g} K to {high:.6g} K only")
 
 
 @lru_cache(maxsize=64)  # a few states of the lines are asked for again and again

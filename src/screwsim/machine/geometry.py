@@ -101,7 +101,9 @@ class Geometry(MachineGeometry):
     def stated_volume_ratio(self) -> float | None:
         """Built-in volume ratio that the scene states, where the discharge port follows from it."""
         port = self.settings.discharge_port
-        return self.settings.built_in_volume_ratio if port is not None and port.law == "profile" else None
+        ratios = (self.settings.built_in_volume_ratio, self.settings.axial_volume_ratio)
+        stated = [each for each in ratios if each is not None]
+        return min(stated) if stated and port is not None and port.law == "profile" else None
 
     @property
     def swept_volume(self) -> float:

@@ -81,12 +81,12 @@ def lay(machine: TwinScrew) -> Laid:
     if profile is None or ratio is None:
         raise UsageError("\n".join(map(str, _missing(machine))))
     sizes = machine.male_lobes, machine.female_lobes, machine.rotor_diameter, machine.rotor_length
-    return _laid(make_rotors(profile, *sizes), ratio)
+    return _laid(make_rotors(profile, *sizes), ratio, machine.axial_volume_ratio)
 
 
 @lru_cache(maxsize=64)
-def _laid(rotors: Rotors, ratio: float) -> Laid:
-    curves, pitch = make_curves(rotors, ratio), rotors.pair.pitch
+def _laid(rotors: Rotors, ratio: float, axial_ratio: float | None) -> Laid:
+    curves, pitch = make_curves(rotors, ratio, axial_ratio), rotors.pair.pitch
     before = math.ceil(curves.suction_closes / pitch - 1e-9)
     after = math.ceil((curves.life - curves.suction_closes) / pitch - 1e-9)
     born = before * pitch - curves.suction_closes

@@ -119,6 +119,13 @@ class TwinScrew(MachineSettings):
         gt=1.0,
         hardly=(None, 12.0),
     )
+    axial_volume_ratio: float | None = number(
+        "to which the axial discharge port is cut, where a slide's stop moves the radial one alone to "
+        "built_in_volume_ratio (law: profile; default: both together)",
+        None,
+        gt=1.0,
+        hardly=(None, 12.0),
+    )
     profile: Profile | None = None
     volume: VolumeLaw = None  # type: ignore[assignment]  # the scene always gives it
     suction_port: SuctionPort | None = None

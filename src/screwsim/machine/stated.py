@@ -154,6 +154,9 @@ def stated_faults(machine: TwinScrew) -> Iterator[Fault]:
         yield Fault("machine.rotor_length", "is missing (write rotor_length: … mm; length of the rotors)")
     if _opened_by_ratio(machine):
         yield from _of_ratio(machine)
+    if machine.axial_volume_ratio is not None and machine.volume.law != "profile":
+        what = "belongs to law: profile, whose discharge port has two parts (remove it)"
+        yield Fault("machine.axial_volume_ratio", what)
 
 
 def _of_family(machine: TwinScrew) -> Iterator[Fault]:

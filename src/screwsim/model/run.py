@@ -61,8 +61,12 @@ class Machinery:
 
     def begin(self, composition: Composition) -> None:
         """Take on another composition of the same structure; of the one before nothing stays."""
-        self.composition = with_numbers(composition, composition.P.copy())
-        self._contexts.clear()
+        own = self.composition.P
+        if composition.TAB is not self.composition.TAB or len(composition.P) != len(own):
+            own = np.empty_like(composition.P)
+            self._contexts.clear()
+        own[:] = composition.P
+        self.composition = with_numbers(composition, own)
         self.reset()
         self.counts[:] = 0
         self.compile_time = 0.0

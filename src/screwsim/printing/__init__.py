@@ -14,7 +14,6 @@ from screwsim.outputs import STATUSES, Result, sorted_entries
 from screwsim.printing.tables import wrapped
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
-from screwsim.scene.typical import leaks_told, left_out_told
 from screwsim.screen import json_safe, printable, say
 from screwsim.study.sweep import SweepSummary
 
@@ -58,13 +57,16 @@ def write_json(document: Any, path: Path) -> str:
     return write_text(path, json_safe(text) + "\n")
 
 
-def print_result(scene: Scene, result: Result) -> None:
-    """Print a result: its warnings, the table of figures with its ledger, then notes, balances and numerics."""
+def print_result(title: str, result: Result, left_out: Iterable[str] = ()) -> None:
+    """Print a result: its warnings, the table of figures with its ledger, then notes, balances and numerics.
+
+    `left_out` are lines on what its scene does not simulate.
+    """
     from rich.console import Console
 
     console = Console(highlight=False, markup=False, emoji=False)
-    if scene.title:
-        console.print(printable(scene.title), style="bold")
+    if title:
+        console.print(printable(title), style="bold")
     console.print(wrapped(printable(f"status: {_ended(result)}")))
     for warning in result.warnings:
         console.print(wrapped(printable(f"warning: {warning}")))
@@ -78,16 +80,21 @@ def print_result(scene: Scene, result: Result) -> None:
         console.print()
         console.print(_knock_out(result.knock_out))
     console.print()
-    for line in (*_account(result), leaks_told(scene), left_out_told(scene)):
-        if line:
-            console.print(wrapped(printable(line)))
+    for line in (*_account(result), *left_out):
+        console.print(wrapped(printable(line)))
 
 
 def _ended(result: Result) -> str:
     """Return the status with the number of warnings and the message, where there are any."""
     count = len(result.warnings)
     warned = f", with {count} {'warning' if count == 1 else 'warnings'}" if count else ""
-    return f"{result.status}{warned}" + (f"; {result.message}" if result.message else "")
+    filled = result.performance.get("volumetric_efficiency")
+    back = (
+        f"; the volumetric efficiency is {filled:.4g}: more flows back than is sucked in"
+        if (filled or 0.0) < 0.0
+        else ""
+    )
+    return f"{result.status}{warned}{back}" + (f"; {result.message}" if result.message else "")
 
 
 def _table(result: Result) -> Any:

@@ -15,6 +15,7 @@ from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import in_customary, shown_value
 from screwsim.study.seek import DIGITS, Found, Question
 
+MOST_NOTES = 4  # of rows, printed
 BESIDE = ("cooling_capacity", "shaft_power", "cop", "isentropic_efficiency", "volumetric_efficiency")
 BESIDE += ("discharge_temperature", "gas_mass_flow")  # of one answer, shown beside the figures that were sought
 
@@ -71,8 +72,11 @@ def print_find(scene: Scene, asked: Question, rows: Sequence[Found]) -> None:
     heads += [] if len(asked.spans) == 1 else [span.path.rpartition(".")[2] for span in asked.spans]
     heads += [*(["size"] if asked.sizes else []), *(shown_name(goal.figure) for goal in asked.goals), "solutions"]
     say("\n".join(plain_table(heads, [_cells(scene, asked, paths, row) for row in rows])))
-    for line in (line for row in rows for line in _notes(scene, paths, row)):
+    notes = [line for row in rows for line in _notes(scene, paths, row)]
+    for line in notes[:MOST_NOTES]:
         say(wrapped(line))
+    if len(notes) > MOST_NOTES:
+        say(f"… and {len(notes) - MOST_NOTES} more (all with --json, or in the file of -o)")
 
 
 def _cells(scene: Scene, asked: Question, paths: Sequence[str], row: Found) -> list[str]:
@@ -163,7 +167,8 @@ def write_find(path: Path, scene: Scene, asked: Question, rows: Sequence[Found])
     """Write a row a point of the other axes: CSV or HDF5, SI units."""
     columns = {}
     for axis in rows[0].at:
-        columns[axis] = Column([row.at[axis] for row in rows], axis_label(axis, scene)[1] or "1", leaf_of(scene, axis).doc)
+        units, doc = axis_label(axis, scene)[1] or "1", leaf_of(scene, axis).doc
+        columns[axis] = Column([row.at[axis] for row in rows], units, doc)
     for span in asked.spans:
         units, doc = axis_label(span.path, scene)[1], leaf_of(scene, span.path).doc
         columns[span.path] = Column([row.values.get(span.path) for row in rows], units, f"found {doc}")

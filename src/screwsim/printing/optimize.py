@@ -72,7 +72,8 @@ def print_optimize(found: Optimum) -> None:
         say(wrapped(asked.scene.title))
     senses = (f"{'lowest' if aim.minimum else 'highest'} {shown_name(aim.figure)}" for aim in asked.aims)
     over = "" if asked.points.single else f" over {asked.points.name}"
-    say(wrapped(f"{' and '.join(senses)}{over}, varying {', '.join(_range(asked, i) for i in range(len(asked.spans)))}"))
+    ranges = ", ".join(_range(asked, i) for i in range(len(asked.spans)))
+    say(wrapped(f"{' and '.join(senses)}{over}, varying {ranges}"))
     for bound in asked.bounds:
         say(wrapped(f"subject to {shown_name(bound.figure)} {bound.sign} {_text(bound.figure, bound.value)}"))
     for line in asked.points.told:
@@ -119,6 +120,8 @@ def _print_best(found: Optimum) -> None:
 
 
 def _reach(found: Optimum, path: str, reach: Reach) -> str:
+    if reach.low == reach.high:
+        return "no other"
     low, high = (in_customary(found.asked.scene, path, end)[0] for end in (reach.low, reach.high))
     return f"{low:.5g} … {high:.5g}"
 
@@ -127,7 +130,7 @@ def _points(found: Optimum) -> Iterator[str]:
     """Yield the lines of a table of the operating points at the best."""
     asked, points = found.asked, found.asked.points
     sought = [aim.figure for aim in asked.aims]
-    names = [name for name in dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *BESIDE))]
+    names = list(dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *BESIDE)))
     there = [name for name in names if all(each.result.performance.get(name) is not None for each in found.points)]
     weight = "energy share" if points.energy else "weight"
     paths = list(dict.fromkeys(path for each in found.points for path in each.values))
@@ -142,14 +145,24 @@ def _points(found: Optimum) -> Iterator[str]:
 
 
 def _print_front(found: Optimum) -> None:
-    """Print some rows of the front, evenly picked, the first and the last included."""
+    """Print some rows of the front, evenly spread along it, the first and the last included."""
     asked, front = found.asked, found.front
-    picked = np.unique(np.round(np.linspace(0, len(front) - 1, min(SHOWN, len(front)))).astype(int))
+    picked = spread(found.aims[front], SHOWN)
     heads = [*(shown_name(aim.figure) for aim in asked.aims), "error"]
     heads += [*(span.path.rpartition(".")[2].replace("_", " ") for span in asked.spans), "evaluation"]
     say("\n".join(plain_table(heads, [_front_cells(found, int(front[i])) for i in picked])))
     some = f"{len(picked)} of the {len(front)}" if len(picked) < len(front) else f"the {len(front)}"
     say(wrapped(f"{some} evaluations that no other betters in all aims; error: the larger of the aims, relative"))
+
+
+def spread(aims: np.ndarray, most: int) -> np.ndarray:
+    """Return the numbers of at most so many rows, evenly spread along the line through all of them."""
+    if len(aims) <= most:
+        return np.arange(len(aims))
+    width = np.ptp(aims, axis=0)
+    steps = np.abs(np.diff(aims, axis=0)) / np.where(width > 0.0, width, 1.0)
+    along = np.concatenate([[0.0], np.cumsum(steps.sum(axis=1))])
+    return np.unique(np.searchsorted(along, np.linspace(0.0, along[-1], most) - 1e-12 * along[-1]))
 
 
 def _front_cells(found: Optimum, row: int) -> list[str]:

@@ -7,12 +7,15 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from screwsim.engineering import engineering
 from screwsim.printing import shown_name, write_json
 from screwsim.printing.tables import plain_table, wrapped
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder
+from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
+from screwsim.study.map_points import MapPoint
 from screwsim.study.performance_map import NAMES, PerformanceMap, conditions
 
 FORMULA = "X = C1 + C2 S + C3 D + C4 S² + C5 S D + C6 D² + C7 S³ + C8 D S² + C9 S D² + C10 D³"
@@ -69,6 +72,29 @@ def _print_map(results: Results, one: PerformanceMap) -> None:
     left = f", {one.not_ok} more are not ok" if one.not_ok else ""
     say(wrapped(f"{one.points} points{left}; condition of the fit {one.condition:.2g}"))
     say(wrapped(f"envelope (S, D): {corners} °C; the map says nothing outside it"))
+
+
+def points_document(results: Results, points: Sequence[MapPoint]) -> dict[str, Any]:
+    """Return what `map --at … --json` prints: the figures at each point, SI units."""
+    return {
+        "file": str(results.path),
+        "title": results.attributes["title"],
+        "units": {figure: results.figure(figure).units for figure in points[0].figures},
+        "points": [each._asdict() for each in points],
+    }
+
+
+def print_points(results: Results, points: Sequence[MapPoint]) -> None:
+    """Print the figures of the map at each point, in customary units."""
+    say(wrapped(results.attributes["title"]))
+    for each in points:
+        temperatures = (each.evaporating_temperature, each.condensing_temperature)
+        at = " / ".join(f"{round(T - ZERO_CELSIUS, 6):g}" for T in temperatures)
+        others = "".join(f", {_at(results, path, value)}" for path, value in each.values.items())
+        say()
+        say(wrapped(f"evaporating / condensing temperature {at} °C{others}"))
+        rows = [[shown_name(name), *engineering(results.figure(name), value)] for name, value in each.figures.items()]
+        say("\n".join(f"{name:<28}{number:>12}  {unit}" for name, number, unit in rows))
 
 
 def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:

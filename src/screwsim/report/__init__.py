@@ -19,13 +19,13 @@ def plot(path: str | Path, folder: str | Path | None = None) -> list[str]:
     `folder` (default: beside the file, named after its stem) is made when it is missing. Raise UsageError in one
     line when the file is none of ours or has nothing to draw, or when the folder cannot be written.
     """
-    from screwsim.report import categories, cycle, ledger, maps, outcome, samples, sweeps, torque
+    from screwsim.report import categories, cycle, front, ledger, maps, outcome, samples, sweeps, torque
     from screwsim.report.style import write_all
     from screwsim.results import open_results
 
     path = Path(path)
     results = open_results(path)
-    kinds = (sweeps, categories, maps, outcome, samples, cycle, torque, ledger)
+    kinds = (front, sweeps, categories, maps, outcome, samples, cycle, torque, ledger)
     plans = dict(plan for kind in kinds for plan in kind.plans(results))
     if not plans:
         raise UsageError(f"{path}: has nothing to draw: {_why(results)}")

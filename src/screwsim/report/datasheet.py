@@ -19,13 +19,16 @@ ROOM = 0.08  # of the range, left free above and below a curve
 COLOURS, DASHES = 6, ("", "7 3", "2 3", "9 3 2 3")  # of several curves: colours of the page, and then dashes
 CLASSES = {True: "holds", False: "fails", None: ""}
 WORDS = {True: "met", False: "not met", None: "no verdict"}
-MANY = 2  # tables, or drawings, that may stand beside one another
-BESIDE = 7  # columns of a table that may
+MANY = 2  # tables, or drawings, from which on they stand beside one another
 
 
-def write_page(sheet: Any, output: Path) -> str:
-    """Write the page of a data sheet and return its path; raise UsageError in one line when the system refuses."""
+def write_sheet(sheet: Any, output: Path) -> str:
+    """Write a data sheet as PDF where the name ends so, else as a page; raise UsageError when the system refuses."""
     make_folder(output.parent)
+    if output.suffix.lower() == ".pdf":
+        from screwsim.report.datasheet_pdf import write_pdf
+
+        return write_pdf(sheet, output)
     return write_text(output, page(sheet))
 
 
@@ -37,7 +40,7 @@ def page(sheet: Any) -> str:
         "VERSION": escape(__version__),
         "TITLE": escape(sheet.title or sheet.heading),
         "HEADING": escape(sheet.heading),
-        "STYLE": source.joinpath("page").joinpath("page.css").read_text(encoding="utf-8"),
+        "STYLE": "".join(source.joinpath("page", f"{name}.css").read_text("utf-8") for name in ("theme", "page")),
         "LINES": "".join(lines),
         "TABLES": _beside("tables", [_table(each) for each in sheet.tables], len(sheet.tables)),
         "DRAWINGS": _beside("drawings", [_figure(each) for each in sheet.drawings], len(sheet.drawings)),
@@ -55,14 +58,12 @@ def _beside(name: str, parts: Sequence[str], count: int) -> str:
 
 def _table(table: Any) -> str:
     kinds = ["" if i < table.left else ' class="n"' for i in range(len(table.heads))]
-    heads = "".join(
-        f'<th scope="col"{kind}>{escape(head)}</th>' for kind, head in zip(kinds, table.heads, strict=True)
-    )
+    heads = "".join(f'<th scope="col"{kind}>{escape(head)}</th>' for kind, head in zip(kinds, table.heads, strict=True))
     rows = (
         "".join(f"<td{kind}>{escape(cell)}</td>" for kind, cell in zip(kinds, row, strict=True)) for row in table.rows
     )
     body = "".join(f"<tr>{row}</tr>" for row in rows)
-    wide = "" if len(table.heads) <= BESIDE else ' class="wide"'
+    wide = ' class="wide"' if table.wide else ""
     note = f'<p class="hint">{escape(table.note)}</p>' if table.note else ""
     return (
         f"<section{wide}><h2>{escape(table.title)}</h2>"

@@ -20,10 +20,10 @@ MM = 1e3  # [mm/m]
 _FILL = "#e4e4e4"
 
 
-def draw_rotors(rotors: Rotors, volume_ratio: float, folder: str | Path) -> list[str]:
+def draw_rotors(rotors: Rotors, volume_ratio: float, folder: str | Path, axial_ratio: float | None = None) -> list[str]:
     """Write all figures (PNG, PDF) and all files (CSV, DXF) of a pair and return their paths."""
     target = Path(folder)
-    curves = make_curves(rotors, volume_ratio)
+    curves = make_curves(rotors, volume_ratio, axial_ratio)
     plans = {
         "rotors": partial(mesh_figure, rotors),
         "sealing_line": partial(sealing_figure, rotors),

@@ -6,11 +6,13 @@ import json
 import math
 from html import escape
 from importlib import resources
+from typing import Any
 
 import numpy as np
 
 from screwsim.machine.profile_law import Laid
 from screwsim.machine.rotors.pair import Array, outlines
+from screwsim.machine.rotors.rotors import Rotors
 
 MM, DEG = 1e3, 180.0 / math.pi
 FINE = 4e-3  # [mm] how far a drawn outline may lie from the rotor's
@@ -45,13 +47,15 @@ def _curve(angle: Array, value: Array, factor: float) -> list[list[float]]:
     return [[round(float(x[i]), 2), float(f"{y[i]:.4g}")] for i in thinned(x, y / y.max() * x.max(), 0.3)]
 
 
-def page(laid: Laid, title: str) -> str:
-    """Return the HTML text of the page."""
-    rotors, pair = laid.rotors, laid.rotors.pair
-    male, female = outlines(pair, rotors.chain)
-    chain = rotors.chain
+def drawing(rotors: Rotors) -> dict[str, Any]:
+    """Return what a script draws and turns meshing rotors by: lengths in millimetres, angles in degrees.
+
+    The outlines are texts of SVG paths; of the contact line each point has its angle.
+    """
+    pair, chain = rotors.pair, rotors.chain
+    male, female = outlines(pair, chain)
     index = thinned(MM * chain.x, MM * chain.y, FINE)
-    data = {
+    return {
         "A": MM * pair.centre_distance,
         "R1": MM * pair.male_radius,
         "R2": MM * pair.female_radius,
@@ -59,17 +63,27 @@ def page(laid: Laid, title: str) -> str:
         "k": pair.k,
         "pitch": DEG * pair.pitch,
         "wrap": DEG * rotors.wrap,
-        "start": DEG * (rotors.start - laid.born),
+        "chain": [[round(v, 3) for v in (DEG * chain.psi[i], MM * chain.x[i], MM * chain.y[i])] for i in index],
+        "male": _path(*male),
+        "female": _path(*female),
+    }
+
+
+def page(laid: Laid, title: str) -> str:
+    """Return the HTML text of the page."""
+    drawn = drawing(laid.rotors)
+    male, female = drawn.pop("male"), drawn.pop("female")
+    data = drawn | {
+        "start": DEG * (laid.rotors.start - laid.born),
         "life": DEG * laid.life,
         "born": DEG * laid.born,
         "closes": DEG * laid.injection,
         "opens": DEG * laid.opens,
         "ends": DEG * laid.ends,
-        "chain": [[round(v, 3) for v in (DEG * chain.psi[i], MM * chain.x[i], MM * chain.y[i])] for i in index],
         "volume": _curve(laid.volume.angle, laid.volume.value, 1e6),
         "suction": _curve(laid.suction.angle, laid.suction.value, 1e4),
         "discharge": _curve(laid.discharge.angle, laid.discharge.value, 1e4),
     }
     template = resources.files("screwsim.report").joinpath("rotors_page.html").read_text(encoding="utf-8")
-    text = template.replace("@TITLE@", escape(title or "Rotors")).replace("@MALE@", _path(*male))
-    return text.replace("@FEMALE@", _path(*female)).replace("@DATA@", json.dumps(data))
+    text = template.replace("@TITLE@", escape(title or "Rotors")).replace("@MALE@", male)
+    return text.replace("@FEMALE@", female).replace("@DATA@", json.dumps(data))

@@ -106,7 +106,9 @@ def document(scene: Scene, files: list[str]) -> dict[str, Any]:
 def write(scene: Scene, folder: Path) -> list[str]:
     """Write figures, profiles, page and the tables with their scene; return all paths."""
     laid = laid_of(scene)
-    written = draw_rotors(laid.rotors, float(twin_screw(scene.machine).built_in_volume_ratio or 0.0), folder)
+    machine = twin_screw(scene.machine)
+    ratio, axial = float(machine.built_in_volume_ratio or 0.0), machine.axial_volume_ratio
+    written = draw_rotors(laid.rotors, ratio, folder, axial)
     tables = folder / "table"
     make_folder(tables)
     texts = {folder / "rotors.html": page(laid, scene.title)}
@@ -167,5 +169,12 @@ def _tabled(scene: Scene, laid: Laid, folder: Path) -> Any:
     }
     stated = {name: plain(getattr(machine, name)) for name in sizes}
     return replace(
-        machine, profile=None, displacement=None, built_in_volume_ratio=None, volume=volume, **ports, **stated
+        machine,
+        profile=None,
+        displacement=None,
+        built_in_volume_ratio=None,
+        axial_volume_ratio=None,
+        volume=volume,
+        **ports,
+        **stated,
     )

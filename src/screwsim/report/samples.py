@@ -22,7 +22,7 @@ _MOST = 5000  # points drawn of each panel
 def plans(results: Results) -> Iterator[Plan]:
     """Yield the scatter figure of a design; none of a product of axes."""
     name = efficiency_name(results)
-    if is_design(results) and name is not None and (shown := columns(results)):
+    if is_design(results) and not len(results.optimum) and name is not None and (shown := columns(results)):
         yield "samples", partial(_draw, results, shown, name)
 
 

@@ -12,7 +12,7 @@ from screwsim.results.read import OWN, Group, Results
 from screwsim.results.schema import Axis
 from screwsim.tables import library
 
-_PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out")
+_PREFIXED = ("balance", "error", "numerics", "cycle", "ledger", "knock_out", "optimum")
 
 
 def dataset(results: Results, group: str | None) -> Any:

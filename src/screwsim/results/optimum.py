@@ -16,7 +16,7 @@ AIM, ERROR, EXCESS = "aim_", "error_", "excess_"  # beginnings of names
 
 @dataclass(frozen=True)
 class Evaluated:
-    """Columns over the evaluations: aims, their errors and the excess over bounds by figure; and the question as text."""
+    """Columns over the evaluations: aims, their errors, the excess over bounds, by figure; the question as text."""
 
     aims: Mapping[str, np.ndarray]
     errors: Mapping[str, np.ndarray]

@@ -91,7 +91,8 @@ class Draft:
     ) -> None:
         """Write all results, chunk by chunk: no more than one chunk of each variable is in memory.
 
-        `beside` writes a group of its own. Raise UsageError in one line when the system refuses; the old file stays then.
+        `beside` writes a group of its own. Raise UsageError in one line when the system refuses; the old file stays
+        then.
         """
         cases = math.prod(len(axis.values) for axis in self._about[1])
         if cases != source.cases:

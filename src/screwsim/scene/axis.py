@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
+from screwsim.declare import AUTO, Found
 from screwsim.scene.fields import Leaf, stray, unknown
 from screwsim.scene.fluids import listed_fluid
 from screwsim.scene.numerals import odd_number, told
@@ -38,6 +39,11 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: list[Problem], distin
     else:
         what = f"{shown(node.value)} is neither a list nor {{from, to, count}} (write e.g. [{example(leaf)}])"
         problems.append(Problem(node.place, path, what))
+        return ()
+    if any(isinstance(value, Found) for value in values):
+        problems.append(
+            Problem(node.place, path, f"lists {AUTO}, which is no value (write values, or a scene of its own)")
+        )
         return ()
     good = [value for value in values if value is not None]
     twice = next((value for value, times in Counter(good).items() if times > 1), None) if distinct else None

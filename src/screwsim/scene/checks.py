@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 
+from screwsim.declare import Found
+from screwsim.effects.base import CoolsOil
 from screwsim.faults import Fault, UsageError
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
@@ -69,7 +71,7 @@ def oil_faults(scene: Scene) -> Iterator[Fault]:
             what = "is given beside oil.name, which knows it"
             yield Fault(path, f"{what} (remove one of the two, null in place of a base's)")
         elif oil.name is None and value is None and example:
-            remedy = f"write e.g. {field}: {example}, or the name of a stored oil: {', '.join(OILS)}"
+            remedy = f"write e.g. {field}: {example}, or the name of a stored oil, e.g. oil.name: POE_68"
             yield Fault(path, f"is missing ({remedy})")
     if oil.name is not None and supply is not None and supply.temperature is not None:
         stored = OILS[oil.name]
@@ -97,16 +99,42 @@ def _oil_supply(scene: Scene) -> Iterator[Fault]:
 def _pump(scene: Scene) -> Iterator[Fault]:
     supply = scene.oil_supply
     assert supply is not None
-    if supply.ratio is None:
+    if supply.discharge_temperature is not None:
+        yield from _sought(scene)
+    elif supply.ratio is None:
         yield Fault("oil_supply.ratio", "is missing (kind: pump needs it, e.g. ratio: 3)")
     for name in ("orifice_diameter", "orifice_length"):
         if getattr(supply, name) is not None:
             yield Fault(f"oil_supply.{name}", "belongs to kind: displacement (remove it, or change the kind)")
 
 
+def _sought(scene: Scene) -> Iterator[Fault]:
+    """Yield what does not go together with an oil flow that is found for a temperature at discharge."""
+    supply, path = scene.oil_supply, "oil_supply.discharge_temperature"
+    assert supply is not None and supply.discharge_temperature is not None
+    active = scene.effects.get(SEPARATOR)
+    if supply.ratio is not None and not isinstance(supply.ratio, Found):
+        yield Fault("oil_supply.ratio", f"is given beside {path}, which finds it (remove one of the two)")
+    if active is None:
+        yield Fault(path, f"needs effects.{SEPARATOR}, in which gas and oil have one temperature (name it)")
+        return
+    outlet = active.parameters.outlet if isinstance(active.parameters, CoolsOil) else None
+    cold = outlet or supply.temperature
+    if cold is None or isinstance(supply.temperature, Found):
+        what = "needs oil of a stated temperature (write oil_supply.temperature, or"
+        if cold is None:
+            yield Fault(path, f"{what} effects.{SEPARATOR}.cooler.outlet_temperature: 50 degC)")
+    elif cold >= supply.discharge_temperature:
+        what = f"{supply.discharge_temperature:.6g} K is not above the oil's {cold:.6g} K (raise it, or cool the oil)"
+        yield Fault(path, what)
+
+
 def _displacement(scene: Scene) -> Iterator[Fault]:
     supply = scene.oil_supply
     assert supply is not None
+    if supply.discharge_temperature is not None:
+        what = "belongs to kind: pump, whose ratio it finds; displaced oil follows from its bore (remove it)"
+        yield Fault("oil_supply.discharge_temperature", what)
     if supply.ratio is not None:
         yield Fault("oil_supply.ratio", "belongs to kind: pump; displacement finds it from the orifice (remove it)")
     if supply.source != "separator":

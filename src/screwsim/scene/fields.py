@@ -16,7 +16,8 @@ from screwsim.near import containing, ending, nearest
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 
-APART = ("effects", "sweep", "joints", "text", "folder", "losses")  # parts of a scene that are not plain sections
+# parts of a scene that are not plain sections
+APART = ("effects", "sweep", "joints", "text", "folder", "losses", "uncertain", "correlated")
 SWEEPABLE = {*KINDS, "number", "count", "choice", "fluid"}
 FIXED = {"machine.kind", "operation.ambient_pressure"}  # another scene; gauge pressures were read over it
 _MANY = 4  # paths that a message lists
@@ -27,7 +28,7 @@ class Leaf:
     """One input: its kind (a name of `KINDS`, or number, count, choice, fluid, word, file), default [SI] and limits.
 
     `hardly` are the bounds [SI] beyond which it hardly lies, `remedy` what to write in place of one out of range;
-    `otherwise` are inputs beside it that may state it in its place.
+    `otherwise` are inputs beside it that may state it in its place; with `auto` it may be found with the cycle.
     """
 
     kind: str
@@ -37,6 +38,7 @@ class Leaf:
     hardly: Bounds = ANY
     remedy: str = ""
     otherwise: tuple[str, ...] = ()
+    auto: bool = False
 
     @property
     def required(self) -> bool:
@@ -75,7 +77,7 @@ def section_of(cls: type, required: bool = True) -> Section:
 def _describe(cls: type, item: Any, hint: Any) -> Leaf | Section:
     if "kind" in item.metadata:
         meta = item.metadata
-        about = {name: meta[name] for name in ("hardly", "remedy", "otherwise")}
+        about = {name: meta[name] for name in ("hardly", "remedy", "otherwise", "auto")}
         return Leaf(meta["kind"], meta["doc"], item.default, meta["limits"], **about)
     optional = isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
     inner = [part for part in typing.get_args(hint) if part is not type(None)] if optional else [hint]

@@ -87,6 +87,7 @@ def _range(leaf: Leaf, size: Size | None) -> str:
         low, high = size.usual
         ends = (f"{low:g}" if low > 0.0 else "", f"{high:g}" if high < _WHOLE else "")
         usual += [f"usual {_span(*ends)} {size.what}"] if any(ends) else []
+    can += ["or auto"] if leaf.auto else []
     return "; ".join([", ".join(can), *usual] if can else usual) or ABSENT
 
 

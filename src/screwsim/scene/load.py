@@ -18,12 +18,13 @@ from screwsim.scene.files import other_file
 from screwsim.scene.sections import find_kind, read_effects, read_section
 from screwsim.scene.stated import settled
 from screwsim.scene.sweep import read_sweep
+from screwsim.scene.tolerances import BLOCK, read_tolerances, taken
 from screwsim.scene.types import STANDARD_ATMOSPHERE, Scene
 from screwsim.scene.units import Refused, over, parse_quantity
 from screwsim.scene.values import shown
 from screwsim.scene.write import scene_text
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, merge, one_line, pointer, scene_error
-from screwsim.textfiles import MOST_YAML, Unreadable, read_text
+from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
 OVERRIDE = 1_000_000  # rank of the first override: after all files
 SET = "--set "  # stands before an override where it is told of
@@ -38,7 +39,7 @@ def load(
     `stage` stands before the paths of overrides where they are told of, as it did where they were given ('first.').
     Raises `SceneError` with one line a fault, `UsageError` for an override or effect name that makes no sense.
     """
-    name = os.fspath(path)
+    name = shipped(path)
     problems: list[Problem] = []
     start = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
     root = _read_file(name, start, (os.path.realpath(name),), problems)
@@ -166,7 +167,7 @@ def _override(root: Node, override: str, place: Place, problems: list[Problem], 
     if node is None:
         return root
     keys = _keys(root, path, node)
-    if node.value == {} and (there := _at(root, keys)) is not None and there.value:
+    if node.value == {} and (there := _at(root, keys)) is not None and isinstance(there.value, dict) and there.value:
         out = "off" if path.startswith("effects.") else "null"
         what = f"{{}} changes nothing, as it merges into what is there (write {out} to take that out)"
         problems.append(Problem(place, path, what))
@@ -290,15 +291,18 @@ def _ambient(root: Node) -> float | None:
 
 
 def _read(root: Node, folder: str, problems: list[Problem]) -> Scene | None:
+    root, given = taken(root)
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)
-    scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep"), paths)
+    scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep", BLOCK), paths)
     _keep_kind(problems)
     effects = read_effects(root.value.get("effects"), problems)
     sweep, joints = read_sweep(root.value.get("sweep"), root, effects, kind, problems)
     if problems or scene is None:
         return None
     scene = settled(replace(scene, effects=effects, sweep=sweep, joints=joints, folder=folder))
+    uncertain, correlated = read_tolerances(given, root.value.get(BLOCK), scene, problems)
+    scene = replace(scene, uncertain=uncertain, correlated=correlated)
     faults: list[Fault] = [*cross_check(scene), *check_files(scene)]
     problems += [Problem(pointer(root, fault.path), fault.path, fault.what) for fault in faults]
     return scene

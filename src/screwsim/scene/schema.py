@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from screwsim.declare import KINDS, Kind
+from screwsim.declare import AUTO, KINDS, Kind
 from screwsim.effects import catalogue
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.designs import KINDS as SAMPLES
 from screwsim.scene.designs import LARGEST_SAMPLE
 from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_section, section_of, varies
+from screwsim.scene.tolerances import BLOCK, TOGETHER
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of
 
@@ -68,6 +69,9 @@ def schema() -> dict[str, Any]:
         "additionalProperties": False,
     }
     properties["sweep"] = _sweep()
+    groups = {"type": "array", "items": {"type": "array", "items": {"type": "string"}, "minItems": 2}}
+    together = "groups of paths whose values, which have tolerances, err together"
+    properties[BLOCK] = mapping({TOGETHER: {**groups, "description": together}}, (), "", ["object", "null"])
     return {
         "$schema": DRAFT,
         "title": "screwsim scene",
@@ -134,6 +138,8 @@ def leaf_schema(leaf: Leaf) -> dict[str, Any]:
 
 def value_schema(leaf: Leaf) -> dict[str, Any]:
     """Return the schema of one value as a person writes it."""
+    if leaf.dimension is not None and leaf.auto:
+        return {**_quantity(leaf.dimension), "pattern": rf"{_quantity(leaf.dimension)['pattern']}|^{AUTO}$"}
     if leaf.dimension is not None:
         return _quantity(leaf.dimension)
     if leaf.kind == "choice" and "own" in leaf.limits:

@@ -77,14 +77,32 @@ def area_fault(scene: Scene, largest: float) -> str | None:
 
 def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield (path, what) of sizes that machines hardly have, and of a speed that they hardly reach."""
+    global _last
+    machine, effects, supply, found = _last  # at once: threads share it
+    if not (scene.machine is machine and scene.effects is effects and scene.oil_supply is supply):
+        found = tuple(_unusual(scene))
+        _last = scene.machine, scene.effects, scene.oil_supply, found
+    yield from found
+    words, fast, known = _speed(scene)
+    if fast > known.usual:
+        yield "operation.speed", f"{words} (usual: at most {known.usual:g} m/s)"
+
+
+_last: tuple[Any, Any, Any, tuple[tuple[str, str], ...]] = (
+    None,
+    None,
+    None,
+    (),
+)  # sections that state sizes, what is so
+
+
+def _unusual(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield (path, what) of sizes that machines hardly have."""
     for size, share in _shares(scene):
         low, high = size.usual
         if not low <= share <= high:
             bound = f"at most {high:g}" if share > high else f"at least {low:g}"
             yield size.path, f"{_shown(scene, size.path)} is {_times(share, size.what)} (usual: {bound})"
-    words, fast, known = _speed(scene)
-    if fast > known.usual:
-        yield "operation.speed", f"{words} (usual: at most {known.usual:g} m/s)"
 
 
 def _times(share: float, what: str) -> str:

@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from screwsim.declare import choice, number, quantity, word
+from screwsim.declare import Found, choice, number, quantity, word
 from screwsim.effects.base import Effect, PressureLosses
 from screwsim.fluid.settings import GasSettings, OilSettings
 from screwsim.numerics.settings import NumericsSettings
 
+__all__ = [
+    "COLDEST",
+    "HOTTEST",
+    "STANDARD_ATMOSPHERE",
+    "ActiveEffect",
+    "DischargeState",
+    "Found",
+    "GasCooler",
+    "Joint",
+    "OilSupply",
+    "Operation",
+    "Output",
+    "Sample",
+    "Scene",
+    "SuctionState",
+]
 NO_SUPERHEAT = (
     "0 K is saturated vapour; wet gas is stated by operation.suction.quality in its place, "
     "with gas.model: real and gas.two_phase: equilibrium"
@@ -19,10 +36,7 @@ NO_SUPERHEAT = (
 
 STANDARD_ATMOSPHERE = 101325.0  # [Pa], ISO 2533
 COLDEST, HOTTEST = 150.0, 700.0  # [K] of injected oil
-
-
-class Found(float):
-    """A number that a scene leaves open and that is found together with the cycle: where the search stands."""
+COVERAGE = 2.0  # standard uncertainties in a tolerance: 95 % of a normal distribution (GUM)
 
 
 @dataclass(frozen=True)
@@ -144,6 +158,14 @@ class OilSupply:
         "pump: the ratio is given; displacement: the separator pushes it through an orifice", ("pump", "displacement")
     )
     ratio: float | None = number("d: oil to gas in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0))
+    discharge_temperature: float | None = quantity(
+        "temperature",
+        "of gas and oil behind the discharge port: the oil that brings them there is found (M370), in place of ratio",
+        None,
+        ge=COLDEST,
+        le=HOTTEST,
+        hardly=(210.0, 450.0),
+    )
     temperature: float | None = quantity(
         "temperature",
         "temperature of the injected oil (absent: effects.separator finds it)",
@@ -175,6 +197,27 @@ class ActiveEffect:
 
     effect: Effect
     parameters: Any
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Half the interval [SI] in which a value lies in 95 of 100 cases; or the factor by which that goes up and down."""
+
+    size: float
+    factor: bool = False
+
+    @property
+    def standard(self) -> float:
+        """Standard uncertainty: of the value [SI], or of its logarithm."""
+        return math.log(self.size) / COVERAGE if self.factor else self.size / COVERAGE
+
+    def ends(self, value: float) -> tuple[float, float]:
+        """Return the ends [SI] of the interval around a value."""
+        return (value / self.size, value * self.size) if self.factor else (value - self.size, value + self.size)
+
+    def at(self, value: float, deviation: float) -> float:
+        """Return the value [SI] that is so many standard uncertainties off."""
+        return value * math.exp(self.standard * deviation) if self.factor else value + self.standard * deviation
 
 
 @dataclass(frozen=True)
@@ -217,6 +260,8 @@ class Scene:
     text: str = ""  # canonical YAML of the whole scene, overrides included
     folder: str = "."  # files are found relative to it
     losses: PressureLosses | None = None
+    uncertain: Mapping[str, Tolerance] = field(default_factory=dict)  # dotted path -> tolerance of the value there
+    correlated: tuple[tuple[str, ...], ...] = ()  # paths whose values err together
 
     @property
     def own(self) -> dict[str, str]:

@@ -30,6 +30,11 @@ OTHERS = {  # each by its names, of which one is enough
 OF_OIL = {"oil_heat", "hydromechanical", "separator"}  # a dry machine has none
 
 
+def what_is_left_out(scene: Scene) -> list[str]:
+    """Return in a line each which leaks, and how many effects, a scene leaves out."""
+    return [line for line in (leaks_told(scene), left_out_told(scene)) if line]
+
+
 def leaks_told(scene: Scene) -> str:
     """Return which of a machine's leaks are simulated, where not all of them are; empty where they are."""
     kind = kind_of(scene.machine)

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+from screwsim.declare import AUTO, Found
 from screwsim.fluid.models import find_gas_model
 from screwsim.machine.kinds import MACHINES
 from screwsim.near import nearest
@@ -33,6 +34,8 @@ def _digits(raw: int | float) -> str:
 
 def convert(leaf: Leaf, raw: Any, folder: str = ".") -> Any:
     """Return the SI value of a scalar of the YAML tree, checked against the leaf; raise `Refused`."""
+    if leaf.auto and raw == AUTO:
+        return Found(0.0)
     if leaf.dimension is not None:
         return _limited(leaf, _quantity(leaf, raw), raw)
     return _READERS[leaf.kind](leaf, raw, folder)
@@ -174,6 +177,14 @@ _HOLDS = {
 }
 
 
+def within(leaf: Leaf, value: float) -> bool:
+    """Tell whether a value [SI] lies within the limits of a leaf."""
+    kind, limits = leaf.dimension, leaf.limits.items()
+    return all(_HOLDS[name](value, limit) for name, limit in limits if name in _HOLDS) and (
+        kind is None or (kind.least <= value and abs(value) <= kind.most)
+    )
+
+
 def _limited(leaf: Leaf, value: Any, raw: Any) -> Any:
     if not all(_HOLDS[name](value, limit) for name, limit in leaf.limits.items()):
         share = leaf.kind == "number" and leaf.limits.get("le", leaf.limits.get("lt")) == 1 and 2 <= value <= 100
@@ -194,6 +205,8 @@ def limits_text(leaf: Leaf) -> str:
 
 def text_of(leaf: Leaf, value: Any) -> str:
     """Return an SI value as YAML text that reads back to the same value (words are quoted by the caller)."""
+    if leaf.auto and isinstance(value, Found):
+        return AUTO
     if leaf.dimension is not None:
         return format_quantity(leaf.dimension, value)
     if isinstance(value, tuple):

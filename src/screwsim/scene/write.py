@@ -9,6 +9,7 @@ from typing import Any
 from screwsim.declare import is_derived
 from screwsim.scene.fields import Leaf, Section, leaf_paths, scene_section, section_of
 from screwsim.scene.grid import dimensions
+from screwsim.scene.tolerances import together_text, tolerance_text
 from screwsim.scene.types import Sample, Scene
 from screwsim.scene.values import text_of
 
@@ -18,11 +19,13 @@ def scene_text(scene: Scene) -> str:
 
     Absent values are left out, and what follows from others.
     """
-    lines = list(_section(scene_section(scene.machine.kind), scene, scene.folder, ""))
+    lines = list(_section(scene_section(scene.machine.kind), scene, scene, ("", "")))
     lines.append("effects:" if scene.effects else "effects: {}")
     for name, active in scene.effects.items():
-        parameters = list(_section(section_of(type(active.parameters)), active.parameters, scene.folder, "    "))
+        at = "    ", f"effects.{name}."
+        parameters = list(_section(section_of(type(active.parameters)), active.parameters, scene, at))
         lines += [f"  {_key(name)}:" if parameters else f"  {_key(name)}: {{}}", *parameters]
+    lines += together_text(scene)
     lines += _sweep(scene)
     return "\n".join(lines) + "\n"
 
@@ -60,17 +63,21 @@ def _sample(sample: Sample, leaves: dict[str, Leaf]) -> Iterator[str]:
             yield f"      {path}: {{from: {texts[0]}, to: {texts[1]}, spacing: {kind}}}"
 
 
-def _section(section: Section, value: Any, folder: str, indent: str) -> Iterator[str]:
+def _section(section: Section, value: Any, scene: Scene, at: tuple[str, str]) -> Iterator[str]:
+    """Yield the lines of a section of a scene, behind an indent; the paths of its values begin as told."""
+    indent, above = at
     for name, item in section.fields.items():
         part = getattr(value, name)
         if part is None or is_derived(part):
             continue
         if isinstance(item, Section):
-            inner = list(_section(item, part, folder, indent + "  "))
+            inner = list(_section(item, part, scene, (indent + "  ", f"{above}{name}.")))
             yield f"{indent}{name}:" if inner else f"{indent}{name}: {{}}"
             yield from inner
         else:
-            yield f"{indent}{name}: {_scalar(item, part, folder)}"
+            tolerance = scene.uncertain.get(f"{above}{name}")
+            spread = "" if tolerance is None else tolerance_text(item, tolerance)
+            yield f"{indent}{name}: {_scalar(item, part, scene.folder)}{spread}"
 
 
 def _scalar(leaf: Leaf, value: Any, folder: str) -> str:

@@ -14,6 +14,7 @@ from screwsim.cycle.fallbacks import fallbacks
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.wanted import Wanted
+from screwsim.effects.base import Separator
 from screwsim.errors import worst
 from screwsim.evaluate.evaluation import Evaluation, evaluate
 from screwsim.model import speed
@@ -29,6 +30,7 @@ AIM = 0.6  # of the wanted accuracy, at which the next try aims
 EASY = 0.4  # of the wanted accuracy: an estimate below it lets the next scene of a course begin less tight
 LOOSER = 1.5  # by this factor, AIM over EASY: none of them is estimated above AIM then
 TIGHTEST = 0.05  # factor of the tolerances with which a scene of a course may begin
+AHEAD = 0.3  # of the bound on the balances, with which a cycle that gives a separator its oil may close early
 TRIES = 7
 
 
@@ -49,16 +51,23 @@ class Accurate(NamedTuple):
     estimating_time: float
 
 
-def solve(problem: Problem, machinery: Machinery, course: Course | None = None) -> Accurate:
+def solve(
+    problem: Problem, machinery: Machinery, course: Course | None = None, given: CycleSolution | None = None
+) -> Accurate:
     """Close the cycle, and again more tightly while the estimated error exceeds the wanted accuracy.
 
     Nothing is estimated of a cycle that did not close, that a check closed, or where the scene says
-    `numerics.error: none`. A course lends its guess; that the cycle is noted there is its owner's to see to.
+    `numerics.error: none`. A course lends its guess; that the cycle is noted there is its owner's to see to. A cycle
+    that is `given` is closed already.
     """
     numerics, watch = problem.scene.numerics, Watch(machinery)
     tightness = 1.0 if course is None else course.tightness
-    wanted = problem.wanted if tightness == 1.0 else problem.wanted.tighter(tightness)
-    cycle = settled(problem, machinery, wanted, _close_somehow(problem, machinery, wanted, course))
+    wanted = asked_for(problem, tightness)
+    if given is None:
+        cycle = settled(problem, machinery, wanted, _close_somehow(problem, machinery, wanted, course))
+    else:
+        cycle = given
+        machinery.put(given.trajectory)
     of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
     watch.lap("closing")
     for attempt in range(TRIES):
@@ -81,6 +90,15 @@ def solve(problem: Problem, machinery: Machinery, course: Course | None = None) 
     tightness = max(tightness, TIGHTEST)
     times, counts = watch.times, watch.counts["closing"]
     return Accurate(cycle, of, wanted, errors, tightness, counts, times["closing"], times["estimating"])
+
+
+def asked_for(problem: Problem, tightness: float) -> Wanted:
+    """Return what is wanted of a problem's cycle, with tolerances times a factor.
+
+    What its energy balance leaves open an oil's circuit does, too, over the shaft's power: less than the sum of flows.
+    """
+    wanted = problem.wanted if tightness == 1.0 else problem.wanted.tighter(tightness)
+    return replace(wanted, ahead=AHEAD) if problem.parts.all(Separator) else wanted
 
 
 def solve_tighter(machinery: Machinery, accurate: Accurate) -> Accurate:

@@ -2,8 +2,9 @@
 
 A cycle is closed with temperatures of the oil's supply and of the separator, and with lost pressures, as they stand;
 what it gives the separator (`evaluate.separator`), and its flow (`evaluate.package`), tell others. Broyden's method
-finds those that agree, from the Jacobian of the circuit's own heat capacities: what the chambers change by them is left
-to learn. Every cycle begins from the one before. The last one is solved as accurately as the scene asks, and once more
+finds those that agree, from the Jacobian of the circuit's own heat capacities, or from that of the point before: what
+the chambers change by them is left to learn. Every cycle begins from the one before, and is closed no better than the
+step after it needs. The last one is closed as accurately as the scene asks, and its errors are estimated; once more
 where its surroundings are more open than that.
 """
 
@@ -14,11 +15,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim import sought
 from screwsim.build import Temperatures, filled, open_temperatures, package_of, temperature_faults
 from screwsim.cycle.close import close
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import leased
 from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.wanted import Wanted
 from screwsim.effects.base import InSeparator, PressureLosses
 from screwsim.errors import relative_errors, worst
 from screwsim.evaluate.evaluation import Evaluation, evaluate
@@ -26,18 +30,22 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
-from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Watch, note, solve
+from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Watch, asked_for, note, solve
 from screwsim.solve.drive import at_its_speed, settled
 
 Array = np.ndarray
 MOST = 20  # cycles closed for what lies around
 AGAIN = 8  # times that the last of them is solved once more
-OPEN = 0.1  # of the wanted accuracy: what may be left open of the shaft's power, or of a pressure
+OPEN = 0.2  # of the wanted accuracy: what may be left open of the shaft's power, or of a pressure
 LEAST = 0.05  # of what an unknown is expected to give back, for what is learnt of it to be believed
 KPA = 1e3  # [Pa] of a lost pressure that count as a kelvin
 LARGEST = 40.0  # [K, kPa] of a step
 HALVINGS = 6  # of a step to where oil or effects cannot be, or where no cycle closes
 WARMER = (15.0, 30.0, 50.0)  # [K] than the first guess, where no cycle closes with that
+CONTRACTS = 0.1  # what a step is expected to leave of what is open ...
+LEARNT = 0.01  # ... the same with a Jacobian of the point before ...
+ROUGH = 0.05  # ... and the changes over that, with which the cycle after it is closed
+ROUGHEST = 1e-3  # tolerance of a step of such a cycle, at most: looser ones may go astray
 APART = 0.05  # [K, kPa] between two cycles from which sensitivities are taken
 ALL = 0.98  # of the suction pressure, beyond which nothing would be left to suck
 
@@ -67,6 +75,9 @@ class Search:
     jacobian: Array | None = None
     last: tuple[Array, Array] | None = None
     seen: list[tuple[Array, Figures]] = field(default_factory=list)  # unknowns and figures of the cycles
+    expected: float = 1.0  # what the next cycle will leave open
+    contracts: float = CONTRACTS  # what a step is expected to leave of that
+    cycle: CycleSolution | None = None  # the last one; None where it was closed less tightly than the scene asks
 
     def step(self, x: Array, asked: Asked) -> Array:
         """Return the next change of the unknowns [K, kPa] from x, where the cycle asks for others.
@@ -101,7 +112,8 @@ class Search:
     def closed(self, problem: Problem, course: Course) -> Evaluation | None:
         """Return a problem's closed cycle, begun from a course; None where it does not close."""
         machinery = leased(problem)
-        watch, wanted = Watch(machinery), problem.wanted
+        watch, asked = Watch(machinery), asked_for(problem, self.course.tightness)
+        wanted = _rough(asked, self.expected)
         cycle = settled(problem, machinery, wanted, close(problem, machinery, wanted, course))
         watch.lap("closing")
         self.counts = watch.counts["closing"] + (0 if self.counts is None else self.counts)
@@ -110,6 +122,7 @@ class Search:
         of = evaluate(problem, cycle)
         if cycle.status != "ok":
             return None
+        self.cycle = cycle if wanted is asked else None
         note(self.course, of, cycle, wanted, self.course.tightness)
         return of
 
@@ -123,8 +136,12 @@ class Search:
             if faults:
                 self.why = f"the oil's circuit leads to where {faults[0]}"
                 return None
-        if len(x) > 2:
-            before, behind = (KPA * each for each in x[2:].tolist())
+        lost, others = (2 if scene.losses is not None else 0), x[2:].tolist()
+        if len(others) > lost:
+            self.series.sought = open_numbers = others[lost:]
+            scene = sought.placed(scene, open_numbers)
+        if lost:
+            before, behind = (KPA * each for each in others[:lost])
             if not before < ALL * problem.lines.p_s:
                 self.why = "what the package loses before the machine leaves nothing to suck (smaller losses)"
                 return None
@@ -149,13 +166,23 @@ class Search:
         return None
 
 
+def _rough(wanted: Wanted, open_: float) -> Wanted:
+    """Return what is wanted of a cycle that leaves so much open anyway; the same where that is all it may."""
+    tolerance, bound = ROUGH * open_, CONTRACTS * open_
+    if wanted.check or tolerance <= wanted.tolerance:
+        return wanted
+    rtol = min(tolerance * wanted.rtol / wanted.tolerance, max(ROUGHEST, wanted.rtol))
+    return replace(wanted, rtol=rtol, tolerance=tolerance, bound=max(bound, wanted.bound), of_histories=1.0)
+
+
 def unknowns_of(problem: Problem) -> Array:
     """Return what a problem is posed with: temperatures [K] of supply and separator, and lost pressures [kPa]."""
-    T = 0.0 if problem.parts.oil is None else problem.parts.oil.temperature
+    T = _oil_temperature(problem)
     every = (one.parameters for one in problem.scene.effects.values())
     asked = (one.separator_temperature for one in every if isinstance(one, InSeparator))
     lost = () if problem.scene.losses is None else (each / KPA for each in problem.scene.losses)
-    return np.array([T, next((at for at in asked if at is not None), T), *lost], float)
+    stands = (each for each in sought.standing(problem.scene) if each is not None)
+    return np.array([T, next((at for at in asked if at is not None), T), *lost, *stands], float)
 
 
 def asked_of(of: Evaluation) -> Asked | None:
@@ -168,12 +195,29 @@ def asked_of(of: Evaluation) -> Asked | None:
         off, share, open_ = [circuit.supply, circuit.separator], circuit.parted.share if both else 0.0, circuit.open
     if package is not None:
         off, open_ = [*off, package.before / KPA, package.behind / KPA], max(open_, package.open)
+    if sought.is_sought(of.problem.scene):
+        others = sought.asked(of.problem.scene, of.figures, _oil_temperature(of.problem))
+        if others is None:
+            return None
+        off, open_ = [*off, *(each.off for each in others)], max(open_, *(each.open for each in others))
     return Asked(np.array(off), share, open_)
+
+
+def _oil_temperature(problem: Problem) -> float:
+    return 0.0 if problem.parts.oil is None else problem.parts.oil.temperature
+
+
+def sought_open(of: Evaluation) -> float:
+    """Return what a scene's open numbers leave open, relative; nothing where it has none."""
+    scene = of.problem.scene
+    asked = sought.asked(scene, of.figures, _oil_temperature(of.problem)) if sought.is_sought(scene) else None
+    return max((each.open for each in asked or ()), default=0.0)
 
 
 def follows(problem: Problem) -> bool:
     """Tell whether something around the machine follows from its cycle."""
-    return any(open_temperatures(problem.scene)) or package_of(problem.scene) is not None
+    scene = problem.scene
+    return any(open_temperatures(scene)) or package_of(scene) is not None or sought.is_sought(scene)
 
 
 def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
@@ -183,6 +227,8 @@ def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
     search = Search(series, problem.scene.operation.speed)
     search.course.tightness = series.course.tightness
     problem = at_its_speed(problem, series)
+    search.jacobian, search.expected = series.around
+    search.contracts = CONTRACTS if search.jacobian is None else LEARNT
     of, guess = search.closed(problem, series.course), unknowns_of(problem)
     for warmer in WARMER if any(open_temperatures(problem.scene)) else ():
         if of is not None:
@@ -191,14 +237,21 @@ def steady(problem: Problem, series: Series) -> tuple[Problem, Search | None]:
         of = None if other is None else search.closed(other, series.course)
     if of is None:
         return problem, search
+    first = asked_of(of)
     for _ in range(MOST):
         asked = asked_of(of)
-        if asked is None or asked.open <= OPEN * of.problem.scene.numerics.accuracy:
+        if asked is None:
             break
+        enough = asked.open <= OPEN * of.problem.scene.numerics.accuracy
+        if enough and search.cycle is not None:
+            break
+        search.expected = 0.0 if enough else search.contracts * asked.open
         after = search.next(of, asked)
         if after is None:
             break
         of = after
+    if first is not None:
+        series.around = search.jacobian, first.open
     return of.problem, search
 
 
@@ -210,7 +263,7 @@ def solved(problem: Problem, machinery: Machinery, course: Course | None, search
     if search is None:
         return solve(problem, machinery, course)
     counts, spent, estimating = search.counts, search.time, 0.0
-    accurate = solve(problem, machinery, search.course)
+    accurate = solve(problem, machinery, search.course, search.cycle)
     errors = _with_unknowns(accurate, search)
     for _ in range(AGAIN):
         asked = asked_of(accurate.evaluation)
@@ -251,7 +304,8 @@ def _with_unknowns(accurate: Accurate, search: Search) -> Figures:
     errors, asked = Figures(accurate.errors), asked_of(accurate.evaluation)
     if asked is None or search.why or not errors:
         return errors
-    off = max(_of_circuit(accurate, errors), _of_package(accurate, asked, errors))
+    others = abs(asked.off[2 + 2 * (accurate.evaluation.problem.scene.losses is not None) :]).tolist()
+    off = max(_of_circuit(accurate, errors), _of_package(accurate, asked, errors), *others)
     for name, size in errors.items():
         if size is not None:
             errors[name] = size + off * search.series.per_step.get(name, 0.0)
@@ -272,7 +326,8 @@ def _of_package(accurate: Accurate, asked: Asked, errors: Figures) -> float:
     losses, of_flow = accurate.evaluation.problem.scene.losses, errors.get("gas_mass_flow") or 0.0
     if losses is None:
         return 0.0
-    return max(abs(off) + 2.0 * of_flow * lost / KPA for off, lost in zip(asked.off[2:].tolist(), losses, strict=True))
+    offs = asked.off[2 : 2 + len(losses)].tolist()
+    return max(abs(off) + 2.0 * of_flow * lost / KPA for off, lost in zip(offs, losses, strict=True))
 
 
 def _sum(counts: Array | None, more: Array) -> Array:

@@ -65,8 +65,9 @@ def estimated_errors(of: Evaluation, machinery: Machinery, wanted: Wanted, cycle
     told = c.chambers == 1 or cycle.how == "coupled" or finer.left is not None  # what comes back from other chambers
     among_leaks = not told and _filling(found) < LEAKY  # chambers live on what leaks
     whole = WHOLE * ((HIDDEN if _filling(found) > 0.0 else EMPTY) if among_leaks else 1.0)
+    left = cycle.left if len(finer.lives) == 1 else 0.0  # more than one life shows it
     for name, size in errors.items():
-        errors[name] = whole * size if size is not None else None
+        errors[name] = whole * size + left if size is not None else None
     flow = found["gas_mass_flow"]
     lost = 0.0 if not flow or met_across(of.problem) else abs(mass_in(c, cycle.q) * of.problem.rate / flow)
     for name, size in flow_errors(found, lost).items():

@@ -12,7 +12,7 @@ from screwsim.study.workers import TICK, Guard, LocalPool, stop, submit, worker_
 class Crew:
     """Call a function of a module for each payload of a batch on the same workers; of one job in this process.
 
-    A payload over which a worker dies is tried once more, alone; where that worker dies, too, its answer is `died` of it.
+    A payload over which a worker dies is tried once more, alone; where that one dies, too, its answer is `died` of it.
     """
 
     def __init__(self, jobs: int, died: Callable[[Any], Any], tick: Callable[[], None]) -> None:

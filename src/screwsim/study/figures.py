@@ -27,9 +27,7 @@ _SHORT = {symbol: name for name, symbols in _SYMBOLS.items() for symbol in symbo
 _OTHERWISE = "a name of performance in `run --json`"
 
 
-def figure_named(
-    text: str, here: Iterable[str] = (), others: Iterable[str] = (), option: str = "--figure"
-) -> str:
+def figure_named(text: str, here: Iterable[str] = (), others: Iterable[str] = (), option: str = "--figure") -> str:
     """Return the figure that a text names; raise UsageError with the nearest, or with those there are `here`.
 
     Known are those of the program, those here, and others; `option` is where the text was given.

@@ -49,10 +49,11 @@ def read_goals(scene: Scene, texts: Iterable[str]) -> tuple[Goal, ...]:
     return tuple(found)
 
 
-def read_bounds(scene: Scene, texts: Iterable[str]) -> tuple[Bound, ...]:
-    """Return the bounds of texts FIGURE<VALUE or FIGURE>VALUE; raise UsageError in one line."""
-    option, example = "--subject-to", "discharge_temperature<90 degC"
-    found = [Bound(*_parted(scene, text.replace("<=", "<").replace(">=", ">"), option, "<>", example)) for text in texts]
+def read_bounds(scene: Scene, texts: Iterable[str], option: str = "--subject-to") -> tuple[Bound, ...]:
+    """Return the bounds of texts FIGURE<VALUE or FIGURE>VALUE of an option; raise UsageError in one line."""
+    example = "discharge_temperature<90 degC"
+    plain = (text.replace("<=", "<").replace(">=", ">") for text in texts)
+    found = [Bound(*_parted(scene, text, option, "<>", example)) for text in plain]
     _refuse_twice(option, [f"{bound.figure}{bound.sign}" for bound in found])
     return tuple(found)
 

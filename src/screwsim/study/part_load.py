@@ -79,10 +79,9 @@ def controls(scene: Scene) -> list[Control]:
             continue
         last = SLOWEST * own if end is None else end
         swept = scene.sweep.get(path, np.linspace(own, last, SETTINGS))
-        settings = sorted({own, *map(float, swept)}, key=lambda value: abs(value - own))
-        settings = [value for value in settings if (value - own) * (last - own) >= 0.0]
-        if len(settings) > 1:
-            found.append(Control(name, path, tuple(settings)))
+        moved = sorted({float(value) - own for value in swept if (value - own) * (last - own) > 0.0}, key=abs)
+        if moved:
+            found.append(Control(name, path, (own, *(own + way for way in moved))))
     return found
 
 

@@ -130,7 +130,7 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
         none = [figure for figure in figures if figure not in results.figures]
         message += f"; the file has no {' and no '.join(none)}" if none else ""
         return PerformanceMap(values, message, len(S), not_ok)
-    design = _Design(S, D)
+    design = Design(S, D)
     if design.condition > WORST_CONDITION:
         message = (
             f"the {len(S)} points do not tell the ten coefficients apart (condition {design.condition:.1e}; spread "
@@ -155,7 +155,7 @@ def _unfit(S: Array, D: Array, cases: int) -> str:
     return ""
 
 
-class _Design:
+class Design:
     """The least-squares problem in temperatures that are centred and scaled to −1 … 1."""
 
     def __init__(self, S: Array, D: Array) -> None:

@@ -58,8 +58,8 @@ class Span:
 def read_spans(scene: Scene, texts: Iterable[str], *, ranged: bool, sizes: Sequence[float] = ()) -> tuple[Span, ...]:
     """Return the spans of texts PATH=LOW..HIGH, or PATH alone; raise UsageError in one line.
 
-    Without a range it is that of `sizes` (a catalogue), of the sweep's axis, or of what the schema allows; where it must
-    be stated (`ranged`) the last of these is none.
+    Without a range it is that of `sizes` (a catalogue), of the sweep's axis, or of what the schema allows; where it
+    must be stated (`ranged`) the last of these is none.
     """
     found: dict[str, Span] = {}
     for text in texts:

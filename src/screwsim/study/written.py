@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from screwsim.effects import catalogue
 from screwsim.faults import SceneError, UsageError
 from screwsim.results.atomic import keep_others, make_folder, write_text
 from screwsim.scene import Scene, leaf_of, loads, scene_text
@@ -21,7 +22,8 @@ BEGINS = "# Found by: screwsim "  # a scene that a study wrote
 def check_scene_file(path: Path, option: str = "-o") -> None:
     """Raise UsageError where a scene is not to be written: another ending, or a file that no study wrote."""
     if path.suffix.lower() not in (".yaml", ".yml"):
-        raise UsageError(f"{option} {path}: a scene is written, which ends in .yaml (write {path.with_suffix('.yaml')})")
+        good = path.with_suffix(".yaml")
+        raise UsageError(f"{option} {path}: a scene is written, which ends in .yaml (write {option} {good})")
     keep_others(path, BEGINS.encode())
 
 
@@ -70,7 +72,8 @@ def _yaml(text: str) -> str:
 
 
 def _put(tree: dict[str, Any], path: str, text: str) -> None:
-    *above, last = keys(path)
+    effect = path.removeprefix("effects.")
+    *above, last = ["effects", effect] if effect != path and effect in catalogue() else keys(path)
     for name in above:
         inner = tree.get(name)
         tree = tree.setdefault(name, {}) if not isinstance(inner, str) else tree.__setitem__(name, {}) or tree[name]

@@ -129,13 +129,15 @@ def _suction_curves(rotors: Rotors, closes: float) -> dict[str, Curve]:
     return {name: _curve(rotors, breakpoints, "m^2", lambda _, area=area: area) for name, area in parts.items()}
 
 
-def _discharge_curves(rotors: Rotors, opens: float) -> dict[str, Curve]:
+def _discharge_curves(rotors: Rotors, opens: float, face_opens: float) -> dict[str, Curve]:
+    """Return the areas of the discharge port: on the bores from `opens` on, on the end face from `face_opens` [rad]."""
     pair, chain, h = rotors.pair, rotors.chain, rotors.h
-    breakpoints = [opens, opens + pair.pitch, rotors.wrap - pair.beta1 - pair.pitch, rotors.wrap - pair.beta1]
+    begins = [each + later for each in dict.fromkeys((opens, face_opens)) for later in (0.0, pair.pitch)]
+    breakpoints = [*begins, rotors.wrap - pair.beta1 - pair.pitch, rotors.wrap - pair.beta1]
     grooves = ports.uncovered(pair, chain, rotors.sections)
     phi = _grid(rotors, breakpoints)[0]
     one, two = ports.radial_discharge(pair, chain, phi, rotors.wrap, h, opens)
-    axial = ports.axial_discharge(grooves, rotors.sections, phi, rotors.wrap, opens)
+    axial = ports.axial_discharge(grooves, rotors.sections, phi, rotors.wrap, face_opens)
     parts = {"axial": axial, "radial": one + two}
     return {name: _curve(rotors, breakpoints, "m^2", lambda _, area=area: area) for name, area in parts.items()}
 
@@ -180,16 +182,20 @@ def _paths(rotors: Rotors, closes: float) -> tuple[Path, ...]:
     )
 
 
-def make_curves(rotors: Rotors, volume_ratio: float) -> Curves:
-    """Return all curves; suction closes where the volume is largest."""
+def make_curves(rotors: Rotors, volume_ratio: float, axial_ratio: float | None = None) -> Curves:
+    """Return all curves; suction closes where the volume is largest.
+
+    The discharge port opens at a built-in volume ratio; with `axial_ratio` its part on the end face at that one.
+    """
     closes, opens = rotors.largest[0], rotors.discharge_angle(volume_ratio)
+    face_opens = opens if axial_ratio is None else rotors.discharge_angle(axial_ratio, "axial_volume_ratio")
     return Curves(
         rotors.life,
         rotors.chambers,
         *_volume_curves(rotors),
         _suction_curves(rotors, closes),
-        _discharge_curves(rotors, opens),
+        _discharge_curves(rotors, opens, face_opens),
         _paths(rotors, closes),
         closes - rotors.start,
-        opens - rotors.start,
+        min(opens, face_opens) - rotors.start,
     )

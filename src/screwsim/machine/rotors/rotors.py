@@ -89,7 +89,7 @@ class Rotors:
         angle = 0.5 * (low + high)
         return float(angle), float(self.volume(np.array([angle]))[0])
 
-    def discharge_angle(self, volume_ratio: float) -> float:
+    def discharge_angle(self, volume_ratio: float, name: str = "built_in_volume_ratio") -> float:
         """Return φ_dis [rad] at which the volume is the largest one over the built-in ratio.
 
         Raise UsageError in one line for a ratio at which the volume does not fall linearly or the port is shut.
@@ -104,7 +104,7 @@ class Rotors:
             low, high = (middle, high) if self.volume(np.array([middle]))[0] > wanted else (low, middle)
         if self.wrap - high < math.radians(10.0):
             raise UsageError(
-                f"machine.built_in_volume_ratio: {volume_ratio:.4g} leaves the port 10 deg before the end of discharge "
+                f"machine.{name}: {volume_ratio:.4g} leaves the port 10 deg before the end of discharge "
                 "(choose a smaller ratio)"
             )
         return float(0.5 * (low + high))

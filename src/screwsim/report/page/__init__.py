@@ -13,7 +13,16 @@ from screwsim.faults import UsageError
 __all__ = ["report"]
 
 _NEEDED = ("jinja2", "plotly")
-_SCRIPTS = ("unpack.js", "drawing.js", "overview.js", "case.js", "start.js")
+_SCRIPTS = (
+    "numbers.js",
+    "theme.js",
+    "unpack.js",
+    "drawing.js",
+    "overview.js",
+    "ledger.js",
+    "case.js",
+    "start.js",
+)
 _POLICY = "style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:; default-src 'none'"
 
 
@@ -52,7 +61,7 @@ def page_of(results: Any, claims: Sequence[Any] = ()) -> str:
     return template.render(
         policy=_POLICY,
         title=results.attributes["title"],
-        style=_source("page.css"),
+        style=_source("theme.css") + _source("page.css"),
         script="\n".join(_source(each) for each in _SCRIPTS),
         library=compressed(get_plotlyjs()),
         document=compressed(document),

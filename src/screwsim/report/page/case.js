@@ -1,6 +1,5 @@
 // One case: its figures with their errors, its cycle, its ledger.
 
-const LEAST = 1e-3; // of the shaft power: smaller entries of the ledger are drawn as one
 let picked = 0;
 
 function fillPicker() {
@@ -282,11 +281,6 @@ function drawLedger() {
   document.getElementById("ledger-note").textContent = `W/K: entropy generated; exergy at ${ambient.toFixed(2)} K (${(ambient - 273.15).toFixed(2)} °C).`;
 }
 
-// The exergy that is spent: the shaft power, or of an expander that which the gas gives.
-function spent(ledger) {
-  return ledger.shaft_power > 0 ? ledger.shaft_power : -ledger.gas_exergy_rise;
-}
-
 function fillLedger(ledger, factor, unit) {
   const heads = ["", unit, "%", "W/K", `moved ${unit}`, "kg/s"];
   const cells = (power, entry) => [
@@ -319,25 +313,6 @@ function fillLedger(ledger, factor, unit) {
     ...line("residue", ledger.residue, {}),
   );
   document.getElementById("ledger").replaceChildren(top, body);
-}
-
-function waterfallSteps(ledger) {
-  const least = LEAST * spent(ledger);
-  const losses = ledger.entries.filter((entry) => Number.isFinite(entry.exergy_destroyed));
-  const large = losses.filter((entry) => Math.abs(entry.exergy_destroyed) >= least);
-  const rest = losses.filter((entry) => !large.includes(entry));
-  const others = rest.reduce((sum, entry) => sum + entry.exergy_destroyed, 0);
-  const loss = (words, power) => ({ words, power, tint: power >= 0 ? "c2" : "c4" });
-  const ends = ledger.shaft_power > 0
-    ? [{ words: "shaft power", power: ledger.shaft_power, tint: "c0", total: true }, { words: "exergy rise of the gas", power: ledger.gas_exergy_rise, tint: "c1", total: true }]
-    : [{ words: "exergy that the gas gives", power: -ledger.gas_exergy_rise, tint: "c1", total: true }, { words: "power at the shaft", power: -ledger.shaft_power, tint: "c0", total: true }];
-  return [
-    ends[0],
-    ...large.map((entry) => loss(entry.words, entry.exergy_destroyed)),
-    ...(Math.abs(others) >= least ? [loss(`others (${rest.length})`, others)] : []),
-    ...(Math.abs(ledger.oil_exergy_rise) >= least ? [{ words: "exergy rise of the oil", power: ledger.oil_exergy_rise, tint: "c3" }] : []),
-    ends[1],
-  ];
 }
 
 function drawWaterfall(ledger, factor, unit) {

@@ -1,6 +1,5 @@
 // Look of the drawings: colours of the page's theme, axes, curves told apart without colour.
 
-const VIRIDIS = ["#440154", "#482878", "#3e4989", "#31688e", "#26828e", "#1f9e89", "#35b779", "#6ece58", "#b5de2b", "#fde725"];
 const INFERNO = ["#000004", "#1b0c41", "#4a0c6b", "#781c6d", "#a52c60", "#cf4446", "#ed6925", "#fb9b06", "#f7d13d", "#fcffa4"];
 const OWN = 6; // colours of the theme
 const DASHES = ["solid", "dash", "dashdot", "dot", "longdash", "longdashdot"];
@@ -9,14 +8,6 @@ const CONFIG = {
   displaylogo: false,
   modeBarButtons: [["toImage"], ["zoom2d", "pan2d"], ["zoomIn2d", "zoomOut2d", "resetScale2d"]],
 };
-
-function colour(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-}
-
-function isDark() {
-  return window.matchMedia("screen and (prefers-color-scheme: dark)").matches;
-}
 
 // Colour of one of several ordered curves: those of the theme as long as they last, then a scale of even lightness; the
 // ends that the page's own colour would swallow are left out.

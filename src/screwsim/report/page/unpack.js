@@ -1,5 +1,4 @@
-"use strict";
-// Data of the page: unpacking, numbers as people write them, cases and their places on the axes.
+// Data of the page: unpacking, cases and their places on the axes.
 
 async function inflated(id) {
   const stream = new Blob([bytes(document.getElementById(id).textContent)]).stream().pipeThrough(new DecompressionStream("gzip"));
@@ -24,38 +23,6 @@ function traceOf(trace, number) {
   const points = steps.length / low.length;
   const part = steps.subarray(number * points, (number + 1) * points);
   return Array.from(part, (step) => (step === 65535 ? null : low[number] + (span[number] * step) / 65534));
-}
-
-// A number as %.Ng of C writes it: 0.00123, 1.2346e+05.
-function general(value, digits) {
-  if (!Number.isFinite(value)) return "";
-  if (value === 0) return "0";
-  const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
-  const power = Number(exponent);
-  if (power < -4 || power >= digits) {
-    const sign = power < 0 ? "-" : "+";
-    return `${trimmed(mantissa)}e${sign}${String(Math.abs(power)).padStart(2, "0")}`;
-  }
-  return trimmed(value.toFixed(digits - 1 - power));
-}
-
-function trimmed(text) {
-  return text.includes(".") ? text.replace(/0+$/, "").replace(/\.$/, "") : text;
-}
-
-// A residue or an error as %.1e of C writes it.
-function small(value) {
-  if (!Number.isFinite(value)) return "";
-  const [mantissa, exponent] = value.toExponential(1).split("e");
-  const power = Number(exponent);
-  return `${mantissa}e${power < 0 ? "-" : "+"}${String(Math.abs(power)).padStart(2, "0")}`;
-}
-
-// A figure [SI] as number and unit, like the table of `screwsim run`.
-function written(figure, value) {
-  if (figure.kelvin) return [value.toFixed(2), `K (${(value - 273.15).toFixed(2)} °C)`];
-  const [, factor, unit] = figure.scales.find(([least]) => Math.abs(value) >= least);
-  return [general(value * factor, 5), unit];
 }
 
 // Places of a case on the axes, the last axis fastest; and the case of places.

@@ -17,7 +17,7 @@ from screwsim.scene.yaml_tree import Node, Place, Problem, compose, join, scene_
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import Fit, Parameter, Point, Prior, Tie
 from screwsim.study.inputs import STEPS
-from screwsim.textfiles import MOST_YAML, Unreadable, read_text
+from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither it nor its scene asks for a better one
 HEAD = {
@@ -34,7 +34,7 @@ _PARAMETER = "write {from: …, to: …}"
 
 def read_fit(path: str | os.PathLike[str]) -> Fit:
     """Return the fit of a YAML file; raise `SceneError` with one line a fault."""
-    name = os.fspath(path)
+    name = shipped(path)
     place = Place(0, name, folder=os.path.dirname(os.path.abspath(name)))
     problems: list[Problem] = []
     root = _read(name, place, problems)

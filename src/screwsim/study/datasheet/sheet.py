@@ -8,6 +8,8 @@ from typing import Any
 
 from screwsim.results.warned import kind_of
 
+COLUMNS, LETTERS = 7, 11  # of a table beside which another has room
+
 
 @dataclass(frozen=True)
 class Table:
@@ -18,6 +20,11 @@ class Table:
     rows: Sequence[Sequence[str]]
     note: str = ""
     left: int = 0
+
+    @property
+    def wide(self) -> bool:
+        """Tell whether it asks for the width of a page: by its columns, or by words in them."""
+        return len(self.heads) > COLUMNS or any(len(cell) > LETTERS for row in self.rows for cell in row)
 
 
 @dataclass(frozen=True)

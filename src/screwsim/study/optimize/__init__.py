@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from screwsim.faults import UsageError
 from screwsim.results.atomic import make_folder
 from screwsim.scene import Scene, scene_text, with_values
+from screwsim.scene.given import scene_of
 from screwsim.study.crew import Crew
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit
@@ -23,7 +26,7 @@ from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
 from screwsim.study.optimize.store import kept, write
 from screwsim.study.optimum import Simulate, simulator
-from screwsim.study.progress import Progress, Silent
+from screwsim.study.progress import Progress, Silent, for_program
 from screwsim.study.search import Top
 from screwsim.study.seek import rounded
 from screwsim.study.spans import read_spans
@@ -49,9 +52,9 @@ class Optimum:
     """What was found, all in SI units; `status` none: no evaluation has results within the bounds.
 
     Rows of `places` (0 … 1 between the bounds), `aims`, `errors` (of the aims, numerical, absolute) and `excess` (over
-    the bounds) are the evaluations; NaN where one failed. `front` are the rows that no other dominates, by the first aim;
-    with one aim that is the best alone, of which `values`, `reach`, `points` and `scene` are. `others` are further local
-    optima (value, aim) of one path.
+    the bounds) are the evaluations; NaN where one failed. `front` are the rows that no other dominates, by the first
+    aim; with one aim that is the best alone, of which `values`, `reach`, `points` and `scene` are. `others` are further
+    local optima (value, aim) of one path.
     """
 
     asked: Question
@@ -88,7 +91,7 @@ class Optimum:
 
 
 def optimize(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
     vary: Iterable[str] | Mapping[str, tuple[float, float]],
     maximize: Iterable[str] = (),
     minimize: Iterable[str] = (),
@@ -101,22 +104,27 @@ def optimize(
     jobs: int | None = None,
     restart: bool = False,
     simulate: Simulate | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Optimum:
     """Return the best values of paths for one aim, or the front of several (a scene's sweep is left aside).
 
-        found = screwsim.optimize(scene, ["oil_supply.ratio=0.3..3", "operation.speed=1000 rpm..5000 rpm"],
+        found = screwsim.optimize("x.yaml", ["oil_supply.ratio=0.3..3", "operation.speed=1000 rpm..5000 rpm"],
                                   maximize=["isentropic_efficiency", "cooling_capacity"])
         found.values_at(found.front[0]), found.aims[found.front]
 
-    What is asked is as in `question`. With an `output` all evaluations are kept in HDF5, and those of an interrupted run
-    of the same question are not repeated (unless `restart`).
+    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. `progress` True: a bar or
+    a line on stderr, None: that only where a notebook shows it. What is asked is as in `question`. With an `output` all
+    evaluations are kept in HDF5, and those of an interrupted run of the same question are not repeated (unless
+    `restart`).
     """
+    scene = scene_of(scene)
     base = replace(scene, sweep={}, joints=(), text="")
     base = replace(base, text=scene_text(base))
     spans = vary if isinstance(vary, Mapping) else spans_of(scene, vary)
-    asked = question(base, spans, maximize, minimize, subject_to=subject_to, over=over, evaluations=evaluations, seed=seed)
-    return run(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=progress)
+    more = {"subject_to": subject_to, "over": over, "evaluations": evaluations, "seed": seed}
+    asked = question(base, spans, maximize, minimize, **more)
+    shown = progress if isinstance(progress, Progress) else for_program("optimize", progress)
+    return run(asked, output, jobs=jobs, restart=restart, simulate=simulate, progress=shown)
 
 
 def spans_of(scene: Scene, vary: Iterable[str]) -> dict[str, tuple[float, float]]:
@@ -159,14 +167,15 @@ def run(
 
 
 def _feasible(record: Record) -> np.ndarray:
+    """Tell which evaluations have results within the bounds."""
     aims, _, excess = record.columns()
-    return np.isfinite(aims).all(axis=1) & (excess <= 0.0).all(axis=1)
+    return np.asarray(np.all(np.isfinite(aims), axis=1) & np.all(excess <= 0.0, axis=1))
 
 
 def _judged(record: Record, top: Top | None, simulate: Simulate) -> Optimum:
     """Return what the evaluations tell."""
     asked, (aims, errors, excess) = record.asked, record.columns()
-    feasible, solved = _feasible(record), np.isfinite(aims).all(axis=1)
+    feasible, solved = _feasible(record), np.asarray(np.all(np.isfinite(aims), axis=1))
     signs = np.array([aim.sign for aim in asked.aims])
     front = front_of(np.where(feasible[:, None], signs * aims, math.nan))
     found = Optimum(
@@ -187,7 +196,8 @@ def _judged(record: Record, top: Top | None, simulate: Simulate) -> Optimum:
         return found
     best = int(front[0])
     points = tuple(simulated(asked, rounded(asked.scene, found.values), simulate))
-    others = () if top is None else tuple((asked.spans[0].value(each.x), float(signs[0] * -each.y)) for each in top.others)
+    lower = () if top is None else top.others
+    others = tuple((asked.spans[0].value(each.x), float(signs[0] * -each.y)) for each in lower)
     reach = {span.path: _reach(found, feasible, i, best, top) for i, span in enumerate(asked.spans)}
     return replace(found, reach=reach, others=others, points=points, scene=found.scene_at(best))
 

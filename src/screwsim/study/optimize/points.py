@@ -27,7 +27,7 @@ _EXAMPLE = "weight, operation.condensing_temperature [degC], load"
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """One point: values [SI] by scene path, its weight, and the load over the first point's, None where none is asked."""
+    """One point: values [SI] by scene path, weight, and the load over the first point's, None where none is asked."""
 
     name: str
     values: Mapping[str, Any]
@@ -70,8 +70,8 @@ def read_points(scene: Scene, named: str | None) -> Points:
 def points_of(scene: Scene, standard: Standard) -> Points:
     """Return a standard's points as a compressor meets them.
 
-    The scene's own temperatures are those of the full load: what lies between them and the chilled water, or what comes to
-    the condenser, is taken to shrink with the load, as with surfaces of constant size; the condenser is held at
+    The scene's own temperatures are those of the full load: what lies between them and the chilled water, or what comes
+    to the condenser, is taken to shrink with the load, as with surfaces of constant size; the condenser is held at
     `LEAST_CONDENSING` at least. Superheat and subcooling stay.
     """
     T_e, T_c = scene.operation.evaporating_temperature, scene.operation.condensing_temperature
@@ -100,9 +100,9 @@ def points_of(scene: Scene, standard: Standard) -> Points:
 def _told(standard: Standard, cold: float, warm: float) -> Iterator[str]:
     medium = "water" if standard.name.endswith("-water") else "air"
     yield (
-        f"{standard.name} ({standard.source}) as the compressor meets it: water leaves at {WATER:g} °C, {cold:.3g} K above "
-        f"evaporation, and {medium} enters {warm:.3g} K below condensation at full load, both in proportion to the load; "
-        f"condensing at {LEAST_CONDENSING:g} °C at least; loads by {SPEED}; no fans, pumps, standby"
+        f"{standard.name} ({standard.source}) as the compressor meets it: water leaves at {WATER:g} °C, {cold:.3g} K "
+        f"above evaporation, {medium} enters {warm:.3g} K below condensation at full load, both in proportion to the "
+        f"load; condensing at {LEAST_CONDENSING:g} °C at least; loads by {SPEED}; no fans, pumps, standby"
     )
 
 

@@ -1,4 +1,4 @@
-"""All evaluations of an optimisation, in the order in which it asked for them; those of an earlier run are not repeated.
+"""All evaluations of an optimisation, in the order in which it asked for them; those of an earlier run are reused.
 
 What is asked for next depends on nothing but the answers so far, so that a run that is begun again asks for the same:
 the stored cases of an interrupted one are its first answers. A batch is cut into blocks whose cycles begin from each
@@ -29,6 +29,7 @@ from screwsim.study.shards import Parts
 from screwsim.study.warm import Warm
 from screwsim.study.workers import DIED
 
+FRESH = 2000  # evaluations after which workers start afresh: profiles leave tables and rotors in their caches
 BLOCK = 4  # evaluations of a batch whose cycles begin from each other
 REASONS = 100  # kinds of reasons of failed evaluations that are kept
 OTHER = "another reason"
@@ -53,6 +54,7 @@ class Record:
     _rows: list[np.ndarray] = field(default_factory=list)
     _kinds: dict[str, str] = field(default_factory=dict)  # kind of a reason -> its first example
     _packed: bytes = b""
+    _crews: int = 0
     _kept: int = 0  # cases that an earlier run has kept, from the first on
 
     def __post_init__(self) -> None:
@@ -78,7 +80,7 @@ class Record:
         return rows[:, :aims], rows[:, aims : 2 * aims], rows[:, 2 * aims :]
 
     def evaluate(self, places: np.ndarray) -> list[Evaluation]:
-        """Return the evaluations of places (n, paths); raise `Spent` when there are not so many left, with those kept."""
+        """Return the evaluations of places (n, paths); raise `Spent` when fewer are left, which are made and kept."""
         wanted, left = np.clip(np.atleast_2d(np.asarray(places, float)), 0.0, 1.0), self.asked.evaluations - len(self)
         places = wanted[:left]
         if not len(places):
@@ -102,8 +104,9 @@ class Record:
         failed = [each.failed for each in found if each.failed]
         for reason in failed:  # one example of those that differ by their numbers alone
             kind = re.sub(r"[0-9][0-9.e+-]*", "#", reason)
-            example = self._kinds.setdefault(kind, reason) if len(self._kinds) < REASONS else self._kinds.get(kind, OTHER)
-            self.reasons[example] += 1
+            if len(self._kinds) < REASONS:
+                self._kinds.setdefault(kind, reason)
+            self.reasons[self._kinds.get(kind, OTHER)] += 1
         self._places.append(places)
         self._rows.append(np.array([(*each.aims, *each.errors, *each.excess) for each in found], float))
         self.progress.advance(len(found), len(failed))
@@ -114,6 +117,9 @@ class Record:
         return self.parts.table(cases) if self.parts is not None and cases.stop <= self._kept else None
 
     def _computed(self, places: np.ndarray) -> Table:
+        if len(self) // FRESH > self._crews:  # what workers keep in memory is bounded
+            self._crews = len(self) // FRESH
+            self.crew.leave()
         order = neighbours(places)
         blocks = [order[start : start + BLOCK] for start in range(0, len(order), BLOCK)]
         tables = self._solved(places, blocks)

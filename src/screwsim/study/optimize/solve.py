@@ -1,4 +1,4 @@
-"""The searches: over one path by bracket and bounded search, one aim by differential evolution with a polish, else NSGA-II.
+"""The searches: one path by bracket and bounded search, one aim by differential evolution and a polish, else NSGA-II.
 
 Each works on places 0 … 1 between the bounds and asks a `Record` for evaluations until it has converged or those are
 spent. Failed evaluations are worse than any other; of those that break bounds the less the better.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,7 +86,7 @@ def _evolution(record: Record) -> None:
     asked = record.asked
     size, count = len(asked.spans), asked.evaluations
     members = max(5, min(6 * size, math.isqrt(count) + 4))
-    first = _first(asked, members)
+    first: Any = _first(asked, members)
     penalty = 0.0
 
     def scores(columns: Array) -> Array:
@@ -136,10 +137,11 @@ def _nsga2(record: Record) -> None:
     asked = record.asked
     size = population(asked.evaluations)
     problem = Problem(n_var=len(asked.spans), n_obj=len(asked.aims), n_ieq_constr=1, xl=0.0, xu=1.0)
-    algorithm = NSGA2(pop_size=size, sampling=_first(asked, size))
+    first: Any = _first(asked, size)
+    algorithm = NSGA2(pop_size=size, sampling=first)
     algorithm.setup(problem, termination=NoTermination(), seed=asked.seed, verbose=False)
     while True:
-        asks = algorithm.ask()
+        asks: Any = algorithm.ask()
         found = record.evaluate(np.asarray(asks.get("X"), float))
         F = np.array([[FAILED] * len(asked.aims) if each.failed else _lowered(asked, each) for each in found])
         G = np.array([[FAILED if each.failed else broken(asked, each)] for each in found])

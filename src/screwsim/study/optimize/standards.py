@@ -17,10 +17,12 @@ WATER = 7.0  # [°C] of the chilled water that leaves, in all of them
 _COOLING = (17, (205, 227, 225, 225, 216, 215, 218, 197, 178, 158, 137, 109, 88, 63, 39, 31, 24, 17, 13, 9, 4, 3, 1, 0))
 _PROCESS = (
     -19,
-    (0.08, 0.41, 0.65, 1.05, 1.74, 2.98, 3.79, 5.69, 8.94, 11.81, 17.29, 20.02, 28.73, 39.71, 56.61, 76.36, 106.07)
-    + (153.22, 203.41, 247.98, 282.01, 275.91, 300.61, 310.77, 336.48, 350.48, 363.49, 368.91, 371.63, 377.32, 376.53)
-    + (386.42, 389.84, 384.45, 370.45, 344.96, 328.02, 305.36, 261.87, 223.90, 196.31, 163.04, 141.78, 121.93, 104.46)
-    + (85.77, 71.54, 56.57, 43.35, 31.02, 20.21, 11.85, 8.17, 3.83, 2.09, 1.21, 0.52, 0.40),
+    (
+        *(0.08, 0.41, 0.65, 1.05, 1.74, 2.98, 3.79, 5.69, 8.94, 11.81, 17.29, 20.02, 28.73, 39.71, 56.61, 76.36),
+        *(106.07, 153.22, 203.41, 247.98, 282.01, 275.91, 300.61, 310.77, 336.48, 350.48, 363.49, 368.91, 371.63),
+        *(377.32, 376.53, 386.42, 389.84, 384.45, 370.45, 344.96, 328.02, 305.36, 261.87, 223.90, 196.31, 163.04),
+        *(141.78, 121.93, 104.46, 85.77, 71.54, 56.57, 43.35, 31.02, 20.21, 11.85, 8.17, 3.83, 2.09, 1.21, 0.52, 0.40),
+    ),
 )
 HOURS: Mapping[str, Mapping[int, float]] = {
     name: {first + number: float(each) for number, each in enumerate(hours)}
@@ -29,7 +31,7 @@ HOURS: Mapping[str, Mapping[int, float]] = {
 
 
 class Rating(NamedTuple):
-    """One rating point: load over the full one, temperature [°C] of air or water that comes to the condenser, weight."""
+    """One rating point: load over the full one, temperature [°C] of what comes to the condenser, weight."""
 
     load: float
     entering: float
@@ -37,7 +39,7 @@ class Rating(NamedTuple):
 
 
 class Standard(NamedTuple):
-    """A seasonal figure: its points, and whether their weights are shares of the cooling energy (else of the figure)."""
+    """A seasonal figure: its points; `energy`: their weights are shares of the cooling energy, else of the figure."""
 
     name: str
     source: str

@@ -98,7 +98,8 @@ def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray)
     aims, errors, excess = record.columns()
     on_front = np.zeros(len(record), np.int8)
     on_front[front] = 1
-    names, bounds = [aim.figure for aim in asked.aims], [f"{bound.figure}_{_SIDE[bound.sign]}" for bound in asked.bounds]
+    names = [aim.figure for aim in asked.aims]
+    bounds = [f"{bound.figure}_{_SIDE[bound.sign]}" for bound in asked.bounds]
     found = Evaluated(
         dict(zip(names, aims.T, strict=True)),
         dict(zip(names, errors.T, strict=True)),
@@ -130,8 +131,6 @@ def axes_of(record: Record) -> tuple[Axis, ...]:
     if not asked.points.single:
         points = asked.points.points
         inner = [_axis(asked, path, [point.values[path] for point in points]) for path in points[0].values]
-        weights = np.array([point.weight for point in points])
-        inner.append(Axis("weight", weights, "1", "weight of the operating point"))
         about = "number of the operating point, from 0"
         axes.append(Axis(POINT, np.arange(len(points), dtype=np.int32), "1", about, tuple(inner)))
     return tuple(axes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -9,6 +10,7 @@ from typing import Any
 
 from screwsim.faults import UsageError
 from screwsim.scene import Scene, case, case_count, case_values, scene_text, with_values
+from screwsim.scene.given import scene_of
 from screwsim.scene.grid import only
 from screwsim.study.each import each
 from screwsim.study.figures import figure_of
@@ -85,16 +87,23 @@ def _spans(scene: Scene, vary: Mapping[str, tuple[float, float] | None]) -> tupl
 
 
 def find(
-    scene: Scene, vary: Vary, goals: Goals, *, catalogue: str | Sequence[float] = (), simulate: Simulate | None = None
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    vary: Vary,
+    goals: Goals,
+    *,
+    catalogue: str | Sequence[float] = (),
+    simulate: Simulate | None = None,
 ) -> Found:
     """Return the values of paths at which figures have the values wanted (a scene's sweep is left aside).
 
-        found = screwsim.find(scene, ["operation.speed"], ["cooling_capacity=500 kW"])
+        found = screwsim.find("x.yaml", ["operation.speed"], ["cooling_capacity=500 kW"])
         found.values["operation.speed"], found.scene, found.result.performance
 
-    What is varied and sought is as in `question`. Where nothing in the ranges meets the goals `status` is 'none', and
-    `message` says how near the search came.
+    The scene is one of `load`, the path of its file, its YAML text, or a dict as in the file. What is varied and sought
+    is as in `question`. Where nothing in the ranges meets the goals `status` is 'none', and `message` says how near the
+    search came.
     """
+    scene = scene_of(scene)
     asked = question(scene, vary, goals, catalogue)
     return find_each(replace(scene, sweep={}, joints=(), text=""), asked, jobs=1, simulate=simulate)[0]
 
@@ -141,11 +150,11 @@ def _found(rest: Scene, asked: Question, simulate: Simulate | None, number: int)
 def _sized(trials: Trials, found: Found, met: Trial | None, asked: Question) -> Found:
     """Return an answer with the next size of the catalogue."""
     size, path = next_size(trials, met, asked.sizes), asked.spans[0].path
-    counts = {"solutions": len(trials.known), "failed": len(trials.reasons)}
+    counts: dict[str, Any] = {"solutions": len(trials.known), "failed": len(trials.reasons)}
     if size is None:
         largest = shown_value(trials.scene, path, asked.sizes[-1])
-        why = f"no size of the catalogue up to {largest} meets the goal"
-        return replace(found, status="none", message="; ".join(filter(None, (why, found.message))), scene=None, **counts)
+        why = "; ".join(filter(None, (f"no size of the catalogue up to {largest} meets the goal", found.message)))
+        return replace(found, status="none", message=why, scene=None, **counts)
     scene = _written(with_values(trials.scene, {path: size.value}))
     message = "" if found.status == "none" else found.message
     return replace(found, status="ok", message=message, size=size, scene=scene, result=size.result, **counts)

@@ -36,9 +36,9 @@ class Size:
 class Found:
     """What was found at one point of the scene's other axes (`at`), all in SI units.
 
-    `status` is ok; none: nothing in the ranges meets the goals, `values` and `figures` are those of the nearest; failed:
-    no solution has the figures. `uncertainties` are what the figures' estimated numerical `errors` (absolute) make of the
-    values; `borders` names the end of a range at which a value lies.
+    `status` is ok; none: nothing in the ranges meets the goals, `values` and `figures` are those of the nearest;
+    failed: no solution has the figures. `uncertainties` are what the figures' estimated numerical `errors` (absolute)
+    make of the values; `borders` names the end of a range at which a value lies.
     """
 
     status: str  # ok | none | failed
@@ -81,7 +81,7 @@ def judged(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -> Found:
     return Found("ok", **head, message=told, **_counts(trials))
 
 
-def _counts(trials: Trials) -> dict[str, int]:
+def _counts(trials: Trials) -> dict[str, Any]:
     return {"solutions": len(trials.known), "failed": len(trials.reasons)}
 
 
@@ -128,16 +128,15 @@ def missed(trials: Trials, best: Trial) -> str:
         f"{span.path} {shown_value(scene, span.path, span.low)} … {shown_value(scene, span.path, span.high)}"
         for span in trials.spans
     )
-    jump = _jump(trials)
-    if jump:
-        return f"nothing within {ranges} gives {wanted}: {jump}"
+    why = _jump(trials) or _flat(trials)
+    if why:
+        return f"nothing within {ranges} gives {wanted}: {why}"
     assert best.off is not None
     came = ", ".join(figure_text(goal.figure, off + goal.value) for goal, off in zip(goals, best.off, strict=True))
     borders = _borders(trials, best)
-    where = ", ".join(
-        f"{span.path} {shown_value(scene, span.path, value)}" + (f", its {borders[span.path]}" if span.path in borders else "")
-        for span, value in zip(trials.spans, trials.values(best.places).values(), strict=True)
-    )
+    at = {path: f", its {border}" for path, border in borders.items()}
+    values = trials.values(best.places).items()
+    where = ", ".join(f"{path} {shown_value(scene, path, value)}{at.get(path, '')}" for path, value in values)
     remedy = "widen the range" if borders else "change what else bounds it"
     return f"nothing within {ranges} gives {wanted}: the nearest is {came}, at {where} ({remedy})"
 
@@ -152,6 +151,17 @@ def _jump(trials: Trials) -> str:
     a, b = (figure_text(goal.figure, (each.off or (math.nan,))[0] + goal.value) for each in ends)
     why = f", where solutions fail: {trials.reasons[-1]}" if trials.reasons else ""
     return f"it goes from {a} at {low} to {b} at {high} without it{why}"
+
+
+def _flat(trials: Trials) -> str:
+    """Return that one figure does not change; empty where it does."""
+    if len(trials.spans) > 1 or len(trials.closed) < 2:
+        return ""
+    off = [(trial.off or (math.nan,))[0] for trial in trials.closed]
+    if max(off) - min(off) > CLEAR * max(trial.errors[0] for trial in trials.closed):
+        return ""
+    name, value = trials.goals[0].figure, min(off) + trials.goals[0].value
+    return f"it is {figure_text(name, value)} everywhere there (vary what it depends on)"
 
 
 def figure_text(name: str, value: float) -> str:

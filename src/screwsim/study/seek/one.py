@@ -6,13 +6,15 @@ import itertools
 import math
 from collections.abc import Iterator
 
-from screwsim.study.search import Point, highest
+import numpy as np
+
 from screwsim.study.seek.trials import Trial, Trials
 
 MOST = 40  # solutions of the walk and the narrowing
 OTHERS = (0.5, 0.25, 0.75, 0.1, 0.9, 0.0, 1.0)  # places to begin at where the scene's own fails
 WIDEST, LEAST = 0.35, 0.01  # a step of the walk, in places
-SCAN = 9  # places over the whole range, where the walk came to an end without the goal
+SCAN = 7  # places over the whole range, where the walk came to an end without the goal
+TURN = 1e-3  # of the range: how well the place is wanted where the figure is nearest to a goal that it never has
 NARROW = 1e-8  # width of a change of sign at which it is a jump
 FRACTIONS = (0.5, 0.25, 0.75, 0.125, 0.875)  # of a change of sign, where a solution in it fails
 
@@ -83,15 +85,26 @@ def _next(trials: Trials, best: Trial) -> float:
 
 
 def _scan(trials: Trials) -> None:
-    """Look over the whole range, and closer about where the figure is nearest to its goal."""
+    """Look over the whole range; where the figure turns inside it, closer there."""
+    from scipy.optimize import minimize_scalar
 
-    def near(place: float) -> Point:
+    for place in np.linspace(0.0, 1.0, SCAN):
+        trials.at(float(place))
+        if bracket(trials) is not None:
+            return
+    row = sorted(trials.closed, key=lambda trial: trial.places)
+    number = min(range(len(row)), key=lambda i: abs(_off(row[i])))
+    if not 0 < number < len(row) - 1:
+        return
+
+    def off(place: float) -> float:
         if bracket(trials) is not None:  # enough is known
-            return Point(place, math.nan)
-        trial = trials.at(place)
-        return Point(place, -abs(_off(trial)) if trial.closed else math.nan, max(trial.errors, default=0.0))
+            return 0.0
+        trial = trials.at(float(place))
+        return abs(_off(trial)) if trial.closed else max(abs(_off(each)) for each in row)
 
-    highest(near, 0.0, 1.0, SCAN)
+    ends = row[number - 1].places[0], row[number + 1].places[0]
+    minimize_scalar(off, bounds=ends, method="bounded", options={"xatol": TURN})
 
 
 def _narrowed(trials: Trials) -> Trial | None:

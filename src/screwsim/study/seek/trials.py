@@ -42,7 +42,7 @@ class Trials:
 
     def at(self, *places: float) -> Trial:
         """Return the solution at places, within the spans."""
-        places = tuple(min(max(place, 0.0), 1.0) for place in places)
+        places = tuple(min(max(float(place), 0.0), 1.0) for place in places)
         if places not in self.known:
             self.known[places] = self._solved(places)
         return self.known[places]

@@ -18,7 +18,7 @@ from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.sections import read_section
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import Node, Place, Problem, compose, scene_error
-from screwsim.textfiles import MOST_YAML, Unreadable, read_text
+from screwsim.textfiles import MOST_YAML, Unreadable, read_text, shipped
 
 KEY = "stages"
 NAMES = ("first", "second")
@@ -52,7 +52,7 @@ class Chain:
 
 def is_stages(path: str | os.PathLike[str]) -> bool:
     """Tell whether a YAML file describes stages in place of one scene."""
-    root = _root(os.fspath(path), [])
+    root = _root(shipped(path), [])
     return root is not None and KEY in root.value
 
 
@@ -61,7 +61,7 @@ def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> 
 
     Raises `SceneError` with one line a fault, `UsageError` for an override that makes no sense.
     """
-    name = os.fspath(path)
+    name = shipped(path)
     problems: list[Problem] = []
     root = _root(name, problems)
     chain = None if root is None else _typed(root, _sorted(overrides), problems)

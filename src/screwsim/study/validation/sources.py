@@ -37,7 +37,7 @@ class Outcome:
 
 
 def folder_of(wanted: str | Path | None = None) -> Path:
-    """Return the folder of the sources: the wanted one, or `validation/` of the checkout that is running.
+    """Return the folder of the sources: the wanted one, or `validation/` of the checkout or package that is running.
 
     The sources are programs: none is looked for where the user happens to work. Raises UsageError where there is none.
     """
@@ -49,9 +49,12 @@ def folder_of(wanted: str | Path | None = None) -> Path:
     root = _checkout()
     if root is not None and names_of(root / FOLDER):
         return root / FOLDER
+    inside = PACKAGE / "shipped" / FOLDER
+    if names_of(inside):
+        return inside
     raise UsageError(
-        f"this screwsim ({PACKAGE}) has no folder {FOLDER}/: it is part of the source checkout, not of the installed "
-        f"package (name one whose programs {MODULE} you trust with --folder, or run the screwsim of a checkout)"
+        f"this screwsim ({PACKAGE}) has no folder {FOLDER}/: it is part of the checkout and of built packages "
+        f"(name one whose programs {MODULE} you trust with --folder, or run the screwsim of a checkout)"
     )
 
 

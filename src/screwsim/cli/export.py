@@ -1,0 +1,322 @@
+"""The command `export`: a machine's map, loads and spectra in the forms that other tools read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from screwsim.cli import options
+from screwsim.cli.options import NOT_ALL_OK, OK, AsJson, Jobs, Overrides, Without, option
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from screwsim.export.inputs import Input
+    from screwsim.export.polynomials import Polynomials
+    from screwsim.export.table import Table
+    from screwsim.scene import Scene
+
+app = typer.Typer(
+    help="Write what other tools read: FMU, maps for system simulation, loads of the rotors.",
+    no_args_is_help=True,
+    suggest_commands=False,
+    rich_markup_mode=None,
+)
+
+Source = Annotated[
+    str,
+    typer.Argument(metavar="SCENE|OUT.h5", help="A scene, which is simulated, or a sweep's file.", show_default=False),
+]
+Over = Annotated[
+    list[str] | None,
+    option("PATH=LOW..HIGH", "What the map is over (default: the scene's sweep); repeat it.", "--over"),
+]
+Named = Annotated[
+    list[str] | None,
+    option("NAME", "What it gives (default: flow, power, discharge temperature, capacity).", "--figure"),
+]
+Wanted = Annotated[
+    float | None, option("E", "Relative error of the map that is asked for (default: 0.005).", "--error")
+]
+Most = Annotated[int | None, option("N", "Cases of the grid at most (default: 5000).", "--most-cases", min=2)]
+RANGES = "narrow the ranges, or allow more --most-cases"
+
+
+def _told(scene: Scene, inputs: Sequence[Input]) -> None:
+    from screwsim.export.inputs import range_of
+
+    ranges = ", ".join(f"{one.name} {range_of(scene, one)}" for one in inputs)
+    typer.echo(f"export: simulating a map over {ranges}", err=True)
+
+
+def made(
+    source: str,
+    over: Over,
+    figures: Named,
+    wanted: Wanted,
+    most: Most,
+    overrides: Overrides,
+    without: Without,
+    jobs: Jobs,
+) -> Table:
+    """Return the map that a command names, and say on stderr what is simulated for it."""
+    from screwsim.export.source import map_of
+    from screwsim.study.progress import for_terminal
+
+    return map_of(
+        source,
+        over or (),
+        figures or (),
+        wanted,
+        most,
+        overrides or (),
+        without or (),
+        jobs,
+        lambda: for_terminal("export"),
+        _told,
+    )
+
+
+def ended(table: Table, files: list[str], as_json: bool) -> int:
+    """Print a map and its files; return the exit code, not ok where its error is above that asked for."""
+    from screwsim.printing import show
+    from screwsim.printing.export import map_document, print_map, shortfall
+
+    show(as_json, map_document, print_map, table, files)
+    if why := shortfall(table, RANGES):
+        return options.complain(f"export: {why}", NOT_ALL_OK)
+    return OK
+
+
+@app.command()
+def fmu(
+    source: Source,
+    output: Annotated[Path, option("OUT.fmu", "Where the unit goes.", "-o", show_default=False)],
+    over: Over = None,
+    figures: Named = None,
+    wanted: Wanted = None,
+    most: Most = None,
+    version: Annotated[Literal["2", "3"], option("2|3", "Version of FMI.", "--fmi")] = "2",
+    sources_only: Annotated[
+        bool, typer.Option("--sources-only", help="Do not compile: C for whoever imports it.")
+    ] = False,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Write a functional mock-up unit for co-simulation: C, without Python where it runs."""
+    options.check_target(output, ".fmu")
+    from screwsim.export.fmu import compiler, write_fmu
+    from screwsim.results.atomic import keep_others, make_folder
+
+    keep_others(output, b"PK\x03\x04")
+    if not sources_only:
+        compiler()  # is asked for before the map is simulated
+    table = made(source, over, figures, wanted, most, overrides, without, jobs)
+    make_folder(output.parent)
+    write_fmu(table, output, version, compiled=not sources_only)
+    return ended(table, [str(output)], as_json)
+
+
+@app.command()
+def modelica(
+    source: Source,
+    output: Annotated[Path, option("OUT.mo", "Where the package goes.", "-o", show_default=False)],
+    over: Over = None,
+    figures: Named = None,
+    wanted: Wanted = None,
+    most: Most = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Write a Modelica package of a map of two inputs: tables of the standard library, and polynomials."""
+    options.check_target(output, ".mo")
+    from screwsim.export.modelica import identifier, package
+
+    table = made(source, over, figures, wanted, most, overrides, without, jobs)
+    return ended(table, [_written(output, package(table, identifier(output.stem)))], as_json)
+
+
+@app.command("csv")
+def comma_separated(
+    source: Source,
+    output: Annotated[Path, option("OUT.csv", "Where the table goes.", "-o", show_default=False)],
+    over: Over = None,
+    figures: Named = None,
+    wanted: Wanted = None,
+    most: Most = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Write the nodes of a map as a table, SI units."""
+    options.check_target(output, ".csv")
+    from screwsim.export.csv_table import csv_table
+
+    table = made(source, over, figures, wanted, most, overrides, without, jobs)
+    return ended(table, [_written(output, csv_table(table))], as_json)
+
+
+@app.command()
+def tespy(
+    source: Source,
+    output: Annotated[Path, option("OUT.json", "Where the attributes go.", "-o", show_default=False)],
+    over: Over = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Write what TESPy's PolynomialCompressor is set to: polynomials of its efficiencies, one a speed."""
+    options.check_target(output, ".json")
+    from screwsim.export.polynomials import swept
+    from screwsim.export.tespy import FIGURES, tespy_document
+
+    with swept(source, over or (), overrides or (), without or (), jobs, _progress(), _told) as results:
+        document = tespy_document(results)
+        rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
+    return _finished(document, FIGURES, rows, [_written_json(output, document)], as_json)
+
+
+@app.command()
+def energyplus(
+    source: Source,
+    output: Annotated[Path, option("OUT.idf|.epJSON", "Where the objects go.", "-o", show_default=False)],
+    over: Over = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Write curves for EnergyPlus: bicubic ones with their Refrigeration:Compressor, and biquadratic ones."""
+    options.check_target(output, ".idf", ".epjson")
+    from screwsim.export import energyplus as made_for
+    from screwsim.export.polynomials import document
+
+    def figures(here: list[str]) -> list[str]:
+        return [made_for.power_of(here), made_for.CAPACITY]
+
+    found = _polynomials(source, figures, over, overrides, without, jobs)
+    objects = made_for.energyplus_objects(found, output.stem)
+    if output.suffix.lower() == ".idf":
+        file = _written(output, made_for.idf(objects, made_for.notes(found)))
+    else:
+        file = _written_json(output, made_for.epjson(objects))
+    return _finished({**document(found), "objects": objects}, list(found.units), _rows(found), [file], as_json)
+
+
+@app.command()
+def en12900(
+    source: Source,
+    output: Annotated[Path, option("OUT.csv|.json", "Where coefficients and tables go.", "-o", show_default=False)],
+    over: Over = None,
+    ip: Annotated[bool, typer.Option("--ip", help="AHRI 540 in inch-pound units: degF, Btu/h, lb/h.")] = False,
+    overrides: Overrides = None,
+    without: Without = None,
+    jobs: Jobs = None,
+    as_json: AsJson = False,
+) -> int:
+    """Write the coefficients of EN 12900 and AHRI 540 with rating tables."""
+    options.check_target(output, ".csv", ".json")
+    from screwsim.export.en12900 import FIGURES, MOTOR, en12900_csv, en12900_document
+
+    def figures(here: list[str]) -> list[str]:
+        return [*FIGURES, *(name for name in (MOTOR,) if name in here)]
+
+    found = _polynomials(source, figures, over, overrides, without, jobs)
+    document = en12900_document(found, ip)
+    if output.suffix.lower() == ".csv":
+        file = _written(output, en12900_csv(found, ip))
+    else:
+        file = _written_json(output, document)
+    return _finished(document, list(found.units), _rows(found), [file], as_json)
+
+
+@app.command()
+def loads(
+    source: Annotated[
+        str, typer.Argument(metavar="SCENE|OUT.h5", help="A scene, or the file of a run.", show_default=False)
+    ],
+    output: Annotated[Path, option("DIR", "The folder for curves, spectra, surfaces.", "-o", show_default=False)],
+    steps: Annotated[int, option("N", "Steps of a turn on the surfaces.", min=1)] = 48,
+    bearings: Annotated[
+        str | None,
+        option("A,B", "How far outside of the rotors' ends bearings lie, suction first, e.g. '40 mm,60 mm'."),
+    ] = None,
+    overrides: Overrides = None,
+    without: Without = None,
+    as_json: AsJson = False,
+) -> int:
+    """Write loads and sound: gas forces on rotors and bearings, flows of both lines, spectra, rotor surfaces."""
+    options.check_drawer(output)
+    from screwsim.export.loads import document, loads, write_loads
+    from screwsim.export.run_of import run_of, spans_of
+    from screwsim.printing import print_json
+    from screwsim.printing.export import print_loads
+
+    spans = spans_of(bearings)
+    scene, result = run_of(source, overrides or (), without or ())
+    if not result.cycle:
+        return options.complain(f"{source}: {result.told}", NOT_ALL_OK)
+    found = loads(scene, result, spans)
+    if found.without:
+        typer.echo(f"export: {found.without}", err=True)
+    files = write_loads(scene, result, found, output, steps)
+    if as_json:
+        print_json({**document(found), "status": result.status, "files": files})
+    else:
+        print_loads(found, result, files)
+    return OK if result.status == "ok" else NOT_ALL_OK
+
+
+def _polynomials(
+    source: str,
+    figures: Callable[[list[str]], list[str]],
+    over: Over,
+    overrides: Overrides,
+    without: Without,
+    jobs: Jobs,
+) -> Polynomials:
+    from screwsim.export.polynomials import polynomials, swept
+
+    with swept(source, over or (), overrides or (), without or (), jobs, _progress(), _told) as results:
+        return polynomials(results, figures(results.figures))
+
+
+def _progress():
+    from screwsim.study.progress import for_terminal
+
+    return for_terminal("export")
+
+
+def _rows(found: Polynomials) -> list[tuple[dict[str, float], list[float]]]:
+    return [(dict(one.values), [fit.largest for fit in one.fits.values()]) for one in found.maps]
+
+
+def _finished(document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool) -> int:
+    from screwsim.printing import show
+    from screwsim.printing.export import polynomials_document, print_polynomials
+
+    show(as_json, polynomials_document, print_polynomials, document, figures, rows, files)
+    return OK
+
+
+def _written(output: Path, text: str) -> str:
+    from screwsim.results.atomic import make_folder, write_text
+
+    make_folder(output.parent)
+    return write_text(output, text)
+
+
+def _written_json(output: Path, document: dict) -> str:
+    from screwsim.printing import write_json
+    from screwsim.results.atomic import make_folder
+
+    make_folder(output.parent)
+    return write_json(document, output)

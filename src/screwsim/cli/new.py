@@ -1,0 +1,62 @@
+"""The command that begins: a complete, commented scene of a realistic machine, to be changed by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from screwsim.cli.options import option
+from screwsim.faults import UsageError
+from screwsim.screen import say
+
+
+def new(
+    kind: Annotated[
+        str,
+        typer.Argument(
+            metavar="KIND",
+            help="refrigeration, heat_pump, air, booster (sucks at pressure), expander or reciprocating.",
+            show_default=False,
+        ),
+    ],
+    fluid: Annotated[str | None, option("NAME", "What is compressed (default: the kind's).")] = None,
+    displacement: Annotated[
+        str | None, option("FLOW", "Displaced volume at the speed, e.g. '600 m^3/h' (default: the kind's).")
+    ] = None,
+    vi: Annotated[float | None, option("RATIO", "Built-in volume ratio (default: what the pressures ask for).")] = None,
+    speed: Annotated[str | None, option("SPEED", "Of the male rotor, or the crank (default: 2950 rpm).")] = None,
+    oil: Annotated[str | None, option("NAME", "A stored oil, e.g. POE_68, mineral_46 (default: the fluid's).")] = None,
+    condition: Annotated[
+        str | None,
+        option(
+            "LOW/HIGH",
+            "Both lines, e.g. '0/40 degC, 10 K' (superheat), '1 bar/7.5 bar(g)', '20/7 bar, 100 degC' (inlet).",
+        ),
+    ] = None,
+    output: Annotated[Path | None, option("SCENE.yaml", "Where it goes (default: the screen).", "-o")] = None,
+) -> None:
+    """Write a complete, commented scene of a realistic machine: leaks, oil, losses, scaled with its size."""
+    if output is not None:
+        _free(output)
+    from screwsim.results.atomic import write_text
+    from screwsim.template import asked_of, new_scene
+
+    text = new_scene(kind, asked_of(fluid, displacement, vi, speed, oil, condition))
+    if output is None:
+        say(text.rstrip("\n"))
+        return
+    _free(output)  # again: what came there meanwhile stays
+    say(write_text(output, text))
+
+
+def _free(output: Path) -> None:
+    """Raise UsageError unless a scene can be written there without taking anything's place."""
+    if output.suffix.lower() not in (".yaml", ".yml"):
+        good = output.with_suffix(".yaml")
+        raise UsageError(f"-o {output}: a scene is written, which ends in .yaml (write -o {good})")
+    if output.name.endswith((".fit.yaml", ".stages.yaml")):
+        raise UsageError(f"-o {output}: ends as a fit or a plant of two stages does (write another name)")
+    if output.exists():
+        raise UsageError(f"-o {output}: is there already, and is not overwritten (choose another name, or remove it)")

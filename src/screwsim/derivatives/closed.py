@@ -1,0 +1,249 @@
+"""Closing the collocated cycle, from the one that the integrator closed."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.problem import Problem
+from screwsim.derivatives.crossings import crossings
+from screwsim.derivatives.linear import Change, Linear, Response, Sources
+from screwsim.derivatives.pitch import Numbers, Pitch
+from screwsim.derivatives.slices import (
+    BEFORE,
+    EIGENVALUE,
+    EMBEDDED,
+    INTEGRALS,
+    Crossing,
+    between,
+    edges_of,
+    refined,
+    ringed,
+)
+from screwsim.model.run import Machinery
+from screwsim.model.trajectory import Trajectory
+
+Array = np.ndarray
+STEPS = (4.0, 2.0, 1.0)  # of the integrator in a slice, to begin with; fewer where more do not close
+ERROR = 0.1  # of the wanted accuracy: of a slice
+ROUNDS = 9  # of refinement
+MOST = 20  # of Newton's iterations
+CLOSED = 1e-8  # relative residual with which it is ...
+ENOUGH = 1e-5  # ... with which it is taken where no iteration brings it nearer ...
+NEARLY = 1e-4  # ... and with which it is near enough to place its slices
+REFINED = 1  # times that what derivatives by the states hold constant is made up for
+SHIFT = 1e-6  # of coordinates, for differences of what they make
+LONGEST = 0.3  # change of a state in one iteration, over itself
+SWING = 0.4  # of the change before, beyond which one that goes back is halved
+SMALL = 1e-3  # of a state, for relative residuals
+ITSELF = 1e-6  # by which the image of an unknown may differ from itself where the scene states it
+
+
+class Closed(NamedTuple):
+    """A collocated cycle: states at the start and the nodes, quadratures, its linearised pitch, its unknowns.
+
+    `by_unknowns` are the responses to each unknown, `back` (u, u) what the unknowns make of themselves, in coordinates;
+    `given` tells which of them the scene states.
+    """
+
+    pitch: Pitch
+    start: Array
+    nodes: Array
+    sums: Array
+    linear: Linear
+    at: Numbers
+    met: Array
+    by_unknowns: Response
+    back: Array
+    given: Array
+
+
+class NotClosed(Exception):
+    """The collocated cycle does not close."""
+
+
+def collocated(problem: Problem, machinery: Machinery, life: Trajectory) -> Closed:
+    """Return the collocated cycle of a life that is closed; raise NotClosed where none is found."""
+    why = NotClosed()
+    for steps in STEPS:
+        try:
+            return _collocated(problem, machinery, life, steps)
+        except (NotClosed, np.linalg.LinAlgError) as error:
+            why = NotClosed(str(error))
+    raise why
+
+
+def _collocated(problem: Problem, machinery: Machinery, life: Trajectory, steps: float) -> Closed:
+    """Do so from slices that are so many steps long: refined, and led by where flows turn round, until both stand."""
+    machinery.put(life)
+    breakpoints, tolerance = machinery.pitch_breakpoints(), ERROR * problem.scene.numerics.accuracy
+    plain = edges_of(machinery, steps)
+    pitch = Pitch(problem, machinery, between(plain))
+    Y, turns, nearly = np.empty(0), crossings(pitch), NEARLY
+    for left in range(ROUNDS, 0, -1):
+        pitch = Pitch(problem, machinery, between(ringed(plain, breakpoints, turns)))
+        start, Y = _closed(pitch, nearly)
+        before, turns, errors = turns, crossings(pitch), errors_of(pitch, start, Y)
+        good = errors.max() <= tolerance
+        if nearly == CLOSED and ((good and _stand(turns, before)) or left == 1):
+            break
+        if good or left <= 3:
+            nearly = CLOSED
+        of_plain = np.zeros(len(plain) - 1)
+        np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
+        plain = refined(plain, of_plain, tolerance)
+    return _linearised(pitch, Y)
+
+
+def _stand(turns: list[Crossing], before: list[Crossing]) -> bool:
+    """Tell whether crossings are where slices end before them."""
+    if len(before) != len(turns):
+        return False
+    pairs = zip(turns, before, strict=True)
+    return all(abs(one.angle - other.angle) < 0.5 * BEFORE * one.layer for one, other in pairs)
+
+
+def errors_of(pitch: Pitch, start: Array, Y: Array) -> Array:
+    """Return the relative error of each slice: Radau's embedded estimate, of order 3."""
+    before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
+    f, J = pitch.slopes_at(pitch.slices.edges[:-1], before)
+    defect = f + np.einsum("j,kjn->kn", EMBEDDED, Y - before[:, None]) / widths[:, None]
+    matrix = (EIGENVALUE / widths)[:, None, None] * np.eye(pitch.N) - J
+    found = np.abs(np.linalg.solve(matrix, defect[..., None])[..., 0])
+    return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)
+
+
+def _closed(pitch: Pitch, nearly: float) -> tuple[Array, Array]:
+    """Close the cycle up to a relative residual; return the states at the start and the nodes, installed."""
+    Y, entries, size = pitch.read(), pitch.problem.entries, np.inf
+    last = np.zeros_like(Y)
+    for left in range(MOST, 0, -1):
+        start, slopes = pitch.begin(Y), pitch.slopes(Y)
+        sums = pitch.sums(slopes.g)
+        pitch.install(start, Y)
+        met = pitch.met
+        residual = _residual(pitch, Y, start, slopes.f)
+        off = pitch.image(sums) - entries.coordinates(met)
+        size = max(_size(residual, Y), float(np.max(np.abs(off), initial=0.0)))
+        if size < nearly or (size < ENOUGH and left == 1):
+            return start, Y
+        if not np.isfinite(size):
+            break
+        linear, count = Linear(pitch, Y, slopes), len(met)
+        sources = linear.sources([_moved(pitch, linear.at, met, j) for j in range(count)])
+        stages = np.zeros((*residual.shape, 1 + count))
+        stages[..., 0] = -residual
+        none = Sources(*(np.zeros((*each.shape[:-1], 1)) for each in sources))
+        response = linear.respond(none.and_then(sources), stages)
+        back = made_of(pitch, Read(start, Y, sums, linear.at), response, met, 1)
+        change = solved(back[:, 1:], off + back[:, 0], _given(back[:, 1:]))
+        last = _tamed(response.nodes @ np.append(1.0, change), last)
+        Y = _stepped(pitch, Y, last)
+        pitch.meet(entries.coordinates(met) + change, met)
+    raise NotClosed(f"the collocated cycle leaves {size:.1g} open")
+
+
+def _linearised(pitch: Pitch, Y: Array) -> Closed:
+    """Return a collocated cycle that is closed, with what its unknowns make of it and of themselves."""
+    start, slopes = pitch.begin(Y), pitch.slopes(Y)
+    sums, met, linear = pitch.sums(slopes.g), pitch.met, Linear(pitch, Y, slopes)
+    changes = [_moved(pitch, linear.at, met, j) for j in range(len(met))]
+    sources = linear.sources(changes)
+    by_unknowns = linear.refined(sources, linear.respond(sources), changes, refinings(pitch))
+    back = made_of(pitch, Read(start, Y, sums, linear.at), by_unknowns, met, 0)
+    return Closed(pitch, start, Y, sums, linear, linear.at, met, by_unknowns, back, _given(back))
+
+
+def _given(back: Array) -> Array:
+    """Tell which unknowns the scene states: they are what they are met as."""
+    return np.abs(np.eye(len(back)) - back).max(axis=1, initial=0.0) < ITSELF
+
+
+class Read(NamedTuple):
+    """What of a cycle is read: states at the start and the nodes, quadratures, numbers."""
+
+    start: Array
+    nodes: Array
+    sums: Array
+    at: Numbers
+
+
+def _residual(pitch: Pitch, Y: Array, start: Array, f: Array) -> Array:
+    """Return what the stage equations leave open (slices, NODES, N)."""
+    before = np.concatenate([start[None], Y[:-1, -1]])
+    return Y - before[:, None] - np.einsum("k,ij,kjn->kin", pitch.slices.widths, INTEGRALS, f)
+
+
+def _size(residual: Array, Y: Array) -> float:
+    return float(np.max(np.abs(residual) / np.maximum(np.abs(Y), SMALL)))
+
+
+def _tamed(change: Array, last: Array) -> Array:
+    """Return a change, half of it where it all but takes the last one back: from side to side of a steep flow."""
+    swings = (change * last < 0.0) & (np.abs(change) > SWING * np.abs(last))
+    return np.where(swings, 0.5 * change, change)
+
+
+def _stepped(pitch: Pitch, Y: Array, change: Array) -> Array:
+    """Return states changed by no more than `LONGEST` of themselves, those that may have either sign as asked."""
+    c = pitch.machinery.composition
+    signed = np.tile(np.isin(np.arange(pitch.n), c.signed), c.chambers)
+    most = np.where(signed, np.inf, LONGEST * np.maximum(np.abs(Y), 0.0))
+    return Y + np.clip(change, -most, most)
+
+
+def _moved(pitch: Pitch, at: Numbers, met: Array, j: int) -> Change:
+    """Return the change of the numbers by a coordinate of an unknown."""
+    coordinates = pitch.problem.entries.coordinates(met)
+    found = []
+    for sign in (1.0, -1.0):
+        pitch.put(at)
+        there = coordinates.copy()
+        there[j] += sign * SHIFT
+        pitch.meet(there, met)
+        found.append(pitch.numbers)
+    pitch.put(at)
+    return Change(Numbers(*((above - below) / (2.0 * SHIFT) for above, below in zip(*found, strict=True))))
+
+
+def made_of(pitch: Pitch, cycle: Read, response: Response, met: Array, first: int) -> Array:
+    """Return what columns of a response make of the unknowns; from `first` on each goes with an unknown's unit."""
+    found = np.empty((len(met), response.sums.shape[1]))
+    coordinates, whole = pitch.problem.entries.coordinates(met), reads_states(pitch)
+    for j in range(found.shape[1]):
+        images = []
+        for sign in (1.0, -1.0):
+            pitch.put(cycle.at.plus(sign * SHIFT, pitch.cells_as_numbers(response.cells[:, j])))
+            there = coordinates.copy()
+            if j >= first:
+                there[j - first] += sign * SHIFT
+            pitch.meet(there, met)
+            if whole:
+                by = sign * SHIFT
+                pitch.install(cycle.start + by * response.start[:, j], cycle.nodes + by * response.nodes[..., j])
+            images.append(pitch.image(cycle.sums + sign * SHIFT * response.sums[:, j]))
+        found[:, j] = (images[0] - images[1]) / (2.0 * SHIFT)
+    pitch.put(cycle.at)
+    if whole:
+        pitch.install(cycle.start, cycle.nodes)
+    return found
+
+
+def refinings(pitch: Pitch) -> int:
+    """Return how often responses are refined: where the gas has an exponent that varies, which derivatives hold."""
+    return REFINED
+
+
+def reads_states(pitch: Pitch) -> bool:
+    """Tell whether what the cycle makes of its unknowns is read from its states, beside its quadratures."""
+    return bool(pitch.problem.parts.made)
+
+
+def solved(back: Array, off: Array, given: Array) -> Array:
+    """Return the change of the unknowns that makes them what the cycle makes of them; those given go as they are."""
+    if not len(off):
+        return np.zeros_like(off)
+    matrix, right = np.eye(len(back)) - back, off.copy()
+    matrix[given] = np.eye(len(back))[given]
+    return np.linalg.solve(matrix, right)

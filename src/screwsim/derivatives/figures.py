@@ -1,0 +1,73 @@
+"""What moves with a number of a scene: the closed cycle, and the figures that are read of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.derivatives.closed import Closed, refinings, solved
+from screwsim.derivatives.directions import Direction, Directions, sources_of
+from screwsim.derivatives.linear import Response
+from screwsim.evaluate.evaluation import Evaluation
+
+Array = np.ndarray
+
+
+class Moved(NamedTuple):
+    """How the cycle moves with one number: states, cells and quadratures, and the unknowns in coordinates."""
+
+    response: Response
+    unknowns: Array
+
+
+def responses(cycle: Closed, directions: Sequence[Direction], made: Directions) -> Moved:
+    """Return how the cycle moves along directions, a column each, its unknowns with it."""
+    sources, changes = sources_of(cycle, list(directions)), [each.change for each in directions]
+    found = cycle.linear.refined(sources, cycle.linear.respond(sources), changes, refinings(cycle.pitch))
+    off = np.empty((len(cycle.met), len(directions)))
+    for j, direction in enumerate(directions):
+        held = Moved(Response(*(each[..., j] for each in found)), np.zeros(len(cycle.met)))
+        images = [_image(cycle, direction, held, made, side) for side in (0, 1)]
+        off[:, j] = np.where(
+            cycle.given, direction.stated, (images[0] - images[1]) / (direction.steps[0] - direction.steps[1])
+        )
+    unknowns = np.stack([solved(cycle.back, each, cycle.given) for each in off.T], axis=-1) if len(directions) else off
+    return Moved(found.plus(cycle.by_unknowns.weighted(unknowns)), unknowns)
+
+
+def _image(cycle: Closed, direction: Direction, moves: Moved, made: Directions, side: int) -> Array:
+    """Return what the cycle, moved to one side, makes of its unknowns, in coordinates."""
+    of = placed(cycle, direction, moves, made, side, bool(cycle.pitch.problem.parts.made))
+    return of.problem.entries.coordinates(of.image)
+
+
+def placed(
+    cycle: Closed, direction: Direction, moves: Moved, made: Directions, side: int, whole: bool = True
+) -> Evaluation:
+    """Return the evaluation of the cycle moved to one side of a number (0 above, 1 below); `whole`: its states, too.
+
+    It stands on the machinery of the cycle: it is to be read before anything else is done with that.
+    """
+    pitch, problem, by = cycle.pitch, direction.problems[side], direction.steps[side]
+    entries = problem.entries
+    met = entries.values(entries.coordinates(cycle.met) + by * moves.unknowns, cycle.met)
+    at, (start, nodes, cells, sums) = made.numbers(problem, met)[0], moves.response
+    pitch.put(at.plus(by, pitch.cells_as_numbers(cells)))
+    if whole:
+        edges = direction.change.edges
+        edges = pitch.slices.edges if edges is None else pitch.slices.edges + by * edges
+        pitch.install(cycle.start + by * start, cycle.nodes + by * nodes, edges)
+    return Evaluation(problem, pitch.machinery.trajectory, cycle.sums + by * sums)
+
+
+def figures_of(of: Evaluation) -> dict[str, float]:
+    """Return the figures that have a value."""
+    return {name: float(value) for name, value in of.figures.items() if isinstance(value, int | float)}
+
+
+def differenced(sides: Sequence[dict[str, float]], steps: tuple[float, float]) -> dict[str, float]:
+    """Return the derivatives of what is there on both sides."""
+    above, below = sides
+    return {name: (above[name] - below[name]) / (steps[0] - steps[1]) for name in above if name in below}

@@ -1,0 +1,206 @@
+"""What small changes make of themselves over a pitch and around it: the collocated cycle, linearised.
+
+Changes of the stage equations enter as sources, a column each; what comes back are changes of the states at all nodes,
+of the cells that the injection sets, and of the quadratures, the period closed, the unknowns held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.linear_pitch import shifted
+from screwsim.derivatives.blocks import Blocks
+from screwsim.derivatives.pitch import Numbers, Pitch, Slopes
+from screwsim.derivatives.slices import INTEGRALS, NODES
+from screwsim.model.slots import P_GAP_WIDTH
+
+Array = np.ndarray
+OF_WIDTH = 2e-3  # of the regularisation's relative width: steps of differences, which must not leave it ...
+LEAST, MOST = 1e-10, 1e-9  # ... within these
+SMALL = 1e-3  # of a state or a cell, for relative steps
+
+
+class Sources(NamedTuple):
+    """Columns (…, k): of h f and h g at the nodes, of the states behind the injection, of the cells it sets."""
+
+    hf: Array
+    hg: Array
+    start: Array
+    cells: Array
+
+    def and_then(self, *others: Sources) -> Sources:
+        """Return these columns and those of others behind them."""
+        return Sources(*(np.concatenate(each, axis=-1) for each in zip(self, *others, strict=True)))
+
+
+class Response(NamedTuple):
+    """Columns (…, k): changes of the states at the start and at the nodes, of the cells, of the quadratures."""
+
+    start: Array
+    nodes: Array
+    cells: Array
+    sums: Array
+
+    def weighted(self, weights: Array) -> Response:
+        """Return sums of the columns (k, m)."""
+        return Response(*(each @ weights for each in self))
+
+    def plus(self, other: Response) -> Response:
+        """Return both together."""
+        return Response(*(one + more for one, more in zip(self, other, strict=True)))
+
+
+def step_of(pitch: Pitch) -> float:
+    """Return the relative step of differences: within the regularisation, far above rounding."""
+    width = float(pitch.machinery.composition.P[P_GAP_WIDTH])
+    return min(MOST, max(LEAST, OF_WIDTH * width))
+
+
+class Change(NamedTuple):
+    """A direction: of the numbers, of the edges of the slices [rad]; `sides` are the signs of its differences.
+
+    Where two breakpoints of the laws coincide and one of them moves, edges stay, and the differences go to the side on
+    which the nodes at the ends of slices stay in theirs.
+    """
+
+    numbers: Numbers
+    edges: Array | None = None
+    sides: tuple[float, float] = (1.0, -1.0)
+
+    @property
+    def nothing(self) -> bool:
+        """Does no rate feel it?"""
+        return self.numbers.nothing and self.edges is None
+
+
+def along(pitch: Pitch, Y: Array, at: Numbers, change: Change, nodes: Array | None = None) -> tuple[Array, Array]:
+    """Return the derivatives of h f and h g at the nodes along a change, of the states there, too."""
+    step, found, (numbers, edges, sides) = step_of(pitch), [], change
+    for sign in sides:
+        pitch.put(at.plus(sign * step, numbers))
+        there = pitch.slices.edges + (0.0 if edges is None else sign * step * edges)
+        states = Y if nodes is None else Y + sign * step * nodes
+        rates = pitch.rates(states, None if edges is None else there)
+        found.append([np.diff(there)[:, None, None] * each for each in rates])
+    pitch.put(at)
+    return tuple((above - below) / ((sides[0] - sides[1]) * step) for above, below in zip(*found, strict=True))  # type: ignore[return-value]
+
+
+def injection(pitch: Pitch, Y: Array) -> tuple[Array, Array]:
+    """Return the derivatives of states behind the injection, and of the cells it sets, by the states before it."""
+    N, n, index, at = pitch.N, pitch.n, pitch.injected, pitch.numbers
+    states, cells = np.eye(N), np.zeros((len(pitch.cells()), N))
+    if index is None:
+        return states, cells
+    before, step = pitch.machinery.shift(np.ascontiguousarray(Y[-1, -1])), step_of(pitch)
+    for i in range(index * n, index * n + n):
+        size = max(abs(before[i]), SMALL)
+        found = []
+        for sign in (1.0, -1.0):
+            y = before.copy()
+            y[i] += sign * step * size
+            pitch.put(at)
+            pitch.machinery.inject(y)
+            found.append((y, pitch.cells()))
+        states[:, i] = (found[0][0] - found[1][0]) / (2.0 * step * size)
+        cells[:, i] = (found[0][1] - found[1][1]) / (2.0 * step * size)
+    pitch.put(at)
+    return states, cells
+
+
+class Linear:
+    """The linearised pitch, at states Y and numbers as they stand."""
+
+    def __init__(self, pitch: Pitch, Y: Array, slopes: Slopes) -> None:
+        self.pitch, self.Y, self.slopes, self.at = pitch, Y, slopes, pitch.numbers
+        reach = max(pitch.machinery.composition.offsets, default=1)
+        self.blocks = Blocks(slopes.by_states, pitch.slices.widths, pitch.n, reach)
+        unit = np.broadcast_to(np.eye(pitch.N), (pitch.count, NODES, pitch.N, pitch.N))
+        self.steps = self.blocks.solve(unit)
+        self.inject, self.noted = injection(pitch, Y)
+        self.felt = self._felt()
+        self._around = self._closing()
+
+    def _felt(self) -> Sources:
+        """Return the sources of the cells that the rates feel, one column each (those of others are none)."""
+        pitch, count = self.pitch, self.noted.shape[0]
+        columns = []
+        for i, cell in enumerate(pitch.cells().tolist()):
+            size = max(abs(cell), SMALL)
+            change = Change(pitch.cells_as_numbers(size * np.eye(count)[i]))
+            hf, hg = along(pitch, self.Y, self.at, change) if self._is_felt(i) else self.none()
+            columns.append((hf / size, hg / size))
+        hf, hg = (np.stack([one[i] for one in columns], axis=-1) for i in (0, 1))
+        return Sources(hf, hg, np.zeros((pitch.N, count)), np.zeros((count, count)))
+
+    def _is_felt(self, cell: int) -> bool:
+        """Tell whether rates take a cell: oil per gas that is none of the states (the first), what a pump asks for."""
+        c = self.pitch.machinery.composition
+        return (cell == 0 and not c.carried and "T_oil" in c.states) or cell >= self.pitch.run_cells
+
+    def sources(self, changes: Sequence[Change]) -> Sources:
+        """Return the sources of changes of numbers and edges, a column each; nothing of what the injection does."""
+        pitch, count, none = self.pitch, len(changes), self.none()
+        columns = [none if each.nothing else along(pitch, self.Y, self.at, each) for each in changes]
+        hf, hg = (np.stack([one[i] for one in columns] or [none[i]], axis=-1)[..., :count] for i in (0, 1))
+        return Sources(hf, hg, np.zeros((pitch.N, count)), np.zeros((len(pitch.cells()), count)))
+
+    def none(self) -> tuple[Array, Array]:
+        """Return what nothing makes of h f and h g."""
+        shape = self.pitch.count, NODES
+        return np.zeros((*shape, self.pitch.N)), np.zeros((*shape, self.pitch.q))
+
+    def _closing(self) -> Array:
+        """Return the inverse of what closes the period: start and cells less what they make of themselves."""
+        N, chambers, felt = self.pitch.N, self.pitch.machinery.composition.chambers, self.felt
+        made = self._run(
+            np.concatenate([np.eye(N), np.zeros((N, felt.hf.shape[-1]))], axis=1),
+            self._gained(np.concatenate([np.zeros((*felt.hf.shape[:3], N)), felt.hf], axis=3)),
+        )[-1, -1]
+        back = np.concatenate([self.inject, self.noted]) @ shifted(made, chambers)
+        return np.linalg.inv(np.eye(len(back)) - back)
+
+    def _gained(self, hf: Array, stages: Array | None = None) -> Array:
+        """Return what sources add to the nodes of their slices (slices, NODES, N, k)."""
+        right = (INTEGRALS @ hf.reshape(self.pitch.count, NODES, -1)).reshape(hf.shape)
+        return self.blocks.solve(right if stages is None else right + stages)
+
+    def _run(self, start: Array, gained: Array) -> Array:
+        """Return changes at all nodes (slices, NODES, N, k) from those at the start and what slices gain."""
+        before, now, last = np.empty_like(gained[:, -1]), start, self.steps[:, -1]
+        for k, gain in enumerate(gained[:, -1]):
+            before[k] = now
+            now = last[k] @ now + gain
+        return self.steps @ before[:, None] + gained
+
+    def respond(self, sources: Sources, stages: Array | None = None) -> Response:
+        """Return what sources make, the period closed; `stages` are added to the stage equations as they are."""
+        N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
+        gained = self._gained(sources.hf, stages)
+        end = shifted(self._run(np.zeros_like(sources.start), gained)[-1, -1], chambers)
+        found = self._around @ np.concatenate([self.inject @ end + sources.start, self.noted @ end + sources.cells])
+        start, cells = found[:N], found[N:]
+        nodes = self._run(start, gained + self._gained(self.felt.hf @ cells))
+        hg = sources.hg + self.felt.hg @ cells
+        hg = hg + np.einsum("k,kjqn,kjnc->kjqc", self.pitch.slices.widths, self.slopes.g_by_states, nodes)
+        return Response(start, nodes, cells, self.pitch.sums(hg, np.ones(self.pitch.count)))
+
+    def refined(self, sources: Sources, response: Response, changes: Sequence[Change], times: int) -> Response:
+        """Return a response to changes with what the derivatives by the states hold constant.
+
+        The rates along the whole change are asked themselves: what they have beyond the linear ones is the source.
+        """
+        pitch, widths = self.pitch, self.pitch.slices.widths[:, None, None]
+        for _ in range(times):
+            hf, hg = np.empty_like(sources.hf), np.empty_like(sources.hg)
+            for j, change in enumerate(changes):
+                nodes, cells = response.nodes[..., j], response.cells[:, j]
+                whole = change._replace(numbers=change.numbers.plus(1.0, pitch.cells_as_numbers(cells)))
+                hf[..., j], hg[..., j] = along(pitch, self.Y, self.at, whole, nodes)
+                hf[..., j] -= widths * np.einsum("kjnm,kjm->kjn", self.slopes.by_states, nodes) + self.felt.hf @ cells
+                hg[..., j] -= widths * np.einsum("kjnm,kjm->kjn", self.slopes.g_by_states, nodes) + self.felt.hg @ cells
+            response = self.respond(sources._replace(hf=hf, hg=hg))
+        return response

@@ -1,0 +1,202 @@
+"""The closed cycle as polynomials on slices of a pitch: nonlinear collocation, closed by Newton's method.
+
+The states Y at the nodes, those at the pitch's start and the feedback unknowns u are solved for together: on each slice
+Y = y₀ + h Σ a f(Y), a pitch on each chamber takes the next place, oil is injected, and u is what the cycle makes of it.
+Its derivatives are then those of a system of equations (implicit-function theorem), whatever steps found the cycle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.cycle.feedback import image as image_of
+from screwsim.cycle.feedback import set_unknowns, unknowns
+from screwsim.cycle.problem import Problem
+from screwsim.derivatives.slices import INTEGRALS, NODES, SHARES, Slices
+from screwsim.model import compiled
+from screwsim.model.numbers import oil_places
+from screwsim.model.run import Machinery
+from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PLACE, R_RATIO, R_SIZE
+
+Array = np.ndarray
+INSIDE = 1e-9  # of a pitch: its end, of the chamber that is still there
+
+
+class Numbers(NamedTuple):
+    """What the rates take beside states and angle: parameters, tables and run-time cells; also a change of these."""
+
+    P: Array
+    TAB: Array
+    R: Array
+
+    def plus(self, by: float, change: Numbers) -> Numbers:
+        """Return these and so many times a change of them."""
+        return Numbers(*(one + by * more for one, more in zip(self, change, strict=True)))
+
+    @property
+    def nothing(self) -> bool:
+        """Is this change none?"""
+        return not any(each.any() for each in self)
+
+
+class Slopes(NamedTuple):
+    """Rates at the nodes (slices, NODES, …): f of the states, g of the quadratures, and both by the states."""
+
+    f: Array
+    g: Array
+    by_states: Array
+    g_by_states: Array
+
+
+@dataclass
+class Pitch:
+    """All chambers over one pitch on slices; the machinery is lent, and its numbers are those of the cycle.
+
+    Its tables are its own: they may be written into.
+    """
+
+    problem: Problem
+    machinery: Machinery
+    slices: Slices
+
+    def __post_init__(self) -> None:
+        c = self.machinery.composition
+        self.n, self.N, self.count = self.machinery.n, c.chambers * self.machinery.n, len(self.slices.middles)
+        self.q = self.machinery.nq + 1  # gas across the injection angle last
+
+    # ---- numbers -----------------------------------------------------------------------------------------------
+
+    @property
+    def numbers(self) -> Numbers:
+        """A copy of the numbers as they stand."""
+        c = self.machinery.composition
+        return Numbers(c.P.copy(), c.TAB.copy(), self.machinery.R.copy())
+
+    def put(self, numbers: Numbers) -> None:
+        """Let the rates take other numbers."""
+        c = self.machinery.composition
+        c.P[:], c.TAB[:], self.machinery.R[:] = numbers
+
+    # ---- states ------------------------------------------------------------------------------------------------
+
+    def read(self) -> Array:
+        """Return the states at the nodes (slices, NODES, N) of the last history."""
+        c = self.machinery.composition
+        pitch = float(c.P[P_PITCH])
+        inside = np.minimum(self.slices.angles.ravel(), pitch * (1.0 - INSIDE))
+        at = self.machinery.states_at((pitch * np.arange(c.chambers)[:, None] + inside).ravel())
+        return at.reshape(c.chambers, -1, self.n).transpose(1, 0, 2).reshape(self.count, NODES, self.N)
+
+    def begin(self, Y: Array) -> Array:
+        """Return the states at the pitch's start that follow from its end, oil injected; run-time cells are set."""
+        y = self.machinery.shift(np.ascontiguousarray(Y[-1, -1]))
+        self.machinery.inject(y)
+        return y
+
+    @property
+    def injected(self) -> int | None:
+        """Which chamber stands at the injection angle at the pitch's start; none where that is no start of one."""
+        c = self.machinery.composition
+        index = round(float(c.P[P_INJECTION]) / float(c.P[P_PITCH]))
+        return index if index < c.chambers else None
+
+    run_cells = R_SIZE - R_RATIO  # the first of the cells; those that follow stand in P
+
+    def cells(self) -> Array:
+        """Return the run-time cells that the injection sets, and the parameters that it may note."""
+        return np.concatenate([self.machinery.R[R_RATIO:R_SIZE], self.machinery.composition.P[self.noted]])
+
+    def cells_as_numbers(self, change: Array) -> Numbers:
+        """Return a change of the cells as one of all numbers."""
+        c, R = self.machinery.composition, np.zeros_like(self.machinery.R)
+        R[R_RATIO:R_SIZE], P = change[: self.run_cells], np.zeros_like(c.P)
+        P[self.noted] = change[self.run_cells :]
+        return Numbers(P, np.zeros_like(c.TAB), R)
+
+    @property
+    def noted(self) -> list[int]:
+        """Where in P the trapped gas stands that a pump asks for (slots.P_TRAPPED): behind what `Numbers` laid out."""
+        parts = self.problem.parts
+        return [oil_places(parts)["P_TRAPPED"]] if parts.pumped else []
+
+    # ---- rates -------------------------------------------------------------------------------------------------
+
+    def rates(self, Y: Array, edges: Array | None = None) -> tuple[Array, Array]:
+        """Return the rates of states and quadratures at the nodes, those of other edges where these are given."""
+        slices = self.slices if edges is None else self.slices._replace(edges=edges)
+        f, g = np.empty((self.count * NODES, self.N)), np.empty((self.count * NODES, self.q))
+        self._free()
+        self.machinery.together.at_nodes__rates_at_all(*self._asked(Y, slices), f, g)
+        return f.reshape(self.count, NODES, -1), g.reshape(self.count, NODES, -1)
+
+    def slopes(self, Y: Array) -> Slopes:
+        """Return rates and their derivatives by the states at the nodes."""
+        found = self._slopes(*self._asked(Y, self.slices))
+        return Slopes(*(each.reshape(self.count, NODES, *each.shape[1:]) for each in found))
+
+    def slopes_at(self, angles: Array, y: Array) -> tuple[Array, Array]:
+        """Return rates and their derivatives at one angle in each slice."""
+        f, _, J, _ = self._slopes(angles, self.slices.middles, y, *self._context)
+        return f, J
+
+    def _slopes(self, angles: Array, *asked: Any) -> tuple[Array, ...]:
+        many, N, q = len(angles), self.N, self.q
+        found = np.empty((many, N)), np.empty((many, q)), np.empty((many, N, N)), np.empty((many, q, N))
+        module = self.machinery.together
+        if "tangents" not in compiled.warm(module):
+            with self.machinery.compiling("tangents"):
+                module.at_nodes__derivatives_at_all(angles, *asked, *found)
+        module.at_nodes__derivatives_at_all(angles, *asked, *found)
+        self._free()
+        return found
+
+    def _asked(self, Y: Array, slices: Slices) -> tuple[Any, ...]:
+        """Return angles, middles, states and context, as the kernels take them."""
+        y = np.ascontiguousarray(Y).reshape(-1, self.N)
+        return slices.angles.ravel(), np.repeat(slices.middles, NODES), y, *self._context
+
+    @property
+    def _context(self) -> tuple[Any, int]:
+        return self.machinery.coupled_context, self.machinery.composition.n_E_all
+
+    def _free(self) -> None:
+        """Let the gas of no chamber be held in a phase."""
+        c = self.machinery.composition
+        self.machinery.coupled_space()["spaces"][0][(c.chambers + 1) * PLACE :] = FREE
+
+    # ---- reading -----------------------------------------------------------------------------------------------
+
+    def sums(self, g: Array, widths: Array | None = None) -> Array:
+        """Return the quadratures over the pitch from their rates at the nodes, a further axis kept."""
+        return np.einsum("k,j,kj...->...", self.slices.widths if widths is None else widths, INTEGRALS[-1], g)[:-1]
+
+    def install(self, y: Array, Y: Array, edges: Array | None = None) -> None:
+        """Make the polynomials the last history, from the states y at the start and those at the nodes."""
+        machinery, c = self.machinery, self.machinery.composition
+        edges = self.slices.edges if edges is None else edges
+        before, end = np.concatenate([y[None], Y[:-1, -1]]), Y[:, -1]
+        bent = [(Y[:, i] - before * (1.0 - x) - x * end) / (x * (1.0 - x)) for i, x in enumerate(SHARES[:-1].tolist())]
+        c4 = (bent[1] - bent[0]) / (SHARES[1] - SHARES[0])
+        dense = np.stack([before, end, bent[0] - SHARES[0] * c4, c4], axis=1)
+        states = dense.reshape(self.count, 4, c.chambers, self.n)
+        life = np.ascontiguousarray(np.concatenate([states[:, :, j] for j in range(c.chambers)]))
+        pitch = float(c.P[P_PITCH])
+        times = np.concatenate([*(edges[:-1] + j * pitch for j in range(c.chambers)), [float(c.P[P_LIFE])]])
+        machinery.install(times, life, np.zeros((len(life), machinery.nq)))
+        machinery.module.trace__work_along(*machinery.last(), machinery.context)
+
+    def image(self, q: Array) -> Array:
+        """Return what the last history, of these quadratures, makes of the unknowns, in coordinates."""
+        return self.problem.entries.coordinates(image_of(self.problem, self.machinery.trajectory, q))
+
+    @property
+    def met(self) -> Array:
+        """The unknowns as they stand."""
+        return unknowns(self.problem, self.machinery)
+
+    def meet(self, coordinates: Array, raw: Array) -> None:
+        """Let the rates meet other unknowns."""
+        set_unknowns(self.problem, self.machinery, self.problem.entries.values(coordinates, raw))

@@ -1,0 +1,128 @@
+"""A pitch of all chambers in slices, and the nodes in each: Radau's three, of order 5 and damped where stiff.
+
+Slices end on the breakpoints of the laws and begin as dense as the integrator's steps of the closed cycle, of all
+chambers; those whose error is too large are divided. Where a flow turns round, its slope by the pressures is steepest,
+as wide as the regularisation, and what it carries changes: what a small change makes of itself is decided there, of
+which the error of the states tells nothing. So slices end there, and are as short as that layer around it.
+
+Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, IV.5 (Radau IIA).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.model.run import Machinery
+from screwsim.model.slots import P_PITCH
+
+Array = np.ndarray
+_ROOT = 6.0**0.5
+SHARES = np.array(((4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0))  # of a slice
+INTEGRALS = np.array(
+    (
+        ((88.0 - 7.0 * _ROOT) / 360.0, (296.0 - 169.0 * _ROOT) / 1800.0, (-2.0 + 3.0 * _ROOT) / 225.0),
+        ((296.0 + 169.0 * _ROOT) / 1800.0, (88.0 + 7.0 * _ROOT) / 360.0, (-2.0 - 3.0 * _ROOT) / 225.0),
+        ((16.0 - _ROOT) / 36.0, (16.0 + _ROOT) / 36.0, 1.0 / 9.0),
+    )
+)
+NODES = len(SHARES)
+EIGENVALUE = 1.0 / (1.0 / 30.0 * (6.0 + 81.0 ** (1.0 / 3.0) - 9.0 ** (1.0 / 3.0)))  # the real one of 1/INTEGRALS
+EMBEDDED = np.array((-(13.0 + 7.0 * _ROOT) / 3.0, (-13.0 + 7.0 * _ROOT) / 3.0, -1.0 / 3.0))  # of the error estimate
+APART = 1e-7  # rad: ends of steps that lie nearer to each other are one
+OF_WIDTH = 1e-6  # of a segment: ends of steps so near to its ends are not counted
+
+
+LEAST = 1e-9  # rad: slices are no shorter ...
+LONGEST = math.radians(
+    2.0
+)  # ... and no longer: of a law that moves with a number the error of the states tells nothing
+MOST = 4  # parts of a slice in one refinement
+POWER = 0.25  # of the error of a slice by its width: that of the estimate
+RING = 0.5  # widths of a layer: the first slices on both sides of where a flow turns round ...
+WIDER = 3.0  # ... and each next one over the one before
+BEFORE = 1e-3  # widths of a layer by which a slice ends before the flow turns, so that its last node is on its side
+
+
+class Crossing(NamedTuple):
+    """Where a flow turns round [rad of the pitch], and the width [rad] of the layer in which it is smoothed."""
+
+    angle: float
+    layer: float
+
+
+class Slices(NamedTuple):
+    """Slices of a pitch: edges (slices + 1,) [rad], the middles that tell the side of a breakpoint (slices,) [rad]."""
+
+    edges: Array
+    middles: Array
+
+    @property
+    def widths(self) -> Array:
+        """Widths of the slices [rad]."""
+        return np.diff(self.edges)
+
+    @property
+    def angles(self) -> Array:
+        """Angles of the nodes (slices, NODES) [rad]."""
+        found = self.edges[:-1, None] + self.widths[:, None] * SHARES
+        found[:, -1] = self.edges[1:]
+        return found
+
+
+def between(edges: Array) -> Slices:
+    """Return the slices between edges."""
+    return Slices(edges, 0.5 * (edges[:-1] + edges[1:]))
+
+
+def edges_of(machinery: Machinery, steps: float) -> Array:
+    """Return edges of slices of a pitch, each as long as so many of the steps of the last history, of all chambers."""
+    c, (times, _, _, count) = machinery.composition, machinery.last()
+    ends = np.sort(np.mod(times[1:count], float(c.P[P_PITCH])))
+    ends = ends[np.diff(ends, prepend=-1.0) > APART]  # chambers that were integrated together share theirs
+    breakpoints, edges = machinery.pitch_breakpoints(), [np.zeros(1)]
+    for low, high in pairwise(breakpoints.tolist()):
+        near = OF_WIDTH * (high - low)
+        inside = np.concatenate([[low], ends[(ends > low + near) & (ends < high - near)], [high]])
+        wanted = max(1, int(np.ceil((len(inside) - 1) / steps)), int(np.ceil((high - low) / LONGEST)))
+        edges.append(np.interp(np.linspace(0.0, len(inside) - 1.0, wanted + 1), np.arange(len(inside)), inside)[1:])
+    return np.concatenate(edges)
+
+
+def refined(edges: Array, errors: Array, tolerance: float) -> Array:
+    """Return edges of slices, those in parts whose error exceeds the tolerance."""
+    parts = np.clip(np.ceil((errors / tolerance) ** POWER), 1, MOST).astype(int)
+    found = [low + (high - low) * np.arange(n) / n for low, high, n in zip(edges[:-1], edges[1:], parts, strict=True)]
+    return np.append(np.concatenate(found), edges[-1])
+
+
+def ringed(edges: Array, breakpoints: Array, crossings: Sequence[Crossing]) -> Array:
+    """Return edges with those around crossings in place of others near them: slices there grow with the distance."""
+    kept, added = edges, [breakpoints]
+    for angle, layer in crossings:
+        at, first = angle - BEFORE * layer, RING * layer
+        after = int(np.clip(np.searchsorted(edges, at), 1, len(edges) - 1))
+        room = float(edges[after] - edges[after - 1])
+        count = max(0, int(np.ceil(np.log(max(0.5 * room / first, 1e-300)) / np.log(WIDER))))
+        reach = first * WIDER ** np.arange(count)
+        segment = int(np.clip(np.searchsorted(breakpoints, at), 1, len(breakpoints) - 1))
+        low, high = breakpoints[segment - 1] + LEAST, breakpoints[segment] - LEAST
+        ring = np.concatenate([at - reach[::-1], [at], at + reach])
+        ring = ring[(ring > low) & (ring < high)]
+        if len(ring):
+            kept = kept[(kept < ring[0]) | (kept > ring[-1])]
+            added.append(ring)
+    found = np.unique(np.concatenate([kept, *added]))
+    near = np.diff(found, prepend=-1.0) < LEAST
+    marked = np.isin(found, breakpoints)
+    near[:-1] |= marked[1:] & ~marked[:-1] & (np.diff(found) < LEAST)  # a breakpoint stays, what is near it goes
+    return found[~near | marked]
+
+
+def moved(slices: Slices, breakpoints: Array, by: Array) -> Array:
+    """Return by how much edges move with the breakpoints of the pitch: between them in proportion."""
+    return np.interp(slices.edges, breakpoints, by)

@@ -1,0 +1,56 @@
+"""A scene solved, and the derivatives of its figures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from screwsim.codegen.program import CannotCompile
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.derivatives.around import derivatives
+from screwsim.derivatives.closed import NotClosed, collocated
+from screwsim.faults import Impossible
+from screwsim.model import leases
+from screwsim.scene import Scene
+from screwsim.solve.circuit import solved, steady
+
+ONE_CHAMBER = "one chamber at a time is integrated, whose valves and seats have events of their own"
+DRIVEN = "the speed follows from the drive"
+
+
+class Found(NamedTuple):
+    """Derivatives [SI] by path and figure; why paths have none; why there are none at all, '' where there are."""
+
+    derivatives: Mapping[str, Mapping[str, float]]
+    refused: Mapping[str, str]
+    why: str = ""
+
+
+def found(scene: Scene, values: Mapping[str, float]) -> Found:
+    """Return the derivatives of a scene's figures by numbers [SI] at paths of it."""
+    series = Series()
+    try:
+        problem, search = steady(problem_of(scene, series), series)
+        why = _refused(problem)
+        if why:
+            return Found({}, {}, why)
+        machinery = leased(problem)
+        accurate = solved(problem, machinery, None, search)
+        if accurate.cycle.status != "ok":
+            return Found({}, {}, "the cycle does not close")
+        cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life)
+        slopes, refused = derivatives(cycle, values)
+        leases.give_back(machinery)
+    except NotClosed as error:
+        return Found({}, {}, str(error))
+    except (Impossible, CannotCompile) as error:
+        return Found({}, {}, f"the cycle cannot be linearised: {error}")
+    return Found(slopes, refused)
+
+
+def _refused(problem: Problem) -> str:
+    """Return why a problem's derivatives cannot be had so; empty where they can."""
+    if problem.parts.shaft is not None:
+        return DRIVEN
+    return ONE_CHAMBER if problem.composition.chambers == 1 else ""

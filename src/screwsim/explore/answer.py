@@ -1,0 +1,112 @@
+"""One answer to a page: a head of JSON, and behind it the traces as float32, which a browser reads without parsing.
+
+Figures are written so that reading them gives the same bits; traces are rounded to seven digits.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from screwsim.engineering import figure_scales, shown_name
+from screwsim.figures import known, trace_variable
+from screwsim.outputs import Figure, Result, sorted_entries
+
+CURVE = "curve"  # a point of a small sweep
+SOLVED = "solved"
+SLOPES = "slopes"  # derivatives of figures
+FILE = "file"  # `text` is one
+REFUSED = "refused"  # settings that make no scene; `message` has a line a fault
+
+
+def packed(head: Mapping[str, Any], arrays: Iterable[np.ndarray] = ()) -> bytes:
+    """Return a message: the length of its head (4 bytes, little-endian), the head as JSON, blanks to a multiple of
+    four, and the arrays as little-endian float32 one after the other."""
+    text = json.dumps(head, allow_nan=False, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    return b"".join((struct.pack("<I", len(text)), text, *(np.asarray(each, "<f4").tobytes() for each in arrays)))
+
+
+def unpacked(message: bytes) -> tuple[dict[str, Any], np.ndarray]:
+    """Return head and numbers of a message."""
+    (size,) = struct.unpack_from("<I", message)
+    return json.loads(message[4 : 4 + size]), np.frombuffer(message, "<f4", offset=4 + size)
+
+
+def solved(result: Result, more: Mapping[str, Any]) -> bytes:
+    """Return the answer of a result, with whatever else its head has to say."""
+    traces = {name: np.asarray(values, float) for name, values in result.cycle.items()}
+    head = {
+        "kind": SOLVED,
+        **_told(result),
+        "warnings": list(result.warnings),
+        "notes": dict(result.notes),
+        "effects": list(result.effects),
+        "error": _finite(result.error),
+        "balance": _finite(result.balance),
+        "ledger": _ledger(result),
+        "traces": [[name, trace_variable(name).units] for name in traces],
+        "about": [about_figure(figure) for name, figure in _about(result).items() if name not in known()],
+        **more,
+    }
+    return packed(head, traces.values())
+
+
+def point(result: Result, more: Mapping[str, Any]) -> bytes:
+    """Return the answer of a point of a small sweep: its figures alone."""
+    return packed({"kind": CURVE, **_told(result), **more})
+
+
+def slopes(derivatives: Mapping[str, Mapping[str, float]], more: Mapping[str, Any]) -> bytes:
+    """Return the answer of derivatives [SI] by path and figure."""
+    return packed({"kind": SLOPES, "slopes": {path: _finite(each) for path, each in derivatives.items()}, **more})
+
+
+def file(text: str) -> bytes:
+    """Return the answer that is a file."""
+    return packed({"kind": FILE, "text": text})
+
+
+def refused(message: str, more: Mapping[str, Any]) -> bytes:
+    """Return the answer to settings that make no scene, or that no solution was found for."""
+    return packed({"kind": REFUSED, "status": REFUSED, "message": message, **more})
+
+
+def _told(result: Result) -> dict[str, Any]:
+    return {"status": result.status, "message": result.message, "performance": _finite(result.performance)}
+
+
+def _finite(figures: Mapping[str, Any]) -> dict[str, Any]:
+    """Return figures, null in place of what JSON has no word for."""
+    bad = (name for name, value in figures.items() if isinstance(value, float) and not math.isfinite(value))
+    return {**figures, **dict.fromkeys(bad)}
+
+
+def _about(result: Result) -> Mapping[str, Figure]:
+    return getattr(result.performance, "about", {})
+
+
+def _ledger(result: Result) -> dict[str, Any] | None:
+    """Return totals and entries of a ledger as the page's waterfall takes them; None where there is none."""
+    ledger = result.ledger
+    if ledger.get("shaft_power") is None:
+        return None
+    totals = ("shaft_power", "gas_exergy_rise", "oil_exergy_rise", "residue", "ambient_temperature")
+    entries = [{"words": name.replace("_", " "), **_finite(values)} for name, values in sorted_entries(ledger)]
+    return {**_finite({name: ledger[name] for name in totals if name in ledger}), "entries": entries}
+
+
+def about_figure(figure: Figure) -> dict[str, Any]:
+    """Return how the page writes a figure."""
+    return {
+        "name": figure.name,
+        "words": shown_name(figure.name),
+        "about": figure.long_name,
+        "kelvin": figure.units == "K",
+        "scales": [list(entry) for entry in figure_scales(figure)],
+    }

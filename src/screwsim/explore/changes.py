@@ -1,0 +1,188 @@
+"""What a page may change of a scene: its numbers and choices, and its effects; never a file, a module or a text.
+
+A change comes from a browser, and so it is read as a value of its field and written anew: no text of a page ever
+becomes YAML.
+"""
+
+from __future__ import annotations
+
+import json
+import shlex
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from screwsim.declare import KINDS
+from screwsim.effects import catalogue
+from screwsim.effects.base import Effect
+from screwsim.machine.kinds import find_machine
+from screwsim.scene import Scene, load
+from screwsim.scene.fields import FIXED, Leaf, leaf_paths
+from screwsim.scene.units import Refused
+from screwsim.scene.values import convert, shown, text_of
+from screwsim.scene.write import quoted
+
+CHANGED = {*KINDS, "number", "count", "choice"}  # kinds of fields; a fluid, a file and a word are the command's
+LONGEST = 60  # letters of a value
+MOST = 400  # changes at once
+
+
+@dataclass(frozen=True)
+class Base:
+    """What the command named: a scene's file, its overrides with the effects that it leaves out; and that scene."""
+
+    file: str
+    overrides: tuple[str, ...]
+    scene: Scene
+
+
+@dataclass(frozen=True)
+class Changes:
+    """What a page asks for: values by dotted path, as a person writes them, and effects that are on or off."""
+
+    values: Mapping[str, Any]
+    effects: Mapping[str, bool]
+
+
+def read_changes(raw: Any) -> Changes:
+    """Return the changes in what a page sent ({set: {path: value}, effects: {name: true}}); raise Refused."""
+    if not isinstance(raw, dict) or not raw.keys() <= {"set", "effects"}:
+        raise Refused("the settings are no mapping of set and effects (reload the page)")
+    values, effects = raw.get("set", {}), raw.get("effects", {})
+    if not isinstance(values, dict) or not isinstance(effects, dict) or len(values) + len(effects) > MOST:
+        raise Refused(f"set and effects are no mappings, or hold more than {MOST} changes (reload the page)")
+    if not all(isinstance(each, bool) for each in effects.values()):
+        raise Refused("an effect is neither on nor off: true or false (reload the page)")
+    return Changes(values, effects)
+
+
+def open_base(file: str, overrides: Iterable[str] = (), without: Iterable[str] = ()) -> Base:
+    """Return the scene that a command names, without its sweep; raise SceneError and UsageError as `load` does."""
+    overrides, without = tuple(overrides), tuple(without)
+    scene = load(file, [*overrides, "sweep=null"], without)
+    return Base(file, (*overrides, *(f"effects.{name}=off" for name in without)), scene)
+
+
+def possible(scene: Scene) -> dict[str, Effect]:
+    """Return the effects that a page may have on: those of the scene, and of the catalogue what fits its machine."""
+    kind = find_machine(scene.machine.kind)
+    named = {name: active.effect for name, active in scene.effects.items()}
+    return named | {name: effect for name, effect in catalogue().items() if effect.fits(kind)}
+
+
+def active(scene: Scene, effects: Mapping[str, bool]) -> dict[str, Effect]:
+    """Return the effects that are on with those switches; raise Refused for one that a page may not switch."""
+    known = possible(scene)
+    for name in effects:
+        if name not in known:
+            raise Refused(f"effects.{name[:LONGEST]}: a page switches the effects of this machine, and no other module")
+    return {name: effect for name, effect in known.items() if effects.get(name, name in scene.effects)}
+
+
+def changeable(scene: Scene, effects: Mapping[str, Effect]) -> dict[str, Leaf]:
+    """Return the fields that a page may change, by dotted path, with those effects on."""
+    leaves = leaf_paths({name: effect.parameters for name, effect in effects.items()}, scene.machine.kind)
+    return {path: leaf for path, leaf in leaves.items() if leaf.kind in CHANGED and path not in FIXED}
+
+
+def overrides_of(base: Base, changes: Changes) -> list[str]:
+    """Return the changes as PATH=VALUE of `--set`, each value as the program itself writes it; raise Refused.
+
+    Values of an effect that is off are left aside.
+    """
+    on = active(base.scene, changes.effects)
+    leaves, found = changeable(base.scene, on), []
+    for name, wanted in changes.effects.items():
+        if wanted != (name in base.scene.effects):
+            found.append(f"effects.{name}={'{}' if wanted else 'off'}")
+    off = [f"effects.{name}." for name in possible(base.scene) if name not in on]
+    for path, raw in changes.values.items():
+        if not path.startswith(tuple(off)):
+            found.append(f"{path}={_value(leaves.get(path), path, raw)}")
+    return found
+
+
+def _value(leaf: Leaf | None, path: str, raw: Any) -> str:
+    """Return a value as YAML text."""
+    if leaf is None:
+        raise Refused(f"{path[:LONGEST]}: a page changes numbers, choices and effects of the scene, and nothing else")
+    if raw is None:
+        return "null"
+    if isinstance(raw, str) and len(raw) > LONGEST:
+        raise Refused(f"{path}: has more than {LONGEST} letters")
+    if leaf.kind == "choice" and raw not in leaf.limits["options"]:
+        raise Refused(f"{path}: {shown(raw)} is not an option (choose from: {', '.join(leaf.limits['options'])})")
+    try:
+        return text_of(leaf, convert(leaf, raw))
+    except Refused as refusal:
+        raise Refused(f"{path}: {refusal}") from None
+
+
+def scene_of(base: Base, overrides: Iterable[str]) -> Scene:
+    """Return the scene with those changes, as `screwsim run` would load it."""
+    return load(base.file, [*_every(base, overrides), "sweep=null"])
+
+
+def _every(base: Base, overrides: Iterable[str]) -> list[str]:
+    """Return the overrides of the command and those of a page; an effect that the page has on again is not off."""
+    later = list(overrides)
+    again = {each for each in base.overrides if each.endswith("=off") and each.replace("=off", "={}") in later}
+    kept = [each for each in later if each.replace("={}", "=off") not in again]
+    return [*(each for each in base.overrides if each not in again), *kept]
+
+
+# ---- the same for a shell, a program, a file ------------------------------------------------------------------
+
+
+def shell_command(base: Base, overrides: Iterable[str]) -> str:
+    """Return the command that simulates the same."""
+    words = ["screwsim", "run", base.file]
+    for override in _every(base, overrides):
+        words += ["--set", override]
+    return shlex.join(words)
+
+
+def python_text(base: Base, overrides: Iterable[str]) -> str:
+    """Return the Python that simulates the same."""
+    every = _every(base, overrides)
+    inner = "".join(f"\n    {json.dumps(each, ensure_ascii=False)}," for each in every)
+    sets = f", [{inner}\n]" if every else ""
+    called = f"screwsim.load({json.dumps(base.file, ensure_ascii=False)}{sets})"
+    return f"import screwsim\n\nscene = {called}\nresult = screwsim.simulate(scene)\nprint(result.performance)\n"
+
+
+def yaml_text(base: Base, overrides: Iterable[str]) -> str:
+    """Return a scene of its own: the command's scene as its base, by its whole path, and what is changed of it."""
+    tree: dict[str, Any] = {}
+    for override in _every(base, overrides):
+        path, _, value = override.partition("=")
+        keys = _keys(path.strip(), base)
+        place = tree
+        for key in keys[:-1]:
+            below = place.get(key)
+            if not isinstance(below, dict):
+                below = place[key] = {}
+            place = below
+        if not (value.strip() == "{}" and isinstance(place.get(keys[-1]), dict)):
+            place[keys[-1]] = {} if value.strip() == "{}" else value
+    lines = [f"base: {quoted(str(Path(base.file).resolve()))}", *_lines(tree, "")]
+    return "\n".join(lines) + "\n"
+
+
+def _keys(path: str, base: Base) -> list[str]:
+    """Return the keys of a path; names of effects of the user's own have dots."""
+    for name in base.scene.effects:
+        if "." in name and (path == f"effects.{name}" or path.startswith(f"effects.{name}.")):
+            rest = path.removeprefix(f"effects.{name}").removeprefix(".")
+            return ["effects", name, *filter(None, rest.split("."))]
+    return path.split(".")
+
+
+def _lines(tree: Mapping[str, Any], indent: str) -> Iterable[str]:
+    for key, value in tree.items():
+        if isinstance(value, dict) and value:
+            yield f"{indent}{key}:"
+            yield from _lines(value, indent + "  ")
+        else:
+            yield f"{indent}{key}: {value if value != {} else '{}'}"

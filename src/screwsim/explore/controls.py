@@ -1,0 +1,223 @@
+"""What a page shows to change a scene: a field for each number and choice, in the units in which people write them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import MISSING
+from typing import Any, NamedTuple
+
+from screwsim.explore.changes import Base, Changes, changeable, overrides_of, possible, scene_of
+from screwsim.faults import SceneError, UsageError
+from screwsim.machine import protocol
+from screwsim.scene import Scene, value_at
+from screwsim.scene.fields import Leaf
+from screwsim.scene.units import ZERO_CELSIUS, Refused, customary_unit, parse_quantity
+from screwsim.scene.values import limits_text
+
+AROUND = 4.0  # a slider reaches from the value over this to the value times this
+DEGREES = 30.0  # [K] to both sides of a temperature
+ANGLE = math.radians(40.0)  # to both sides of an angle
+_SMALL = (("m", 1e-3, "um"), ("m^2", 1e-4, "mm^2"))  # below that size the unit is a smaller one
+GROUPS = {
+    "operation": "Operation",
+    "oil_supply": "Oil supply",
+    "machine": "Machine",
+    "gas": "Gas",
+    "oil": "Oil",
+    "numerics": "Numerics",
+}
+APART = {"output.keep", "title"}
+
+
+class Span(NamedTuple):
+    """From where to where a slider goes [SI], and whether its steps are equal ratios."""
+
+    low: float
+    high: float
+    log: bool
+
+
+class Shown(NamedTuple):
+    """A unit as a scene has it: its size and its zero [SI]."""
+
+    name: str
+    size: float
+    zero: float = 0.0
+
+    def of(self, value: float) -> float:
+        """Return a value [SI] in this unit, without the last digits that a change of units leaves."""
+        return float(f"{(value - self.zero) / self.size:.12g}")
+
+
+def document(base: Base) -> dict[str, Any]:
+    """Return what the page builds its fields from: groups of controls, and the effects with theirs."""
+    scene = base.scene
+    every = possible(scene)
+    leaves = {path: leaf for path, leaf in changeable(scene, every).items() if path not in APART}
+    controls = {
+        path: control(path, leaf, value_at(scene, path), _is_needed(scene, path, leaf)) for path, leaf in leaves.items()
+    }
+    groups = [
+        {"name": name, "words": words, "controls": [each for path, each in controls.items() if _under(path, name)]}
+        for name, words in GROUPS.items()
+    ]
+    effects = [
+        {
+            "name": name,
+            "words": name.replace("_", " "),
+            "about": effect.title,
+            "on": name in scene.effects,
+            "controls": [each for path, each in controls.items() if _under(path, f"effects.{name}")],
+        }
+        for name, effect in every.items()
+    ]
+    return {"groups": [group for group in groups if group["controls"]], "effects": effects, "presets": presets(base)}
+
+
+def _under(path: str, name: str) -> bool:
+    return path.startswith(f"{name}.")
+
+
+def _is_needed(scene: Scene, path: str, leaf: Leaf) -> bool:
+    """Tell whether a value has to be given: a section that the scene has not asks for nothing."""
+    parent = path.rpartition(".")[0]
+    of_effect = path.startswith("effects.") and parent.count(".") == 1
+    return leaf.default is MISSING and (of_effect or value_at(scene, parent) is not None)
+
+
+def control(path: str, leaf: Leaf, value: Any, needed: bool = False) -> dict[str, Any]:
+    """Return what the page has to know of one field; numbers in the shown unit, `value` None where it is left open."""
+    about: dict[str, Any] = {
+        "path": path,
+        "words": _words(path),
+        "about": leaf.doc,
+        "kind": "choice" if leaf.kind == "choice" else "count" if leaf.kind == "count" else "number",
+        "needed": needed,
+    }
+    if leaf.kind == "choice":
+        return about | {"options": list(leaf.limits["options"]), "value": value, "open": leaf.default is None}
+    unit = shown_unit(leaf, value)
+    start = _example(leaf) if value is None else float(value)
+    span = span_of(leaf, start)
+    limits = limits_text(leaf)
+    return about | {
+        "about": f"{leaf.doc} ({limits})" if limits else leaf.doc,
+        "unit": unit.name,
+        "value": None if value is None else unit.of(float(value)),
+        "low": unit.of(span.low),
+        "high": unit.of(span.high),
+        "log": span.log,
+        "size": unit.size,
+    }
+
+
+def _words(path: str) -> str:
+    """Return the last words of a path: 'suction pressure', 'gap'."""
+    keys = path.split(".")
+    inner = keys[2:] if keys[0] == "effects" else keys[1:]
+    return " ".join(inner).replace("_", " ")
+
+
+def shown_unit(leaf: Leaf, value: Any) -> Shown:
+    """Return the unit in which a number is shown: the customary one, of what is small a smaller one, °C."""
+    kind = leaf.dimension
+    if kind is None:
+        return Shown("", 1.0)
+    if kind.name == "temperature":
+        return Shown("degC", 1.0, ZERO_CELSIUS)
+    unit = customary_unit(kind)
+    for si, below, smaller in _SMALL:
+        if kind.si == si and value is not None and abs(value) < below:
+            unit = smaller
+    return Shown(unit, parse_quantity(kind, f"1 {unit}"))
+
+
+def _example(leaf: Leaf) -> float:
+    """Return around what the slider of a value that is left open goes: where it usually lies, else its example."""
+    limits = leaf.limits
+    lows = [leaf.hardly[0], limits.get("gt"), limits.get("ge")]
+    highs = [leaf.hardly[1], limits.get("lt"), limits.get("le")]
+    low, high = (next((end for end in ends if end is not None), None) for ends in (lows, highs))
+    if low is not None and high is not None:
+        return math.sqrt(low * high) if low > 0.0 else 0.5 * (low + high)
+    example = parse_quantity(leaf.dimension, leaf.dimension.example) if leaf.dimension is not None else 1.0
+    return max(example, 2.0 * low) if low is not None and low > 0.0 else example
+
+
+def span_of(leaf: Leaf, value: float) -> Span:
+    """Return from where to where a slider goes around a value: what usually is, and what can be."""
+    low, high, log = _around(leaf, value)
+    usual_low, usual_high = leaf.hardly
+    if usual_low is not None and value >= usual_low:
+        low = max(low, usual_low)
+    if usual_high is not None and value <= usual_high:
+        high = min(high, usual_high)
+    limits: Mapping[str, Any] = leaf.limits
+    width = high - low
+    for name, margin in (("ge", 0.0), ("gt", 1e-3)):
+        if name in limits:
+            low = max(low, limits[name] + margin * width)
+    for name, margin in (("le", 0.0), ("lt", 1e-3)):
+        if name in limits:
+            high = min(high, limits[name] - margin * width)
+    low, high = min(low, value), max(high, value)
+    return Span(low, high, log and low > 0.0)
+
+
+def _around(leaf: Leaf, value: float) -> tuple[float, float, bool]:
+    """Return (low, high, equal ratios) around a value, whatever its limits."""
+    highest = leaf.limits.get("le", leaf.limits.get("lt"))
+    if leaf.kind in ("number", "count") and highest is not None and highest <= 1.0:
+        return 0.0, float(highest), False
+    if leaf.kind == "count":
+        return max(0.0, value - 6.0), value + 6.0, False
+    if leaf.kind == "temperature":
+        return value - DEGREES, value + DEGREES, False
+    if leaf.kind == "temperature_difference":
+        return 0.0, max(2.0 * value, 20.0), False
+    if leaf.kind == "angle":
+        return value - ANGLE, value + ANGLE, False
+    if value > 0.0:
+        return value / AROUND, value * AROUND, True
+    size = abs(value) or leaf.hardly[1] or _example(leaf)
+    return (-size, size, False) if value < 0.0 else (0.0, size, False)
+
+
+# ---- presets --------------------------------------------------------------------------------------------------
+
+_GAPS = {protocol.TIP_GAP, protocol.CONTACT_GAP, protocol.BLOW_HOLE, protocol.END_GAP}
+_SPEED = "operation.speed"
+
+
+def presets(base: Base) -> list[dict[str, Any]]:
+    """Return sets of changes worth a click, as far as the scene has what they change and can be changed so."""
+    scene = base.scene
+    gaps = [name for name, active in scene.effects.items() if active.effect.needs & _GAPS]
+    clearances = [f"effects.{name}.gap" for name in gaps if hasattr(scene.effects[name].parameters, "gap")]
+    found = [
+        _scaled(scene, "half the speed", [_SPEED], 0.5),
+        _scaled(scene, "twice the speed", [_SPEED], 2.0),
+        _scaled(scene, "gaps half as wide", clearances, 0.5),
+        _scaled(scene, "gaps twice as wide", clearances, 2.0),
+        {"words": "no gaps", "set": {}, "effects": dict.fromkeys(gaps, False)},
+    ]
+    return [preset for preset in found if (preset["set"] or preset["effects"]) and _can_be(base, preset)]
+
+
+def _can_be(base: Base, preset: Mapping[str, Any]) -> bool:
+    try:
+        scene_of(base, overrides_of(base, Changes(preset["set"], preset["effects"])))
+    except (SceneError, UsageError, Refused):
+        return False
+    return True
+
+
+def _scaled(scene: Scene, words: str, paths: list[str], factor: float) -> dict[str, Any]:
+    """Return a set of changes in which quantities are those of the scene times a factor."""
+    leaves, values = changeable(scene, possible(scene)), {}
+    for path in paths:
+        value = float(value_at(scene, path))
+        unit = shown_unit(leaves[path], value)
+        values[path] = f"{unit.of(factor * value)!r} {unit.name}"
+    return {"words": words, "set": values, "effects": {}}

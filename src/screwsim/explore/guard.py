@@ -1,0 +1,107 @@
+"""Who may speak to the server: a page that it served itself, under the name under which it was asked for.
+
+The program answers on the loopback address, so no other machine reaches it; but every page that the user's browser
+shows does. Such a page has another origin, or has its own name point here (DNS rebinding), which the Host header tells.
+Under another address a token is asked for, too.
+"""
+
+from __future__ import annotations
+
+import hmac
+from collections.abc import Awaitable, Callable, MutableMapping
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import parse_qs
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+LARGEST = 64_000  # [byte] of the body of a request
+SAFE = ("same-origin", "none")  # what a browser says of a request that its user, or our own page, made
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Where the server answers: the names by which it may be called (none: any), and the token that it asks for."""
+
+    names: frozenset[str]
+    token: str = ""
+
+    def refuses(self, scope: Scope) -> tuple[int, str]:
+        """Return the status and the reason with which a request is refused; (0, '') where it is not."""
+        headers = _headers(scope)
+        host, origin = headers.get("host", ""), headers.get("origin")
+        if self.names and host not in self.names:
+            return 403, "called by a name that is not its own (open the address that screwsim explore printed)"
+        if origin is not None and origin not in (f"http://{host}", f"https://{host}"):
+            return 403, "asked by another page"
+        if headers.get("sec-fetch-site", "none") not in SAFE and not _is_navigation(scope, headers):
+            return 403, "asked by another page"
+        if scope["type"] == "websocket" and origin is None and "sec-fetch-site" in headers:
+            return 403, "asked by a page without an origin"
+        if self.token and not hmac.compare_digest(_token(scope).encode(), self.token.encode()):
+            return 403, "the token is missing or wrong (open the whole address that screwsim explore printed)"
+        length = headers.get("content-length", "0")
+        if not length.isdigit() or int(length) > LARGEST:
+            return 413, f"the body is larger than {LARGEST} bytes"
+        return 0, ""
+
+
+def _headers(scope: Scope) -> dict[str, str]:
+    """Return the headers by name; of one that comes twice a text that equals nothing."""
+    found: dict[str, str] = {}
+    for raw_name, raw in scope["headers"]:
+        name = raw_name.decode("latin-1").lower()
+        found[name] = f"{found[name]}, {raw.decode('latin-1')}" if name in found else raw.decode("latin-1")
+    return found
+
+
+def _is_navigation(scope: Scope, headers: dict[str, str]) -> bool:
+    """Tell whether a user follows a link to the page."""
+    return scope.get("method") == "GET" and headers.get("sec-fetch-mode") == "navigate"
+
+
+def _token(scope: Scope) -> str:
+    return parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
+
+
+class Guard:
+    """Lets through what `Rules` do not refuse, and no body beyond `LARGEST`."""
+
+    def __init__(self, app: App, rules: Rules) -> None:
+        self._app, self._rules = app, rules
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+            return
+        status, reason = self._rules.refuses(scope)
+        if status:
+            await _refuse(scope, receive, send, status, reason)
+        else:
+            await self._app(scope, _bounded(receive) if scope["type"] == "http" else receive, send)
+
+
+def _bounded(receive: Receive) -> Receive:
+    """Return a receiver that takes a body beyond `LARGEST`, sent in parts, for a client that has gone."""
+    taken = 0
+
+    async def bounded() -> MutableMapping[str, Any]:
+        nonlocal taken
+        message = await receive()
+        taken += len(message.get("body", b""))
+        return {"type": "http.disconnect"} if taken > LARGEST else message
+
+    return bounded
+
+
+async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, reason: str) -> None:
+    kind = "websocket.http" if scope["type"] == "websocket" else "http"
+    if kind == "websocket.http":
+        await receive()  # the connect
+    body = f"{reason}\n".encode()
+    headers = [(b"content-type", b"text/plain; charset=utf-8"), (b"content-length", str(len(body)).encode())]
+    await send({"type": f"{kind}.response.start", "status": status, "headers": [*headers, (b"connection", b"close")]})
+    await send({"type": f"{kind}.response.body", "body": body})

@@ -1,0 +1,64 @@
+"""The live page: one HTML text with all that it needs; it loads nothing."""
+
+from __future__ import annotations
+
+import json
+from importlib import resources
+from typing import Any
+
+from screwsim.explore.changes import Base
+from screwsim.explore.controls import document as controls
+from screwsim.explore.machine import document as machine
+
+_SCRIPTS = [
+    f"{name}.js" for name in ("number", "chart", "machine", "controls", "show", "around", "state", "line", "start")
+]
+_SHARED = ("numbers.js", "ledger.js", "theme.js")  # with the page of a report
+
+
+def page_text(base: Base, slopes: bool = True) -> str:
+    """Return the page of a scene; @NONCE@ stands where its policy has a number that is used once.
+
+    `slopes`: the server has a worker for derivatives, beside one for all else.
+    """
+    import jinja2
+
+    from screwsim import __version__
+
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
+    scripts = [*(_shared(each) for each in _SHARED), *(_own(each) for each in _SCRIPTS)]
+    return environment.from_string(_own("page.html")).render(
+        title=base.scene.title or base.file,
+        file=base.file,
+        version=__version__,
+        style=_shared("theme.css") + _own("page.css"),
+        script="\n".join(scripts),
+        document=_embedded({**document(base), "slopes": slopes}),
+    )
+
+
+def document(base: Base) -> dict[str, Any]:
+    """Return what the script of the page begins with."""
+    from screwsim.explore.answer import about_figure
+    from screwsim.figures import known
+
+    return {
+        "file": base.file,
+        "title": base.scene.title,
+        **controls(base),
+        "machine": machine(base.scene.machine),
+        "figures": [about_figure(figure) for figure in known().values()],
+    }
+
+
+def _embedded(data: Any) -> str:
+    """Return JSON that no HTML can end."""
+    return json.dumps(data, allow_nan=False).replace("<", "\\u003c")  # JSON has no other letter outside ASCII
+
+
+def _own(name: str) -> str:
+    return resources.files(__name__).joinpath(name).read_text(encoding="utf-8")
+
+
+def _shared(name: str) -> str:
+    return resources.files("screwsim.report.page").joinpath(name).read_text(encoding="utf-8")

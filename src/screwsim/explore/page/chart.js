@@ -1,0 +1,259 @@
+// A chart on two canvases: what was computed below, and what moves with the angle or the pointer above.
+
+let palette = {};
+
+function readPalette() {
+  const names = ["page", "panel", "text", "soft", "line", "accent", "good", "bad", "c0", "c1", "c2", "c3", "c4", "c5"];
+  palette = Object.fromEntries(names.map((name) => [name, colour(name)]));
+}
+
+const DASH = [[], [6, 4], [2, 3], [8, 3, 2, 3]];
+const FONT = "12px system-ui, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif";
+
+class Chart {
+  constructor(id, words) {
+    this.box = document.getElementById(id);
+    this.below = document.createElement("canvas");
+    this.above = document.createElement("canvas");
+    this.below.setAttribute("role", "img");
+    this.below.setAttribute("aria-label", words);
+    this.above.setAttribute("aria-hidden", "true");
+    this.key = document.createElement("div");
+    this.key.className = "key";
+    this.box.append(this.below, this.above);
+    this.box.after(this.key);
+    this.words = words;
+    this.keyed = "";
+    new ResizeObserver(() => { this.fit(); this.draw(); this.move(); }).observe(this.box);
+    this.fit();
+  }
+
+  fit() {
+    const { width, height } = this.box.getBoundingClientRect();
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    [this.width, this.height, this.ratio] = [width, height, ratio];
+    for (const canvas of [this.below, this.above]) {
+      canvas.width = Math.round(width * ratio);
+      canvas.height = Math.round(height * ratio);
+      canvas.getContext("2d").setTransform(ratio, 0, 0, ratio, 0, 0);
+    }
+  }
+
+  // content: {curves: [{x, y, tint, dash, name, pale}], x: {label, range, log}, y: …, levels, marks, points}
+  show(content) {
+    this.content = content;
+    this.draw();
+  }
+
+  inner() {
+    return { left: 56, right: this.width - (this.content && this.content.levels ? 68 : 14), top: 10, bottom: this.height - 40 };
+  }
+
+  X(value) {
+    const { left, right } = this.inner();
+    return left + (right - left) * share(this.content.x, value);
+  }
+
+  Y(value) {
+    const { top, bottom } = this.inner();
+    return bottom - (bottom - top) * share(this.content.y, value);
+  }
+
+  draw() {
+    const { content, width, height } = this;
+    const pen = this.below.getContext("2d");
+    pen.clearRect(0, 0, width, height);
+    if (!content || width < 50) return;
+    pen.font = FONT;
+    this.axes(pen);
+    const box = this.inner();
+    pen.save();
+    pen.beginPath();
+    pen.rect(box.left, box.top - 1, box.right - box.left, box.bottom - box.top + 2);
+    pen.clip();
+    for (const curve of content.curves.filter((each) => each.pale)) this.line(pen, curve);
+    for (const curve of content.curves.filter((each) => !each.pale)) this.line(pen, curve);
+    pen.restore();
+    this.levels(pen, box);
+    this.marks(pen, box);
+    this.fillKey();
+  }
+
+  axes(pen) {
+    const { content } = this;
+    const box = this.inner();
+    const ticks = (axis, count) => (axis.log ? logTicksOf(...axis.range) : axis.ticks || ticksOf(...axis.range, count));
+    pen.lineWidth = 1;
+    pen.strokeStyle = palette.line;
+    pen.fillStyle = palette.text;
+    pen.textAlign = "center";
+    pen.textBaseline = "top";
+    let last = -1e9;
+    for (const tick of ticks(content.x, (box.right - box.left) / 80)) {
+      const x = Math.round(this.X(tick)) + 0.5;
+      stroke(pen, x, box.top, x, box.bottom + 4);
+      if (x - last > 38) { pen.fillText(plain(tick), x, box.bottom + 6); last = x; }
+    }
+    pen.textAlign = "right";
+    pen.textBaseline = "middle";
+    last = 1e9;
+    for (const tick of ticks(content.y, (box.bottom - box.top) / 45)) {
+      const y = Math.round(this.Y(tick)) + 0.5;
+      stroke(pen, box.left - 4, y, box.right, y);
+      if (last - y > 14) { pen.fillText(plain(tick), box.left - 7, y); last = y; }
+    }
+    pen.fillStyle = palette.soft;
+    pen.textAlign = "center";
+    pen.textBaseline = "alphabetic";
+    pen.fillText(content.x.label, 0.5 * (box.left + box.right), this.height - 6);
+    pen.save();
+    pen.translate(12, 0.5 * (box.top + box.bottom));
+    pen.rotate(-Math.PI / 2);
+    pen.fillText(content.y.label, 0, 0);
+    pen.restore();
+  }
+
+  line(pen, curve) {
+    pen.beginPath();
+    pen.setLineDash(DASH[curve.dash || 0]);
+    pen.strokeStyle = palette[curve.tint];
+    pen.globalAlpha = curve.pale ? 0.35 : 1;
+    pen.lineWidth = curve.pale ? 1.5 : 2;
+    pen.lineJoin = "round";
+    let down = false;
+    for (let i = 0; i < curve.x.length; i += 1) {
+      if (!Number.isFinite(curve.y[i])) { down = false; continue; }
+      const [x, y] = [this.X(curve.x[i]), this.Y(curve.y[i])];
+      if (down) pen.lineTo(x, y);
+      else pen.moveTo(x, y);
+      down = true;
+    }
+    pen.stroke();
+    pen.setLineDash([]);
+    if (curve.points) {
+      pen.fillStyle = palette[curve.tint];
+      for (let i = 0; i < curve.x.length; i += 1) if (Number.isFinite(curve.y[i])) dot(pen, this.X(curve.x[i]), this.Y(curve.y[i]), 2.5);
+    }
+    pen.globalAlpha = 1;
+  }
+
+  levels(pen, box) {
+    pen.textAlign = "left";
+    pen.textBaseline = "middle";
+    for (const [value, words] of this.content.levels || []) {
+      const y = this.Y(value);
+      if (!Number.isFinite(y) || y < box.top || y > box.bottom) continue;
+      pen.setLineDash([6, 4]);
+      pen.strokeStyle = palette.soft;
+      stroke(pen, box.left, y, box.right, y);
+      pen.setLineDash([]);
+      pen.fillStyle = palette.soft;
+      pen.fillText(words, box.right + 4, y);
+    }
+  }
+
+  marks(pen, box) {
+    pen.textAlign = "center";
+    for (const [value, words] of this.content.marks || []) {
+      const x = this.X(value);
+      pen.setLineDash([2, 3]);
+      pen.strokeStyle = palette.soft;
+      stroke(pen, x, box.top, x, box.bottom);
+      pen.setLineDash([]);
+      pen.fillStyle = palette.soft;
+      pen.fillText(words, x, box.top + 8);
+    }
+  }
+
+  fillKey() {
+    const named = this.content.curves.filter((each) => each.name && !each.pale);
+    const text = named.map((each) => `${each.name}|${each.tint}|${each.dash || 0}`).join();
+    if (text === this.keyed) return;
+    this.keyed = text;
+    this.key.replaceChildren(...named.map((curve) => {
+      const entry = document.createElement("span");
+      const sample = document.createElement("i");
+      sample.style.borderTopColor = `var(--${curve.tint})`;
+      sample.style.borderTopStyle = ["solid", "dashed", "dotted", "double"][curve.dash || 0];
+      entry.append(sample, curve.name);
+      return entry;
+    }));
+  }
+
+  // Say what is drawn, for who does not see it.
+  describe() {
+    const { content } = this;
+    if (!content || !content.curves) return;
+    const ranges = content.curves.filter((curve) => !curve.pale && curve.y.length).map((curve) => {
+      const [low, high] = extent([curve.y]).map(plain);
+      return `${curve.name || content.y.label} from ${low} to ${high}`;
+    });
+    this.below.setAttribute("aria-label", `${this.words}; ${content.y.label} over ${content.x.label}: ${ranges.join(", ")}`);
+  }
+
+  // What moves: a line at the angle, or points on the curve.
+  move(moving) {
+    if (moving) this.moving = moving;
+    const pen = this.above.getContext("2d");
+    pen.clearRect(0, 0, this.width, this.height);
+    if (!this.content || !this.moving) return;
+    const box = this.inner();
+    if (this.moving.x !== undefined) {
+      pen.strokeStyle = palette.accent;
+      pen.lineWidth = 1.5;
+      const x = this.X(this.moving.x);
+      stroke(pen, x, box.top, x, box.bottom);
+    }
+    for (const [x, y, radius, tint] of this.moving.points || []) {
+      pen.fillStyle = palette[tint];
+      dot(pen, this.X(x), this.Y(y), radius);
+    }
+    if (this.moving.words) {
+      pen.font = FONT;
+      pen.textBaseline = "top";
+      pen.textAlign = "right";
+      const wide = pen.measureText(this.moving.words).width;
+      pen.fillStyle = palette.page;
+      pen.globalAlpha = 0.85;
+      pen.fillRect(box.right - wide - 8, box.top, wide + 8, 18);
+      pen.globalAlpha = 1;
+      pen.fillStyle = palette.text;
+      pen.fillText(this.moving.words, box.right - 4, box.top + 3);
+    }
+  }
+
+  // Calls back with the place of the pointer, in pixels, while it is held down.
+  whenDragged(act) {
+    const told = (event) => {
+      const box = this.above.getBoundingClientRect();
+      act(event.clientX - box.left, event.clientY - box.top);
+    };
+    this.above.addEventListener("pointerdown", (event) => { this.above.setPointerCapture(event.pointerId); told(event); });
+    this.above.addEventListener("pointermove", (event) => { if (event.buttons) told(event); });
+  }
+
+  valueX(pixel) {
+    const { left, right } = this.inner();
+    const { range, log } = this.content.x;
+    const part = Math.min(Math.max((pixel - left) / (right - left), 0), 1);
+    return log ? range[0] * (range[1] / range[0]) ** part : range[0] + (range[1] - range[0]) * part;
+  }
+}
+
+function share(axis, value) {
+  const [low, high] = axis.range;
+  return axis.log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+}
+
+function stroke(pen, x, y, u, v) {
+  pen.beginPath();
+  pen.moveTo(x, y);
+  pen.lineTo(u, v);
+  pen.stroke();
+}
+
+function dot(pen, x, y, radius) {
+  pen.beginPath();
+  pen.arc(x, y, radius, 0, 2 * Math.PI);
+  pen.fill();
+}

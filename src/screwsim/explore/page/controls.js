@@ -1,0 +1,228 @@
+// The fields: built from the scene's own description, filled from the settings.
+
+const TYPES = 250; // [ms] after which a number that is typed is whole
+
+let built = []; // {control, effect, row, field, range, select}
+let byPath = new Map();
+let typing = 0; // timer of a number that is being typed,
+let typed = null; // and what is done with it
+
+function takeTyped() {
+  clearTimeout(typing);
+  [typing, typed] = [0, typed && typed()];
+}
+
+function controlOf(path) {
+  const entry = byPath.get(path);
+  return entry && entry.control;
+}
+
+function buildControls() {
+  const form = document.getElementById("controls");
+  form.noValidate = true;
+  form.addEventListener("submit", (event) => event.preventDefault());
+  for (const group of data.groups) form.append(groupOf(group.words, group.controls, group.name === "operation" || group.name === "oil_supply"));
+  const effects = foldOf("Effects", true);
+  for (const effect of [...data.effects].sort((a, b) => Number(b.on) - Number(a.on))) effects.append(effectOf(effect));
+  form.append(effects);
+  const presets = document.getElementById("presets");
+  presets.append(new Option("choose …", ""), new Option("as the scene says", "0"), ...data.presets.map((each, i) => new Option(each.words, String(i + 1))));
+  presets.addEventListener("change", () => {
+    if (presets.value === "") return;
+    put(presets.value === "0" ? { set: {}, effects: {} } : data.presets[Number(presets.value) - 1]);
+    presets.value = "";
+    fillControls();
+    changed();
+  });
+}
+
+function foldOf(words, open) {
+  const fold = document.createElement("details");
+  fold.open = open;
+  const summary = document.createElement("summary");
+  const head = document.createElement("h3");
+  head.textContent = words;
+  summary.append(head);
+  fold.append(summary);
+  return fold;
+}
+
+// Numbers that the scene leaves open stand below the others, in a fold of their own.
+function groupOf(words, controls, open) {
+  const fold = foldOf(words, open);
+  const left = controls.filter((control) => control.value === null && !control.needed);
+  for (const control of controls.filter((each) => !left.includes(each))) fold.append(rowOf(control));
+  if (left.length) {
+    const more = foldOf(`${left.length} left open`, false);
+    for (const control of left) more.append(rowOf(control));
+    fold.append(more);
+  }
+  return fold;
+}
+
+function effectOf(effect) {
+  const box = document.createElement("div");
+  const label = document.createElement("label");
+  label.className = "effect";
+  label.title = effect.about;
+  const input = document.createElement("input");
+  input.type = "checkbox";
+  input.setAttribute("role", "switch");
+  input.id = `effect-${effect.name}`;
+  label.append(input, effect.words);
+  box.append(label);
+  const fields = foldOf(`parameters of ${effect.words}`, false);
+  fields.classList.add("fields");
+  fields.querySelector("h3").textContent = "parameters";
+  fields.querySelector("summary").setAttribute("aria-label", `parameters of ${effect.words}`);
+  for (const control of effect.controls) fields.append(rowOf(control, effect));
+  if (effect.controls.length) box.append(fields);
+  input.addEventListener("change", () => {
+    if (input.checked === effect.on) delete settings.effects[effect.name];
+    else settings.effects[effect.name] = input.checked;
+    fields.open = input.checked && effect.controls.some((control) => control.needed && control.value === null);
+    fillControls();
+    changed();
+  });
+  Object.assign(effect, { input, fields });
+  return box;
+}
+
+function rowOf(control, effect) {
+  const row = document.createElement("div");
+  row.className = "control";
+  const id = `of-${control.path.replaceAll(".", "-")}`;
+  const label = document.createElement("label");
+  label.htmlFor = id;
+  label.textContent = control.words;
+  label.title = `${control.path}: ${control.about}`;
+  const value = document.createElement("div");
+  value.className = "value";
+  const back = document.createElement("button");
+  back.type = "button";
+  back.textContent = "↺";
+  back.setAttribute("aria-label", `${control.words} as the scene says`);
+  back.addEventListener("click", () => { delete settings.set[control.path]; fillControls(); changed(); });
+  const entry = { control, effect, row };
+  if (control.kind === "choice") choiceOf(entry, id, value);
+  else numberOf(entry, id, value);
+  value.append(back);
+  row.append(label, value);
+  if (entry.range) row.append(entry.range);
+  built.push(entry);
+  byPath.set(control.path, entry);
+  return row;
+}
+
+function choiceOf(entry, id, value) {
+  const { control } = entry;
+  const select = document.createElement("select");
+  select.id = id;
+  if (control.value === null) select.append(new Option("–", ""));
+  select.append(...control.options.map((option) => new Option(option.replaceAll("_", " "), option)));
+  select.addEventListener("change", () => setTo(control, select.value === "" ? undefined : select.value));
+  entry.select = select;
+  value.append(select);
+}
+
+// What an arrow key adds: one in the second digit.
+function stepOf(control) {
+  if (control.kind === "count") return "1";
+  const size = Math.abs(control.value ?? 0) || 0.5 * (control.high - control.low) || 1;
+  return String(Number(`1e${Math.floor(Math.log10(size)) - 1}`));
+}
+
+function unitWords(unit) {
+  return unit.replaceAll("^2", "²").replaceAll("^3", "³").replace("um", "µm").replace("degC", "°C").replace("deg", "°");
+}
+
+function numberOf(entry, id, value) {
+  const { control } = entry;
+  const field = document.createElement("input");
+  Object.assign(field, { type: "number", id, step: stepOf(control) });
+  if (control.value === null) field.placeholder = control.needed ? "needed" : "open";
+  const unit = document.createElement("span");
+  unit.textContent = unitWords(control.unit);
+  const range = document.createElement("input");
+  Object.assign(range, { type: "range", min: "0", max: String(STEPS), step: "1" });
+  range.setAttribute("aria-label", control.words);
+  range.dataset.path = control.path;
+  field.addEventListener("input", () => {
+    typed = () => setTo(control, Number.isFinite(field.valueAsNumber) ? field.valueAsNumber : undefined, field);
+    clearTimeout(typing);
+    typing = setTimeout(takeTyped, TYPES);
+  });
+  field.addEventListener("change", takeTyped); // Enter, or the field is left
+  field.addEventListener("blur", () => fillRow(entry));
+  range.addEventListener("input", () => setTo(control, valueAt(control, Number(range.value)), range));
+  Object.assign(entry, { field, range, unit });
+  value.append(field, unit);
+}
+
+// Change one value; undefined: as the scene says.
+function setTo(control, value, by) {
+  if (value === undefined || value === control.value) delete settings.set[control.path];
+  else settings.set[control.path] = asSet(control, value);
+  const { effect } = byPath.get(control.path);
+  fillRow(byPath.get(control.path), by);
+  if (!effect || isOn(effect)) changed();
+}
+
+function isOn(effect) {
+  return settings.effects[effect.name] ?? effect.on;
+}
+
+function fillControls() {
+  for (const effect of data.effects) {
+    effect.input.checked = isOn(effect);
+    effect.fields.hidden = !isOn(effect);
+  }
+  for (const entry of built) fillRow(entry);
+}
+
+function fillRow(entry, by) {
+  const { control, row } = entry;
+  const changedHere = control.path in settings.set;
+  row.classList.toggle("changed", changedHere);
+  if (entry.select) {
+    entry.select.value = changedHere ? settings.set[control.path] : control.value ?? "";
+    return;
+  }
+  const value = changedHere ? asNumber(control, settings.set[control.path]) : control.value;
+  if (entry.field !== by) entry.field.value = value === null || Number.isNaN(value) ? "" : String(value);
+  if (value !== null && (value < control.low || value > control.high)) {
+    control.low = Math.min(control.low, value);
+    control.high = Math.max(control.high, value);
+    if (control.low <= 0) control.log = false;
+  }
+  if (entry.range !== by) entry.range.value = String(value === null ? placeOf(control, control.low) : placeOf(control, value));
+  entry.range.setAttribute("aria-valuetext", value === null ? "left open" : `${value} ${control.unit}`);
+}
+
+// Which field a fault is about, and all others are not.
+function markFaults(faults) {
+  for (const { row, field } of built) {
+    row.classList.remove("wrong");
+    if (field) field.removeAttribute("aria-invalid");
+  }
+  for (const [path] of faults || []) {
+    const entry = byPath.get(path);
+    if (!entry) continue;
+    entry.row.classList.add("wrong");
+    if (entry.field) entry.field.setAttribute("aria-invalid", "true");
+    if (entry.effect) entry.effect.fields.open = true;
+  }
+}
+
+// Numbers that count at present: those of the scene, and of effects that are on.
+function liveNumbers() {
+  return built.filter(({ control, effect, field }) => {
+    if (!field || control.path.startsWith("numerics.")) return false;
+    const there = control.path in settings.set || control.value !== null;
+    return there && (!effect || isOn(effect));
+  });
+}
+
+function numberNow(control) {
+  return control.path in settings.set ? asNumber(control, settings.set[control.path]) : control.value;
+}

@@ -1,0 +1,82 @@
+// Values of controls: places on a slider, texts of a scene, and back.
+
+const STEPS = 1000; // of a slider
+
+function placeOf(control, value) {
+  const { low, high, log } = control;
+  const share = log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+  return Math.round(STEPS * Math.min(Math.max(share, 0), 1));
+}
+
+// The number at a place of a slider, to four digits, or a whole one.
+function valueAt(control, place) {
+  const { low, high, log } = control;
+  const share = place / STEPS;
+  const value = log ? low * (high / low) ** share : low + (high - low) * share;
+  if (control.kind === "count") return Math.round(value);
+  const step = log ? Math.abs(value) : (high - low) / 10;
+  const digits = Math.min(Math.max(3 - Math.floor(Math.log10(step || 1)), 0), 12);
+  return Math.min(Math.max(Number(value.toFixed(digits)), low), high);
+}
+
+// A number as the scene has it: with its unit, where it has one.
+function asSet(control, value) {
+  if (control.kind === "choice") return value;
+  return control.unit ? `${value} ${control.unit}` : value;
+}
+
+// The number of what a scene has, in the unit of the control; NaN where it is another unit, which only an address can have.
+function asNumber(control, set) {
+  if (typeof set === "number") return set;
+  const [, number, unit] = /^\s*([-+0-9.eE]+)\s*(.*?)\s*$/.exec(String(set)) || [];
+  return number !== undefined && unit === control.unit ? Number(number) : NaN;
+}
+
+function interpolated(x, y, at) {
+  let [low, high] = [0, x.length - 1];
+  if (at <= x[0]) return y[0];
+  if (at >= x[high]) return y[high];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (x[middle] <= at) low = middle;
+    else high = middle;
+  }
+  return y[low] + ((y[high] - y[low]) * (at - x[low])) / (x[high] - x[low]);
+}
+
+function extent(list) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const values of list) {
+    for (const value of values) {
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+  }
+  return [low, high];
+}
+
+// Ticks at 1, 2 or 5 times a power of ten, about so many.
+function ticksOf(low, high, count) {
+  const rough = (high - low) / Math.max(count, 1);
+  if (!(rough > 0)) return [low];
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((each) => each * power).find((each) => each >= rough * 0.999);
+  const found = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1) found.push(k * step);
+  return found;
+}
+
+function logTicksOf(low, high) {
+  const found = [];
+  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power += 1) {
+    for (const first of [1, 2, 5]) {
+      const tick = Number(`${first}e${power}`);
+      if (tick >= low * 0.999 && tick <= high * 1.001) found.push(tick);
+    }
+  }
+  return found.length > 1 ? found : ticksOf(low, high, 4).filter((tick) => tick > 0);
+}
+
+function plain(value) {
+  return general(value, 4).replace("-", "\u2212");
+}

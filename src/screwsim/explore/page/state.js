@@ -1,0 +1,176 @@
+// The settings: what is changed of the scene, its address, its history, and the pinned cases.
+
+const settings = { set: {}, effects: {} };
+let past = []; // settings before each change that lasted
+let pins = [];
+
+function copied(which = settings) {
+  return { set: { ...which.set }, effects: { ...which.effects } };
+}
+
+function same(one, other) {
+  return JSON.stringify(one) === JSON.stringify(other);
+}
+
+function put(which) {
+  settings.set = { ...which.set };
+  settings.effects = { ...which.effects };
+}
+
+// operation.speed=3000%20rpm&effects.tip_leakage=off, as `--set` has it
+function asHash() {
+  const parts = [
+    ...Object.entries(settings.effects).map(([name, on]) => [`effects.${name}`, on ? "on" : "off"]),
+    ...Object.entries(settings.set).map(([path, value]) => [path, value === null ? "null" : String(value)]),
+  ];
+  return parts.map((part) => part.map(encodeURIComponent).join("=")).join("&");
+}
+
+function fromHash() {
+  const found = { set: {}, effects: {} };
+  for (const part of location.hash.slice(1).split("&").filter((each) => each)) {
+    let [path, text] = part.split("=");
+    try {
+      [path, text] = [decodeURIComponent(path), decodeURIComponent(text || "")];
+    } catch {
+      continue;
+    }
+    const effect = data.effects.find((each) => `effects.${each.name}` === path);
+    if (effect && (text === "on" || text === "off")) {
+      if ((text === "on") !== effect.on) found.effects[effect.name] = text === "on";
+    } else if (controlOf(path)) {
+      found.set[path] = readBack(controlOf(path), text);
+    }
+  }
+  return found;
+}
+
+function readBack(control, text) {
+  if (text === "null") return null;
+  return control.kind === "choice" || control.unit ? text : Number(text);
+}
+
+let own = ""; // the address as this page wrote it
+
+function writeHash() {
+  own = asHash();
+  const address = own ? `#${own}` : location.pathname + location.search;
+  if (location.hash.slice(1) !== own) window.history.replaceState(null, "", address);
+}
+
+// Settings that lasted for a while can be gone back to.
+function remember() {
+  const last = past.at(-1);
+  if (last && same(last, settings)) return;
+  past.push(copied());
+  if (past.length > 100) past = past.slice(-100);
+  document.getElementById("undo").disabled = past.length < 2;
+}
+
+function undo() {
+  if (past.length && same(past.at(-1), settings)) past.pop();
+  const before = past.pop();
+  if (!before) return;
+  put(before);
+  fillControls();
+  changed();
+}
+
+function changeWords(which) {
+  const sets = Object.entries(which.set).map(([path, value]) => {
+    const control = controlOf(path);
+    const effect = path.startsWith("effects.") ? `${path.split(".")[1].replaceAll("_", " ")} ` : "";
+    return `${effect}${control ? control.words : path} ${value}`;
+  });
+  const switched = Object.entries(which.effects).map(([name, on]) => `${on ? "with" : "without"} ${name.replaceAll("_", " ")}`);
+  return [...switched, ...sets].join(", ") || "as the scene says";
+}
+
+// ---- pinned cases ----------------------------------------------------------------------------------------------
+
+function pin() {
+  if (!shown) return;
+  pins.push({ number: pins.length ? pins.at(-1).number + 1 : 1, settings: copied(shown.settings), answer: shown });
+  fillPins();
+  say(`pinned as ${pins.at(-1).number}`);
+}
+
+function fillPins() {
+  const table = document.getElementById("pins");
+  table.hidden = !pins.length;
+  const names = headlineNames();
+  const head = document.createElement("tr");
+  for (const text of ["", "settings", ...names.map((name) => aboutOf(name).words), "status", ""]) {
+    const cell = document.createElement("th");
+    cell.scope = "col";
+    cell.textContent = text;
+    head.append(cell);
+  }
+  const top = document.createElement("thead");
+  top.append(head);
+  const body = document.createElement("tbody");
+  body.append(...pins.map((each) => pinRow(each, names)));
+  table.replaceChildren(top, body);
+  fillCompared();
+}
+
+function pinRow(each, names) {
+  const row = document.createElement("tr");
+  const cell = (text, kind) => {
+    const found = document.createElement("td");
+    found.textContent = text;
+    if (kind) found.className = kind;
+    row.append(found);
+    return found;
+  };
+  cell(String(each.number), "n");
+  cell(changeWords(each.settings), "wrap");
+  for (const name of names) {
+    const value = each.answer.performance[name];
+    cell(Number.isFinite(value) ? written(aboutOf(name), value).join(" ") : "–", "n");
+  }
+  cell(each.answer.status.replace("_", " "));
+  const last = cell("");
+  for (const [words, act] of [
+    ["Show", () => { put(each.settings); fillControls(); changed(); }],
+    ["Remove", () => { pins = pins.filter((other) => other !== each); fillPins(); drawAnswer(); }],
+  ]) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = words;
+    button.setAttribute("aria-label", `${words} pinned case ${each.number}`);
+    button.addEventListener("click", act);
+    last.append(button, " ");
+  }
+  return row;
+}
+
+function fillCompared() {
+  const select = document.getElementById("compared");
+  const before = select.value;
+  select.replaceChildren(new Option("the last settings", "last"), new Option("nothing", "none"),
+    ...pins.map((each) => new Option(`pinned case ${each.number}`, String(each.number))));
+  select.value = [...select.options].some((option) => option.value === before) ? before : "last";
+}
+
+// ---- taken along -----------------------------------------------------------------------------------------------
+
+async function copy(what) {
+  const text = what === "address" ? location.href : shown && shown.texts ? shown.texts[what] : "";
+  if (!text) return;
+  try {
+    await navigator.clipboard.writeText(text);
+    say("copied");
+  } catch {
+    window.prompt("Copy this:", text);
+  }
+}
+
+function save() {
+  if (!shown || !shown.texts) return;
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([shown.texts.yaml], { type: "application/yaml" }));
+  link.download = "explored.yaml";
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}

@@ -1,0 +1,155 @@
+"""The pages that are open: what each asks, in the order in which it asked, and the newest first of what waits.
+
+A page numbers its settings 1, 2, 3 … An answer says from which number to which it is one: settings that newer ones
+overtook while they waited are answered by those.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from collections import deque
+from collections.abc import Awaitable, Callable
+from typing import Any, NamedTuple
+
+from screwsim.explore import answer
+from screwsim.explore.crew import Crew
+from screwsim.explore.worker import Job
+
+MOST_POINTS = 200  # of a curve, or of what is tried around the settings
+LONGEST = 64_000  # letters of a message
+RATE, BURST = 200.0, 400.0  # messages a second that a page may send, and at once
+LANES = ("curve", "around")  # of points; the first goes first
+
+
+class Wrong(Exception):
+    """Say why what a page sent is none of what a page sends."""
+
+
+class Asked(NamedTuple):
+    """The newest settings, their number, and the key of the machine that the page draws."""
+
+    number: int
+    changes: Any
+    machine: str
+
+
+class Pace:
+    """Holds back who sends too much."""
+
+    def __init__(self, rate: float = RATE, burst: float = BURST) -> None:
+        self._rate, self._burst, self._left, self._last = rate, burst, burst, time.monotonic()
+
+    def wait(self) -> float:
+        """Count a message; return how long [s] to wait before the next is read."""
+        now = time.monotonic()
+        self._left = min(self._burst, self._left + self._rate * (now - self._last)) - 1.0
+        self._last = now
+        return max(0.0, -self._left / self._rate)
+
+
+class Page:
+    """One page that is open."""
+
+    def __init__(self, crew: Crew, send: Callable[[bytes], Awaitable[None]]) -> None:
+        self._crew, self._send = crew, send
+        self._newest: Asked | None = None
+        self._asked, self._answered = 0, 0
+        self._lanes: dict[str, deque[Job]] = {lane: deque() for lane in LANES}
+        self._awake = asyncio.Event()
+        self._aside: Job | None = None
+        self._aside_awake = asyncio.Event()
+        self._notes: set[asyncio.Task[None]] = set()
+        self.gone = False
+
+    def take(self, text: str) -> None:
+        """Take note of a message; raise Wrong where it is none."""
+        if len(text) > LONGEST:
+            raise Wrong("a message is too long")
+        try:
+            asked = json.loads(text)
+        except (ValueError, RecursionError):
+            raise Wrong("a message is no JSON") from None
+        if not isinstance(asked, dict):
+            raise Wrong("a message is no mapping")
+        if asked.get("kind") == "point":
+            self._take_point(asked)
+        elif asked.get("kind") in LANES:
+            self._take_points(asked["kind"], asked)
+        elif asked.get("kind") == "slopes" and type(asked.get("id")) is int:
+            self._aside = Job("slopes", asked.get("changes"), {"lane": "slopes", "id": asked["id"]})
+            self._aside_awake.set()
+        else:
+            raise Wrong("a message has no kind that is known")
+        self._awake.set()
+
+    def _take_point(self, asked: dict[str, Any]) -> None:
+        number, machine = asked.get("number"), asked.get("machine", "")
+        if type(number) is not int or number != self._asked + 1 or not isinstance(machine, str):
+            raise Wrong("settings are not numbered 1, 2, 3 and so on")
+        self._asked = number
+        self._newest = Asked(number, asked.get("changes"), machine[:16])
+
+    def _take_points(self, lane: str, asked: dict[str, Any]) -> None:
+        """Replace the points of a lane by new ones: [path, value] each, all else as in `changes`."""
+        points, changes, name = asked.get("points"), asked.get("changes"), asked.get("id")
+        values = changes.get("set", {}) if isinstance(changes, dict) else None
+        if not isinstance(points, list) or len(points) > MOST_POINTS or type(name) is not int:
+            raise Wrong("points are no list, or too many")
+        pairs = (isinstance(each, list) and len(each) == 2 and isinstance(each[0], str) for each in points)
+        if not isinstance(changes, dict) or not isinstance(values, dict) or not all(pairs):
+            raise Wrong("points are no [path, value] beside settings")
+        self._lanes[lane].clear()
+        for index, (path, value) in enumerate(points):
+            changed = {**changes, "set": {**values, path: value}}
+            self._lanes[lane].append(Job("curve", changed, {"lane": lane, "id": name, "index": index}))
+
+    def _next(self) -> Job | None:
+        """Return what to solve next: the newest settings, then points."""
+        if self._newest is not None:
+            number, changes, machine = self._newest
+            tag = {"first": self._answered + 1, "number": number}
+            self._newest, self._answered = None, number
+            return Job("point", changes, tag, machine)
+        return next((self._lanes[lane].popleft() for lane in LANES if self._lanes[lane]), None)
+
+    async def work(self) -> None:
+        """Answer what the page asks, one thing after the other, for as long as it is open."""
+        while True:
+            await self._awake.wait()
+            worker = await self._crew.lend()
+            job = self._next()
+            if job is None:
+                self._crew.give_back(worker)
+                self._awake.clear()
+                continue
+            await self._send(await self._crew.solve(worker, job, self._newer, self._note))
+
+    async def work_aside(self) -> None:
+        """Answer what takes long beside all else, the newest of it, where there is a worker for that."""
+        while True:
+            await self._aside_awake.wait()
+            self._aside_awake.clear()
+            async with self._crew.aside:
+                worker = await self._crew.lend()
+                job, self._aside = self._aside, None
+                if job is None:
+                    self._crew.give_back(worker)
+                    continue
+                await self._send(await self._crew.solve(worker, job, lambda: self.gone, lambda text: None))
+
+    def _newer(self) -> bool:
+        return self.gone or self._newest is not None
+
+    def _note(self, text: str) -> None:
+        """Send what a worker says while it solves."""
+        if not self.gone:
+            task = asyncio.ensure_future(self._send(answer.packed({"kind": "note", "text": text})))
+            self._notes.add(task)
+            task.add_done_callback(self._note_sent)
+
+    def _note_sent(self, task: asyncio.Task[None]) -> None:
+        self._notes.discard(task)
+        if not task.cancelled():
+            task.exception()  # a page that is gone by now reads none

@@ -1,0 +1,195 @@
+"""The process that solves for pages: it reads jobs from a pipe, and answers each; it may be killed at any time.
+
+What it says on stderr while it compiles goes to the page as a note.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import multiprocessing
+import os
+import re
+import signal
+import sys
+import tempfile
+import threading
+import zlib
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from screwsim.explore import answer
+from screwsim.explore.changes import (
+    Base,
+    open_base,
+    overrides_of,
+    python_text,
+    read_changes,
+    scene_of,
+    shell_command,
+    yaml_text,
+)
+from screwsim.explore.machine import document as drawn_machine
+from screwsim.faults import SceneError, UsageError
+from screwsim.numerics.folder import take_over
+from screwsim.scene.types import Scene
+from screwsim.scene.units import Refused
+from screwsim.simulate import simulate
+
+NOTE, DONE = "note", "done"
+SECTIONS = ("machine", "gas", "oil", "operation", "oil_supply", "effects", "numerics", "output", "sweep")
+DRAWINGS = 8  # of machines, that are kept
+MEMORY = 4 << 30  # [byte] of address space beyond what it begins with, where the system can bound it
+
+
+class Job(NamedTuple):
+    """What a worker is asked: a kind of `JOBS`, the changes of a page as they came, and the key of the machine that the
+    page draws already. `tag` comes back in the head of the answer."""
+
+    kind: str
+    changes: Any
+    tag: Mapping[str, Any]
+    machine: str = ""
+
+
+class _Told(io.TextIOBase):
+    """Stands in for stderr: each line goes to the page."""
+
+    def __init__(self, pipe: Connection) -> None:
+        super().__init__()
+        self._pipe = pipe
+
+    def write(self, text: str, /) -> int:
+        line = text.strip().removeprefix("screwsim: ")
+        if line:
+            self._pipe.send((NOTE, line[:300]))
+        return len(text)
+
+
+def serve(pipe: Connection, file: str, overrides: tuple[str, ...], known: Any) -> None:
+    """Answer jobs until the pipe ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    take_over(known)
+    sys.stderr = _Told(pipe)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    _bound_memory()
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            job = pipe.recv()
+            pipe.send((DONE, answered((file, overrides), job)))
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _bound_memory() -> None:
+    """Let a scene that asks for more memory than there is fail by itself."""
+    with contextlib.suppress(ImportError, OSError, ValueError):
+        import resource
+
+        with open("/proc/self/statm", encoding="ascii") as file:
+            used = int(file.read().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (used + MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))
+
+
+@lru_cache(maxsize=1)
+def _base(file: str, overrides: tuple[str, ...]) -> Base:
+    return open_base(file, overrides)
+
+
+def answered(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
+    """Return the answer to a job on the scene that was named; whatever goes wrong is one."""
+    try:
+        base = _base(*named)
+        overrides = overrides_of(base, read_changes(job.changes))
+        return JOBS[job.kind](base, overrides, scene_of(base, overrides), job)
+    except SceneError as error:
+        faults = _faults(error)
+        text = "\n".join(": ".join(filter(None, each)) for each in faults)
+        return answer.refused(text, {**job.tag, "faults": faults})
+    except (Refused, UsageError) as error:
+        return answer.refused(str(error), job.tag)
+    except MemoryError:
+        return answer.refused("the solution asks for too much memory (change the settings)", job.tag)
+    except Exception as error:  # noqa: BLE001 - the page is told, and goes on
+        text = " ".join(f"{type(error).__name__}: {error}".split())
+        return answer.refused(f"internal error: {text}; please report it with these settings", job.tag)
+
+
+def _faults(error: SceneError) -> list[list[str]]:
+    """Return [path, what is wrong] of each fault of a scene, without the file and the line that a page has not."""
+    matches = (re.search(rf"(?:^|: )((?:{'|'.join(SECTIONS)})(?:\.[\w.]+)?): (.*)$", line) for line in error.lines)
+    return [[match[1], match[2]] if match else ["", line] for match, line in zip(matches, error.lines, strict=True)]
+
+
+def _point(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
+    """Return the whole answer of one point, and what gives the same elsewhere."""
+    text = {
+        "overrides": overrides,
+        "shell": shell_command(base, overrides),
+        "python": python_text(base, overrides),
+        "yaml": yaml_text(base, overrides),
+    }
+    key, drawn = _drawn(scene.machine)
+    machine = {} if key == job.machine else {"machine": drawn}
+    return answer.solved(
+        simulate(scene), {**job.tag, "texts": text, "machine_key": key, "process": os.getpid(), **machine}
+    )
+
+
+def _curve(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
+    return answer.point(simulate(scene, trace=False), job.tag)
+
+
+def _slopes(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
+    """Return the exact derivatives of all figures by the numbers of the scene, as far as there are."""
+    from screwsim.derivatives.solving import found
+    from screwsim.study.local import numeric_paths
+
+    return answer.slopes(found(scene, numeric_paths(scene)[0]).derivatives, job.tag)
+
+
+def _report(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
+    """Return the page of a results file of one point."""
+    from screwsim.report.page import page_of
+    from screwsim.results import open_results, save
+
+    with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
+        path = Path(folder) / "explored.h5"
+        save(path, scene, simulate(scene))
+        return answer.file(page_of(open_results(path)))
+
+
+def _whole(base: Base, overrides: list[str], scene: Scene, job: Job) -> bytes:
+    """Return the scene as YAML that needs no base."""
+    return answer.file(scene.text)
+
+
+_known: dict[str, dict[str, Any]] = {}  # drawings by what tells their machines apart
+
+
+def _drawn(settings: Any) -> tuple[str, dict[str, Any]]:
+    """Return what the page draws of a machine, and a short text that is another for another machine."""
+    key = f"{zlib.crc32(repr(settings).encode()):08x}"
+    if key not in _known:
+        while len(_known) >= DRAWINGS:
+            _known.pop(next(iter(_known)))
+        _known[key] = drawn_machine(settings)
+    return key, _known[key]
+
+
+JOBS: Mapping[str, Callable[[Base, list[str], Scene, Job], bytes]] = {
+    "point": _point,
+    "curve": _curve,
+    "slopes": _slopes,
+    "report": _report,
+    "scene": _whole,
+}

@@ -1,0 +1,23 @@
+"""A map's nodes as a table with commas: a row a node, inputs before outputs, units in the heads."""
+
+from __future__ import annotations
+
+import itertools
+
+from screwsim.export.table import Table
+from screwsim.export.unit import plain
+
+
+def csv_table(table: Table) -> str:
+    """Return the rows of all nodes, the last input fastest; `closed` is 0 where a cycle did not close."""
+    heads = [f"{each.name} [{plain(each.units)}]" for each in (*table.inputs, *table.outputs)]
+    lines = [f"# {table.title}; SI units; error between the nodes {table.error:.2g}, {table.how}"]
+    lines.append(",".join([*heads, "closed"]))
+    nodes = [one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True)]
+    values = table.grid.data[(0,) * len(nodes)]
+    for place in itertools.product(*(range(len(x)) for x in nodes)):
+        closed = bool(table.grid.sound[place])
+        at = [f"{x[i]:.12g}" for x, i in zip(nodes, place, strict=True)]
+        figures = [f"{value:.12g}" if closed else "" for value in values[place]]
+        lines.append(",".join([*at, *figures, str(int(closed))]))
+    return "\n".join(lines) + "\n"

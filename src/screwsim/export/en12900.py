@@ -1,0 +1,90 @@
+"""Rating tables and coefficients as EN 12900 and AHRI 540 have them, as text with commas, in SI or inch-pound units."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from screwsim.export.polynomials import Polynomials, document, in_fahrenheit, limits
+from screwsim.study.performance_map import NAMES, PerformanceMap
+
+FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
+MOTOR = "electrical_power"  # beside them where there is one
+POUND, BTU = 0.45359237, 1055.05585262  # [kg], [J]
+_IP = {
+    "cooling_capacity": ("Btu/h", 3600.0 / BTU),
+    "shaft_power": ("W", 1.0),
+    MOTOR: ("W", 1.0),
+    "gas_mass_flow": ("lb/h", 3600.0 / POUND),
+}
+STEPS = 6  # rated temperatures along each axis
+
+
+def en12900_csv(found: Polynomials, ip: bool = False) -> str:
+    """Return coefficients, then rated points in the envelope, of every map."""
+    degree = "degF" if ip else "degC"
+    lines = [
+        f"# {found.title}: {found.fluid}",
+        f"# {document(found)['formula']}",
+        f"# S evaporating (dew), D condensing (bubble) temperature, {degree}",
+        *(f"# {path} = {value:.6g} (SI)" for path, value in found.conditions.items()),
+        "table,map,figure,unit," + ",".join(NAMES) + ",largest_error,left_out_error",
+    ]
+    for one in found.maps:
+        for figure, fit in one.fits.items():
+            unit, factor = unit_of(found, figure, ip)
+            own = in_fahrenheit(fit, factor) if ip else fit.coefficients
+            left = "" if fit.left_out is None else f"{fit.left_out:.3e}"
+            numbers = ",".join(f"{c:.12e}" for c in own)
+            lines.append(f"coefficients,{found.name(one)},{figure},{unit},{numbers},{fit.largest:.3e},{left}")
+    lines += ["", f"table,map,evaporating_{degree},condensing_{degree}," + ",".join(_heads(found, ip))]
+    for one in found.maps:
+        lines += [f"rating,{found.name(one)},{row}" for row in _rated(found, one, ip)]
+    return "\n".join(lines) + "\n"
+
+
+def unit_of(found: Polynomials, figure: str, ip: bool) -> tuple[str, float]:
+    """Return the unit of a figure, and the factor to it from SI."""
+    return _IP[figure] if ip and figure in _IP else (found.units[figure].replace("kg s-1", "kg/s"), 1.0)
+
+
+def _heads(found: Polynomials, ip: bool) -> list[str]:
+    return [f"{figure} [{unit_of(found, figure, ip)[0]}]" for figure in found.units]
+
+
+def _rated(found: Polynomials, one: PerformanceMap, ip: bool) -> list[str]:
+    """Return the rows of the rated points, evenly over the envelope's box, those inside."""
+    (s0, s1), (d0, d1) = limits(one)
+    rows = []
+    for S in np.linspace(s0, s1, STEPS):
+        for D in np.linspace(d0, d1, STEPS):
+            if not one.inside(S, D).all():
+                continue
+            shown = [1.8 * T + 32.0 if ip else T for T in (S, D)]
+            values = [float(one.evaluate(name, S, D)) * unit_of(found, name, ip)[1] for name in found.units]
+            rows.append(",".join([*(f"{T:.6g}" for T in shown), *(f"{value:.6g}" for value in values)]))
+    return rows
+
+
+def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
+    """Return the same coefficients as what JSON holds."""
+    maps = []
+    for one in found.maps:
+        figures = {}
+        for figure, fit in one.fits.items():
+            unit, factor = unit_of(found, figure, ip)
+            own = in_fahrenheit(fit, factor) if ip else fit.coefficients
+            figures[figure] = {
+                "unit": unit,
+                "coefficients": dict(zip(NAMES, own, strict=True)),
+                "largest_error": fit.largest,
+                "left_out_error": fit.left_out,
+            }
+        corners = [[1.8 * T + 32.0 if ip else T for T in corner] for corner in one.envelope]
+        maps.append({"at": {k: float(v) for k, v in one.values.items()}, "figures": figures, "envelope": corners})
+    said = document(found)
+    if ip:
+        said |= {key: said[key].replace("degC", "degF") for key in ("S", "D")}
+        said["units"] = {figure: unit_of(found, figure, True)[0] for figure in found.units}
+    return said | {"maps": maps}

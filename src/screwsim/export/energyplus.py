@@ -1,0 +1,121 @@
+"""A map as EnergyPlus reads it: curves of a Refrigeration:Compressor, and normalised ones, as IDF or epJSON."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Container
+from typing import Any
+
+from screwsim.export.polynomials import Polynomials, by_terms, limits, quadratic, rated
+from screwsim.scene.operation import SUBCOOLING, SUPERHEAT
+
+CAPACITY, POWERS = "cooling_capacity", ("electrical_power", "shaft_power")  # that of the motor where there is one
+BICUBIC = ((0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 1), (3, 0), (0, 3), (2, 1), (1, 2))  # its order of terms
+_CUBIC_KEYS = ("1_constant", "2_x", "3_x_2", "4_y", "5_y_2", "6_x_y", "7_x_3", "8_y_3", "9_x_2_y", "10_x_y_2")
+_KEYS = tuple(f"coefficient{key}" for key in _CUBIC_KEYS)
+VERSION = "24.1"  # of EnergyPlus whose input data dictionary the names are of
+
+Objects = dict[str, dict[str, dict[str, Any]]]  # {class: {name: {field: value}}}
+
+
+def energyplus_objects(found: Polynomials, name: str) -> Objects:
+    """Return the objects by class: of every map a compressor with two bicubic curves, and two biquadratic ones.
+
+    The biquadratic curves are capacity, and power per capacity, over those at a rated point: CAPFT and EIRFT of a
+    chiller that is written over saturation temperatures.
+    """
+    objects: Objects = {"Curve:Bicubic": {}, "Curve:Biquadratic": {}, "Refrigeration:Compressor": {}}
+    for one in found.maps:
+        own = re.sub(r"[^\w.-]+", "_", f"{name} {found.name(one)}".strip())
+        (s0, s1), (d0, d1) = limits(one)
+        ends = {"minimum_value_of_x": s0, "maximum_value_of_x": s1, "minimum_value_of_y": d0, "maximum_value_of_y": d1}
+        units = {"input_unit_type_for_x": "Temperature", "input_unit_type_for_y": "Temperature"}
+        for figure, word in ((power_of(one.fits), "power"), (CAPACITY, "capacity")):
+            values = dict(zip(_KEYS, by_terms(one.fits[figure], BICUBIC), strict=True))
+            curve = values | ends | units
+            objects["Curve:Bicubic"][f"{own} {word}"] = curve
+        at = rated(one)
+        for word, coefficients in normalised(one, at).items():
+            values = dict(zip(_KEYS[:6], coefficients, strict=True))
+            objects["Curve:Biquadratic"][f"{own} {word}"] = values | ends | units
+        objects["Refrigeration:Compressor"][own] = {
+            "refrigeration_compressor_power_curve_name": f"{own} power",
+            "refrigeration_compressor_capacity_curve_name": f"{own} capacity",
+            "rated_superheat": found.conditions.get(SUPERHEAT, 0.0),
+            "rated_subcooling": found.conditions.get(SUBCOOLING, 0.0),
+        }
+    return objects
+
+
+def power_of(figures: Container[str]) -> str:
+    """Return the power that a compressor draws: that of its motor, or at its shaft."""
+    return next(name for name in POWERS if name in figures or name == POWERS[-1])
+
+
+def normalised(one: Any, at: tuple[float, float]) -> dict[str, tuple[float, ...]]:
+    """Return the coefficients of capacity, and of power over capacity, over those at a point."""
+    capacity, _ = quadratic(one, CAPACITY, at)
+    ratio, _ = quadratic(_Ratio(one), "power_over_capacity", at)  # type: ignore[arg-type]
+    return {"CAPFT": capacity, "EIRFT": ratio}
+
+
+class _Ratio:
+    """The power per capacity of a map, as if it were a figure of it."""
+
+    def __init__(self, one: Any) -> None:
+        self._one, self.envelope, self.inside = one, one.envelope, one.inside
+
+    def evaluate(self, figure: str, S: Any, D: Any) -> Any:
+        assert figure == "power_over_capacity"
+        return self._one.evaluate(power_of(self._one.fits), S, D) / self._one.evaluate(CAPACITY, S, D)
+
+
+def epjson(objects: Objects) -> dict[str, Any]:
+    """Return the objects as a document of epJSON."""
+    return {"Version": {"Version 1": {"version_identifier": VERSION}}, **objects}
+
+
+def idf(objects: Objects, notes: list[str]) -> str:
+    """Return the objects as IDF text, notes before them as comments."""
+    lines = [f"! {note}" for note in notes] + ["", "Version,", f"    {VERSION};"]
+    for kind, named in objects.items():
+        for name, fields in named.items():
+            rows = [("Name", name), *_in_order(kind, fields)]
+            lines += ["", f"{kind},"]
+            for i, (field, value) in enumerate(rows):
+                end = ";" if i == len(rows) - 1 else ","
+                lines.append(f"    {_text(value)}{end}".ljust(44) + f"  !- {field}")
+    return "\n".join(lines) + "\n"
+
+
+def _in_order(kind: str, fields: dict[str, Any]) -> list[tuple[str, Any]]:
+    """Return the fields in the order of the dictionary; those between that are left to their defaults stay empty."""
+    if kind == "Refrigeration:Compressor":
+        names = (
+            "refrigeration_compressor_power_curve_name",
+            "refrigeration_compressor_capacity_curve_name",
+            "rated_superheat",
+            "rated_return_gas_temperature",
+            "rated_liquid_temperature",
+            "rated_subcooling",
+        )
+        return [(name, fields.get(name, "")) for name in names]
+    rows = list(fields.items())
+    place = next(i for i, (name, _) in enumerate(rows) if name == "input_unit_type_for_x")
+    return [*rows[:place], ("minimum_curve_output", ""), ("maximum_curve_output", ""), *rows[place:]]
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else f"{value:.12g}"
+
+
+def notes(found: Polynomials) -> list[str]:
+    """Return what stands before the objects: what they are, where they hold, how far they are off."""
+    lines = [f"{found.title}: {found.fluid}; written by screwsim"]
+    lines.append("x: saturated suction temperature (dew), y: saturated discharge temperature (bubble), deg C; W")
+    for one in found.maps:
+        errors = ", ".join(f"{figure.replace('_', ' ')} {100 * fit.largest:.2g} %" for figure, fit in one.fits.items())
+        over = "/".join(f"{T:g}" for T in rated(one))
+        lines.append(f"{found.name(one) or 'map'}: largest errors of the cubics: {errors}")
+        lines.append(f"CAPFT, EIRFT: capacity, power per capacity over those at {over} deg C")
+    return lines

@@ -1,0 +1,289 @@
+"""A functional mock-up unit of a map, for co-simulation by FMI 2.0 or 3.0: C that needs no Python where it runs.
+
+The archive holds the description, the C sources, what they are compiled to for this machine, a page and the map's own
+data. The same map gives the same bytes (but for the compiler's).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+from xml.sax.saxutils import escape, quoteattr
+
+from screwsim.export.c_data import SOURCES, source_files, token_of
+from screwsim.export.inputs import Input, Output
+from screwsim.export.table import Table
+from screwsim.export.unit import BASE, DISPLAYS, exponents, plain
+from screwsim.faults import UsageError
+from screwsim.results.atomic import replacing
+
+VERSIONS = ("2", "3")
+ERROR, VALID = "error_estimate", "valid"
+_ERROR_MEANS = "largest relative error of the map at points inside; 1 outside, where nothing is known"
+_VALID_MEANS = "inside the ranges, among points whose cycles closed"
+_BITS = {"x86_64": "x86_64", "amd64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
+_SYSTEMS = {"linux": ("linux", "so"), "darwin": ("darwin", "dylib"), "win32": ("windows", "dll")}
+_OLD = {("linux", "x86_64"): "linux64", ("darwin", "x86_64"): "darwin64", ("windows", "x86_64"): "win64"}
+_MOMENT = (1980, 1, 1, 0, 0, 0)  # of every file in the archive: the same map is the same archive
+
+
+def write_fmu(table: Table, path: Path, version: str = "2", *, compiled: bool = True) -> list[str]:
+    """Write the unit of a map; return what it holds. Raise UsageError where no C compiler is found, or it fails."""
+    name = identifier(path)
+    sources = source_files(table, version)
+    token = token_of(sources["map_data.h"])
+    held: dict[str, bytes] = {f"sources/{file}": text.encode() for file, text in sources.items()}
+    if version == "3":
+        held["sources/buildDescription.xml"] = build_description(name).encode()
+    if compiled:
+        folder, ending = binary_place(version)
+        held[f"binaries/{folder}/{name}.{ending}"] = compile_shared(sources, SOURCES[version], ending)
+    held["modelDescription.xml"] = description(table, name, token, version).encode()
+    held["documentation/index.html"] = page(table, name).encode()
+    held["resources/map.json"] = (json.dumps(about(table), indent=1, allow_nan=False) + "\n").encode()
+    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file, content in held.items():
+            archive.writestr(zipfile.ZipInfo(file, _MOMENT), content, zipfile.ZIP_DEFLATED)
+    return list(held)
+
+
+def identifier(path: Path) -> str:
+    """Return a name that C allows, from that of the file."""
+    name = re.sub(r"\W", "_", path.stem, flags=re.ASCII)
+    return name if name[:1].isalpha() else f"map_{name}"
+
+
+def binary_place(version: str) -> tuple[str, str]:
+    """Return the folder below binaries/ for this machine, and how a shared library's name ends there."""
+    system, ending = _SYSTEMS.get(sys.platform, (sys.platform, "so"))
+    machine = platform.machine().lower()
+    bits = _BITS.get(machine, machine)
+    if version == "2":
+        return _OLD.get((system, bits), f"{bits}-{system}"), ending
+    return f"{bits}-{system}", ending
+
+
+def compiler() -> str:
+    """Return the C compiler: that of the variable CC, else cc, gcc or clang; raise UsageError where there is none."""
+    wanted = os.environ.get("CC", "")
+    found = next((shutil.which(name) for name in (wanted, "cc", "gcc", "clang") if name and shutil.which(name)), None)
+    if found is None:
+        raise UsageError(
+            "no C compiler is found (install one, name one in the variable CC, or write --sources-only: "
+            "the unit then holds C for whoever imports it)"
+        )
+    return found
+
+
+def compile_shared(sources: dict[str, str], names: tuple[str, ...], ending: str) -> bytes:
+    """Return the shared library of C sources; raise UsageError with the compiler's first complaint."""
+    command = compiler()
+    with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
+        for file, text in sources.items():
+            Path(folder, file).write_text(text, encoding="utf-8")
+        options = ["-std=c99", "-O2", "-shared", "-fPIC", "-fvisibility=hidden"]
+        target = f"unit.{ending}"
+        done = subprocess.run(
+            [command, *options, "-o", target, *names, "-lm"], cwd=folder, capture_output=True, text=True, check=False
+        )
+        if done.returncode:
+            said = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip()[:200])
+            raise UsageError(f"{command} cannot compile the map: {said} (try another compiler by the variable CC)")
+        return Path(folder, target).read_bytes()
+
+
+def about(table: Table) -> dict[str, object]:
+    """Return what a map is, for people and programs."""
+    return {
+        "title": table.title,
+        "inputs": [
+            {
+                "name": one.name,
+                "path": one.path,
+                "units": one.units,
+                "from": one.low,
+                "to": one.high,
+                "meaning": one.long_name,
+            }
+            for one in table.inputs
+        ],
+        "outputs": [
+            {"name": each.name, "units": plain(each.units), "meaning": each.long_name, "error": known(error)}
+            for each, error in zip(table.outputs, table.errors, strict=True)
+        ],
+        "nodes": [[float(x) for x in one.at(u)] for one, u in zip(table.inputs, table.grid.nodes, strict=True)],
+        "nodes_without_closed_cycle": table.not_ok,
+        "error_is": table.how,
+        "scene": table.scene_yaml,
+    }
+
+
+def known(error: float) -> float | None:
+    """Return an error, None where it is not known."""
+    return error if math.isfinite(error) else None
+
+
+def share(error: float) -> str:
+    """Return an error as text."""
+    return f"{error:.2g}" if math.isfinite(error) else "not known"
+
+
+def description(table: Table, name: str, token: str, version: str) -> str:
+    """Return modelDescription.xml."""
+    return (_description2 if version == "2" else _description3)(table, name, token)
+
+
+def _head(table: Table) -> str:
+    ranges = "; ".join(f"{one.name} {one.low:.6g} to {one.high:.6g} {plain(one.units)}" for one in table.inputs)
+    return quoteattr(f"{table.title or 'compressor map'}: map over {ranges}; error {share(table.error)}, {table.how}")
+
+
+def _units(table: Table) -> str:
+    lines = []
+    for text in dict.fromkeys(plain(each.units) for each in (*table.inputs, *table.outputs)):
+        powers = exponents(text)
+        base = "".join(f' {unit}="{powers[unit]}"' for unit in BASE if unit in powers)
+        shown = "".join(
+            f'<DisplayUnit name="{each.name}" factor="{each.factor!r}" offset="{each.offset!r}"/>'
+            for each in DISPLAYS.get(text, ())
+        )
+        lines.append(f"    <Unit name={quoteattr(text)}><BaseUnit{base}/>{shown}</Unit>")
+    return "\n".join(lines)
+
+
+def _unit_attributes(each: Input | Output) -> str:
+    text = plain(each.units)
+    shown = DISPLAYS.get(text, ())
+    return f" unit={quoteattr(text)}" + (f' displayUnit="{shown[0].name}"' if shown else "")
+
+
+def _description2(table: Table, name: str, token: str) -> str:
+    count, outputs = len(table.inputs), len(table.outputs)
+    variables = []
+    for i, one in enumerate(table.inputs):
+        head = f'name="{one.name}" valueReference="{i}" description={quoteattr(one.long_name)}'
+        real = f'<Real start="{one.value!r}"{_unit_attributes(one)}/>'
+        variables.append(
+            f'    <ScalarVariable {head} causality="input" variability="continuous">{real}</ScalarVariable>'
+        )
+    for i, each in enumerate(table.outputs, count):
+        head = f'name="{each.name}" valueReference="{i}" description={quoteattr(each.long_name)}'
+        real = f"<Real{_unit_attributes(each)}/>"
+        variables.append(
+            f'    <ScalarVariable {head} causality="output" variability="continuous">{real}</ScalarVariable>'
+        )
+    last = 'causality="output" variability="discrete"'
+    for i, (flag, means, kind) in enumerate(((ERROR, _ERROR_MEANS, "Real"), (VALID, _VALID_MEANS, "Boolean"))):
+        head = f'name="{flag}" valueReference="{count + outputs + i}" description={quoteattr(means)}'
+        variables.append(f"    <ScalarVariable {head} {last}><{kind}/></ScalarVariable>")
+    places = " ".join(str(i) for i in range(1, count + 1))
+    unknowns = "\n".join(
+        f'      <Unknown index="{i}" dependencies="{places}"/>' for i in range(count + 1, count + outputs + 3)
+    )
+    files = "".join(f'<File name="{file}"/>' for file in SOURCES["2"])
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{token}" description={_head(table)}
+    generationTool="screwsim" variableNamingConvention="flat">
+  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUstate="true"
+      canSerializeFMUstate="true" canNotUseMemoryManagementFunctions="true" providesDirectionalDerivative="true">
+    <SourceFiles>{files}</SourceFiles>
+  </CoSimulation>
+  <UnitDefinitions>
+{_units(table)}
+  </UnitDefinitions>
+  <ModelVariables>
+{chr(10).join(variables)}
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs>
+{unknowns}
+    </Outputs>
+    <InitialUnknowns>
+{unknowns}
+    </InitialUnknowns>
+  </ModelStructure>
+</fmiModelDescription>
+"""
+
+
+def _description3(table: Table, name: str, token: str) -> str:
+    count, outputs = len(table.inputs), len(table.outputs)
+    variables = [
+        f'    <Float64 name="time" valueReference="{count + outputs + 2}" causality="independent" '
+        'variability="continuous" description="time [s]"/>'
+    ]
+    for i, one in enumerate(table.inputs):
+        head = f'name="{one.name}" valueReference="{i}" description={quoteattr(one.long_name)}'
+        variables.append(f'    <Float64 {head} causality="input" start="{one.value!r}"{_unit_attributes(one)}/>')
+    for i, each in enumerate(table.outputs, count):
+        head = f'name="{each.name}" valueReference="{i}" description={quoteattr(each.long_name)}'
+        variables.append(f'    <Float64 {head} causality="output"{_unit_attributes(each)}/>')
+    for i, (flag, means, kind) in enumerate(((ERROR, _ERROR_MEANS, "Float64"), (VALID, _VALID_MEANS, "Boolean"))):
+        head = f'name="{flag}" valueReference="{count + outputs + i}" description={quoteattr(means)}'
+        variables.append(f'    <{kind} {head} causality="output" variability="discrete"/>')
+    places = " ".join(str(i) for i in range(count))
+    unknowns = range(count, count + outputs + 2)
+    out = "\n".join(f'    <Output valueReference="{i}" dependencies="{places}"/>' for i in unknowns)
+    first = "\n".join(f'    <InitialUnknown valueReference="{i}" dependencies="{places}"/>' for i in unknowns)
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="{name}" instantiationToken="{token}" description={_head(table)}
+    generationTool="screwsim" variableNamingConvention="flat">
+  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUState="true"
+      canSerializeFMUState="true" providesDirectionalDerivatives="true" providesAdjointDerivatives="true"/>
+  <UnitDefinitions>
+{_units(table)}
+  </UnitDefinitions>
+  <ModelVariables>
+{chr(10).join(variables)}
+  </ModelVariables>
+  <ModelStructure>
+{out}
+{first}
+  </ModelStructure>
+</fmiModelDescription>
+"""
+
+
+def build_description(name: str) -> str:
+    """Return sources/buildDescription.xml of FMI 3.0."""
+    files = "".join(f'<SourceFile name="{file}"/>' for file in SOURCES["3"])
+    return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiBuildDescription fmiVersion="3.0">
+  <BuildConfiguration modelIdentifier="{name}">
+    <SourceFileSet language="C99">{files}</SourceFileSet>
+  </BuildConfiguration>
+</fmiBuildDescription>
+"""
+
+
+def page(table: Table, name: str) -> str:
+    """Return the page that an importing tool shows: inputs with their ranges, outputs with their errors."""
+    inputs = "".join(
+        f"<tr><td>{one.name}</td><td>{one.low:.6g} … {one.high:.6g} {escape(plain(one.units))}</td>"
+        f"<td>{escape(one.long_name)}</td></tr>"
+        for one in table.inputs
+    )
+    outputs = "".join(
+        f"<tr><td>{each.name}</td><td>{escape(plain(each.units))}, error {share(error)}</td>"
+        f"<td>{escape(each.long_name)}</td></tr>"
+        for each, error in zip(table.outputs, table.errors, strict=True)
+    )
+    return f"""<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>{escape(name)}</title></head><body>
+<h1>{escape(table.title or name)}</h1>
+<p>A map with continuous gradients, in SI units. Errors are relative ({escape(table.how)}; of temperatures, over
+100 K; of other figures, over their size or a tenth of their largest). Outside of the ranges, and among points without
+a closed cycle, <code>{VALID}</code> is false, and what is given is the value at the border.</p>
+<table>{inputs}{outputs}
+<tr><td>{ERROR}</td><td>1</td><td>{_ERROR_MEANS}</td></tr><tr><td>{VALID}</td><td>Boolean</td><td>{_VALID_MEANS}</td></tr>
+</table></body></html>
+"""

@@ -1,0 +1,145 @@
+"""What a map is over and what it gives: paths with their ranges, figures with their units, and the names of both."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from screwsim.build import build_parts
+from screwsim.faults import UsageError
+from screwsim.figures import called_for, declared
+from screwsim.scene import Scene, axis_label, leaf_of
+from screwsim.study.figures import figure_of
+from screwsim.study.inputs import check_continuous, read_text, shown_value
+
+LOGARITHMIC_FROM = 2.0  # ratio of the ends of a range of pressures from which on nodes lie over their logarithm
+FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity")
+_NAMES = {
+    "operation.suction.pressure": "suction_pressure",
+    "operation.suction.temperature": "suction_temperature",
+    "operation.suction.superheat": "superheat",
+    "operation.discharge.pressure": "discharge_pressure",
+    "oil_supply.temperature": "oil_temperature",
+    "oil_supply.ratio": "oil_ratio",
+    "effects.slide_valve.position": "slide_position",
+}
+
+
+@dataclass(frozen=True)
+class Input:
+    """One input of a map: its path in the scene, its name outside, unit and meaning, first and last value [SI].
+
+    Nodes lie over the logarithm where `log`. `value` is that of the scene: where the input stands at first.
+    """
+
+    path: str
+    name: str
+    units: str
+    long_name: str
+    low: float
+    high: float
+    value: float
+    log: bool = False
+
+    def coordinate(self, x: np.ndarray | float) -> np.ndarray:
+        """Return where values [SI] lie on the axis of the grid."""
+        return np.log(x) if self.log else np.asarray(x, float)
+
+    def at(self, u: np.ndarray | float) -> np.ndarray:
+        """Return the values [SI] at places of that axis, within the range."""
+        return np.clip(np.exp(u) if self.log else np.asarray(u, float), self.low, self.high)
+
+
+@dataclass(frozen=True)
+class Output:
+    """One output of a map: a figure, with unit and meaning."""
+
+    name: str
+    units: str
+    long_name: str
+
+
+def input_name(path: str) -> str:
+    """Return the name of an input outside: a usual one, else the last word of its path, with what it belongs to."""
+    if path in _NAMES:
+        return _NAMES[path]
+    last = path.rpartition(".")[2]
+    return last if path.startswith("operation.") else "_".join(path.split(".")[-2:])
+
+
+def read_inputs(scene: Scene, over: Sequence[str]) -> tuple[Input, ...]:
+    """Return the inputs that `PATH=LOW..HIGH` name, else those of the scene's sweep; raise UsageError."""
+    if not over:
+        axes = {path: (min(values), max(values)) for path, values in scene.sweep.items() if _numbers(values)}
+        if not axes:
+            raise UsageError(
+                "there is nothing to map over: the scene has no sweep over numbers (write e.g. "
+                "--over 'operation.speed=1500 rpm..4500 rpm', and once more for each other path)"
+            )
+        return tuple(_input(scene, path, low, high) for path, (low, high) in axes.items())
+    found = [_read(scene, text) for text in over]
+    for name in {each.name for each in found}:
+        if sum(each.name == name for each in found) > 1:
+            raise UsageError(f"--over: {name} is named twice (remove one)")
+    return tuple(found)
+
+
+def _numbers(values: Sequence[object]) -> bool:
+    return len(values) > 1 and all(isinstance(value, int | float) for value in values)
+
+
+def _read(scene: Scene, text: str) -> Input:
+    path, equals, ends = text.partition("=")
+    first, dots, last = ends.partition("..")
+    if not (equals and dots and first.strip() and last.strip()):
+        raise UsageError(
+            f"--over {text}: is not PATH=LOW..HIGH (write e.g. --over 'operation.speed=1500 rpm..4500 rpm')"
+        )
+    path = path.strip()
+    low, high = (read_text(scene, path, end) for end in (first, last))
+    if not low < high:
+        raise UsageError(f"--over {text}: the range is empty (LOW must be below HIGH)")
+    return _input(scene, path, low, high)
+
+
+def _input(scene: Scene, path: str, low: float, high: float) -> Input:
+    check_continuous(scene, path)
+    from screwsim.scene import value_at
+
+    leaf, (_, units) = leaf_of(scene, path), axis_label(path, scene)
+    own = value_at(scene, path)
+    value = float(own) if isinstance(own, int | float) and low <= own <= high else 0.5 * (low + high)
+    log = units == "Pa" and low > 0.0 and high / low >= LOGARITHMIC_FROM
+    return Input(path, input_name(path), units, leaf.doc, float(low), float(high), value, log)
+
+
+def read_outputs(scene: Scene, figures: Sequence[str] = ()) -> tuple[Output, ...]:
+    """Return the outputs that are named, else the usual ones that the scene calls for; raise UsageError."""
+    here = called_for(scene, build_parts(scene))
+    names = [figure_of(scene, text) for text in figures] or [name for name in FIGURES if name in here]
+    return tuple(output_of(name, here) for name in dict.fromkeys(names))
+
+
+def output_of(name: str, about: Mapping[str, object] | None = None) -> Output:
+    """Return a figure as an output."""
+    found = (about or {}).get(name) or declared(name)
+    return Output(name, found.units, found.long_name)  # type: ignore[attr-defined]
+
+
+def range_of(scene: Scene, one: Input) -> str:
+    """Return the range of an input as people write it."""
+    return " … ".join(shown_value(scene, one.path, end) for end in (one.low, one.high))
+
+
+def spread(one: Input, count: int) -> np.ndarray:
+    """Return so many nodes on the axis of an input, evenly."""
+    low, high = one.coordinate(one.low), one.coordinate(one.high)
+    return np.linspace(float(low), float(high), count)
+
+
+def finite(values: Sequence[float]) -> bool:
+    """Tell whether all values are numbers."""
+    return all(math.isfinite(value) for value in values)

@@ -1,0 +1,111 @@
+"""Loads and sound of a machine: forces of the gas on rotors and bearings, flows of both lines, spectra, surfaces."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.export.rotor_loads import Array, loads_of, pressures_of
+from screwsim.export.rotor_surface import surfaces
+from screwsim.export.spectra import Harmonic, flows_of, harmonics, lobe_frequency
+from screwsim.export.xdmf import write_surface
+from screwsim.machine.kinds import TWIN_SCREW, twin_screw
+from screwsim.machine.profile_law import lay
+from screwsim.outputs import Result
+from screwsim.results.atomic import make_folder, write_csv, write_text
+from screwsim.scene import Scene
+
+STEPS = 48  # of a turn of a rotor
+PIECES = 60  # of a pitch of the profile, on the surfaces that are written
+_UNITS = {"force": "N", "bearing": "N", "torque": "N m", "mass_flow": "kg/s", "volume_flow": "m^3/s"}
+
+
+@dataclass(frozen=True, eq=False)
+class Exported:
+    """What was found: curves over one pitch [rad] by group, spectra by curve, lobe frequency [Hz], what is left out."""
+
+    title: str
+    frequency: float
+    curves: Mapping[str, tuple[Array, Mapping[str, Array]]]
+    spectra: Mapping[str, Sequence[Harmonic]]
+    without: str
+
+
+def loads(scene: Scene, result: Result, spans: tuple[float, float]) -> Exported:
+    """Return loads and flows of a result that keeps its cycle; of rotors without a profile the flows alone."""
+    frequency = lobe_frequency(scene)
+    curves = {"flows": flows_of(scene, result)}
+    if not has_rotors(scene):
+        without = "forces and surfaces need rotors with a profile (machine.volume.law: profile), of a compressor"
+    else:
+        found, without = loads_of(pressures_of(lay(twin_screw(scene.machine)), result), spans), ""
+        curves["forces"] = (found.angle, dict(found.columns))
+    spectra = {name: harmonics(values, frequency) for _, columns in curves.values() for name, values in columns.items()}
+    return Exported(scene.title, frequency, curves, spectra, without)
+
+
+def has_rotors(scene: Scene) -> bool:
+    """Tell whether a scene has rotors whose surfaces are known."""
+    machine = scene.machine
+    return machine.kind == TWIN_SCREW and machine.mode == "compressor" and twin_screw(machine).volume.law == "profile"
+
+
+def write_loads(scene: Scene, result: Result, found: Exported, folder: Path, steps: int = STEPS) -> list[str]:
+    """Write curves and spectra as CSV, all of it as JSON, the surfaces as XDMF; return the paths."""
+    make_folder(folder)
+    files = []
+    for group, (angle, columns) in found.curves.items():
+        heads = ["angle [deg]", *(f"{name} [{unit_of(name)}]" for name in columns)]
+        rows = zip(np.degrees(angle).tolist(), *(values.tolist() for values in columns.values()), strict=True)
+        files.append(write_csv(folder / f"{group}.csv", heads, rows))
+        files.append(_write_spectra(folder / f"{group}_spectrum.csv", {name: found.spectra[name] for name in columns}))
+    text = json.dumps(document(found), indent=1, allow_nan=False) + "\n"
+    files.append(write_text(folder / "loads.json", text))
+    if has_rotors(scene):
+        pressures = pressures_of(lay(twin_screw(scene.machine)), result)
+        for name, surface in zip(("male", "female"), surfaces(pressures.laid.rotors, PIECES), strict=True):
+            files += write_surface(folder / f"{name}_rotor", surface, pressures, steps, scene.operation.speed)
+    return files
+
+
+def _write_spectra(path: Path, spectra: Mapping[str, Sequence[Harmonic]]) -> str:
+    heads = ["harmonic", "frequency [Hz]"]
+    for name in spectra:
+        heads += [f"{name} amplitude [{unit_of(name)}]", f"{name} phase [rad]"]
+    numbers = range(min(map(len, spectra.values())))
+    first = next(iter(spectra.values()))
+    rows = [
+        [n, first[n].frequency, *(part for each in spectra.values() for part in (each[n].amplitude, each[n].phase))]
+        for n in numbers
+    ]
+    return write_csv(path, heads, rows)
+
+
+def document(found: Exported) -> dict[str, Any]:
+    """Return everything as one document, SI units."""
+    return {
+        "title": found.title,
+        "lobe_frequency": found.frequency,
+        "left_out": found.without,
+        "curves": {
+            group: {
+                "angle": angle.tolist(),
+                "columns": {
+                    name: {"units": unit_of(name), "mean": float(values.mean()), "values": values.tolist()}
+                    for name, values in columns.items()
+                },
+            }
+            for group, (angle, columns) in found.curves.items()
+        },
+        "spectra": {name: [each._asdict() for each in rows] for name, rows in found.spectra.items()},
+    }
+
+
+def unit_of(name: str) -> str:
+    """Return the unit of a curve, by its name."""
+    return next(unit for word, unit in _UNITS.items() if word in name)

@@ -1,0 +1,131 @@
+"""A map of two inputs as a Modelica package: blocks with the standard library's tables, functions of polynomials."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from screwsim.export.inputs import Input, Output
+from screwsim.export.table import Table, scales
+from screwsim.export.unit import plain
+from screwsim.faults import UsageError
+from screwsim.study.performance_map import TERMS
+
+FINE = 25  # points along an axis to which polynomials are fitted
+_TABLE = "Modelica.Blocks.Tables.CombiTable2Ds"
+
+
+def package(table: Table, name: str) -> str:
+    """Return the text of a package; raise UsageError where the map is not of two inputs."""
+    if len(table.inputs) != 2:
+        inputs = ", ".join(one.name for one in table.inputs)
+        what = f"has {len(table.inputs)} inputs ({inputs}), and {_TABLE} two"
+        raise UsageError(f"the map {what} (name two with --over; fmu takes any number)")
+    words = _quoted(f"{table.title or name}: written by screwsim; error {table.error:.2g}, {table.how}")
+    return "\n".join(
+        (
+            f"package {name} {words}",
+            "  extends Modelica.Icons.Package;",
+            _tables(table),
+            '  package Polynomials "The same figures as cubics of both inputs"',
+            "    extends Modelica.Icons.Package;",
+            *(_function(table, i) for i in range(len(table.outputs))),
+            "  end Polynomials;",
+            '  annotation (uses(Modelica(version="4.0.0")));',
+            f"end {name};",
+            "",
+        )
+    )
+
+
+def identifier(stem: str) -> str:
+    """Return a name that Modelica allows, with a capital."""
+    name = re.sub(r"\W", "_", stem, flags=re.ASCII)
+    name = name if name[:1].isalpha() else f"Map_{name}"
+    return name[:1].upper() + name[1:]
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ") + '"'
+
+
+def _port(kind: str, each: Input | Output, indent: str) -> str:
+    head = f'Modelica.Blocks.Interfaces.Real{kind} {each.name}(unit="{plain(each.units)}")'
+    return f"{indent}{head} {_quoted(each.long_name)};"
+
+
+def _tables(table: Table) -> str:
+    one, two = table.inputs
+    nodes = [x.at(u) for x, u in zip(table.inputs, table.grid.nodes, strict=True)]
+    values = table.grid.data[0, 0]
+    lines = ['  model Tables "Figures by tables with continuous derivatives, held beyond their ranges"']
+    lines += [_port("Input", each, "    ") for each in table.inputs]
+    lines += [_port("Output", each, "    ") for each in table.outputs]
+    lines.append('    Modelica.Blocks.Interfaces.BooleanOutput valid "inside, among points whose cycles closed";')
+    lines.append("  protected")
+    smooth = "Modelica.Blocks.Types.Smoothness.ContinuousDerivative"
+    for i, each in enumerate(table.outputs):
+        lines.append(_block(f"{each.name}_table", _matrix(nodes, values[..., i]), smooth))
+    linear = "Modelica.Blocks.Types.Smoothness.LinearSegments"
+    lines.append(_block("closed", _matrix(nodes, table.grid.sound.astype(float)), linear))
+    lines.append("  equation")
+    for block in (*(f"{each.name}_table" for each in table.outputs), "closed"):
+        lines += [f"    {block}.u1 = {one.name};", f"    {block}.u2 = {two.name};"]
+    lines += [f"    {each.name} = {each.name}_table.y;" for each in table.outputs]
+    ranges = " and ".join(f"{each.name} >= {each.low!r} and {each.name} <= {each.high!r}" for each in table.inputs)
+    lines += [f"    valid = {ranges} and closed.y > 0.999999;", "  end Tables;"]
+    return "\n".join(lines)
+
+
+def _block(name: str, matrix: str, smoothness: str) -> str:
+    held = "Modelica.Blocks.Types.Extrapolation.HoldLastPoint"
+    return f"    {_TABLE} {name}(\n      smoothness={smoothness},\n      extrapolation={held},\n      table={matrix});"
+
+
+def _matrix(nodes: list[np.ndarray], values: np.ndarray) -> str:
+    rows = [[0.0, *nodes[1]], *([x, *row] for x, row in zip(nodes[0], values, strict=True))]
+    return "[" + ";\n        ".join(", ".join(f"{float(v):.12g}" for v in row) for row in rows) + "]"
+
+
+def cubic(table: Table, number: int) -> tuple[np.ndarray, list[tuple[float, float]], float]:
+    """Return the coefficients of an output over scaled inputs, (middle, half) of each, and the error inside."""
+    ends = [(one.low, one.high) for one in table.inputs]
+    mesh = np.meshgrid(*(np.linspace(low, high, FINE) for low, high in ends), indexing="ij")
+    x = np.column_stack([each.ravel() for each in mesh])
+    values, inside = table(x)
+    if inside.sum() < len(TERMS):
+        raise UsageError("too few cycles closed for polynomials (choose other ranges)")
+    middles = [(0.5 * (low + high), 0.5 * (high - low)) for low, high in ends]
+    u, v = ((x[inside, i] - middle) / half for i, (middle, half) in enumerate(middles))
+    matrix = np.column_stack([u**i * v**j for i, j in TERMS])
+    wanted = values[inside, number]
+    found, *_ = np.linalg.lstsq(matrix, wanted, rcond=None)
+    size = scales(table.outputs, values[inside])[:, number]
+    return found, middles, float(np.max(np.abs(matrix @ found - wanted) / size))
+
+
+def _function(table: Table, number: int) -> str:
+    each = table.outputs[number]
+    coefficients, middles, error = cubic(table, number)
+    terms = []
+    for c, (i, j) in zip(coefficients, TERMS, strict=True):
+        powers = [name if n == 1 else f"{name}^{n}" for name, n in (("u", i), ("v", j)) if n]
+        terms.append("*".join([f"({float(c)!r})", *powers]))
+    scaled = [
+        f"    Real {letter} = ({one.name} - {middle!r})/{half!r};"
+        for letter, one, (middle, half) in zip("uv", table.inputs, middles, strict=True)
+    ]
+    inputs = [f'    input Real {one.name}(unit="{plain(one.units)}") {_quoted(one.long_name)};' for one in table.inputs]
+    lines = [
+        f"  function {each.name} {_quoted(f'{each.long_name}; off from the tables by {error:.2g} at most')}",
+        "    extends Modelica.Icons.Function;",
+        *inputs,
+        f'    output Real y(unit="{plain(each.units)}");',
+        "  protected",
+        *scaled,
+        "  algorithm",
+        "    y := " + "\n      + ".join(terms) + ";",
+        f"  end {each.name};",
+    ]
+    return "\n".join("  " + line for line in lines)

@@ -1,0 +1,163 @@
+"""Ten-coefficient polynomials of a sweep over evaporating and condensing temperature, for tools that know no tables."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.export.inputs import Input, read_inputs, spread
+from screwsim.export.source import is_results
+from screwsim.faults import UsageError
+from screwsim.results import Results, open_results
+from screwsim.scene import Scene, load, scene_text
+from screwsim.scene.operation import CONDENSING, EVAPORATING
+from screwsim.study.performance_map import TERMS, Fit, PerformanceMap, conditions, performance_maps
+from screwsim.study.progress import Progress
+from screwsim.study.sweep import run_sweep
+
+SATURATION_NODES, OTHER_NODES = 6, 3  # where --over names ranges
+RATED = {"S": 5.0, "D": 45.0}  # [°C] looked for near it where the envelope has it, else its middle
+
+
+@dataclass(frozen=True, eq=False)
+class Polynomials:
+    """Maps of figures, one a point of the sweep's other axes; units by figure, what else they were made at [SI]."""
+
+    title: str
+    fluid: str
+    maps: tuple[PerformanceMap, ...]
+    units: dict[str, str]
+    conditions: dict[str, float]
+    axes: dict[str, str]  # SI units of the other axes
+
+    def name(self, one: PerformanceMap) -> str:
+        """Return what tells a map from the others, as part of a name: 'speed_308.923'."""
+        parts = (f"{path.rpartition('.')[2]}_{value:.6g}" for path, value in one.values.items())
+        return "_".join(parts)
+
+
+@contextmanager
+def swept(
+    source: str,
+    over: Sequence[str] = (),
+    overrides: Sequence[str] = (),
+    without: Sequence[str] = (),
+    jobs: int | None = None,
+    progress: Progress | None = None,
+    told: Callable[[Scene, tuple[Input, ...]], None] | None = None,
+) -> Iterator[Results]:
+    """Give the results of a file, or those of a scene that is swept: as it says, or over ranges (`--over`)."""
+    if is_results(source):
+        stray = [name for name, value in (("--over", over), ("--set", overrides), ("--without", without)) if value]
+        if stray:
+            raise UsageError(f"{source}: holds results, which {stray[0]} cannot change (name their scene instead)")
+        yield open_results(source)
+        return
+    scene = load(source, overrides, without)
+    if over:
+        inputs = read_inputs(scene, over)
+        counts = [SATURATION_NODES if one.path in (EVAPORATING, CONDENSING) else OTHER_NODES for one in inputs]
+        sweep = {
+            one.path: tuple(map(float, one.at(spread(one, count)))) for one, count in zip(inputs, counts, strict=True)
+        }
+        scene = replace(scene, sweep=sweep, joints=())
+        scene = replace(scene, text=scene_text(replace(scene, text="")))
+    missing = [path for path in (EVAPORATING, CONDENSING) if path not in scene.sweep]
+    if missing:
+        raise UsageError(
+            f"{source}: is swept over no {' and no '.join(missing)}, of which these polynomials are (write e.g. "
+            f"--over '{EVAPORATING}=-10 degC..10 degC' --over '{CONDENSING}=30 degC..50 degC')"
+        )
+    if told is not None:
+        told(scene, read_inputs(scene, ()))
+    with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
+        path = Path(folder) / "map.h5"
+        run_sweep(scene, path, jobs=jobs, progress=progress)
+        yield open_results(path)
+
+
+def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
+    """Return the polynomials of some figures; raise UsageError where none can be had."""
+    maps = tuple(one for one in performance_maps(results, figures) if not one.message)
+    axes = {axis.path: axis.units for axis in results.axis_list if axis.path in maps[0].values}
+    units = {name: results.figure(name).units for name in maps[0].fits}
+    return Polynomials(str(results.attributes["title"]), fluid_of(results), maps, units, conditions(results), axes)
+
+
+def fluid_of(results: Results) -> str:
+    """Return the name of the fluid in the scene of results."""
+    from ruamel.yaml import YAML
+
+    fluid = YAML(typ="safe", pure=True).load(results.scene_yaml)["gas"]["fluid"]
+    return fluid if isinstance(fluid, str) else "/".join(fluid)
+
+
+def limits(one: PerformanceMap) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the lowest and the highest of both temperatures [°C] in the envelope of a map."""
+    S, D = zip(*one.envelope, strict=True)
+    return (min(S), max(S)), (min(D), max(D))
+
+
+def rated(one: PerformanceMap) -> tuple[float, float]:
+    """Return temperatures [°C] at which a map is normalised: 5/45 where its envelope has them, else the middle."""
+    if one.inside(RATED["S"], RATED["D"]).all():
+        return RATED["S"], RATED["D"]
+    points = np.array(one.envelope)
+    S, D = points.mean(axis=0)
+    return float(round(S, 1)), float(round(D, 1))
+
+
+def quadratic(one: PerformanceMap, figure: str, at: tuple[float, float]) -> tuple[tuple[float, ...], float]:
+    """Return c0 + c1 S + c2 S² + c3 D + c4 D² + c5 S D of a figure over its value at a point, and the largest error.
+
+    It is fitted to the cubic at 11 × 11 points of the envelope's box that lie inside; the error is against that.
+    """
+    (s0, s1), (d0, d1) = limits(one)
+    S, D = (x.ravel() for x in np.meshgrid(np.linspace(s0, s1, 11), np.linspace(d0, d1, 11)))
+    inside = one.inside(S, D)
+    S, D = S[inside], D[inside]
+    wanted = np.asarray(one.evaluate(figure, S, D)) / float(one.evaluate(figure, *at))
+    matrix = np.column_stack([np.ones_like(S), S, S**2, D, D**2, S * D])
+    found, *_ = np.linalg.lstsq(matrix, wanted, rcond=None)
+    return tuple(map(float, found)), float(np.max(np.abs(matrix @ found - wanted)))
+
+
+def by_terms(fit: Fit, order: Sequence[tuple[int, int]]) -> list[float]:
+    """Return the coefficients of a fit in another order of its terms (powers of S and D)."""
+    place = dict(zip(TERMS, fit.coefficients, strict=True))
+    return [place[term] for term in order]
+
+
+def in_fahrenheit(fit: Fit, factor: float) -> tuple[float, ...]:
+    """Return the coefficients in °F of those in °C, the figure times a factor."""
+    scaled = np.zeros((4, 4))
+    for (i, j), c in zip(TERMS, fit.coefficients, strict=True):
+        for (k, a), (m, b) in itertools.product(_powers(i), _powers(j)):
+            scaled[k, m] += factor * c * a * b
+    return tuple(float(scaled[term]) for term in TERMS)
+
+
+def _powers(n: int) -> list[tuple[int, float]]:
+    """Return (k, coefficient of F^k) in C^n, C = (F − 32)/1.8."""
+    return [(k, math.comb(n, k) * (-32.0) ** (n - k) / 1.8**n) for k in range(n + 1)]
+
+
+def document(found: Polynomials) -> dict[str, Any]:
+    """Return polynomials as what JSON holds."""
+    return {
+        "title": found.title,
+        "fluid": found.fluid,
+        "formula": "X = C1 + C2 S + C3 D + C4 S^2 + C5 S D + C6 D^2 + C7 S^3 + C8 D S^2 + C9 S D^2 + C10 D^3",
+        "S": "evaporating temperature (dew point), degC",
+        "D": "condensing temperature (bubble point), degC",
+        "units": found.units,
+        "conditions": found.conditions,
+    }

@@ -1,0 +1,139 @@
+"""Which chamber presses on which part of a rotor: surfaces of both rotors, and the angle of the chamber at each point.
+
+A point of the profile meets the other rotor once a turn, at its ψ on the chain (`machine.rotors.pair`). Until then it
+lies in the chamber that is compressed, afterwards in one that fills. Of male lobe 0: the leading flank bounds the
+chamber ahead of it (its trailing lobe is lobe 0, angle φ), the trailing flank that behind it (φ − p). The side of the
+tip between the tip and S changes from the chamber behind to that ahead when the tip leaves the bore at the cusp; so
+does, the other way round, the flank of the female groove on which the trailing branch of the contact runs.
+Angles [rad] with their origin as in `machine.rotors.rotors`; lengths [m].
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from screwsim.machine.rotors.pair import Array
+from screwsim.machine.rotors.rotors import Rotors
+
+TURN = 2.0 * math.pi
+ALONG, PROFILE = 160, 120  # pieces along the rotor, and of a pitch of the profile
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """One rotor: points of a pitch of its profile in its own frame, the ψ of their contact, and how often they repeat.
+
+    `turns` [rad of the rotor per rad of the male] and `pitch` [rad] have the sense of the rotor's outline; `region` of
+    a piece between two points: 0 leading, 1 the tip's side that changes, 2 trailing.
+    """
+
+    x: Array
+    y: Array
+    psi: Array
+    region: Array
+    lobes: int
+    pitch: float
+    turns: float
+    centre: float  # x of the axis [m]
+    outward: float  # 1 for an outline that runs counter-clockwise, −1 for one that runs clockwise
+    meets: float  # male angle after which a point meets the other rotor again [rad]
+    changes: Array  # ψ at which a piece of region 1 changes sides [rad]
+
+
+def surfaces(rotors: Rotors, pieces: int = PROFILE) -> tuple[Surface, Surface]:
+    """Return the surfaces of male and female rotor."""
+    pair, chain = rotors.pair, rotors.chain
+    kept = _kept(rotors, pieces)
+    psi, middles = chain.psi[kept], 0.5 * (kept[1:] + kept[:-1])
+    tip = chain.tip
+    male = np.select([middles <= tip, middles <= chain.trail], [0, 1], 2)
+    female = np.select([middles <= chain.trail, middles <= chain.edges[1]], [0, 1], 2)
+    male_changes, female_changes = _changes(rotors, kept)
+    one = (kept, psi, male, pair.male_lobes, pair.pitch, -1.0, 0.0, 1.0, TURN, male_changes)
+    females = TURN / pair.female_lobes
+    two = (
+        kept,
+        psi,
+        female,
+        pair.female_lobes,
+        -females,
+        pair.k,
+        pair.centre_distance,
+        -1.0,
+        TURN / pair.k,
+        female_changes,
+    )
+    return _surface(chain.male(), *one), _surface(chain.female(pair), *two)
+
+
+def _changes(rotors: Rotors, kept: Array) -> tuple[Array, Array]:
+    """Return ψ [rad] at which pieces change sides, of male and female rotor.
+
+    From the tip's leaving the bore to the first contact on its far side, one point after the other.
+    """
+    pair, chain = rotors.pair, rotors.chain
+    middles = 0.5 * (kept[1:] + kept[:-1])
+    first, last = -pair.beta1, float(chain.psi[chain.trail])
+    male = np.interp(middles, [chain.tip, max(chain.trail, chain.tip + 1)], [first, last])
+    female = np.interp(middles, [chain.trail, chain.edges[1]], [last, first])
+    return male, female
+
+
+def _surface(points: tuple[Array, Array], kept: Array, *rest) -> Surface:
+    return Surface(points[0][kept], points[1][kept], *rest)
+
+
+def _kept(rotors: Rotors, pieces: int) -> Array:
+    """Return the points of the chain that are kept: evenly along both profiles together, with its marked ones."""
+    chain = rotors.chain
+    steps = [np.hypot(np.diff(x), np.diff(y)) for x, y in (chain.male(), chain.female(rotors.pair))]
+    way = np.concatenate([[0.0], np.cumsum(np.sum(steps, axis=0))])
+    even = np.searchsorted(way, np.linspace(0.0, way[-1], pieces + 1))
+    marked = [0, len(way) - 1, chain.lead, chain.trail, chain.tip, *chain.edges, *chain.joints]
+    return np.unique(np.clip(np.concatenate([even, marked]), 0, len(way) - 1))
+
+
+def chamber_angles(surface: Surface, rotors: Rotors, phi: float, z: Array) -> Array:
+    """Return φ [rad] of the chamber at each piece (lobes, profile, z) when the tip of lobe 0 is at `phi` at the inlet.
+
+    Below `rotors.start` the chamber is one that is not born yet: it is open to suction.
+    """
+    pair, female = rotors.pair, surface.outward < 0.0
+    contact = 0.5 * (surface.psi[1:] + surface.psi[:-1])[None, :, None]
+    lobe = np.arange(surface.lobes)[:, None, None] * pair.pitch
+    behind = (z / rotors.h)[None, None, :]
+    own = phi - lobe - behind
+    own = contact - np.mod(contact - own, surface.meets)  # the latest before the point's contact
+    region, changes = surface.region[None, :, None], surface.changes[None, :, None]
+    back = (region == 2) | ((region == 1) & ((own >= changes) if female else (own < changes)))
+    return own + behind - pair.pitch * back
+
+
+def positions(surface: Surface, rotors: Rotors, phi: float, z: Array) -> tuple[Array, Array]:
+    """Return x, y [m] of the points (lobes, profile, z) in the machine's frame, as the rotor stands at `phi`."""
+    lobe = np.arange(surface.lobes)[:, None, None] * surface.pitch
+    turned = lobe + surface.turns * (phi - z / rotors.h)[None, None, :]
+    c, s = np.cos(turned), np.sin(turned)
+    x, y = surface.x[None, :, None], surface.y[None, :, None]
+    return surface.centre + c * x - s * y, s * x + c * y
+
+
+def areas(surface: Surface, x: Array, y: Array, z: Array) -> tuple[Array, Array, Array]:
+    """Return the vector areas [m²] of the pieces, out of the rotor, of points (lobes, profile, z)."""
+    z = np.broadcast_to(z, x.shape)
+    one = [a[:, 1:, 1:] - a[:, :-1, :-1] for a in (x, y, z)]
+    two = [a[:, :-1, 1:] - a[:, 1:, :-1] for a in (x, y, z)]
+    factor = 0.5 * surface.outward
+    return (
+        factor * (one[1] * two[2] - one[2] * two[1]),
+        factor * (one[2] * two[0] - one[0] * two[2]),
+        factor * (one[0] * two[1] - one[1] * two[0]),
+    )
+
+
+def centres(a: Array) -> Array:
+    """Return the middles of the pieces of points (lobes, profile, z)."""
+    return 0.25 * (a[:, 1:, 1:] + a[:, :-1, :-1] + a[:, :-1, 1:] + a[:, 1:, :-1])

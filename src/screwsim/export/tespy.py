@@ -1,0 +1,115 @@
+"""A map as TESPy's PolynomialCompressor takes it: polynomials of isentropic and volumetric efficiency.
+
+TESPy has P = ṁ (h_is − h_1)/η_s and ṁ = η_v V n/v_1, both our definitions; of the power it gives a constant share away
+as heat, so that only the discharge temperature depends on that: it is the mean over the map, and its spread is stated.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from screwsim.export.polynomials import Polynomials, document, polynomials
+from screwsim.faults import UsageError
+from screwsim.results import Results
+from screwsim.scene.operation import EVAPORATING, SUBCOOLING, SUPERHEAT
+
+FIGURES = ("isentropic_efficiency", "volumetric_efficiency")
+SPEED = "operation.speed"
+SEPARATOR = "separator_temperature"
+_NEEDED = (
+    "displacement",
+    "gas_mass_flow",
+    "shaft_power",
+    "discharge_temperature",
+    "suction_pressure",
+    "discharge_pressure",
+)
+
+
+def tespy_document(results: Results) -> dict[str, Any]:
+    """Return attributes for PolynomialCompressor.set_attr, one a point of the sweep's other axes.
+
+    Raise UsageError where the sweep lacks what they need.
+    """
+    lacking = [name for name in _NEEDED if name not in results.figures]
+    if lacking:
+        raise UsageError(f"{results.path}: has no {lacking[0]}, which TESPy's compressor needs")
+    found = polynomials(results, FIGURES)
+    return document(found) | {
+        "for": "tespy.components.PolynomialCompressor: set_attr(**attributes), then frequency as given or another",
+        "maps": [_map(results, found, number) for number in range(len(found.maps))],
+    }
+
+
+def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
+    one = found.maps[number]
+    cases = _cases(results, one.values)
+    frequency = _speed(results, one.values) / (2.0 * math.pi)
+    shares = dissipated(results, found, cases)
+    eta_s, eta_v = (one.fits[name] for name in FIGURES)
+    reference = {
+        "T_sh": found.conditions.get(SUPERHEAT, 0.0),
+        "T_sc": found.conditions.get(SUBCOOLING, 0.0),
+        "frequency_poly": frequency,
+        "swept_volume": float(np.nanmean(results.performance["displacement"].ravel()[cases])),
+    }
+    return {
+        "at": {path: float(value) for path, value in one.values.items()},
+        "attributes": {
+            "eta_s_poly": list(eta_s.coefficients),
+            "eta_vol_poly": list(eta_v.coefficients),
+            "dissipation_ratio": max(float(np.mean(shares)), 0.0),  # TESPy takes none below 0
+            "reference_state": reference,
+        },
+        "frequency": frequency,
+        "frequency_unit": "Hz",
+        "envelope": [list(corner) for corner in one.envelope],
+        "leaves_at": leaving(results),
+        "largest_error": {name: one.fits[name].largest for name in FIGURES},
+        "dissipation_ratio_range": [float(shares.min()), float(shares.max())],
+    }
+
+
+def _speed(results: Results, values: Any) -> float:
+    if SPEED in values:
+        return float(values[SPEED])
+    return float(results.inputs["operation_speed"])
+
+
+def _cases(results: Results, values: Any) -> np.ndarray:
+    """Return the numbers of the cases of a map that closed."""
+    there = results.status == "ok"
+    for path, value in values.items():
+        there = there & (results.along(path) == value)
+    return np.flatnonzero(there.ravel())
+
+
+def leaving(results: Results) -> str:
+    """Return the figure of the temperature at which the gas leaves: behind the separator where there is one."""
+    return SEPARATOR if SEPARATOR in results.figures else "discharge_temperature"
+
+
+def dissipated(results: Results, found: Polynomials, cases: np.ndarray) -> np.ndarray:
+    """Return the share of the shaft power that does not leave with the gas, at cases.
+
+    It is below 0 where other heat does, as that of a motor in the suction gas.
+    """
+    from CoolProp.CoolProp import PropsSI
+
+    figures = {name: results.performance[name].ravel()[cases] for name in _NEEDED}
+    leaves = results.performance[leaving(results)].ravel()[cases]
+    evaporating = results.along(EVAPORATING).ravel()[cases]
+    superheat = found.conditions.get(SUPERHEAT, 0.0)
+    shares = []
+    for i in range(len(cases)):
+        p1, p2 = figures["suction_pressure"][i], figures["discharge_pressure"][i]
+        if superheat > 0.0:
+            h1 = PropsSI("H", "P", p1, "T", evaporating[i] + superheat, found.fluid)
+        else:
+            h1 = PropsSI("H", "P", p1, "Q", 1, found.fluid)
+        h2 = PropsSI("H", "P", p2, "T", leaves[i], found.fluid)
+        shares.append(1.0 - figures["gas_mass_flow"][i] * (h2 - h1) / figures["shaft_power"][i])
+    return np.array(shares)

@@ -1,0 +1,129 @@
+"""All chambers in the middles of the slices of a pitch: their rates, and how these hang on the states.
+
+A chamber that is open to a line follows its pressure within a few pascals, by which gas flows in or out, and a history
+between the ends of steps is off by as many. So the states are led from there to where they change as the history does.
+
+Source: docs/explanation/numerics.md, Newton's correction.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from screwsim.numerics.kernel import kernel
+from screwsim.numerics.linear import lu_factor, lu_solve
+from screwsim.numerics.rodas import QUADRATURES, STATES, jacobian, rates, surroundings
+
+INSIDE = 1e-6  # rad within the segment of the laws that an angle belongs to, as the middle of its segment
+BESIDE = 1e-7  # rad, for derivatives by the angle, which nothing here uses
+
+
+@kernel
+def in_coordinates(y, f, A, width, change, logarithmic, size, least_oil, off):
+    """Turn rates f and derivatives A of states y into those of coordinates (in place); return the largest difference.
+
+    That is `off`, by how much T or ρ would change more over a slice of that width [rad] than they do. `logarithmic` is
+    1 for coordinates that are logarithms; `size` states of a chamber, its oil in the third and fourth column where its
+    ratio has a least one: below that it does not change.
+    """
+    largest = 0.0
+    for i in range(STATES):
+        if logarithmic[i] > 0.0:
+            f[i] /= max(abs(y[i]), 1e-300)
+        for j in range(STATES):
+            if logarithmic[j] > 0.0:
+                A[i, j] *= max(abs(y[j]), 1e-300)
+            if logarithmic[i] > 0.0:
+                A[i, j] /= max(abs(y[i]), 1e-300)
+        if logarithmic[i] > 0.0:
+            A[i, i] -= f[i]
+        off[i] = width * f[i] - change[i]
+        if i % size < 2:
+            largest = max(largest, abs(off[i]))
+        if least_oil > 0.0 and (i % size == 2 or i % size == 3) and y[i - i % size + 3] <= least_oil:
+            off[i] = 0.0
+            for j in range(STATES):
+                A[i, j] = 0.0
+    return largest
+
+
+@kernel
+def lead(y, A, width, off, logarithmic, most, M, pivots):
+    """Lead states (in place) by a step of Newton's method, (1 − width A) δ = off, of at most `most` in coordinates."""
+    for i in range(STATES):
+        for j in range(STATES):
+            M[i, j] = -width * A[i, j]
+        M[i, i] += 1.0
+    lu_factor(M, pivots, STATES)
+    lu_solve(M, pivots, off, STATES)
+    for i in range(STATES):
+        move = min(max(off[i], -most), most)
+        if logarithmic[i] > 0.0:
+            y[i] *= math.exp(move)
+        else:
+            y[i] += move
+
+
+@kernel
+def fill(target, source):
+    """Copy a row of numbers."""
+    for i in range(target.shape[0]):
+        target[i] = source[i]
+
+
+@kernel
+def by_unknowns(phi, y, f, g, logarithmic, R, P, shift, context, E, F, G):
+    """Fill derivatives of the rates f, in coordinates, and g by unknowns; R and P have rows with each moved by `shift`.
+
+    The last rows are those that hold. The phases of the gas are those that its derivatives were asked in before.
+    """
+    last = R.shape[0] - 1
+    for k in range(last):
+        fill(context.R, R[k])
+        fill(context.P, P[k])
+        surroundings(phi, phi - INSIDE, context, E)
+        rates(y, E, context, F[k], G[k])
+        for i in range(STATES):
+            rate = F[k, i] / max(abs(y[i]), 1e-300) if logarithmic[i] > 0.0 else F[k, i]
+            F[k, i] = (rate - f[i]) / shift
+        for i in range(QUADRATURES):
+            G[k, i] = (G[k, i] - g[i]) / shift
+    fill(context.R, R[last])
+    fill(context.P, P[last])
+
+
+@kernel
+def derivatives(phi, widths, y, changes, logarithmic, size, least_oil, led, R, P, shift, context, n_e, A, Jq, F, G):
+    """Fill the derivatives of rates, one row a slice, in its middle phi; return how often those by states were asked.
+
+    By the states A of the coordinates' rates, Jq of the quadratures', and F and G by the unknowns (`by_unknowns`). The
+    states y (slices, N) are led (in place), in at most led[0] steps of at most led[1], while T or ρ would change by
+    led[2] more than they do (`changes`) over their slice.
+    """
+    E = np.empty(n_e)
+    E_next = np.empty(n_e)
+    f = np.empty(STATES)
+    g = np.empty(QUADRATURES)
+    f_phi = np.empty(STATES)
+    g_phi = np.empty(QUADRATURES)
+    off = np.empty(STATES)
+    M = np.empty((STATES, STATES))
+    pivots = np.empty(STATES, np.int64)
+    asked = 0
+    for k in range(phi.shape[0]):
+        surroundings(phi[k], phi[k] - INSIDE, context, E)
+        surroundings(phi[k] + BESIDE, phi[k] - INSIDE, context, E_next)
+        left = led[0]
+        while left >= 0.0:
+            jacobian(y[k], E, E_next, BESIDE, context, f, g, A[k], Jq[k], f_phi, g_phi)
+            asked += 1
+            largest = in_coordinates(y[k], f, A[k], widths[k], changes[k], logarithmic, size, least_oil, off)
+            if left == 0.0 or not largest > led[2]:
+                left = -1.0
+            else:
+                lead(y[k], A[k], widths[k], off, logarithmic, led[1], M, pivots)
+                left -= 1.0
+        by_unknowns(phi[k], y[k], f, g, logarithmic, R, P, shift, context, E, F[k], G[k])
+    return asked

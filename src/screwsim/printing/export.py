@@ -1,0 +1,94 @@
+"""What `screwsim export` prints of a map: its inputs with their nodes, its outputs with their errors, the files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from screwsim.export.fmu import about, known
+from screwsim.export.loads import Exported, unit_of
+from screwsim.export.table import Table
+from screwsim.export.unit import plain
+from screwsim.outputs import Result
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.screen import say
+
+
+def map_document(table: Table, files: Sequence[str]) -> dict[str, Any]:
+    """Return what `--json` prints."""
+    return {
+        **about(table),
+        "error": known(table.error),
+        "error_wanted": table.wanted,
+        "cases": table.cases,
+        "points_checked": table.checked,
+        "files": list(files),
+    }
+
+
+def print_map(table: Table, files: Sequence[str]) -> None:
+    """Print a map for people, SI units."""
+    if table.title:
+        say(wrapped(table.title))
+    rows = [
+        [one.name, f"{one.low:.6g}", f"{one.high:.6g}", plain(one.units), str(len(nodes))]
+        for one, nodes in zip(table.inputs, table.grid.nodes, strict=True)
+    ]
+    say("\n".join(plain_table(["input", "from", "to", "unit", "nodes"], rows, 1)))
+    say()
+    errors = zip(table.outputs, table.errors, strict=True)
+    rows = [[each.name, plain(each.units), _percent(error)] for each, error in errors]
+    say("\n".join(plain_table(["output", "unit", "error"], rows, 1)))
+    say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
+    open_nodes = f"; {table.not_ok} nodes without a closed cycle, flagged" if table.not_ok else ""
+    say(wrapped(f"{table.cases} cases{open_nodes}"))
+    for file in files:
+        say(file)
+
+
+def polynomials_document(
+    document: Mapping[str, Any], figures: Sequence[str], rows: Sequence[Any], files: Sequence[str]
+) -> dict[str, Any]:
+    """Return what `--json` prints of polynomials: what was written, and where."""
+    return {**document, "files": list(files)}
+
+
+def print_polynomials(
+    document: Mapping[str, Any],
+    figures: Sequence[str],
+    rows: Sequence[tuple[Mapping[str, float], Sequence[float]]],
+    files: Sequence[str],
+) -> None:
+    """Print the largest error of each polynomial, a row a map, and the files."""
+    say(wrapped(f"{document['title']} ({document['fluid']})"))
+    body = [
+        [", ".join(f"{path} = {value:.6g}" for path, value in at.items()) or "map", *(_percent(e) for e in errors)]
+        for at, errors in rows
+    ]
+    say("\n".join(plain_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)))
+    for file in files:
+        say(file)
+
+
+def print_loads(found: Exported, result: Result, files: Sequence[str]) -> None:
+    """Print means and the first harmonics of each curve, and the files."""
+    say(wrapped(found.title or "loads"))
+    say(wrapped(f"status: {result.told if result.message else result.status}; lobe frequency {found.frequency:.5g} Hz"))
+    rows = [
+        [name, unit_of(name), *(f"{each.amplitude:.4g}" for each in spectrum[:4])]
+        for name, spectrum in found.spectra.items()
+    ]
+    say("\n".join(plain_table(["curve", "unit", "mean", "1st", "2nd", "3rd"], rows, 2)))
+    for file in files:
+        say(file)
+
+
+def _percent(error: float) -> str:
+    return "not known" if known(error) is None else f"{100.0 * error:.2g} %"
+
+
+def shortfall(table: Table, remedy: str) -> str:
+    """Return why a map is not as good as was asked for; empty where it is."""
+    if table.met:
+        return ""
+    return f"the error {table.error:.2g} is above the {table.wanted:g} asked for ({remedy})"

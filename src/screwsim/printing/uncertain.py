@@ -1,0 +1,97 @@
+"""What is printed of the uncertainty of a scene's figures: by its inputs, beside the numerical error."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from screwsim.engineering import engineering, figure_scales, shown_name
+from screwsim.figures import declared
+from screwsim.outputs import Result
+from screwsim.printing.tables import plain_table, wrapped
+from screwsim.screen import say
+from screwsim.study.uncertain import COVERAGE, Uncertainty
+
+NAMED = 3  # contributors of a figure ...
+LEAST = 0.01  # ... of that share of its variance at the least
+NOTHING = 1e-6  # of a figure: an uncertainty below it is none
+USUAL = (
+    *("isothermal_efficiency", "isentropic_efficiency", "volumetric_efficiency", "gas_mass_flow", "cooling_capacity"),
+    *("cop", "shaft_power", "electrical_power", "discharge_temperature", "oil_mass_flow", "work_per_cycle"),
+)
+
+
+def print_uncertainty(result: Result) -> None:
+    """Print value, numerical error, uncertainty by the inputs and the largest contributors of the usual figures."""
+    found = result.uncertainty["figures"]
+    rows, named = [], []
+    for name in (name for name in USUAL if name in found):
+        value, spread = result.performance[name], found[name]
+        if spread["expanded"] > NOTHING * abs(value):
+            rows.append([shown_name(name), *_shown(result, name, value, spread)])
+            named.append(_named(spread["contributors"]))
+    say()
+    if rows:
+        head, *lines = plain_table(["uncertain by", "value", "unit", "numerical", "inputs"], rows, 1)
+        say(head)
+        for line, text in zip(lines, named, strict=True):
+            say(line)
+            say(textwrap.indent(wrapped(f"  {text}"), "  "))
+    told = f"inputs: half of the 95 % interval (coverage factor {COVERAGE:g}), linear, by their tolerances alone"
+    say(wrapped(f"{told}; shares are those of the variance; the model's own error is another (screwsim validate)"))
+    for path, why in result.uncertainty["left_out"].items():
+        say(wrapped(f"warning: {path} is in none of them: {why}"))
+
+
+def _shown(result: Result, name: str, value: float, spread: Mapping[str, Any]) -> list[str]:
+    about = declared(name, result.performance)
+    factor, unit = _scale(about, value)
+    error = result.error.get(name)
+    number = f"{value:.2f}" if about.units == "K" else engineering(about, value)[0]
+    numerical = "" if error is None else f"± {factor * abs(value) * error:.1g}"
+    return [number, unit, numerical, f"± {factor * spread['expanded']:.2g}"]
+
+
+def _scale(about: Any, value: float) -> tuple[float, str]:
+    if about.units == "K":
+        return 1.0, "K"
+    return next(((f, u) for least, f, u in figure_scales(about) if abs(value) >= least), (1.0, about.units))
+
+
+def _named(contributors: Sequence[Mapping[str, Any]]) -> str:
+    some = [one for one in contributors[:NAMED] if one["share"] >= LEAST]
+    return ", ".join(f"{' + '.join(map(_short, one['paths']))} {one['share']:.0%}" for one in some)
+
+
+def _short(path: str) -> str:
+    return path.removeprefix("effects.")
+
+
+def print_check(found: Uncertainty) -> None:
+    """Print what a Sobol sample says beside the linear uncertainties, and warn where these are wrong."""
+    say()
+    if found.message:
+        say(wrapped(f"the sample tells nothing: {found.message}"))
+        return
+    rows, wrong = [], []
+    for name, sampled in found.sampled.items():
+        value = found.slopes.result.performance[name]
+        if found.spreads[name].expanded <= NOTHING * abs(value):
+            continue
+        factor, unit = _scale(declared(name, found.slopes.result.performance), value)
+        two = (COVERAGE * found.spreads[name].standard, COVERAGE * sampled.standard)
+        shown = [f"{factor * value:.5g}", f"{factor * sampled.mean:.5g}", *(f"± {factor * each:.2g}" for each in two)]
+        rows.append([shown_name(name), *shown, unit])
+        if sampled.wrong:
+            wrong.append(f"warning: linear is wrong for {shown_name(name)}: {sampled.wrong}")
+    say("\n".join(plain_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)))
+    say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
+    for each in wrong:
+        say(wrapped(each))
+
+
+def check_document(found: Uncertainty) -> dict[str, Any]:
+    """Return what `--json` says of the sample."""
+    figures = {name: each._asdict() for name, each in found.sampled.items()}
+    return {"samples": found.samples, "message": found.message, "figures": figures}

@@ -1,0 +1,101 @@
+"""Figures of an optimisation: the front of its aims among all evaluations, and each aim over what was varied."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from screwsim.report.quantities import Shown, is_numeric, shown_axis, shown_figure
+from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, grid, new_figure, note, plain_ticks
+from screwsim.report.sweeps import Plan, label_axes
+from screwsim.results import Results
+from screwsim.results.optimum import AIM
+
+_MOST = 5000  # evaluations drawn in a panel; those of the front all
+_LIGHT = "#b9b9b9"  # evaluations that are not best
+
+
+def plans(results: Results) -> Iterator[Plan]:
+    """Yield the figures of an optimisation; none of other results."""
+    names = aims(results)
+    if len(names) > 1:
+        yield "front", partial(_front, results, names)
+    if names:
+        yield "evaluations", partial(_evaluations, results, names)
+
+
+def aims(results: Results) -> list[str]:
+    """Return the figures that were aimed at."""
+    return [name.removeprefix(AIM) for name in results.optimum if name.startswith(AIM)]
+
+
+def _columns(results: Results, name: str) -> tuple[Shown, np.ndarray]:
+    how = shown_figure(results, name)
+    return how, how.of(results.optimum[AIM + name])
+
+
+def _rows(results: Results) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the evaluations to be drawn: within the bounds, outside, of the front."""
+    feasible, front = results.optimum["feasible"] == 1, results.optimum["front"] == 1
+    solved = np.all([np.isfinite(results.optimum[AIM + name]) for name in aims(results)], axis=0)
+    inside, outside = np.flatnonzero(feasible & ~front), np.flatnonzero(solved & ~feasible)
+    return inside[:: 1 + len(inside) // _MOST], outside[:: 1 + len(outside) // _MOST], np.flatnonzero(front)
+
+
+def _remarks(results: Results) -> tuple[str, str]:
+    count = len(results.optimum["front"])
+    feasible = int(np.count_nonzero(results.optimum["feasible"] == 1))
+    front = int(np.count_nonzero(results.optimum["front"] == 1))
+    best = f"dark: {front} that no other betters" if front > 1 else "dark: the best"
+    return best, f"{feasible} of {count} evaluations within the bounds" + (", × outside" if _outside(results) else "")
+
+
+def _outside(results: Results) -> bool:
+    return bool(len(_rows(results)[1]))
+
+
+def _front(results: Results, names: list[str]) -> Any:
+    """Draw each pair of aims: all evaluations, and the front as a line where there are two aims."""
+    pairs = list(itertools.combinations(names, 2))
+    inside, outside, front = _rows(results)
+    figure = new_figure(SINGLE if len(pairs) == 1 else DOUBLE, 72.0 * ((len(pairs) + 1) // 2))
+    for axes, (first, second) in zip(grid(figure, len(pairs), min(len(pairs), 2)), pairs, strict=True):
+        (across, x), (up, y) = _columns(results, first), _columns(results, second)
+        axes.plot(x[inside], y[inside], ".", color=_LIGHT, markersize=3.0)
+        axes.plot(x[outside], y[outside], "x", color=_LIGHT, markersize=3.0, markeredgewidth=0.4)
+        order = front[np.argsort(x[front])]
+        line = {"linestyle": "-" if len(names) == 2 else "", "linewidth": 0.8}
+        axes.plot(x[order], y[order], marker=".", color=COLOURS[1], markersize=4.0, **line)
+        axes.set(xlabel=across.label, ylabel=up.label)
+        plain_ticks(axes.xaxis, axes.yaxis)
+        axes.margins(0.05)
+    note(figure, *_remarks(results))
+    return figure
+
+
+def _evaluations(results: Results, names: list[str]) -> Any:
+    """Draw each aim over each path that was varied."""
+    varied = [axis for axis in results.axis_list[0].joined if is_numeric(axis)]
+    inside, outside, front = _rows(results)
+    panels = [(name, axis) for name in names for axis in varied]
+    columns = min(len(varied), 3) if len(panels) > 1 else 1
+    rows = -(-len(panels) // columns)
+    figure = new_figure(DOUBLE if columns > 1 else SINGLE, 8.0 + 50.0 * rows)
+    for axes, (name, axis) in zip(grid(figure, len(panels), columns), panels, strict=True):
+        how, y = _columns(results, name)
+        across = shown_axis(axis)
+        x = across.of(axis.values)
+        axes.plot(x[inside], y[inside], ".", color=_LIGHT, markersize=3.0)
+        axes.plot(x[outside], y[outside], "x", color=_LIGHT, markersize=3.0, markeredgewidth=0.4)
+        axes.plot(x[front], y[front], ".", color=COLOURS[1], markersize=5.0)
+        label_axes(axes, across.label, how.label, [x])
+        if len(front) == 1:
+            axes.axvline(x[front[0]], color=GREY, linewidth=0.4)
+        axes.margins(x=0.04)
+        axes.autoscale(axis="x")
+    note(figure, *_remarks(results))
+    return figure

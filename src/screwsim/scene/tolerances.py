@@ -1,0 +1,168 @@
+"""Values with a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, and which of them err together.
+
+A tolerance is half of the interval in which the value lies in 95 of 100 cases, a coverage factor of 2 (GUM): ±: normal,
+its standard uncertainty half the tolerance; ×/÷: so is the logarithm. In ASCII they are +/- and */.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Set
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from screwsim.declare import KINDS
+from screwsim.scene.fields import Leaf, leaf_paths, value_at
+from screwsim.scene.types import Scene, Tolerance
+from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
+from screwsim.scene.values import limits_text, shown, text_of, within
+from screwsim.scene.yaml_tree import Node, Place, Problem, join
+
+BLOCK, TOGETHER = "uncertainty", "correlated"
+APART = ("title", "base", "sweep", "output", BLOCK)  # keys under which no value has one
+_SIGNS = {"±": False, "+/-": False, "+-": False, "×/÷": True, "x/÷": True, "*/": True, "x/": True}
+_TEXT = re.compile(rf"(.*?[0-9.].*?)\s*({'|'.join(map(re.escape, _SIGNS))})\s*(.*)", re.DOTALL)
+_SHARE = re.compile(rf"({NUMBER})\s*%")
+_BARE = re.compile(NUMBER)
+_UNIT = re.compile(rf"\s*{NUMBER}\s*(.*)", re.DOTALL)
+_EXAMPLE = "write e.g. '27 um ± 5 um', '3 ± 10 %' or '50 um ×/÷ 2'"
+
+
+class Given(NamedTuple):
+    """A tolerance as it is written: the value's text before it, whether it is a factor, its own text, and where."""
+
+    value: str
+    factor: bool
+    text: str
+    place: Place
+
+
+def taken(root: Node, path: str = "") -> tuple[Node, dict[str, Given]]:
+    """Return a tree whose values stand without their tolerances, and these by their paths."""
+    match = _TEXT.fullmatch(root.value) if path and isinstance(root.value, str) else None
+    if match is not None:
+        value, sign, text = match[1].strip(), match[2], match[3].strip()
+        found = {path: Given(value, _SIGNS[sign], text, root.place)}
+        return replace(root, value=_nominal(value, text, _SIGNS[sign])), found
+    if not isinstance(root.value, dict):
+        return root, {}
+    content: dict[str, Node] = {}
+    every: dict[str, Given] = {}
+    for name, child in root.value.items():
+        content[name], found = (child, {}) if not path and name in APART else taken(child, join(path, name))
+        every |= found
+    return (replace(root, value=content) if every else root), every
+
+
+def _nominal(value: str, text: str, factor: bool) -> Any:
+    """Return a value as it stands without a tolerance; one without a unit has that of the tolerance, or is a number."""
+    if not _BARE.fullmatch(value):
+        return value
+    match = None if factor else _UNIT.fullmatch(text)
+    unit = match[1].strip() if match else ""
+    return f"{value} {unit}" if unit and unit != "%" else float(value)
+
+
+def read_tolerances(
+    given: Mapping[str, Given], block: Node | None, scene: Scene, problems: list[Problem]
+) -> tuple[dict[str, Tolerance], tuple[tuple[str, ...], ...]]:
+    """Return the tolerances of a scene by path, and which of them err together; faults are added at their places."""
+    leaves = leaf_paths({name: type(each.parameters) for name, each in scene.effects.items()}, scene.machine.kind)
+    found = {}
+    for path, each in given.items():
+        leaf = leaves.get(path)
+        try:
+            if leaf is None or (leaf.dimension is None and leaf.kind != "number"):
+                raise Refused("has a tolerance, which only quantities and numbers have (write the value alone)")
+            found[path] = _tolerance(leaf, each, float(value_at(scene, path)))
+        except Refused as refusal:
+            problems.append(Problem(each.place, path, str(refusal)))
+    return found, _together(block, set(given), problems)
+
+
+def _tolerance(leaf: Leaf, given: Given, value: float) -> Tolerance:
+    tolerance = _factor(leaf, given, value) if given.factor else Tolerance(_half(leaf, given, value))
+    for end in tolerance.ends(value):
+        if not within(leaf, end):
+            reach = f"its 95 % interval reaches {text_of(leaf, end)}, which is out of range"
+            raise Refused(f"{reach} (it must be {limits_text(leaf)}; write a smaller one, or a factor, as ×/÷ 1.5)")
+    return tolerance
+
+
+def _factor(leaf: Leaf, given: Given, value: float) -> Tolerance:
+    if not _BARE.fullmatch(given.text) or not float(given.text) > 1.0 or not math.isfinite(float(given.text)):
+        raise Refused(f"the tolerance {shown(given.text)} is not a factor above 1 (write e.g. ×/÷ 2)")
+    if value <= 0.0 or leaf.kind in ("temperature", "angle"):
+        raise Refused("a factor is for what is above nothing by nature, as lengths are (write ±)")
+    return Tolerance(float(given.text), factor=True)
+
+
+def _half(leaf: Leaf, given: Given, value: float) -> float:
+    """Return half the interval [SI] of a tolerance with ±."""
+    text, share = given.text, _SHARE.fullmatch(given.text)
+    if share is not None:
+        if leaf.kind == "temperature":
+            raise Refused(f"the tolerance {shown(text)} is a share of a temperature (write kelvin, e.g. ± 2 K)")
+        half = 0.01 * float(share[1]) * abs(value)
+    elif leaf.dimension is None:
+        if not _BARE.fullmatch(text):
+            raise Refused(f"the tolerance {shown(text)} is not a number ({_EXAMPLE})")
+        half = float(text)
+    else:
+        match = _UNIT.fullmatch(given.value)
+        unit = match[1].strip() if match else ""
+        kind = KINDS.get(f"{leaf.kind}_difference", leaf.dimension)
+        bare = _BARE.fullmatch(text) is not None
+        try:
+            half = parse_quantity(kind, f"{text} {unit}" if bare else text)
+        except Refused as refusal:
+            raise Refused(f"the tolerance {refusal}") from None
+    if not half > 0.0:
+        raise Refused(f"the tolerance {shown(text)} is {'negative' if half < 0.0 else 'nothing'} (write its size)")
+    return half
+
+
+def _together(
+    block: Node | None, known: Set[str], problems: list[Problem]
+) -> tuple[tuple[str, ...], ...]:
+    """Return the groups of paths that err together."""
+    if block is None or block.value is None:
+        return ()
+    if not isinstance(block.value, dict) or set(block.value) != {TOGETHER}:
+        what = f"is not the groups that err together (write {TOGETHER}: [[PATH, PATH], …])"
+        problems.append(Problem(block.place, BLOCK, what))
+        return ()
+    groups, seen = [], set()
+    listed = block.value[TOGETHER]
+    for group in listed.value if isinstance(listed.value, list) else [listed]:
+        if not isinstance(group.value, list) or len(group.value) < 2:
+            what = f"{shown(group.value)} is not a group of paths (write [[PATH, PATH], …])"
+            problems.append(Problem(group.place, f"{BLOCK}.{TOGETHER}", what))
+            continue
+        names = []
+        for node in group.value:
+            why = "is in two groups (name it in one)" if node.value in seen else ""
+            if not why and node.value not in known:
+                why = "has no tolerance in this scene (write it there, or leave it out)"
+            if why:
+                problems.append(Problem(node.place, f"{BLOCK}.{TOGETHER}", f"{shown(node.value)} {why}"))
+            seen.add(node.value)
+            names.append(str(node.value))
+        groups.append(tuple(names))
+    return tuple(groups)
+
+
+def tolerance_text(leaf: Leaf, tolerance: Tolerance) -> str:
+    """Return a tolerance as YAML text, behind its value."""
+    if tolerance.factor:
+        return f" ×/÷ {tolerance.size!r}"
+    kind = KINDS.get(f"{leaf.kind}_difference", leaf.dimension)
+    return f" ± {tolerance.size!r}" if kind is None else f" ± {format_quantity(kind, tolerance.size)}"
+
+
+def together_text(scene: Scene) -> Iterator[str]:
+    """Yield the lines of what errs together."""
+    if scene.correlated:
+        groups = ", ".join(f"[{', '.join(group)}]" for group in scene.correlated)
+        yield f"{BLOCK}: {{{TOGETHER}: [{groups}]}}"

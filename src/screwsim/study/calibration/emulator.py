@@ -1,0 +1,110 @@
+"""Figures of a fit over its parameters as polynomials of second degree, from solutions, with what they are off.
+
+A chain asks for a hundred thousand of evaluations; polynomials over the region that counts answer them, and say by how
+much they may be wrong: by the errors at each solution of the fit to the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.study.calibration.fit import Fit
+from screwsim.study.calibration.residuals import Array, Objective, Simulate
+from screwsim.study.each import each
+from screwsim.study.progress import Progress
+
+PER_TERM = 2  # solutions for each coefficient
+Key = tuple[str, str]  # name of the point, figure
+
+
+class Row(NamedTuple):
+    """The figures [SI] of all points at one set of places; NaN where there is none."""
+
+    figures: tuple[float, ...]
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Emulator:
+    """Figures over places 0 … 1 within `low` … `high`; rows of `coefficients` are the terms, columns the figures.
+
+    `off`: root mean square of the errors at solutions that were left out, by figure [SI]. `solutions` were made, of
+    which `failed` have not all figures.
+    """
+
+    keys: tuple[Key, ...]
+    low: Array
+    high: Array
+    coefficients: Array
+    off: Array
+    solutions: int
+    failed: int
+
+    def __call__(self, places: Array) -> Array:
+        """Return all figures [SI] at places (…, parameters)."""
+        return terms((places - self.low) / (self.high - self.low)) @ self.coefficients
+
+
+def terms(x: Array) -> Array:
+    """Return 1, x, and all products of two of x (…, terms), of places scaled to the region's -1 … 1."""
+    x = 2.0 * np.asarray(x, float) - 1.0
+    size = x.shape[-1]
+    products = [x[..., i] * x[..., j] for i in range(size) for j in range(i, size)]
+    return np.stack([np.ones(x.shape[:-1]), *np.moveaxis(x, -1, 0), *products], axis=-1)
+
+
+def keys_of(fit: Fit) -> tuple[Key, ...]:
+    """Return every measured figure, of points that are fitted or not."""
+    return tuple((point.name, figure) for point in fit.points for figure in point.measured)
+
+
+def emulate(
+    fit: Fit, low: Array, high: Array, simulate: Simulate | None, jobs: int | None, progress: Progress | None
+) -> Emulator | None:
+    """Return polynomials of all measured figures over a region of places; None where too few solutions have figures."""
+    from scipy.stats import qmc
+
+    size = len(low)
+    count = PER_TERM * (size + 1) * (size + 2) // 2
+    cube = qmc.LatinHypercube(size, rng=np.random.default_rng(fit.seed)).random(count)
+    places = low + (high - low) * np.vstack([np.full(size, 0.5), cube])
+    call = partial(figures_at, fit, places, simulate)
+    rows = each(call, len(places), died=lambda number: Row((), "worker died"), jobs=jobs, progress=progress)
+    return fitted(fit, low, high, places, rows)
+
+
+def figures_at(fit: Fit, places: Array, simulate: Simulate | None, number: int) -> Row:
+    """Return the figures of every point at one set of places."""
+    asked = Objective(fit, simulate)
+    values, found, why = asked.values(places[number]), [], ""
+    for point in fit.points:
+        result = asked.solved(point, values)
+        why = why or ("" if result.status == "ok" else f"{point.name}: {result.told}")
+        found += [result.performance.get(figure) for figure in point.measured]
+    return Row(tuple(np.nan if value is None else float(value) for value in found), why)
+
+
+def fitted(fit: Fit, low: Array, high: Array, places: Array, rows: list[Row]) -> Emulator | None:
+    """Return the polynomials through solutions, by least squares."""
+    keys = keys_of(fit)
+    whole = [len(row.figures) == len(keys) and bool(np.isfinite(row.figures).all()) for row in rows]
+    design = terms((places[whole] - low) / (high - low))
+    if len(design) <= design.shape[1]:
+        return None
+    values = np.array([row.figures for row, good in zip(rows, whole, strict=True) if good])
+    coefficients = np.asarray(np.linalg.lstsq(design, values)[0], float)
+    leverage = np.einsum("ij,ji->i", design, np.linalg.pinv(design))
+    left_out = (values - design @ coefficients) / np.maximum(1.0 - leverage, 1e-6)[:, None]
+    off = np.sqrt(np.mean(left_out**2, axis=0))
+    return Emulator(keys, low, high, coefficients, off, len(rows) * len(fit.points), len(rows) - int(sum(whole)))
+
+
+def measured(fit: Fit) -> tuple[Mapping[Key, float], Mapping[Key, float]]:
+    """Return measured values and their standard uncertainties [SI]."""
+    pairs = [((point.name, name), each) for point in fit.points for name, each in point.measured.items()]
+    return {key: each.value for key, each in pairs}, {key: each.uncertainty for key, each in pairs}

@@ -1,0 +1,310 @@
+"""What measured points say of parameters as a probability: Bayes' rule, sampled by emcee.
+
+Measured = model (parameters) + discrepancy + measurement. The discrepancy of each figure, what the model cannot follow
+whatever its parameters, is a normal deviation of its own at every point, of a width that is found with the parameters.
+Priors: parameters even between their bounds, or normal where the fit states a prior; widths half-Cauchy, of the scale
+of the figure's stated uncertainty (Gelman 2006: weak, and without an end). Places are 0 … 1 between the bounds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.study.calibration.emulator import Emulator, Key, emulate, figures_at, measured
+from screwsim.study.calibration.fit import Fit
+from screwsim.study.calibration.residuals import Array, Simulate
+from screwsim.study.calibration.solve import Calibration
+from screwsim.study.progress import Progress
+
+LEVEL = 0.9  # of the intervals
+REGION = 5.0  # standard errors of the fit to each side, in which the posterior is looked for; widened where it is cut
+CUT = 0.02  # share of the samples in the outer twentieth of the region at one side, from which on it is cut
+WALKERS, STEPS, MOST_STEPS = 6, 2000, 16000  # walkers a dimension; steps of a stretch, and in all
+LONG = 50.0  # autocorrelation times that a chain has to have (emcee's advice)
+SETTLED = 1.01  # split-R̂ below which chains have settled (Vehtari et al. 2021)
+CHECKED = 8  # draws that are solved, to see what the polynomials are off
+TOLERABLE = 0.5  # of a figure's uncertainty: further off, the posterior is that of the polynomials and not of the model
+UNTOLD = 0.8  # width of a parameter's posterior over its prior's from which on the points do not tell it
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A parameter or width: median and the interval of `LEVEL`, standard deviation [SI], and that over the prior's."""
+
+    name: str
+    low: float
+    median: float
+    high: float
+    deviation: float
+    of_prior: float | None = None
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """A measured figure [SI] beside what the posterior predicts of a measurement of it: median and interval."""
+
+    point: str
+    figure: str
+    fitted: bool
+    measured: float
+    low: float
+    median: float
+    high: float
+
+    @property
+    def inside(self) -> bool:
+        return self.low <= self.measured <= self.high
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """The posterior: spreads of parameters and of the discrepancy's widths, predictions, and whether chains settled.
+
+    `samples` (n, parameters) are values [SI], `widths` (n, figures) those of the discrepancy [SI]. `off` is the largest
+    error of the polynomials that was met, over the figures' uncertainties. `status` ok | not converged | failed.
+    """
+
+    status: str
+    message: str
+    parameters: tuple[Spread, ...] = ()
+    discrepancies: tuple[Spread, ...] = ()
+    predicted: tuple[Predicted, ...] = ()
+    samples: Array | None = None
+    widths: Array | None = None
+    r_hat: float | None = None
+    autocorrelation: float | None = None
+    steps: int = 0
+    effective: float | None = None
+    off: float | None = None
+    solutions: int = 0
+    failed: int = 0
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """The logarithm of the posterior over places and logarithms of the widths."""
+
+    fit: Fit
+    emulator: Emulator
+    figures: tuple[str, ...]
+    which: np.ndarray  # number of the figure of each key
+    fitted: np.ndarray  # keys of fitted points
+    value: Array
+    uncertainty: Array
+    scale: Array  # of the widths, by figure
+
+    @property
+    def size(self) -> int:
+        return len(self.fit.parameters) + len(self.figures)
+
+    def parted(self, at: Array) -> tuple[Array, Array]:
+        """Return places and widths [SI] of states (…, size)."""
+        count = len(self.fit.parameters)
+        return at[..., :count], np.exp(np.clip(at[..., count:], -30.0, 30.0)) * self.scale
+
+    def __call__(self, at: Array) -> Array:
+        """Return the logarithms of the posterior of states (n, size)."""
+        places, widths = self.parted(at)
+        inside = np.all((places >= self.emulator.low) & (places <= self.emulator.high), axis=-1)
+        ours = self.emulator(places)
+        variance = self.uncertainty**2 + self.emulator.off**2 + widths[:, self.which] ** 2
+        left = np.where(self.fitted, (ours - self.value) ** 2 / variance + np.log(variance), 0.0)
+        ratio = np.exp(np.clip(at[:, places.shape[-1] :], -30.0, 30.0))
+        wide = np.sum(np.log(ratio) - np.log1p(ratio**2), axis=-1)  # half-Cauchy, over the logarithm
+        return np.where(inside, -0.5 * left.sum(axis=-1) + wide + self._prior(places), -np.inf)
+
+    def _prior(self, places: Array) -> Array:
+        """Return the logarithm of the parameters' priors; even priors in the value are so over the place if linear."""
+        total = np.zeros(len(places))
+        for i, parameter in enumerate(self.fit.parameters):
+            if parameter.prior is not None:
+                values = np.array([parameter.value(float(place)) for place in places[:, i]])
+                total -= 0.5 * ((values - parameter.prior.mean) / parameter.prior.deviation) ** 2
+        return total
+
+
+def posterior(
+    found: Calibration,
+    *,
+    simulate: Simulate | None = None,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+    most_steps: int = MOST_STEPS,
+) -> Posterior:
+    """Return what the points say of the parameters of a fit, from its best one."""
+    try:
+        import emcee
+    except ImportError:
+        remedy = "pip install 'screwsim[posterior]'"
+        raise UsageError(f"emcee is not installed, which --posterior needs (install it with: {remedy})") from None
+    if not found.values:
+        return Posterior("failed", f"there is no fit to begin with: {found.message}")
+    low, high = _region(found)
+    solutions = failed = 0
+    for widened in (False, True):
+        emulator = emulate(found.fit, low, high, simulate, jobs, progress)
+        if emulator is None:
+            why = "too few solutions have all figures near the best fit (narrow the bounds)"
+            return Posterior("failed", why, solutions=solutions, failed=failed)
+        solutions, failed = solutions + emulator.solutions, failed + emulator.failed
+        problem = _problem(found.fit, emulator)
+        chain = _sampled(emcee, problem, found, most_steps)
+        cut = _cut(problem.parted(chain.flat)[0], low, high)
+        if widened or not cut.any():
+            break
+        low, high = _wider(low, high, cut)
+    return _judged(problem, chain, simulate, solutions, failed)
+
+
+def _region(found: Calibration) -> tuple[Array, Array]:
+    """Return the places between which the posterior is looked for: some standard errors about the best fit."""
+    low, high = [], []
+    for i, parameter in enumerate(found.fit.parameters):
+        value = found.values[parameter.path]
+        place, error = parameter.place(value), None if found.certainty is None else found.certainty.errors[i]
+        reach = 1.0 if error is None else REGION * found.scale * error / max(parameter.slope(value), 1e-300)
+        low.append(max(0.0, place - max(reach, 0.02)))
+        high.append(min(1.0, place + max(reach, 0.02)))
+    return np.array(low), np.array(high)
+
+
+def _cut(places: Array, low: Array, high: Array) -> np.ndarray:
+    """Tell at which sides (2, parameters) of the region, that are no bounds, the samples are cut off."""
+    edge = 0.05 * (high - low)
+    below = (np.mean(places < low + edge, axis=0) > CUT) & (low > 0.0)
+    above = (np.mean(places > high - edge, axis=0) > CUT) & (high < 1.0)
+    return np.array([below, above])
+
+
+def _wider(low: Array, high: Array, cut: np.ndarray) -> tuple[Array, Array]:
+    width = high - low
+    return np.where(cut[0], np.maximum(0.0, low - width), low), np.where(cut[1], np.minimum(1.0, high + width), high)
+
+
+def _problem(fit: Fit, emulator: Emulator) -> _Problem:
+    values, uncertainties = measured(fit)
+    fitted = {point.name for point in fit.points if point.fitted}
+    figures = tuple(dict.fromkeys(figure for point, figure in emulator.keys if point in fitted))
+    which = np.array([figures.index(figure) if figure in figures else 0 for _, figure in emulator.keys])
+    uncertainty = np.array([uncertainties[key] for key in emulator.keys])
+    used = np.array([point in fitted for point, _ in emulator.keys])
+    scale = np.array([np.median(uncertainty[used & (which == i)]) for i in range(len(figures))])
+    value = np.array([values[key] for key in emulator.keys])
+    return _Problem(fit, emulator, figures, which, used, value, uncertainty, scale)
+
+
+@dataclass(frozen=True)
+class _Chain:
+    states: Array  # (steps, walkers, size), without the beginning
+    steps: int
+    autocorrelation: float
+    r_hat: float
+
+    @property
+    def flat(self) -> Array:
+        return self.states.reshape(-1, self.states.shape[-1])
+
+
+def _sampled(emcee: Any, problem: _Problem, found: Calibration, most: int) -> _Chain:
+    """Return states of the posterior, after as many steps as it takes to settle, or the most."""
+    generator = np.random.default_rng(found.fit.seed)
+    places = np.array([each.place(found.values[each.path]) for each in found.fit.parameters])
+    width = problem.emulator.high - problem.emulator.low
+    walkers = WALKERS * problem.size
+    start = places + 0.05 * width * generator.standard_normal((walkers, len(places)))
+    margin = 0.01 * width
+    start = np.clip(start, problem.emulator.low + margin, problem.emulator.high - margin)
+    start += 1e-4 * width * generator.random(start.shape)  # no two alike where a bound has caught them
+    states = np.hstack([start, 0.3 * generator.standard_normal((walkers, len(problem.figures))) - 0.5])
+    moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
+    sampler = emcee.EnsembleSampler(walkers, problem.size, problem, vectorize=True, moves=moves)
+    sampler.random_state = np.random.RandomState(found.fit.seed).get_state()
+    while True:
+        states = sampler.run_mcmc(states, min(STEPS, most), skip_initial_state_check=True)
+        done = sampler.iteration
+        tau = float(np.max(sampler.get_autocorr_time(tol=0)))
+        kept = sampler.get_chain(discard=done // 4)
+        r_hat = float(np.max(split_r_hat(kept)))
+        if (done >= LONG * tau and r_hat < SETTLED) or done >= most:
+            return _Chain(kept, done, tau, r_hat)
+
+
+def split_r_hat(chains: Array) -> Array:
+    """Return split-R̂ of chains (steps, chains, size), by coordinate: 1 where halves of all chains agree."""
+    half = len(chains) // 2
+    parts = np.concatenate([chains[:half], chains[half : 2 * half]], axis=1)
+    within = parts.var(axis=0, ddof=1).mean(axis=0)
+    between = half * parts.mean(axis=0).var(axis=0, ddof=1)
+    return np.sqrt(((half - 1) / half * within + between / half) / np.maximum(within, 1e-300))
+
+
+def _judged(problem: _Problem, chain: _Chain, simulate: Simulate | None, solutions: int, failed: int) -> Posterior:
+    fit, generator = problem.fit, np.random.default_rng(problem.fit.seed)
+    flat = chain.flat
+    draws = flat[generator.choice(len(flat), size=min(4000, len(flat)), replace=False)]
+    places, widths = problem.parted(draws)
+    samples = np.array([[p.value(float(u)) for p, u in zip(fit.parameters, row, strict=True)] for row in places])
+    off, bad = _check(problem, places, simulate)
+    parameters = tuple(_of_parameter(fit, i, samples[:, i]) for i in range(samples.shape[1]))
+    discrepancies = tuple(_spread(name, widths[:, i]) for i, name in enumerate(problem.figures))
+    settled = chain.r_hat < SETTLED and chain.steps >= LONG * chain.autocorrelation
+    told = []
+    if not settled:
+        told.append(f"chains have not settled after {chain.steps} steps (R-hat {chain.r_hat:.3f})")
+    if off is not None and off > TOLERABLE:
+        told.append(f"the polynomials are off by up to {off:.2g} uncertainties (narrow the bounds)")
+    rest = {
+        "samples": samples,
+        "widths": widths,
+        "r_hat": chain.r_hat,
+        "autocorrelation": chain.autocorrelation,
+        "steps": chain.steps,
+        "effective": chain.states.shape[0] * chain.states.shape[1] / chain.autocorrelation,
+        "off": off,
+        "solutions": solutions + CHECKED * len(fit.points),
+        "failed": failed + bad,
+    }
+    predicted = tuple(_predictions(problem, places, widths, generator))
+    status = "not converged" if told else "ok"
+    return Posterior(status, "; ".join(told), parameters, discrepancies, predicted, **rest)
+
+
+def _check(problem: _Problem, places: Array, simulate: Simulate | None) -> tuple[float | None, int]:
+    """Return the largest error of the polynomials at some draws, over the uncertainties, and how many failed."""
+    some = places[:CHECKED]
+    rows = [figures_at(problem.fit, some, simulate, number) for number in range(len(some))]
+    off = [np.abs(problem.emulator(at) - row.figures) / problem.uncertainty for at, row in zip(some, rows, strict=True)]
+    known = [float(np.max(each)) for each in off if np.isfinite(each).all()]
+    return (max(known) if known else None), len(off) - len(known)
+
+
+def _of_parameter(fit: Fit, number: int, values: Array) -> Spread:
+    parameter = fit.parameters[number]
+    even = float(np.std([parameter.value(float(u)) for u in np.linspace(0.0, 1.0, 201)]))
+    prior = even if parameter.prior is None else min(parameter.prior.deviation, even)
+    found = _spread(parameter.path, values)
+    return Spread(found.name, found.low, found.median, found.high, found.deviation, found.deviation / float(prior))
+
+
+def _spread(name: str, values: Array) -> Spread:
+    low, median, high = (float(each) for each in np.quantile(values, _ENDS))
+    return Spread(name, low, median, high, float(values.std()))
+
+
+_ENDS = (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL)
+
+
+def _predictions(problem: _Problem, places: Array, widths: Array, generator: np.random.Generator) -> Any:
+    """Yield each measured figure with what a measurement of it would be by the posterior."""
+    ours = problem.emulator(places)
+    variance = problem.uncertainty**2 + problem.emulator.off**2 + widths[:, problem.which] ** 2
+    drawn = ours + np.sqrt(variance) * generator.standard_normal(ours.shape)
+    ends = np.quantile(drawn, _ENDS, axis=0)
+    key: Key
+    for i, key in enumerate(problem.emulator.keys):
+        low, median, high = (float(each) for each in ends[:, i])
+        yield Predicted(*key, bool(problem.fitted[i]), float(problem.value[i]), low, median, high)

@@ -1,0 +1,119 @@
+"""Limits of a machine, FIGURE<VALUE or FIGURE>VALUE, and the envelope of temperatures within which all of them hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from screwsim.engineering import engineering, quantity, shown_name
+from screwsim.figures import declared
+from screwsim.scene import Scene
+from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.goals import read_bounds
+
+RATED = "effects.motor.rated_power"
+
+
+class Bound(NamedTuple):
+    """A limit: a figure, whether it is to stay below (1) or above (-1) a value [SI], and what states it."""
+
+    figure: str
+    sign: int
+    value: float
+    source: str = "--limit"
+
+    def excess(self, found: Mapping[str, Any]) -> float:
+        """Return by how much [SI] figures lie beyond it; negative within, NaN of a figure without a value."""
+        value = found.get(self.figure)
+        return math.nan if value is None else self.sign * (float(value) - self.value)
+
+    @property
+    def words(self) -> str:
+        """The limit as a person writes it."""
+        return f"{shown_name(self.figure)} {'<' if self.sign > 0 else '>'} {shown(self.figure, self.value)}"
+
+
+def shown(figure: str, value: float) -> str:
+    """Return a figure [SI] with its customary unit, four digits; temperatures in °C."""
+    about = declared(figure)
+    if about.units == "K":
+        return f"{value - ZERO_CELSIUS:.4g} °C"
+    if about.units == "1":
+        return " ".join(engineering(about, value)).strip()
+    return quantity(about.shown or about.units, value)
+
+
+def limits_of(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
+    """Return the limits that texts state, and the motor's rated power where the scene has one; raise UsageError."""
+    stated = read_bounds(scene, texts, "--limit")
+    found = [Bound(each.figure, 1 if each.sign == "<" else -1, each.value) for each in stated]
+    motor = scene.effects.get("motor")
+    if motor is not None and not any(bound.figure == "shaft_power" for bound in found):
+        found.append(Bound("shaft_power", 1, float(motor.parameters.rated_power), RATED))
+    return tuple(found)
+
+
+class Reach(NamedTuple):
+    """From where to where the condensing side may go at an evaporating temperature [SI], and what ends it."""
+
+    evaporating: float
+    low: float
+    high: float
+    below: str
+    above: str
+
+
+def envelope(
+    points: Mapping[tuple[int, int], Mapping[str, Any] | None],
+    axes: tuple[Sequence[float], Sequence[float]],
+    bounds: Sequence[Bound],
+) -> Iterator[Reach]:
+    """Yield for each evaporating temperature the longest run of points within all limits, its ends interpolated.
+
+    `points` are figures by the numbers on both axes, None where a point has none. Between a point within and one beyond
+    a limit its excess is taken as linear; next to a point without figures the run ends at the last one that has them.
+    """
+    for i, evaporating in enumerate(axes[0]):
+        column = [points[i, j] for j in range(len(axes[1]))]
+        inside = [found is not None and not beyond(found, bounds) for found in column]
+        runs = list(_runs(inside))
+        if not runs:
+            continue
+        first, last = max(runs, key=lambda run: run[1] - run[0])
+        low, below = _end(column, axes[1], first, first - 1, bounds)
+        high, above = _end(column, axes[1], last, last + 1, bounds)
+        yield Reach(evaporating, low, high, below, above)
+
+
+def beyond(found: Mapping[str, Any], bounds: Sequence[Bound]) -> list[Bound]:
+    """Return the limits that figures lie beyond, or have no value of."""
+    return [bound for bound in bounds if not bound.excess(found) <= 0.0]
+
+
+def _runs(inside: Sequence[bool]) -> Iterator[tuple[int, int]]:
+    first = None
+    for j, good in enumerate([*inside, False]):
+        if good and first is None:
+            first = j
+        elif not good and first is not None:
+            yield first, j - 1
+            first = None
+
+
+def _end(
+    column: Sequence[Mapping[str, Any] | None], values: Sequence[float], j: int, outside: int, bounds: Sequence[Bound]
+) -> tuple[float, str]:
+    """Return where a run that ends at point j ends, and why."""
+    if not 0 <= outside < len(column):
+        return values[j], "end of the table"
+    here, there = column[j], column[outside]
+    assert here is not None
+    if there is None:
+        return values[j], "no result beyond"
+    shares = {}
+    for bound in beyond(there, bounds):
+        a, b = bound.excess(here), bound.excess(there)
+        shares[bound.words] = -a / (b - a) if math.isfinite(b) and b > a else 0.0
+    words = min(shares, key=lambda each: shares[each])
+    return values[j] + shares[words] * (values[outside] - values[j]), words

@@ -1,0 +1,171 @@
+"""Local sensitivities: how each figure of a scene changes with each of its numbers, at the point that it states.
+
+They are exact where the cycle can be linearised (`derivatives`), and differences of closed cycles where not; which of
+them a number's are is told with them.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+from screwsim.declare import is_derived
+from screwsim.derivatives.solving import found
+from screwsim.faults import UsageError
+from screwsim.outputs import Result
+from screwsim.scene import Scene, leaf_of, scene_of, with_values
+from screwsim.scene.fields import Leaf, leaf_paths, value_at
+from screwsim.scene.types import Found
+from screwsim.simulate import simulate
+from screwsim.study.each import each
+from screwsim.study.figures import figure_of
+from screwsim.study.inputs import STEPS, check_continuous
+from screwsim.study.optimum import closed
+from screwsim.study.progress import Progress
+from screwsim.study.workers import DIED
+
+EXACT, DIFFERENCES = "exact", "differences"
+STEP = 5e-3  # of a number, for differences of closed cycles ...
+ACCURACY = 1e-6  # ... of this accuracy, or that of the scene where it is finer
+APART = ("numerics.", "output.")  # numbers of no machine
+KINDS = {**STEPS, "numbers": "a list of numbers", "file": "a file"}
+
+
+@dataclass(frozen=True)
+class Sensitivities:
+    """Derivatives of figures by numbers of a scene, at the point that it states.
+
+    `derivatives` are those of each figure by the number at each path, SI units of one over those of the other; `values`
+    the numbers [SI], `method` how each one's were found, 'exact' or 'differences' (then `why` says why), `left_out`
+    which paths have none, and why. `result` is the point itself.
+    """
+
+    result: Result
+    values: Mapping[str, float] = field(default_factory=dict)
+    derivatives: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    method: Mapping[str, str] = field(default_factory=dict)
+    why: Mapping[str, str] = field(default_factory=dict)
+    left_out: Mapping[str, str] = field(default_factory=dict)
+
+    def relative(self, figure: str, path: str) -> float | None:
+        """Return the change of a figure in percent per percent of a number; None where one of them is nothing."""
+        value, slope = self.result.performance.get(figure), self.derivatives.get(figure, {}).get(path)
+        if slope is None or not value or not self.values[path]:
+            return None
+        return slope * self.values[path] / value
+
+
+def numeric_paths(scene: Scene) -> tuple[dict[str, float], dict[str, str]]:
+    """Return the numbers [SI] of a scene by path, and why other inputs of it cannot be moved a little."""
+    leaves = leaf_paths({name: type(active.parameters) for name, active in scene.effects.items()}, scene.machine.kind)
+    values: dict[str, float] = {}
+    left_out: dict[str, str] = {}
+    for path, leaf in leaves.items():
+        value = value_at(scene, path)
+        if value is None or path.startswith(APART) or leaf.kind == "word":
+            continue
+        if leaf.kind in KINDS:
+            left_out[path] = KINDS[leaf.kind]
+        elif isinstance(value, Found):
+            left_out[path] = "follows from the cycle"
+        elif is_derived(value):
+            left_out[path] = "follows from what the scene states"
+        else:
+            values[path] = float(value)
+    return values, left_out
+
+
+def sensitivities(
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    paths: Sequence[str] | None = None,
+    figures: Sequence[str] | None = None,
+    *,
+    jobs: int | None = 1,
+    progress: Progress | None = None,
+    result: Result | None = None,
+) -> Sensitivities:
+    """Return the derivatives of figures (default: all) by the numbers at paths (default: all that the scene has).
+
+    `result` is that of the scene, where it is known. Raises UsageError for a path or a figure that is not there.
+    """
+    scene = scene_of(scene)
+    every, left_out = numeric_paths(scene)
+    names = tuple(dict.fromkeys(figure_of(scene, name) for name in figures or ()))
+    values = every if paths is None or not paths else _asked(scene, paths, every)
+    result = simulate(scene, trace=False) if result is None else result
+    if result.status != "ok":
+        return Sensitivities(result)
+    exact = found(scene, values)
+    others = {path: exact.why or exact.refused[path] for path in values if path not in exact.derivatives}
+    differenced, failed = _differences(scene, {path: values[path] for path in others}, jobs, progress)
+    by_path = {**exact.derivatives, **differenced}
+    there = [name for name, value in result.performance.items() if isinstance(value, int | float)]
+    asked = [name for name in there if name in names or not names]
+    return Sensitivities(
+        result,
+        {path: value for path, value in values.items() if path in by_path},
+        {name: {path: by_path[path][name] for path in values if name in by_path.get(path, {})} for name in asked},
+        {path: DIFFERENCES if path in others else EXACT for path in values if path in by_path},
+        {path: why for path, why in others.items() if path in by_path},
+        ({} if paths else left_out) | failed,
+    )
+
+
+def _asked(scene: Scene, paths: Sequence[str], every: Mapping[str, float]) -> dict[str, float]:
+    """Return the numbers at paths that are asked for; raise UsageError for one that has none."""
+    for path in paths:
+        check_continuous(scene, path)
+        if path not in every:
+            follows = isinstance(value_at(scene, path), Found) or is_derived(value_at(scene, path))
+            why = "follows from others" if follows else "is not stated"
+            raise UsageError(f"{path}: {why} in this scene (state it, or leave it out)")
+    return {path: every[path] for path in dict.fromkeys(paths)}
+
+
+def _differences(
+    scene: Scene, values: Mapping[str, float], jobs: int | None, progress: Progress | None
+) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
+    """Return the derivatives of figures by path as differences of closed cycles, and why some have none."""
+    if not values:
+        return {}, {}
+    numerics = scene.numerics
+    finer = min(ACCURACY, numerics.accuracy) if numerics.rtol is None else numerics.accuracy
+    scene = replace(scene, numerics=replace(numerics, accuracy=finer, error="none"))
+    points = [(path, by) for path, value in values.items() for by in _sides(leaf_of(scene, path), value)]
+    results = each(
+        partial(_solved, scene, values, points),
+        len(points),
+        died=lambda number: Result("failed", DIED),
+        jobs=jobs,
+        failed=lambda result: result.status != "ok",
+        progress=progress,
+    )
+    slopes: dict[str, dict[str, float]] = {}
+    failed: dict[str, str] = {}
+    for i in range(0, len(points), 2):
+        (path, above), (_, below) = points[i], points[i + 1]
+        one, other = results[i], results[i + 1]
+        if wrong := next((each for each in (one, other) if each.status != "ok"), None):
+            failed[path] = wrong.told
+            continue
+        pairs = ((name, one.performance[name], other.performance.get(name)) for name in one.performance)
+        slopes[path] = {name: (a - b) / (above - below) for name, a, b in pairs if a is not None and b is not None}
+    return slopes, failed
+
+
+def _sides(leaf: Leaf, value: float) -> tuple[float, float]:
+    """Return by how much a number is shifted up and down, within the limits of its leaf."""
+    step = STEP * abs(value) or STEP
+    most = leaf.limits.get("le", leaf.limits.get("lt"))
+    least = leaf.limits.get("ge", leaf.limits.get("gt"))
+    up = step if most is None or value + step <= most else 0.0
+    down = step if least is None or value - step >= least else 0.0
+    return up, -down
+
+
+def _solved(scene: Scene, values: Mapping[str, float], points: Sequence[tuple[str, float]], number: int) -> Result:
+    path, by = points[number]
+    return closed(with_values(scene, {path: values[path] + by}), partial(simulate, trace=False))

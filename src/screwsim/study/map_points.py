@@ -1,0 +1,139 @@
+"""A compressor map at points: what its polynomials say at temperatures inside its envelope."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.effects import catalogue
+from screwsim.faults import UsageError
+from screwsim.results import Results, open_results
+from screwsim.scene.fields import leaf_paths, unknown
+from screwsim.scene.operation import CONDENSING, EVAPORATING
+from screwsim.scene.units import ZERO_CELSIUS, Refused
+from screwsim.scene.values import convert
+from screwsim.study.performance_map import FIGURES, PerformanceMap, performance_maps
+
+EXAMPLE = '--at "evaporating_temperature=0 degC, condensing_temperature=40 degC"'
+ALIKE = 1e-9  # relative, of a value of another axis and that of a map
+
+
+class MapPoint(NamedTuple):
+    """A map at a point: the temperatures [K], the values of its other axes [SI], its figures [SI]."""
+
+    evaporating_temperature: float
+    condensing_temperature: float
+    values: Mapping[str, Any]
+    figures: Mapping[str, float]
+
+
+def evaluate_map(
+    results: Results | str | Path,
+    evaporating_temperature: float,
+    condensing_temperature: float,
+    figures: Sequence[str] = FIGURES,
+    **others: Any,
+) -> dict[str, float]:
+    """Return figures [SI] of a sweep's map at evaporating and condensing temperature [K].
+
+    Where the sweep has other axes `others` are their values [SI], by the last word of their paths (speed=309.0). Raise
+    UsageError, in one line, outside the envelope, where the polynomial says nothing.
+    """
+    of = results if isinstance(results, Results) else open_results(results)
+    maps = performance_maps(of, tuple(figures))
+    asked = {EVAPORATING: evaporating_temperature, CONDENSING: condensing_temperature}
+    asked |= {_axis(of, name): value for name, value in others.items()}
+    return dict(at(maps, asked).figures)
+
+
+def points_at(results: Results, maps: Sequence[PerformanceMap], texts: Sequence[str]) -> list[MapPoint]:
+    """Return the map at points written as NAME=VALUE, NAME=VALUE; raise UsageError in one line."""
+    found = []
+    for text in texts:
+        try:
+            found.append(at(maps, _read(results, text)))
+        except UsageError as fault:
+            raise UsageError(f"--at {text}: {fault}") from None
+    return found
+
+
+def at(maps: Sequence[PerformanceMap], asked: Mapping[str, Any]) -> MapPoint:
+    """Return the one map that is asked for by values [SI] of paths, at its temperatures; raise UsageError."""
+    T_e, T_c = (float(asked[path]) for path in (EVAPORATING, CONDENSING))
+    fitting = [one for one in maps if all(_alike(one.values.get(path), value) for path, value in asked.items())]
+    if len(fitting) != 1:
+        raise UsageError(_choose(maps, fitting))
+    (one,) = fitting
+    if one.message:
+        raise UsageError(f"there is no map: {one.message}")
+    S, D = T_e - ZERO_CELSIUS, T_c - ZERO_CELSIUS
+    if not one.inside(S, D):
+        corners = ", ".join(f"({s:g}, {d:g})" for s, d in one.envelope)
+        what = f"({S:.6g}, {D:.6g}) °C lies outside the envelope {corners} °C, where the polynomial says nothing"
+        raise UsageError(f"{what} (a point inside, or a sweep that reaches there)")
+    found = {figure: float(one.evaluate(figure, S, D)) for figure in one.fits}
+    return MapPoint(T_e, T_c, one.values, found)
+
+
+def _alike(own: Any, asked: Any) -> bool:
+    """Tell whether a map's value is the one asked for; temperatures, on which it has none, always are."""
+    if own is None or isinstance(own, str) or isinstance(asked, str):
+        return own is None or own == asked
+    return bool(np.isclose(float(own), float(asked), rtol=ALIKE, atol=0.0))
+
+
+def _choose(maps: Sequence[PerformanceMap], fitting: Sequence[PerformanceMap]) -> str:
+    """Return that no map has the values that are asked for, or several do, and which there are."""
+    paths = list(maps[0].values)
+    there = [", ".join(f"{path} = {_digits(one.values[path])}" for path in paths) for one in maps]
+    which = f"there are maps at {'; '.join(there)} in SI units"
+    if fitting:
+        return f"{len(fitting)} maps fit (name {' and '.join(path.rpartition('.')[2] for path in paths)}; {which})"
+    return f"no map is there ({which})"
+
+
+def _digits(value: Any) -> str:
+    return value if isinstance(value, str) else f"{float(value):.10g}"
+
+
+def _axis(results: Results, name: str) -> str:
+    """Return the path of an axis by its last word, or as it is; raise UsageError with the axes that there are."""
+    paths = list(results.varied)
+    same = [path for path in paths if name in (path, path.rpartition(".")[2])]
+    if len(same) == 1:
+        return same[0]
+    options = paths if "." in name else [path.rpartition(".")[2] for path in paths]
+    one_of = f"one of {', '.join(options)}"
+    raise UsageError(f"{name} {unknown(name, options, one_of)}")
+
+
+def _read(results: Results, text: str) -> dict[str, Any]:
+    """Return the values [SI] by path of a text NAME=VALUE, NAME=VALUE; raise UsageError."""
+    asked: dict[str, Any] = {}
+    for part in text.split(","):
+        name, equals, value = (each.strip() for each in part.partition("="))
+        if not (equals and name and value):
+            raise UsageError(f"is not NAME=VALUE, NAME=VALUE (write e.g. {EXAMPLE})")
+        path = _axis(results, name)
+        if path in asked:
+            raise UsageError(f"{name} is given twice (remove one)")
+        asked[path] = _value(path, value)
+    missing = [path for path in (EVAPORATING, CONDENSING) if path not in asked]
+    if missing:
+        raise UsageError(f"says nothing of {missing[0].rpartition('.')[2]} (write e.g. {EXAMPLE})")
+    return asked
+
+
+def _value(path: str, text: str) -> Any:
+    leaf = leaf_paths({name: effect.parameters for name, effect in catalogue().items()}).get(path)
+    try:
+        if leaf is not None and leaf.dimension is not None:
+            return convert(leaf, text)
+        return float(text)
+    except Refused as refusal:
+        raise UsageError(f"{path}: {refusal}") from None
+    except ValueError:
+        return text  # a word, such as a fluid

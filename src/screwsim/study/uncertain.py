@@ -1,0 +1,193 @@
+"""How sure the figures of a scene are: what the tolerances of its inputs make of them, and which of these most.
+
+Linear: standard uncertainties times exact derivatives, those of a group that errs together added, others in squares
+(GUM, law of propagation). The numerical error and the error of the model are others, and are not added.
+
+Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V 20-2009.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.faults import UsageError
+from screwsim.outputs import Result
+from screwsim.scene import Scene, leaf_of, scene_of, value_at, with_values
+from screwsim.scene.types import COVERAGE
+from screwsim.scene.values import within
+from screwsim.simulate import simulate
+from screwsim.study.each import each
+from screwsim.study.local import Sensitivities, sensitivities
+from screwsim.study.optimum import closed
+from screwsim.study.progress import Progress
+from screwsim.study.workers import DIED
+
+WRONG = 0.25  # of a standard uncertainty: by so much sampled and linear one may differ, or as by chance of few samples
+SHIFTED = 0.5  # of one: by so much the mean of a sample may lie beside the figure
+LEAST_COUNT = 8
+
+
+class Contributor(NamedTuple):
+    """Inputs that err together, one or more: their share of the variance, and the figure's change [SI] by them.
+
+    `change` is that of the whole tolerance, as half of a 95 % interval.
+    """
+
+    paths: tuple[str, ...]
+    share: float
+    change: float
+
+
+@dataclass(frozen=True)
+class Spread:
+    """What the tolerances make of one figure [SI]: its standard uncertainty, and by which inputs, the largest first."""
+
+    standard: float
+    contributors: tuple[Contributor, ...]
+
+    @property
+    def expanded(self) -> float:
+        """Half of the 95 % interval [SI]."""
+        return COVERAGE * self.standard
+
+
+class Sampled(NamedTuple):
+    """A sample of one figure: its mean, its standard deviation; what is wrong with the linear one, '' where nothing."""
+
+    mean: float
+    standard: float
+    wrong: str
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """The spreads of a scene's figures. `left_out` are inputs without a derivative, and why."""
+
+    spreads: Mapping[str, Spread]
+    slopes: Sensitivities
+    left_out: Mapping[str, str] = field(default_factory=dict)
+    sampled: Mapping[str, Sampled] = field(default_factory=dict)
+    samples: int = 0
+    message: str = ""  # why there is no sample
+
+    def as_json(self, most: int | None = None) -> dict[str, Any]:
+        """Return what `run --json` prints under `uncertainty`, of each figure all contributors or the first of them."""
+        figures = {
+            name: {
+                "standard": spread.standard,
+                "expanded": spread.expanded,
+                "contributors": [
+                    {"paths": list(one.paths), "share": one.share, "change": one.change}
+                    for one in spread.contributors[:most]
+                ],
+            }
+            for name, spread in self.spreads.items()
+        }
+        methods = {path: self.slopes.method[path] for path in self.slopes.method}
+        return {"coverage_factor": COVERAGE, "figures": figures, "method": methods, "left_out": dict(self.left_out)}
+
+
+def uncertainty(
+    scene: Scene | str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    result: Result | None = None,
+    jobs: int | None = 1,
+    progress: Progress | None = None,
+) -> Uncertainty:
+    """Return what the tolerances of a scene's inputs make of its figures; raise UsageError where it has none."""
+    scene = scene_of(scene)
+    if not scene.uncertain:
+        raise UsageError("no input has a tolerance (write one behind its value, e.g. gap: 27 um ± 5 um)")
+    found = sensitivities(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result)
+    groups = [*scene.correlated, *((path,) for path in scene.uncertain if path not in sum(scene.correlated, ()))]
+    spreads = {name: _spread(scene, found, slopes, groups) for name, slopes in found.derivatives.items()}
+    left_out = {path: found.left_out.get(path, "no derivative") for path in scene.uncertain if path not in found.values}
+    return Uncertainty(spreads, found, left_out if found.derivatives else {})
+
+
+def _spread(
+    scene: Scene, found: Sensitivities, slopes: Mapping[str, float], groups: Sequence[tuple[str, ...]]
+) -> Spread:
+    """Return the spread of a figure with these derivatives by path."""
+    changes = {}
+    for group in groups:
+        there = tuple(path for path in group if path in slopes)
+        if there:
+            changes[there] = sum(slopes[path] * _standard(scene, found, path) for path in there)
+    variance = sum(change * change for change in changes.values())
+    ranked = sorted(changes.items(), key=lambda item: -abs(item[1]))
+    shares = (Contributor(paths, by * by / variance if variance else 0.0, COVERAGE * by) for paths, by in ranked if by)
+    return Spread(float(variance**0.5), tuple(shares))
+
+
+def _standard(scene: Scene, found: Sensitivities, path: str) -> float:
+    """Return the standard uncertainty [SI] of a number, of a factor that of small changes."""
+    tolerance = scene.uncertain[path]
+    return tolerance.standard * (found.values[path] if tolerance.factor else 1.0)
+
+
+def checked(
+    scene: Scene, linear: Uncertainty, count: int, *, jobs: int | None = None, progress: Progress | None = None
+) -> Uncertainty:
+    """Return the same with a Sobol sample of the inputs beside it: where it differs, linear is wrong."""
+    if count < LEAST_COUNT or count & (count - 1):
+        raise UsageError(f"--check-sobol {count}: is not a power of two from {LEAST_COUNT} on (write e.g. 64)")
+    points = _drawn(scene, count)
+    results = each(
+        partial(_solved, scene, points),
+        count,
+        died=lambda number: Result("failed", DIED),
+        jobs=jobs,
+        failed=lambda result: result.status != "ok",
+        progress=progress,
+    )
+    bad = [result for result in results if result.status != "ok"]
+    if bad:
+        return replace(linear, samples=count, message=f"{len(bad)} of {count} samples have no figures: {bad[0].told}")
+    sampled = {}
+    for name, spread in linear.spreads.items():
+        values = [result.performance.get(name) for result in results]
+        if None not in values:
+            sampled[name] = _compared(np.array(values, float), linear.slopes.result.performance[name], spread.standard)
+    return replace(linear, samples=count, sampled=sampled)
+
+
+def _drawn(scene: Scene, count: int) -> list[dict[str, float]]:
+    """Return a Sobol sample of the inputs [SI]; what errs together does so."""
+    from scipy.stats import norm, qmc
+
+    groups = [*scene.correlated, *((path,) for path in scene.uncertain if path not in sum(scene.correlated, ()))]
+    sample = qmc.Sobol(len(groups), scramble=True, rng=1).random(count)
+    deviations = np.asarray(norm.ppf(np.clip(sample, 1e-9, 1.0 - 1e-9)))
+    return [
+        {path: _inside(scene, path, float(row[i])) for i, group in enumerate(groups) for path in group}
+        for row in deviations
+    ]
+
+
+def _inside(scene: Scene, path: str, deviation: float) -> float:
+    """Return the value [SI] that is so many standard uncertainties off; the ends of its interval beyond its limits."""
+    tolerance, value = scene.uncertain[path], float(value_at(scene, path))
+    found = tolerance.at(value, deviation)
+    return found if within(leaf_of(scene, path), found) else tolerance.at(value, float(np.clip(deviation, -2.0, 2.0)))
+
+
+def _solved(scene: Scene, points: Sequence[Mapping[str, float]], number: int) -> Result:
+    return closed(with_values(scene, points[number]), partial(simulate, trace=False))
+
+
+def _compared(values: np.ndarray, figure: float, linear: float) -> Sampled:
+    mean, standard = float(values.mean()), float(values.std(ddof=1))
+    largest, chance = max(standard, linear, 1e-9 * abs(figure)), 2.0 / (2.0 * (len(values) - 1)) ** 0.5
+    wrong = []
+    if abs(standard - linear) > max(WRONG, chance) * largest:
+        wrong.append(f"its spread is {standard / linear if linear else float('inf'):.2g} times the linear one")
+    if abs(mean - figure) > SHIFTED * largest:
+        wrong.append("its mean lies beside the figure")
+    return Sampled(mean, standard, ", and ".join(wrong))

@@ -1,0 +1,130 @@
+"""Screws on gases: an air package, a booster that sucks at pressure, an expander."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from screwsim.faults import UsageError
+from screwsim.fluid import constants
+from screwsim.fluid.oils import OILS
+from screwsim.template import sizes, texts
+from screwsim.template.asked import Asked, Condition, beside_of, condition_of, refused
+
+RPM = math.pi / 30.0
+LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power; an expander's: what a filled inlet gives
+DRY = 80e-6  # [m], clearances of dry rotors of 160 mm: two to four times those of flooded ones, assumed
+AIR_OIL = 4.0  # kilograms per kilogram of air that leave oil some 30 K warmer (validation/cagi)
+LEAVES, WARMED = 353.15, 30.0  # [K]: what leaves a booster, and by how much its oil is warmed
+LEAST_OIL = 2.0  # kilograms per kilogram of gas
+SHUT = 4e5  # [Pa] over the surroundings, below which a package's minimum-pressure valve stays shut
+FAN = 0.04  # of the motor
+
+
+class Duty(NamedTuple):
+    """The lines of a condition, and estimates of the gas between them (SI units)."""
+
+    at: Condition
+    temperature: str
+    T: float
+    k: float
+    R: float
+
+    @property
+    def ratio(self) -> float:
+        """The higher pressure over the lower."""
+        return max(self.at.high, self.at.low) / min(self.at.high, self.at.low)
+
+    @property
+    def density(self) -> float:
+        """Density of what comes in."""
+        return self.at.low / (self.R * self.T)
+
+    @property
+    def work(self) -> float:
+        """Work of compressing, or of expanding, without loss."""
+        return abs(sizes.isentropic_work(self.k, self.R, self.T, self.at.high / self.at.low))
+
+
+def _duty(asked: Asked, fluid: str, example: str, temperature: str, expands: bool = False) -> Duty:
+    at = condition_of(asked.condition or example, "pressure", example)
+    low, high = (at.high, at.low) if expands else (at.low, at.high)
+    if not low < high:
+        order = "an expander's inlet is first, above its outlet" if expands else "the suction is first, below discharge"
+        raise UsageError(f"--condition {asked.condition}: {order} (write e.g. --condition '{example}')")
+    text, T = beside_of(at, "temperature", temperature)
+    return Duty(at, text, T, constants.isentropic_exponent(fluid, T), constants.gas_constant(fluid))
+
+
+def _common(asked: Asked, duty: Duty, size: sizes.Size, share: float, flow: float, speed: float) -> dict[str, str]:
+    usual = sizes.matching(duty.ratio, duty.k, share)
+    return {
+        "machine": texts.machine(size, asked.ratio, usual, duty.ratio, flow, speed),
+        "flow": sizes.flow_text(flow),
+        "speed": sizes.rpm(speed),
+        "low": duty.at.low_text,
+        "high": duty.at.high_text,
+        "temperature": duty.temperature,
+    }
+
+
+def _motor(power: float) -> dict[str, str]:
+    rated = sizes.motor_for(power)
+    return {"rated": f"{rated:g} kW", "efficiency": f"{sizes.motor_efficiency(rated):.3g}"}
+
+
+def air(asked: Asked) -> str:
+    """Return the scene of an oil-flooded air package."""
+    if (asked.fluid or "Air").lower() != "air":
+        raise UsageError(f"--fluid {asked.fluid}: an air package is of air (write screwsim new booster for a gas)")
+    flow, speed, oil = asked.flow or 1200.0 / 3600.0, asked.speed or 2950.0 * RPM, asked.oil or "mineral_46"
+    size, duty = texts.sized(flow, speed), _duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC")
+    gas_flow, drop = LAMBDA * flow * duty.density, duty.at.high - duty.at.low
+    motor = _motor(gas_flow * duty.work / ETA)
+    values = {
+        **_common(asked, duty, size, 0.97, flow, speed),
+        **motor,
+        "flooded": texts.flooded(size),
+        "oil": oil,
+        "bore": sizes.mm(sizes.bore(AIR_OIL * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
+        "free_air": f"{60.0 * LAMBDA * flow:.3g} m^3/min",
+        "least": f"{1e-5 * (duty.at.low + SHUT):.3g} bar",
+        "fan": f"{FAN * float(motor['rated'].split()[0]):.2g} kW",
+    }
+    return texts.filled("air", values)
+
+
+def booster(asked: Asked) -> str:
+    """Return the scene of a screw that sucks gas at pressure: a fuel-gas booster, or a second stage."""
+    fluid, oil = asked.fluid or "Methane", asked.oil or "PAG_100"
+    flow, speed = asked.flow or 600.0 / 3600.0, asked.speed or 2950.0 * RPM
+    size, duty = texts.sized(flow, speed), _duty(asked, fluid, "5/20 bar", "20 degC")
+    c_p = duty.R * duty.k / (duty.k - 1.0)
+    left = duty.work / ETA - c_p * (LEAVES - duty.T)
+    ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(LEAVES - 0.5 * WARMED) * WARMED)) / 2.0
+    values = {
+        **_common(asked, duty, size, 0.97, flow, speed),
+        **_motor(LAMBDA * flow * duty.density * duty.work / ETA),
+        "flooded": texts.flooded(size),
+        "fluid": fluid,
+        "oil": oil,
+        "oil_ratio": f"{max(LEAST_OIL, ratio):g}",
+    }
+    return texts.filled("booster", values)
+
+
+def expander(asked: Asked) -> str:
+    """Return the scene of a dry screw expander with a generator."""
+    refused("--oil", asked.oil, "an expander here is dry (remove it)")
+    fluid, flow, speed = asked.fluid or "R134a", asked.flow or 375.0 / 3600.0, asked.speed or 2950.0 * RPM
+    size, duty = texts.sized(flow, speed), _duty(asked, fluid, "20/7 bar", "100 degC", expands=True)
+    common = _common(asked, duty, size, 1.0, flow, speed)
+    inlet = flow / (asked.ratio or sizes.matching(duty.ratio, duty.k, 1.0))
+    values = {
+        **common,
+        **_motor(inlet * duty.density * duty.work),
+        "machine": common["machine"].replace("kind: twin_screw\n", "kind: twin_screw\n  mode: expander\n"),
+        "fluid": fluid,
+        "gap": sizes.um(DRY * size.clearance),
+    }
+    return texts.filled("expander", values)

@@ -1,0 +1,155 @@
+"""A screw compressor of a refrigeration plant or a heat pump: that of configs/r134a/compact.yaml in another size."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from screwsim.faults import UsageError
+from screwsim.fluid import constants
+from screwsim.fluid.composition import is_blend
+from screwsim.fluid.oils import OILS
+from screwsim.template import sizes, texts
+from screwsim.template.asked import Asked, beside_of, condition_of
+
+RPM = math.pi / 30.0
+EFFICIENCIES = 0.91, 0.74  # lambda and eta_s of mean curves (validation/bitzer), for estimates of flow and power
+HOT = 350.0  # [K] of isentropic compression, from which the oil is cooled
+LEAVES, ABOVE = 348.15, 35.0  # [K] at which gas and oil then leave, and at least so far above condensing
+WARMED = 25.0  # [K] by which the oil is then warmed
+WARM = 333.15  # [K] at which the oil passes its bores
+COPPER_EATS = ("ammonia", "r717", "nh3")
+OILS_FOR = {"ammonia": "mineral_68", "propane": "PAG_68", "isobutane": "PAG_68", "propylene": "PAG_68"}
+
+
+class Plant(NamedTuple):
+    """What a kind of plant begins with, where nothing else is asked for."""
+
+    what: str
+    fluid: str
+    condition: str
+
+
+COOLING = Plant("Refrigeration screw", "R134a", "0/40 degC")
+HEATING = Plant("Heat-pump screw", "R1234ze(E)", "10/65 degC")
+
+
+class Duty(NamedTuple):
+    """The states of a condition, estimates of flow and power, SI units."""
+
+    T_e: float
+    T_c: float
+    superheat: str
+    more: float  # [K] of it
+    p_s: float
+    p_d: float
+    gas_flow: float
+    work: float
+    hottest: float
+    heat_capacity: float
+    k: float
+
+
+def cooling(asked: Asked) -> str:
+    """Return the scene of a refrigeration compressor."""
+    return _scene(asked, COOLING)
+
+
+def heating(asked: Asked) -> str:
+    """Return the scene of a heat pump's compressor."""
+    return _scene(asked, HEATING)
+
+
+def _scene(asked: Asked, plant: Plant) -> str:
+    fluid, flow, speed = asked.fluid or plant.fluid, asked.flow or 600.0 / 3600.0, asked.speed or 2950.0 * RPM
+    duty, size = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition), texts.sized(flow, speed)
+    usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
+    oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
+    ratio, separator = _oil(duty, oil)
+    cooled = "discharge_temperature:" in separator.partition("#")[0]
+    values = {
+        **conditions(duty),
+        **_drive(fluid, duty),
+        **_jets(duty, ratio, oil),
+        "machine": texts.machine(size, asked.ratio, usual, duty.p_d / duty.p_s, flow, speed),
+        "ports": texts.ports(size),
+        "what": plant.what,
+        "fluid": fluid,
+        "flow": sizes.flow_text(flow),
+        "speed": sizes.rpm(speed),
+        "two_phase": ", two_phase: equilibrium"
+        if cooled and not is_blend(fluid)
+        else "",  # on cooled oil gas may condense
+        "oil": oil,
+        "oil_ratio": f"{ratio:g}",
+        "separator": separator,
+        "shaft_area": sizes.area(sizes.SHAFTS * size.scale * size.clearance),
+    }
+    return texts.filled("refrigeration", values)
+
+
+def conditions(duty: Duty) -> dict[str, str]:
+    """Return the temperatures of a duty as a scene states them; the liquid stays above the evaporator."""
+    e, c = (f"{T - 273.15:.6g}" for T in (duty.T_e, duty.T_c))
+    return {
+        "condition": f"{e}/{c} degC",
+        "evaporating": f"{e} degC",
+        "condensing": f"{c} degC",
+        "superheat": duty.superheat,
+        "subcooling": f"{min(5.0, 0.5 * (duty.T_c - duty.T_e)):g} K",
+    }
+
+
+def _drive(fluid: str, duty: Duty) -> dict[str, str]:
+    rated = sizes.motor_for(duty.gas_flow * duty.work / EFFICIENCIES[1])
+    if fluid.lower() in COPPER_EATS:
+        told = "Open drive, as ammonia attacks copper: IE3, four poles (IEC 60034-30-1)"
+        return {
+            "drive": told,
+            "motor": f"{{rated_power: {rated:g} kW, efficiency: {sizes.motor_efficiency(rated):.3g}}}",
+        }
+    told = "Semi-hermetic, in the suction gas, 92 % efficient as the source of validation/bitzer takes it"
+    return {"drive": told, "motor": f"{{rated_power: {rated:g} kW, efficiency: 0.92, cooling: suction_gas}}"}
+
+
+def _jets(duty: Duty, ratio: float, oil: str) -> dict[str, str]:
+    drop = duty.p_d - duty.p_s
+    bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(WARM), drop)
+    return {
+        "bore": sizes.mm(bore, 2),
+        "jet": f"{1e-5 * drop:.2g} bar",
+        "reference_pressure": f"{1e-5 * math.sqrt(duty.p_s * duty.p_d):.2g} bar",
+        "reference_temperature": f"{0.5 * (duty.T_e + duty.more + duty.T_c + 20.0):.0f} K",
+    }
+
+
+def duty_of(fluid: str, flow: float, condition: str, example: str) -> Duty:
+    """Return the states of a condition and estimates of flow and power; raise UsageError for one that cannot be."""
+    found = condition_of(condition, "temperature", example)
+    superheat, more = beside_of(found, "temperature_difference", "10 K")
+    limits = constants.limits(fluid)
+    assert limits is not None
+    for T in (found.low, found.high):
+        if not limits.T_triple < T < limits.T_critical:
+            what = f"{fluid} saturates between {limits.T_triple - 273.15:.1f} and {limits.T_critical - 273.15:.1f} degC"
+            raise UsageError(f"--condition {condition}: {what} (write e.g. --condition '{example}')")
+    if not found.low < found.high:
+        raise UsageError(f"--condition {condition}: evaporates above condensing (write LOW/HIGH, e.g. '{example}')")
+    p_s, p_d = constants.dew_pressure(fluid, found.low), constants.condensing_pressure(fluid, found.high)
+    T, R = found.low + more, constants.gas_constant(fluid)
+    k = constants.isentropic_exponent(fluid, T)
+    hottest = T * (p_d / p_s) ** ((k - 1.0) / k)
+    gas_flow = EFFICIENCIES[0] * flow * p_s / (R * T)
+    work = sizes.isentropic_work(k, R, T, p_d / p_s)
+    return Duty(found.low, found.high, superheat, more, p_s, p_d, gas_flow, work, hottest, R * k / (k - 1.0), k)
+
+
+def _oil(duty: Duty, oil: str) -> tuple[float, str]:
+    """Return oil over gas, and the separator with a cooler where the gas gets hot without one."""
+    if duty.hottest < HOT:
+        return 1.0, "separator: {}    # uncooled; cooler: {discharge_temperature: 75 degC} adds a thermostat"
+    leaves = max(LEAVES, duty.T_c + ABOVE)
+    left = duty.work / EFFICIENCIES[1] - duty.heat_capacity * (leaves - duty.T_e - duty.more)
+    ratio = max(1.0, math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves) * WARMED)) / 2.0)
+    kept = f"cooler: {{discharge_temperature: {leaves - 273.15:.0f} degC}}"
+    return ratio, f"separator: {{{kept}}}    # a thermostat keeps the temperature of what leaves"

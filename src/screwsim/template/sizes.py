@@ -1,0 +1,122 @@
+"""How the machines of new scenes scale with their size, from the machines that the program knows and stated sources.
+
+Rotors (b) of 160 mm were fitted to mean curves of compact screws (validation/bitzer): gaps of 26 um, 9.6 mm^2 past the
+shafts. Larger ones are cut as a whole: clearances grow with the diameter, as validation/cagi and configs/air take it
+(discharge end faces of one maker grow faster: 0.05 mm at 160 mm, 0.095 at 250, MYCOM V series, manual). Smaller ones
+cannot be cut as much finer: clearances fall with the tolerance unit of ISO 286, i = 0.45 D^(1/3) + 0.001 D.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from screwsim.machine.rotors.families import FAMILIES
+from screwsim.machine.stated import unit_volume
+
+KNOWN = 0.160  # [m], diameter of the machine that was fitted
+GAP, SHAFTS = 26e-6, 9.6e-6  # [m], [m^2]
+LANDS = {"tip": 2e-3, "interlobe": 5e-3, "end_face": 10e-3}  # [m] along the leak (validation/bitzer/machine.yaml)
+MOTORS = (  # [kW], rated powers of IEC 60072-1
+    *(0.75, 1.1, 1.5, 2.2, 3, 4, 5.5, 7.5, 11, 15, 18.5, 22, 30, 37, 45, 55, 75, 90, 110, 132, 160, 200, 250, 315, 355),
+    *(400, 450, 500, 560, 630, 710, 800, 900, 1000),
+)
+RESERVE = 1.1  # of a motor over the estimated power
+RATED = ((7.5, 0.904), (22.0, 0.930), (55.0, 0.946), (110.0, 0.954), (200.0, 0.960))  # IE3, four poles, IEC 60034-30-1
+
+
+class Size(NamedTuple):
+    """Rotors of a family: diameter and length [m], and their diameter over that of the machine that was fitted."""
+
+    diameter: float
+    length: float
+
+    @property
+    def scale(self) -> float:
+        """Diameter over the known one."""
+        return self.diameter / KNOWN
+
+    @property
+    def clearance(self) -> float:
+        """Clearances over the known ones."""
+        return max(self.scale, tolerance_unit(self.diameter) / tolerance_unit(KNOWN))
+
+
+def size_of(flow: float, speed: float, family: str = "b") -> Size:
+    """Return the rotors that displace a flow [m³/s] at a speed [rad/s]."""
+    rotors = FAMILIES[family]
+    volume = 2.0 * math.pi * flow / speed / rotors.male_lobes / unit_volume(family, rotors.wrap_angle)
+    diameter = (volume / rotors.length) ** (1.0 / 3.0)
+    return Size(diameter, rotors.length * diameter)
+
+
+def tolerance_unit(diameter: float) -> float:
+    """Return the tolerance unit i [µm] of ISO 286 for a diameter [m]."""
+    mm = 1e3 * diameter
+    return 0.45 * mm ** (1.0 / 3.0) + 0.001 * mm
+
+
+def motor_for(power: float) -> float:
+    """Return the rated power [kW] of the smallest motor with some reserve over a power [W]."""
+    wanted = RESERVE * 1e-3 * power
+    return next((float(each) for each in MOTORS if each >= wanted), float(math.ceil(wanted / 100.0) * 100.0))
+
+
+def motor_efficiency(rated: float) -> float:
+    """Return the efficiency of an IE3 motor of a rated power [kW], between the table's rows by its logarithm."""
+    powers, found = zip(*RATED, strict=True)
+    if rated <= powers[0] or rated >= powers[-1]:
+        return found[0] if rated <= powers[0] else found[-1]
+    above = next(i for i, each in enumerate(powers) if each >= rated)
+    share = math.log(rated / powers[above - 1]) / math.log(powers[above] / powers[above - 1])
+    return found[above - 1] + share * (found[above] - found[above - 1])
+
+
+def bore(oil_flow: float, density: float, drop: float, count: int = 2) -> float:
+    """Return the bore [m] of `count` jets that pass an oil flow [kg/s] under a pressure difference [Pa].
+
+    The rule of configs/r134a/point.yaml: a discharge coefficient of 0.7.
+    """
+    return math.sqrt(4.0 / math.pi * oil_flow / density / count / (0.7 * math.sqrt(2.0 * drop / density)))
+
+
+def isentropic_work(k: float, gas_constant: float, T: float, ratio: float) -> float:
+    """Return the work [J/kg] of an ideal gas compressed without loss by a pressure ratio: an estimate of powers."""
+    return k / (k - 1.0) * gas_constant * T * (ratio ** ((k - 1.0) / k) - 1.0)
+
+
+def matching(ratio: float, k: float, share: float, low: float = 1.8, high: float = 5.0) -> float:
+    """Return the built-in volume ratio of a pressure ratio, within what machines are sold with, to a tenth."""
+    return min(max(round(share * ratio ** (1.0 / k), 1), low), high)
+
+
+def mm(length: float, digits: int = 3) -> str:
+    """Return a length [m] in millimetres, of some digits."""
+    return f"{float(f'{1e3 * length:.{digits}g}'):g} mm"
+
+
+def um(length: float) -> str:
+    """Return a length [m] in micrometres."""
+    return f"{1e6 * length:.3g} um"
+
+
+def area(value: float, digits: int = 3) -> str:
+    """Return an area [m²] in square millimetres, of some digits."""
+    return f"{float(f'{1e6 * value:.{digits}g}'):g} mm^2"
+
+
+def flow_text(flow: float) -> str:
+    """Return a flow [m³/s] a machine's catalogue way."""
+    return f"{3600.0 * flow:.6g} m^3/h"
+
+
+def rpm(speed: float) -> str:
+    """Return a speed [rad/s] in turns a minute."""
+    return f"{speed * 30.0 / math.pi:.6g} rpm"
+
+
+def displaced(diameter: float, speed: float, family: str = "b") -> float:
+    """Return the flow [m³/s] that rotors of a diameter [m] displace at a speed [rad/s]."""
+    rotors = FAMILIES[family]
+    volume = unit_volume(family, rotors.wrap_angle) * rotors.length * diameter**3
+    return volume * rotors.male_lobes * speed / (2.0 * math.pi)

@@ -1,0 +1,114 @@
+"""`screwsim export`: what it writes, prints and refuses."""
+
+import json
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from screwsim.outputs import Figures, Result
+from screwsim.scene import load
+from screwsim.study.sweep import run_sweep
+
+POINT = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
+SPEED = "operation.speed=2500 rpm..3500 rpm"
+
+
+def test_a_unit_is_written_from_a_scene(command, folder):
+    answer = command("export", "fmu", "small.yaml", "-o", "new/x.fmu", "--over", SPEED, "--jobs", "1")
+    assert answer.code == 0 and "speed 2500 rpm … 3500 rpm" in answer.err
+    assert "new/x.fmu" in answer.out and "gas_mass_flow" in answer.out
+    assert "modelDescription.xml" in zipfile.ZipFile("new/x.fmu").namelist()
+
+
+def test_json_is_one_document_also_from_results(command, folder):
+    command("sweep", "swept.yaml", "-o", "x.h5", "--jobs", "1")
+    answer = command("export", "fmu", "x.h5", "-o", "x.fmu", "--sources-only", "--json")
+    found = json.loads(answer.out)
+    assert answer.code == 0 and found["files"] == ["x.fmu"]
+    assert [one["name"] for one in found["inputs"]] == ["speed"] and found["error"] is None
+    assert found["error_is"] == "not known, as no axis has five values"
+
+
+def test_an_error_that_is_not_met_is_told_with_exit_code_4(command, folder):
+    over = "operation.discharge.pressure=3 bar..25 bar"
+    wanted = ("--error", "0.00031", "--most-cases", "5", "--jobs", "1", "--sources-only")
+    answer = command("export", "fmu", "small.yaml", "-o", "x.fmu", "--over", over, *wanted)
+    assert answer.code == 4 and "is above the 0.00031 asked for" in answer.err
+    assert Path("x.fmu").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("fmu", "small.yaml", "-o", "x.zip", "--over", SPEED), "has no ending that tells its format"),
+        (("fmu", "small.yaml", "-o", "x.fmu"), "there is nothing to map over"),
+        (("fmu", "small.yaml", "-o", "x.fmu", "--over", SPEED, "--fmi", "1"), "'1' is not one of '2', '3'"),
+        (("fmuu", "small.yaml"), "did you mean 'fmu'?"),
+        (("fmu", "small.yaml", "-o", "small.fmu", "--over", SPEED), "small.fmu: is there, and not of the kind"),
+    ],
+)
+def test_what_makes_no_sense_is_one_line_and_exit_code_2(command, folder, arguments, says):
+    Path("small.fmu").write_text("mine")
+    answer = command("export", *arguments)
+    assert answer.code == 2 and says in answer.err and answer.out == ""
+    assert Path("small.fmu").read_text() == "mine"
+
+
+def simple(scene) -> Result:
+    """Return figures that are polynomials of both temperatures."""
+    S, D = (T - 273.15 for T in (scene.operation.evaporating_temperature, scene.operation.condensing_temperature))
+    figures = Figures(
+        isentropic_efficiency=0.7 - 1e-3 * S,
+        volumetric_efficiency=0.9 - 1e-3 * D,
+        gas_mass_flow=1.0 + 0.01 * S,
+        shaft_power=3e4 + 100.0 * D,
+        cooling_capacity=2e5 + 1e3 * S,
+        discharge_temperature=350.0 + D,
+        displacement=2e-3,
+        suction_pressure=3e5 + 1e4 * S,
+        discharge_pressure=1e6 + 2e4 * D,
+    )
+    return Result("ok", performance=figures, error=Figures(dict.fromkeys(figures, 1e-6)))
+
+
+@pytest.fixture
+def both(folder):
+    """Write x.h5, a sweep over both temperatures."""
+    axes = {"sweep.operation.evaporating_temperature": [f"{T} degC" for T in (-10, -5, 0, 5)]}
+    axes["sweep.operation.condensing_temperature"] = [f"{T} degC" for T in (35, 40, 45, 50)]
+    run_sweep(load(POINT).with_(axes), folder / "x.h5", jobs=1, simulate=simple)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("tespy", "x.json"),
+        ("energyplus", "x.idf"),
+        ("energyplus", "x.epJSON"),
+        ("en12900", "x.csv"),
+        ("en12900", "x.json"),
+        ("modelica", "x.mo"),
+        ("csv", "x.csv"),
+    ],
+)
+def test_texts_are_written_from_results(command, both, kind, name):
+    answer = command("export", kind, "x.h5", "-o", f"new/{name}")
+    assert answer.code == 0 and answer.out.splitlines()[-1] == f"new/{name}"
+    text = Path("new", name).read_text()
+    assert len(text) > 500
+    again = command("export", kind, "x.h5", "-o", f"new/{name}", "--json")
+    assert json.loads(again.out)["files"] == [f"new/{name}"] and Path("new", name).read_text() == text
+    other = command("export", kind, "x.h5", "-o", "x.pdf")
+    assert other.code == 2 and "has no ending that tells its format" in other.err
+
+
+def test_loads_of_a_machine_without_profile_are_its_flows(command, folder):
+    answer = command("export", "loads", "small.yaml", "-o", "loads")
+    assert answer.code == 0 and "forces and surfaces need rotors with a profile" in answer.err
+    assert sorted(path.name for path in Path("loads").iterdir()) == ["flows.csv", "flows_spectrum.csv", "loads.json"]
+    assert answer.out.splitlines()[-1] == "loads/loads.json"
+    found = json.loads(command("export", "loads", "small.yaml", "-o", "loads", "--json").out)
+    assert found["status"] == "ok" and found["left_out"]
+    assert command("export", "loads", "small.yaml", "-o", "small.yaml").code == 2

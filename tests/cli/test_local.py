@@ -1,0 +1,92 @@
+"""The command `sensitivity --local`: one document, a table that fits a terminal, files, mistakes in one line."""
+
+import json
+
+import pytest
+
+
+def test_local_sensitivities_are_one_document_with_the_method_of_each_number(folder, command):
+    answer = command("sensitivity", "oiled.yaml", "--local", "oil_supply.ratio", "operation.speed", "--json")
+    assert answer.code == 0
+    document = json.loads(answer.out)
+    assert document["method"] == {"oil_supply.ratio": "exact", "operation.speed": "exact"}
+    assert set(document["derivatives"]) == set(document["performance"])
+    assert document["relative"]["displacement_flow"]["operation.speed"] == pytest.approx(1.0, rel=1e-6)
+
+
+def test_local_sensitivities_are_shown_in_percent_and_in_words(folder, command):
+    answer = command("sensitivity", "oiled.yaml", "--local", "operation.speed", "--figure", "gas_mass_flow")
+    assert answer.code == 0
+    assert "percent per percent" in answer.out
+    assert "of operation.speed = " in answer.out
+
+
+def test_local_sensitivities_are_written_a_row_a_figure_and_number(folder, command):
+    asked = ("--local", "operation.speed", "--figure", "shaft_power", "-o", "s.csv")
+    assert command("sensitivity", "oiled.yaml", *asked).code == 0
+    head, row = (folder / "s.csv").read_text(encoding="utf-8").splitlines()
+    assert head == "figure,path,value,number,derivative,relative,method"
+    assert row.startswith("shaft_power,operation.speed,")
+
+
+@pytest.mark.parametrize(
+    ("rest", "told"),
+    [
+        (("--local", "operation.spede"), "did you mean 'operation.speed'?"),
+        (("--local", "machine.male_lobes"), "is a whole number, not a continuous quantity"),
+        (("--local", "--path", "oil_supply.ratio=1..2"), "--local has no ranges"),
+        (("oil_supply.ratio",), "a path without a range"),
+        (("--local", "--figure", "cop"), "is not called for in this scene"),
+    ],
+)
+def test_local_sensitivities_of_what_there_is_not_are_refused_in_one_line(folder, command, rest, told):
+    answer = command("sensitivity", "oiled.yaml", *rest)
+    assert answer.code == 2
+    assert told in answer.err
+    assert len(answer.err.splitlines()) == 1
+
+
+TOLERANT = ("--set", "operation.speed=3000 rpm ± 2 %", "--set", "effects.tip_leakage.gap=50 um ×/÷ 1.5")
+
+
+def test_a_run_with_tolerances_tells_numerical_error_and_inputs_apart(folder, command):
+    answer = command("run", "oiled.yaml", *TOLERANT, "--json")
+    assert answer.code == 0
+    document = json.loads(answer.out)
+    found = document["uncertainty"]["figures"]["displacement_flow"]
+    assert found["expanded"] == pytest.approx(0.02 * document["performance"]["displacement_flow"], rel=1e-6)
+    assert found["contributors"][0]["paths"] == ["operation.speed"]
+    assert document["error"]["gas_mass_flow"] < document["uncertainty"]["figures"]["gas_mass_flow"]["expanded"]
+
+
+def test_a_run_with_tolerances_shows_the_largest_contributors_in_lines_that_fit(folder, command):
+    answer = command("run", "oiled.yaml", *TOLERANT)
+    told = answer.out[answer.out.index("uncertain by") :]
+    assert answer.code == 0
+    assert "tip_leakage.gap" in told and "coverage factor 2" in told
+    assert max(map(len, told.splitlines())) <= 80
+
+
+def test_a_run_without_tolerances_says_nothing_of_them(folder, command):
+    assert "uncertainty" not in json.loads(command("run", "oiled.yaml", "--json").out)
+
+
+def test_the_linear_uncertainty_is_held_against_a_sample(folder, command):
+    answer = command("sensitivity", "oiled.yaml", *TOLERANT, "--check-sobol", "8", "--jobs", "1", "--json")
+    assert answer.code == 0
+    sampled = json.loads(answer.out)["sampled"]
+    assert sampled["samples"] == 8
+    assert sampled["figures"]["gas_mass_flow"]["standard"] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("rest", "told"),
+    [
+        (("--check-sobol", "8"), "no input has a tolerance"),
+        ((*TOLERANT, "--check-sobol", "7"), "is not a power of two"),
+    ],
+)
+def test_a_sample_that_cannot_be_is_refused_in_one_line(folder, command, rest, told):
+    answer = command("sensitivity", "oiled.yaml", *rest)
+    assert answer.code == 2
+    assert told in answer.err

@@ -1,0 +1,123 @@
+"""The commands that seek: pure JSON, what a person reads, exit codes, files."""
+
+import json
+import math
+import sys
+
+import pytest
+
+from screwsim import load, open_results
+from screwsim.outputs import Figures, Result
+
+RPM = math.pi / 30.0
+
+
+def fake(scene):
+    """Return a flow of 1 kg/s at 3000 rpm, even with the speed, and an efficiency best at d = 2; fail above d = 5."""
+    n, d = scene.operation.speed / RPM, scene.oil_supply.ratio
+    if d > 5.0:
+        return Result("failed", message="pressure left the range (choose a smaller gap)")
+    efficiency = 0.8 - 0.05 * math.log(d / 2.0) ** 2 - 0.1 * (n / 3000.0 - 1.0) ** 2
+    figures = Figures(gas_mass_flow=n / 3000.0, isothermal_efficiency=efficiency, shaft_power=1e4 * n / 3000.0)
+    return Result("ok", performance=figures, error=Figures(dict.fromkeys(figures, 1e-6)))
+
+
+@pytest.fixture
+def sought(folder, monkeypatch):
+    """Have a simulator that takes no time."""
+    from screwsim.simulate import warm_up
+
+    module = sys.modules[warm_up.__module__]
+    monkeypatch.setattr(module, "simulate_many", lambda scenes, trace=True: map(fake, scenes))
+    monkeypatch.setattr(module, "warm_up", lambda scene: None)
+    return folder
+
+
+SPEED = ("--vary", "operation.speed=1000 rpm..5000 rpm")
+RATIO = ("--vary", "oil_supply.ratio=0.5..10")
+
+
+def test_find_says_the_value_its_error_and_writes_the_scene(sought, command):
+    found = command("find", "oiled.yaml", *SPEED, "--for", "gas_mass_flow=1.2 kg/s", "-o", "found.yaml")
+    assert found.code == 0
+    assert "operation.speed = 3600 rpm ± 0.004 rpm" in found.out
+    assert "isothermal efficiency" not in found.out  # neither sought, nor one of those shown beside
+    assert found.err.strip() == "found.yaml"
+    assert load("found.yaml").operation.speed == pytest.approx(3600.0 * RPM)
+
+
+def test_find_that_finds_nothing_ends_with_4_and_says_how_far_it_came(sought, command):
+    found = command("find", "oiled.yaml", *SPEED, "--for", "gas_mass_flow=2 kg/s", "-o", "found.yaml")
+    told = " ".join(found.out.split())
+    assert found.code == 4 and not (sought / "found.yaml").exists()
+    assert "the nearest is 1.6667 kg/s, at operation.speed 5000 rpm, its upper border (widen the range)" in told
+
+
+def test_find_prints_one_document(sought, command):
+    found = command("find", "oiled.yaml", *SPEED, "--for", "gas_mass_flow=1.2 kg/s", "--json")
+    document = json.loads(found.out)
+    (row,) = document["rows"]
+    assert row["values"]["operation.speed"] == pytest.approx(3600.0 * RPM)
+    assert (row["status"], document["failed_solutions"]) == ("ok", 0)
+
+
+def test_find_gives_a_sweep_a_row_a_point(sought, command):
+    sweep = "sweep.oil_supply.ratio=[1, 2, 6]"
+    arguments = ("find", "oiled.yaml", "--set", sweep, *SPEED, "--for", "gas_mass_flow=1.2 kg/s")
+    found = command(*arguments, "-o", "rows.csv", "--jobs", "1")
+    assert found.code == 4 and "3600 rpm" in found.out and "failed" in found.out
+    assert "6: 8 of 8 solutions: failed: pressure left the range" in " ".join(found.out.split())
+    assert len((sought / "rows.csv").read_text().splitlines()) == 4
+    refused = command(*arguments, "-o", "found.yaml")
+    assert refused.code == 2 and "the sweep gives several answers" in refused.err
+
+
+def test_find_does_not_replace_a_scene_of_ones_own(sought, command):
+    found = command("find", "oiled.yaml", *SPEED, "--for", "gas_mass_flow=1 kg/s", "-o", "oiled.yaml")
+    assert found.code == 2 and "is there, and not of the kind that would be written" in found.err
+
+
+def test_optimize_says_the_best_and_writes_it(sought, command):
+    arguments = ("optimize", "oiled.yaml", *SPEED, *RATIO, "--maximize", "eta_iso", "--jobs", "1")
+    found = command(*arguments, "--best", "best.yaml", "-o", "out.h5")
+    assert found.code == 0
+    assert "highest isothermal efficiency, varying operation.speed 1000 rpm … 5000 rpm" in found.out
+    assert "isothermal efficiency 80 %, error" in found.out or "isothermal efficiency 79.99" in found.out
+    assert "failed: pressure left the range (choose a smaller gap)" in found.out
+    assert load("best.yaml").oil_supply.ratio == pytest.approx(2.0, rel=0.05)
+    assert open_results("out.h5").optimum["front"].sum() == 1
+
+
+def test_optimize_prints_a_front_and_one_document(sought, command):
+    arguments = ("optimize", "oiled.yaml", *SPEED, *RATIO, "--maximize", "eta_iso", "--maximize", "gas_mass_flow")
+    found = command(*arguments, "--evaluations", "120", "--jobs", "1")
+    assert found.code == 0 and "evaluations that no other betters in all aims" in found.out
+    document = json.loads(command(*arguments, "--evaluations", "120", "--jobs", "1", "--json").out)
+    first = document["front"][0]["aims"]
+    assert f"{100.0 * first['isothermal_efficiency']:.5g} %" in found.out
+    assert document["evaluations"] == 120
+
+
+def test_optimize_without_a_result_within_the_bounds_ends_with_4(sought, command):
+    found = command("optimize", "oiled.yaml", *SPEED, "--subject-to", "shaft_power<1 kW", "--jobs", "1")
+    assert found.code == 4
+    told = " ".join(found.out.split())
+    assert "no evaluation is within the bounds: for shaft_power<1 kW the nearest is 3.3333 kW" in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--over", "SEPR"), "--over SEPR: needs operation.evaporating_temperature and operation.condensing_temp"),
+        (("--print-points",), "--print-points: needs --over NAME, e.g. --over SEPR"),
+        (
+            ("--maximize", "eta_iso", "--maximize", "gas_mass_flow", "--best", "b.yaml"),
+            "--best b.yaml: of several aims",
+        ),
+        (("--best", "b.h5"), "--best b.h5: a scene is written, which ends in .yaml (write --best b.yaml)"),
+        (("-o", "out.csv"), "-o out.csv: results are written as HDF5"),
+    ],
+)
+def test_optimize_refuses_what_makes_no_sense(sought, command, arguments, message):
+    found = command("optimize", "oiled.yaml", *SPEED, *arguments)
+    assert found.code == 2 and found.err.startswith(message) and not found.out

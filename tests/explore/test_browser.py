@@ -1,0 +1,332 @@
+"""The page in a real browser: it follows the hand, says what fails, complains of nothing, and fits a phone."""
+
+import re
+import shutil
+import time
+from contextlib import contextmanager
+
+import pytest
+from explore_line import PAPER, served
+
+from screwsim.scene import load, loads
+from screwsim.simulate import simulate
+
+pytestmark = pytest.mark.browser
+
+SIZES = {"desktop": (1280, 900), "phone": (390, 844)}
+SPEED = "input[type=range][data-path='operation.speed']"
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Return Debian's Chromium; what playwright would download is not wanted."""
+    from playwright.sync_api import sync_playwright
+
+    path = shutil.which("chromium") or shutil.which("chromium-browser")
+    assert path, "no chromium on PATH (apt-get install chromium, or leave these tests out with -m 'not browser')"
+    with sync_playwright() as playwright:
+        found = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield found
+        found.close()
+
+
+@pytest.fixture(scope="module")
+def server():
+    with served(workers=2) as found:
+        yield found
+
+
+class Seen:
+    """A page that is open, what it complained of, and what it asked for."""
+
+    def __init__(self, page):
+        self.page, self.complaints, self.asked = page, [], []
+        page.on("console", lambda message: self.complaints.append(message.text))
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("request", lambda request: self.asked.append(request.url))
+        page.on("websocket", lambda line: self.asked.append(line.url))
+
+    def value(self, script):
+        return self.page.evaluate(script)
+
+    def until(self, script, seconds=60.0):
+        """Wait until a script gives what is true: the page's policy lets no text become a function in it."""
+        end = time.monotonic() + seconds
+        while not (found := self.value(script)):
+            assert time.monotonic() < end, script
+            time.sleep(0.02)
+        return found
+
+    def settled(self):
+        """Wait until all that was asked is answered and drawn, and the hand has rested."""
+        self.until("shown !== null && sent.size === 0 && !moved && !typing && log.answered === number")
+        return self
+
+
+@contextmanager
+def opened(browser, server, size="desktop", hash="", **more):
+    width, height = SIZES[size]
+    more = {"reduced_motion": "reduce", **more}
+    with browser.new_context(viewport={"width": width, "height": height}, **more) as context:
+        seen = Seen(context.new_page())
+        seen.page.goto(server.url + hash)
+        yield seen.settled()
+        assert seen.complaints == []
+
+
+def figures(*overrides):
+    return dict(simulate(load(PAPER, overrides), trace=False).performance)
+
+
+def test_sixty_changes_of_a_slider_are_each_answered_in_order(browser, server):
+    with opened(browser, server) as seen:
+        seen.page.focus(SPEED)
+        before = seen.value("log.sent")
+        for _ in range(60):
+            seen.page.keyboard.press("ArrowRight")
+        seen.settled()
+        log = seen.value("log")
+        assert log["sent"] - before == 60 and log["answered"] == log["sent"] and log["order"]
+        speed = seen.value("settings.set['operation.speed']")
+        assert seen.value("shown.performance") == figures(f"operation.speed={speed}")
+        assert seen.value("shown.settings.set['operation.speed']") == speed
+        assert seen.page.get_attribute(SPEED, "aria-valuetext").split()[0] == speed.split()[0]
+
+
+def test_the_drawn_loop_is_that_of_the_answer(browser, server):
+    with opened(browser, server) as seen:
+        peak = seen.value("Math.max(...charts.loop.content.curves.at(-1).y)")
+        assert peak == pytest.approx(simulate(load(PAPER)).cycle["pressure"].max() * 1e-5, rel=1e-6)  # float32
+        width, height = seen.value("[charts.loop.below.width, charts.loop.below.height]")
+        painted = "charts.loop.below.getContext('2d').getImageData(0, 0, %d, %d).data.some((each) => each > 0)"
+        assert seen.value(painted % (width, height))
+
+
+def test_three_pages_at_once_do_not_mix(browser, server):
+    speeds = (800, 1200, 1600)
+    with browser.new_context() as context:
+        pages = [Seen(context.new_page()) for _ in speeds]
+        for seen, speed in zip(pages, speeds, strict=True):
+            seen.page.goto(f"{server.url}#operation.speed={speed}%20rpm")
+        for seen, speed in zip(pages, speeds, strict=True):
+            seen.settled()
+            assert seen.value("shown.performance") == figures(f"operation.speed={speed} rpm")
+            assert seen.complaints == []
+
+
+def test_an_effect_is_switched_and_the_ledger_follows(browser, server):
+    with opened(browser, server) as seen:
+        before = seen.value("shown.performance.volumetric_efficiency")
+        seen.page.get_by_role("switch", name="blow hole").click()
+        seen.settled()
+        assert seen.value("shown.performance") == figures("effects.blow_hole=off")
+        assert "blow hole" not in seen.value("shown.ledger.entries.map((each) => each.words)")
+        assert not seen.page.locator("#of-effects-blow_hole-area").is_visible()
+        assert seen.value("ghost.performance.volumetric_efficiency") == before
+        assert "--set effects.blow_hole=off" in seen.page.locator("#shell").inner_text()
+
+
+def test_an_effect_that_needs_a_number_says_which(browser, server):
+    with opened(browser, server) as seen:
+        seen.page.get_by_role("switch", name="wall heat").click()
+        seen.until("document.getElementById('status').textContent === 'refused'")
+        field = seen.page.locator("#of-effects-wall_heat-rotor_area")
+        assert field.is_visible() and field.get_attribute("aria-invalid") == "true"
+        assert "effects.wall_heat.rotor_area" in seen.page.locator("#fault").inner_text()
+        assert seen.value("document.body.classList.contains('old')")
+        assert seen.value("shown.status") == "ok"  # the old answer stays
+        seen.page.get_by_role("switch", name="wall heat").click()
+        seen.until("document.getElementById('status').textContent === 'ok'")
+
+
+def test_a_scene_that_fails_shows_its_reason_and_recovers(browser, server):
+    with opened(browser, server) as seen:
+        field = seen.page.locator("#of-operation-discharge-pressure")
+        field.fill("1")
+        seen.until("!document.getElementById('fault').hidden")
+        assert "operation.discharge.pressure" in seen.page.locator("#fault").inner_text()
+        field.fill("10")
+        seen.until("document.getElementById('fault').hidden")
+        seen.settled()
+        assert seen.value("shown.performance") == figures("operation.discharge.pressure=10 bar")
+
+
+def test_a_link_restores_the_settings(browser, server):
+    with opened(browser, server) as seen:
+        seen.page.locator("#of-oil_supply-ratio").fill("1.5")
+        seen.page.get_by_role("switch", name="tip leakage").click()
+        seen.settled()
+        link = seen.page.url
+        wanted = seen.value("shown.performance")
+    with opened(browser, server, hash=link.removeprefix(server.url)) as seen:
+        assert seen.value("shown.performance") == wanted == figures("oil_supply.ratio=1.5", "effects.tip_leakage=off")
+        assert seen.page.locator("#of-oil_supply-ratio").input_value() == "1.5"
+        assert not seen.page.get_by_role("switch", name="tip leakage").is_checked()
+
+
+def test_what_is_saved_is_a_scene_that_gives_the_same(browser, server):
+    with opened(browser, server, hash="#operation.speed=1300%20rpm&effects.blow_hole=off") as seen:
+        with seen.page.expect_download() as saved:
+            seen.page.click("#save")
+        scene = loads(saved.value.path().read_text(encoding="utf-8"))
+        assert dict(simulate(scene, trace=False).performance) == seen.value("shown.performance")
+
+
+def test_the_report_of_the_settings_opens(browser, server):
+    with opened(browser, server, hash="#operation.speed=1300%20rpm") as seen:
+        with seen.page.context.expect_page() as other:
+            seen.page.get_by_role("button", name="Open in report").click()
+        other.value.wait_for_selector("html[data-ready=yes]")
+        assert "1300 rpm" in other.value.locator("#scene pre").inner_text()
+
+
+def test_cases_are_pinned_compared_and_shown_again(browser, server):
+    with opened(browser, server) as seen:
+        seen.page.click("#pin")
+        seen.page.locator("#of-operation-speed").fill("2000")
+        seen.settled()
+        seen.page.click("#pin")
+        rows = seen.page.locator("#pins tbody tr")
+        assert [rows.nth(i).locator("td").nth(1).inner_text() for i in range(2)] == [
+            "as the scene says",
+            "speed 2000 rpm",
+        ]
+        seen.page.select_option("#compared", "1")
+        assert seen.value("charts.loop.content.curves.filter((each) => each.pale).length") == 1
+        seen.page.get_by_role("button", name="Show pinned case 1").click()
+        seen.settled()
+        assert seen.value("shown.performance") == figures()
+
+
+def test_undo_goes_back_one_change(browser, server):
+    with opened(browser, server) as seen:
+        for value in ("2", "1"):
+            seen.page.locator("#of-oil_supply-ratio").fill(value)
+            seen.settled()
+        seen.page.click("#undo")
+        seen.settled()
+        assert seen.page.locator("#of-oil_supply-ratio").input_value() == "2"
+        assert seen.value("shown.performance") == figures("oil_supply.ratio=2")
+
+
+def test_the_angle_moves_rotors_and_cursor_together(browser, server):
+    with opened(browser, server) as seen:
+        pixels = "document.getElementById('section').toDataURL()"
+        before = seen.value(pixels)
+        seen.page.focus("#angle")
+        for _ in range(5):
+            seen.page.keyboard.press("ArrowRight")
+        assert seen.value("angleNow") == 408
+        assert seen.value(pixels) != before
+        x, y = seen.value("charts.loop.moving.points.at(-1)")[:2]
+        result = simulate(load(PAPER))
+        assert x == pytest.approx(1e6 * result.cycle["volume"][408], rel=1e-6)  # float32
+        assert y == pytest.approx(1e-5 * result.cycle["pressure"][408], rel=1e-6)
+
+
+def test_a_drag_on_the_loop_sets_the_angle(browser, server):
+    with opened(browser, server) as seen:
+        x, y = seen.value("[charts.loop.X(shown.traces.volume[600]), charts.loop.Y(shown.traces.pressure[600])]")
+        box = seen.page.locator("#loop").bounding_box()
+        seen.page.mouse.click(box["x"] + x, box["y"] + y)
+        assert seen.value("angleNow") == pytest.approx(600, abs=2)
+
+
+def test_it_plays_unless_less_motion_is_wanted(browser, server):
+    with opened(browser, server) as seen:
+        assert not seen.value("playing")
+        seen.page.click("#play")
+        now = seen.value("angleNow")
+        seen.until(f"angleNow !== {now}")
+    with opened(browser, server, reduced_motion="no-preference") as seen:
+        assert seen.value("playing")
+
+
+@pytest.mark.parametrize(("scheme", "size"), [("light", "phone"), ("dark", "desktop")])
+def test_it_fits_and_has_the_theme_of_its_reader(browser, server, scheme, size):
+    with opened(browser, server, size, color_scheme=scheme) as seen:
+        assert seen.value("document.documentElement.scrollWidth <= window.innerWidth")
+        assert seen.page.locator("#settings").get_attribute("open") == (None if size == "phone" else "")
+        red, green, blue = map(int, re.findall(r"\d+", seen.value("getComputedStyle(document.body).backgroundColor")))
+        assert (min(red, green, blue) > 200) == (scheme == "light")
+        assert seen.value("palette.text === colour('text')")
+
+
+def test_nothing_is_asked_of_any_other_address(browser, server):
+    with opened(browser, server) as seen:
+        own = (server.url, server.url.replace("http", "ws"), "data:", "blob:")
+        assert [url for url in seen.asked if not url.startswith(own)] == []
+
+
+def test_every_control_and_drawing_has_a_name(browser, server):
+    nameless = """Array.from(document.querySelectorAll('input, select, button, canvas:not([aria-hidden])')).filter(
+      (e) => !(e.labels && e.labels.length) && !e.getAttribute('aria-label') && e.type !== 'hidden'
+        && !(e.tagName === 'BUTTON' && e.textContent.trim())).map((e) => e.outerHTML.slice(0, 80))"""
+    with opened(browser, server) as seen:
+        assert seen.value(nameless) == []
+
+
+def test_what_is_reached_with_the_keyboard_is_seen(browser, server):
+    with opened(browser, server) as seen:
+        seen.page.keyboard.press("Tab")
+        assert seen.value("document.activeElement.className") == "skip"
+        for _ in range(6):
+            seen.page.keyboard.press("Tab")
+            assert seen.value("getComputedStyle(document.activeElement).outlineStyle") != "none"
+
+
+def test_a_rest_of_the_hand_is_spoken_once(browser, server):
+    with opened(browser, server) as seen:
+        seen.page.locator("#of-operation-speed").fill("1500")
+        seen.settled()
+        spoken = seen.page.locator("#spoken").inner_text()
+        assert spoken.startswith("ok: isothermal efficiency ") and "shaft power" in spoken
+        label = seen.page.locator("#loop canvas").first.get_attribute("aria-label")
+        peak = simulate(load(PAPER, ["operation.speed=1500 rpm"])).cycle["pressure"].max()
+        assert label.endswith(f" to {1e-5 * peak:.4g}")
+
+
+def test_sliders_have_the_colour_of_what_they_do(browser, server):
+    with opened(browser, server) as seen:
+        seen.until("around.left === 0")
+        slope = seen.value("byPath.get('effects.tip_leakage.gap').slopes.isothermal_efficiency")
+        low, high = (figures(f"effects.tip_leakage.gap={gap} um")["isothermal_efficiency"] for gap in (26.0, 29.0))
+        assert slope == pytest.approx((high - low) / 3e-6, rel=0.05)  # curvature over ±5 %, figures within 3e-5
+        slider = seen.page.locator("input[type=range][data-path='effects.tip_leakage.gap']")
+        assert "lowers isothermal efficiency" in slider.get_attribute("aria-description")
+        assert "linear-gradient" in slider.evaluate("(e) => e.style.getPropertyValue('--track')")
+
+
+def test_a_line_that_is_cut_is_opened_again(browser):
+    with served() as first:
+        page = browser.new_page()
+        seen = Seen(page)
+        page.goto(first.url)
+        seen.settled()
+        seen.value("socket.close()")
+        seen.until("log.sent === 1 && log.answered === 1 && !socket.gone && socket.readyState === 1 && sent.size === 0")
+        seen.until("document.getElementById('fault').hidden")
+        page.close()
+
+
+def test_the_small_sweep_is_drawn_through_the_point(browser, server):
+    with opened(browser, server) as seen:
+        seen.page.select_option("#over", "operation.discharge.pressure")
+        seen.until("sweep.all.every((each) => 'isothermal_efficiency' in each)")
+        seen.until("charts.sweep.content.curves.at(-1).y.every(Number.isFinite)")
+        x, y = seen.value("[Array.from(charts.sweep.content.curves.at(-1).x), charts.sweep.content.curves.at(-1).y]")
+        result = figures(f"operation.discharge.pressure={x[4]!r} bar")
+        assert y[4] == pytest.approx(100.0 * result["isothermal_efficiency"], rel=1e-12)
+        at, value = seen.value("charts.sweep.moving.points[0]")[:2]
+        assert at == 11.5 and value == pytest.approx(100.0 * figures()["isothermal_efficiency"], rel=1e-12)
+
+
+def test_a_number_is_asked_when_it_is_typed_whole(browser, server):
+    with opened(browser, server) as seen:
+        before = seen.value("log.sent")
+        field = seen.page.locator("#of-operation-speed")
+        field.press("Control+a")
+        field.press_sequentially("1500")
+        seen.settled()
+        assert seen.value("log.sent") <= before + 2  # one, or two where the keys came slowly
+        assert seen.value("shown.performance") == figures("operation.speed=1500 rpm")

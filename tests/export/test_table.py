@@ -1,0 +1,130 @@
+"""Maps: as fine as is asked for, their errors those of points they were not made from, open cycles flagged."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from screwsim.export.inputs import Output, read_inputs, read_outputs
+from screwsim.export.source import map_of
+from screwsim.export.table import KELVIN, scales, table_of, tabulate
+from screwsim.faults import UsageError
+from screwsim.outputs import Figures, Result
+from screwsim.results import open_results
+from screwsim.scene import load, with_values
+from screwsim.scene.write import scene_text
+from screwsim.study.sweep import run_sweep
+
+POINT = load(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")
+SPEED, PRESSURE = "operation.speed=2000 rpm..4000 rpm", "operation.discharge.pressure=4 bar..16 bar"
+
+
+def curve(scene) -> Result:
+    """Return figures with a curvature in the pressure alone; fail at the highest pressures of high speed."""
+    n, p = scene.operation.speed / 300.0, scene.operation.discharge.pressure / 1e6
+    if n > 1.2 and p > 1.2:
+        return Result("failed", "it is too much")
+    figures = Figures(gas_mass_flow=n * (1.0 - 0.1 * p), shaft_power=1e4 * n * math.exp(p), discharge_temperature=350.0)
+    return Result("ok", performance=figures, error=Figures(dict.fromkeys(figures, 1e-6)))
+
+
+def made(wanted: float, most: int = 5000, simulate=curve):
+    inputs = read_inputs(POINT, [SPEED, PRESSURE])
+    return tabulate(POINT, inputs, read_outputs(POINT), wanted, most=most, jobs=1, simulate=simulate)
+
+
+def points(table, count=200):
+    random = np.random.default_rng(5)
+    low, high = ([getattr(one, end) for one in table.inputs] for end in ("low", "high"))
+    return random.uniform(low, high, (count, len(table.inputs)))
+
+
+def test_the_error_asked_for_is_kept_at_other_points():
+    table = made(1e-3)
+    x = points(table)
+    found, inside = table(x)
+    results = [curve(with_values(POINT, dict(zip((one.path for one in table.inputs), at, strict=True)))) for at in x]
+    true = np.array([[r.performance.get(each.name, np.nan) for each in table.outputs] for r in results])
+    errors = np.abs(found - true) / scales(table.outputs, true)
+    assert table.met and table.error <= 1e-3
+    assert inside.sum() > 150 and np.max(errors[inside]) <= 1e-3
+
+
+def test_only_what_curves_is_refined():
+    table = made(1e-4)
+    speeds, pressures = (len(x) for x in table.grid.nodes)
+    assert pressures > 5 == speeds
+    assert table.cases == speeds * pressures + 32
+
+
+def test_points_without_a_closed_cycle_are_outside():
+    table = made(1e-3)
+    _, inside = table([[400.0, 15e5], [250.0, 15e5], [400.0, 5e5], [450.0, 5e5], [250.0, 3e5]])
+    assert inside.tolist() == [False, True, True, False, False]
+    assert table.not_ok > 0
+
+
+def test_what_is_not_met_within_the_cases_is_said():
+    table = made(1e-7, most=30)
+    assert not table.met and table.error > 1e-7 and math.prod(map(len, table.grid.nodes)) <= 30
+
+
+def test_nothing_closed_is_no_map():
+    with pytest.raises(UsageError, match=r"no map: of 25 points 0 closed \(always\)"):
+        made(1e-3, simulate=lambda scene: Result("failed", "always"))
+
+
+def test_pressures_over_a_wide_range_lie_over_their_logarithm():
+    speed, pressure = read_inputs(POINT, [SPEED, PRESSURE])
+    assert (speed.log, pressure.log) == (False, True)
+    assert (speed.name, pressure.name, pressure.units) == ("speed", "discharge_pressure", "Pa")
+
+
+def test_temperatures_err_over_100_kelvin():
+    found = scales((Output("T", "K", ""), Output("P", "W", "")), np.array([[300.0, 5.0], [400.0, 1000.0]]))
+    assert found.tolist() == [[KELVIN, 100.0], [KELVIN, 1000.0]]
+
+
+def test_a_file_of_a_sweep_is_a_map(tmp_path):
+    axes = {"sweep.operation.speed": ["4000 rpm", "2000 rpm", "3000 rpm"]}
+    axes["sweep.operation.discharge.pressure"] = [f"{p} bar" for p in (4, 5, 6, 8, 10, 13)]
+    run_sweep(POINT.with_(axes), tmp_path / "x.h5", jobs=1, simulate=curve)
+    table = table_of(open_results(tmp_path / "x.h5"))
+    at = [[230.0, 5e5], [314.159, 10e5]]
+    found, inside = table(at)
+    assert inside.all() and table.wanted is None and "left out in turn" in table.how
+    for row, (n, p) in zip(found, at, strict=True):
+        assert row[0] == pytest.approx(n / 300.0 * (1.0 - 0.1 * p / 1e6), rel=1e-6)
+    assert 0.0 < table.error < 0.05
+
+
+@pytest.mark.parametrize(
+    ("over", "says"),
+    [
+        ("operation.speed", "is not PATH=LOW..HIGH"),
+        ("operation.speed=3000 rpm..2000 rpm", "the range is empty"),
+        ("gas.fluid=a..b", "gas.fluid: is a fluid, not a continuous quantity|gas.fluid: 'a'"),
+        ("operation.sped=1 rpm..2 rpm", "did you mean"),
+        ("operation.speed=1..2", "has no unit|rpm"),
+    ],
+)
+def test_ranges_that_make_no_sense_are_refused(over, says):
+    with pytest.raises(UsageError, match=says):
+        read_inputs(POINT, [over])
+
+
+def test_a_map_cannot_be_better_than_its_cycles(tmp_path):
+    path = tmp_path / "x.yaml"
+    path.write_text(scene_text(POINT))
+    with pytest.raises(UsageError, match="a map cannot be better"):
+        map_of(str(path), [SPEED], wanted=1e-5)
+
+
+def test_results_cannot_be_changed(tmp_path):
+    run_sweep(
+        POINT.with_({"sweep.operation.speed": ["2000 rpm", "3000 rpm"]}), tmp_path / "x.h5", jobs=1, simulate=curve
+    )
+    with pytest.raises(UsageError, match="which --set cannot change"):
+        map_of(str(tmp_path / "x.h5"), overrides=["operation.speed=1 rpm"])
+    assert map_of(str(tmp_path / "x.h5"), figures=["shaft power"]).outputs[0].name == "shaft_power"

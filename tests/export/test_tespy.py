@@ -1,0 +1,54 @@
+"""A heat pump in TESPy with the exported compressor has our flow, power and heat at a point that was not fitted."""
+
+import itertools
+import warnings
+from pathlib import Path
+
+import pytest
+
+from screwsim.export.tespy import tespy_document
+from screwsim.scene import load, with_values
+from screwsim.simulate import simulate
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    components = pytest.importorskip("tespy.components")
+    from tespy.connections import Connection
+    from tespy.networks import Network
+
+SCENE = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
+T_E, T_C = -2.5, 42.0  # [°C] between the nodes
+
+
+@pytest.fixture(scope="module")
+def exported(swept_map):
+    return tespy_document(swept_map)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_heat_pump_is_at_our_point(exported, swept_map):
+    (one,) = exported["maps"]
+    heat_pump = Network(iterinfo=False)
+    heat_pump.units.set_defaults(pressure="bar", temperature="degC", temperature_difference="delta_degC")
+    compressor = components.PolynomialCompressor("compressor")
+    evaporator, condenser = (components.SimpleHeatExchanger(name) for name in ("evaporator", "condenser"))
+    valve, cycle = components.Valve("valve"), components.CycleCloser("cycle")
+    parts = (cycle, compressor, condenser, valve, evaporator, cycle)
+    lines = [Connection(a, "out1", b, "in1") for a, b in itertools.pairwise(parts)]
+    heat_pump.add_conns(*lines)
+    lines[0].set_attr(fluid={"R134a": 1}, T_dew=T_E, td_dew=10)
+    lines[2].set_attr(T_bubble=T_C, x=0)
+    for exchanger in (evaporator, condenser):
+        exchanger.set_attr(dp=0)
+    compressor.set_attr(**one["attributes"], frequency=one["frequency"])
+    heat_pump.solve("design")
+    scene = load(SCENE)
+    at = {"operation.evaporating_temperature": T_E + 273.15, "operation.condensing_temperature": T_C + 273.15}
+    ours = simulate(with_values(scene.without("motor"), at), trace=False).performance
+    # the fits are within 0.5 % of their points (asserted below), the property calls are the same
+    assert lines[0].m.val_SI == pytest.approx(ours.gas_mass_flow, rel=0.002)
+    assert compressor.P.val_SI == pytest.approx(ours.shaft_power, rel=0.005)
+    assert evaporator.Q.val_SI == pytest.approx(ours.cooling_capacity, rel=0.003)
+    assert one["leaves_at"] == "separator_temperature"
+    assert lines[1].T.val_SI == pytest.approx(ours.separator_temperature, abs=0.5)  # of a constant share of heat
+    assert max(one["largest_error"].values()) < 0.005

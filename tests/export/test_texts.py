@@ -1,0 +1,142 @@
+"""Texts for other tools say what the map says: read back and evaluated, they give its figures."""
+
+import csv
+import io
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from screwsim.export import energyplus, modelica
+from screwsim.export.csv_table import csv_table
+from screwsim.export.en12900 import BTU, FIGURES, MOTOR, POUND, en12900_csv, en12900_document
+from screwsim.export.polynomials import polynomials, rated, swept
+from screwsim.export.table import table_of
+from screwsim.faults import UsageError
+from screwsim.study.performance_map import NAMES, polynomial
+
+S, D = 2.0, 44.0  # [°C] inside
+
+
+@pytest.fixture(scope="module")
+def found(swept_map):
+    return polynomials(swept_map, FIGURES)
+
+
+def objects(text: str) -> dict[str, dict[str, list[str]]]:
+    """Return the objects of an IDF text: {class: {name: values}}."""
+    bare = "\n".join(line.partition("!")[0] for line in text.splitlines())
+    kinds: dict[str, dict[str, list[str]]] = {}
+    for kind, name, *values in ([part.strip() for part in one.split(",")] for one in bare.split(";") if one.strip()):
+        kinds.setdefault(kind, {})[name] = values
+    return kinds
+
+
+def bicubic(c, x, y):
+    """Return what EnergyPlus makes of the coefficients of a Curve:Bicubic."""
+    terms = (1, x, x**2, y, y**2, x * y, x**3, y**3, x**2 * y, x * y**2)
+    return sum(float(a) * b for a, b in zip(c, terms, strict=False))
+
+
+@pytest.mark.parametrize(("word", "figure"), [("power", "shaft_power"), ("capacity", "cooling_capacity")])
+def test_curves_of_energyplus_give_the_figures(found, word, figure):
+    made = energyplus.energyplus_objects(found, "screw")
+    read = objects(energyplus.idf(made, energyplus.notes(found)))
+    curve = read["Curve:Bicubic"][f"screw {word}"]
+    wanted = float(found.maps[0].evaluate(figure, S, D))
+    assert bicubic(curve[:10], S, D) == pytest.approx(wanted, rel=1e-8)
+    assert [float(v) for v in curve[10:14]] == [-10.0, 5.0, 35.0, 50.0]
+    document = energyplus.epjson(made)["Curve:Bicubic"][f"screw {word}"]
+    assert [document[key] for key in list(document)[:10]] == pytest.approx([float(c) for c in curve[:10]])
+    compressor = read["Refrigeration:Compressor"]["screw"]
+    assert compressor == ["screw power", "screw capacity", "10", "", "", "0"]
+
+
+def test_normalised_curves_are_one_at_the_rated_point(found):
+    one = found.maps[0]
+    at = rated(one)
+    curves = energyplus.energyplus_objects(found, "screw")["Curve:Biquadratic"]
+    cap, eir = (list(curves[f"screw {word}"].values())[:6] for word in ("CAPFT", "EIRFT"))
+    assert bicubic([*cap, 0, 0, 0, 0], *at) == pytest.approx(1.0, abs=0.01)  # quadratics over 15 K each way
+    assert bicubic([*eir, 0, 0, 0, 0], *at) == pytest.approx(1.0, abs=0.01)
+    ratio = one.evaluate("shaft_power", S, D) / one.evaluate("cooling_capacity", S, D)
+    over = one.evaluate("shaft_power", *at) / one.evaluate("cooling_capacity", *at)
+    assert bicubic([*eir, 0, 0, 0, 0], S, D) == pytest.approx(float(ratio / over), abs=0.02)
+
+
+def test_the_power_is_that_of_the_motor_where_there_is_one():
+    assert energyplus.power_of(["shaft_power", MOTOR]) == MOTOR
+    assert energyplus.power_of(["shaft_power"]) == "shaft_power"
+
+
+def rows_of(text: str) -> list[dict[str, str]]:
+    found, heads = [], []
+    for cells in csv.reader(io.StringIO("\n".join(line for line in text.splitlines() if not line.startswith("#")))):
+        if cells and cells[0] == "table":
+            heads = cells
+        elif cells:
+            found.append(dict(zip(heads, cells, strict=True)))
+    return found
+
+
+@pytest.mark.parametrize(("ip", "factors"), [(False, (1.0, 1.0, 1.0)), (True, (3600.0 / BTU, 1.0, 3600.0 / POUND))])
+def test_coefficients_and_rating_are_those_of_the_map(found, ip, factors):
+    rows = rows_of(en12900_csv(found, ip))
+    at = [1.8 * T + 32.0 if ip else T for T in (S, D)]
+    document = en12900_document(found, ip)["maps"][0]["figures"]
+    for figure, factor in zip(FIGURES, factors, strict=True):
+        wanted = factor * float(found.maps[0].evaluate(figure, S, D))
+        (row,) = (row for row in rows if row["table"] == "coefficients" and row["figure"] == figure)
+        assert polynomial([float(row[name]) for name in NAMES], *map(np.array, at)) == pytest.approx(wanted, rel=1e-8)
+        assert list(document[figure]["coefficients"].values()) == pytest.approx([float(row[name]) for name in NAMES])
+    degree = "degF" if ip else "degC"
+    rating = [row for row in rows if row["table"] == "rating"]
+    assert len(rating) == 36
+    first = rating[0]
+    unit, factor = ("Btu/h", 3600.0 / BTU) if ip else ("W", 1.0)
+    assert float(first[f"evaporating_{degree}"]) == pytest.approx(14.0 if ip else -10.0)
+    wanted = factor * float(found.maps[0].evaluate("cooling_capacity", -10.0, 35.0))
+    assert float(first[f"cooling_capacity [{unit}]"]) == pytest.approx(wanted, rel=1e-5)
+
+
+def test_modelica_has_the_nodes_and_the_polynomials(swept_map):
+    table = table_of(swept_map)
+    text = modelica.package(table, "Screw")
+    assert text.count("(") == text.count(")") and text.count("[") == text.count("]")
+    opened = re.findall(r"^ *(?:package|model|function) (\w+)", text, re.M)
+    assert sorted(opened) == sorted(re.findall(r"^ *end (\w+);", text, re.M))
+    block = re.search(r"CombiTable2Ds shaft_power_table\(.*?table=\[(.*?)\]\);", text, re.S)
+    rows = [[float(cell) for cell in row.split(",")] for row in block[1].split(";")]
+    power = [each.name for each in table.outputs].index("shaft_power")
+    for row in rows[1:]:
+        for T_c, value in zip(rows[0][1:], row[1:], strict=True):
+            assert value == pytest.approx(table([[row[0], T_c]])[0][0][power], rel=1e-9)
+    function = re.search(r"function shaft_power .*?Real u = (.*?);.*?Real v = (.*?);.*?y := (.*?);", text, re.S)
+    names = {"evaporating_temperature": S + 273.15, "condensing_temperature": D + 273.15}
+    names |= {"u": eval(function[1], {}, names), "v": eval(function[2], {}, names)}
+    own = eval(function[3].replace("^", "**").replace("\n", " "), {}, names)
+    error = modelica.cubic(table, power)[2]
+    assert own == pytest.approx(table([[S + 273.15, D + 273.15]])[0][0][power], rel=error) and error < 0.01
+
+
+def test_modelica_takes_two_inputs(table):
+    assert modelica.identifier("2-stage") == "Map_2_stage" and modelica.identifier("screw") == "Screw"
+    with pytest.raises(UsageError, match=r"has 1 inputs \(speed\)"):
+        modelica.package(replace(table, inputs=table.inputs[:1]), "Screw")
+
+
+def test_a_table_has_a_row_a_node(swept_map):
+    text = csv_table(table_of(swept_map))
+    rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    assert len(rows) == 16 and {row["closed"] for row in rows} == {"1"}
+    power = swept_map.performance["shaft_power"]
+    assert [float(row["shaft_power [W]"]) for row in rows] == pytest.approx(power.ravel().tolist())
+
+
+def test_polynomials_need_both_temperatures(point):
+    with (
+        pytest.raises(UsageError, match=r"is swept over no operation\.evaporating_temperature and no"),
+        swept(point, ["operation.speed=1000 rpm..2000 rpm"]),
+    ):
+        pass

@@ -1,0 +1,154 @@
+"""Oil flow for a temperature at discharge, economizer in equilibrium: found with the cycle, as if stated."""
+
+import pytest
+from scenes import DROP, ECONOMIZER, make, run
+
+import screwsim
+from screwsim.explain import explain
+from screwsim.explain.parameters import parameters
+from screwsim.faults import SceneError
+from screwsim.simulate import simulate, simulate_many
+
+ACCURACY = 3e-4
+LINES = {
+    "operation.suction": DROP,
+    "operation.discharge": DROP,
+    "operation.evaporating_temperature": "-18 degC",
+    "operation.condensing_temperature": "46 degC",
+    "operation.superheat": "27 K",
+}
+MACHINE = {**ECONOMIZER, **LINES, "oil.transport": "carried", "effects.separator": {}}
+AUTO = {**MACHINE, "effects.economizer.temperature": "auto"}
+OIL = {**MACHINE, "oil_supply.ratio": DROP, "oil_supply.discharge_temperature": "315 K"}
+SEEN = ("gas_mass_flow", "shaft_power", "cooling_capacity", "mixture_discharge_temperature", "oil_ratio")
+
+
+def same(one, other):
+    """Tell whether two results have the same figures, within both of their errors."""
+    return all(one.performance[name] == pytest.approx(other.performance[name], rel=2 * ACCURACY) for name in SEEN)
+
+
+@pytest.fixture(scope="module")
+def settled():
+    return run(AUTO)
+
+
+def test_an_economizer_settles_where_its_port_draws_what_the_liquid_gives_off(settled):
+    assert (settled.status, settled.warnings) == ("ok", ())
+    assert settled.performance.economizer_draw_ratio == pytest.approx(1.0, abs=ACCURACY)
+    T = settled.performance.economizer_temperature
+    assert same(settled, run({**MACHINE, "effects.economizer.temperature": f"{T} K"}))
+
+
+def test_it_is_no_other_temperature(settled):
+    """Warmer, its pressure is higher and its liquid gives off less: the port draws more than that; colder, less."""
+    T = settled.performance.economizer_temperature
+    ratios = [
+        run({**MACHINE, "effects.economizer.temperature": f"{T + off} K"}).performance.economizer_draw_ratio
+        for off in (-3.0, 3.0)
+    ]
+    assert ratios[0] < 0.95 and ratios[1] > 1.05
+
+
+def test_a_flash_tank_settles_and_a_larger_port_makes_it_colder(settled):
+    tank = run({**AUTO, "effects.economizer.kind": "flash_tank"})
+    wide = run({**AUTO, "effects.economizer.area": "3 cm^2"})
+    for result in (tank, wide):
+        assert (result.status, result.warnings) == ("ok", ())
+        assert result.performance.economizer_draw_ratio == pytest.approx(1.0, abs=ACCURACY)
+    assert wide.performance.economizer_temperature < settled.performance.economizer_temperature - 1.0
+
+
+def test_where_no_temperature_agrees_a_warning_says_so():
+    """A port that opens where the chamber's pressure is that of the condenser draws nothing at any temperature."""
+    late = run({**AUTO, "effects.economizer.opens": "640 deg", "effects.economizer.closes": "690 deg"})
+    told = [each for each in late.warnings if each.startswith("at no temperature does the economizer's port draw what")]
+    assert late.status == "ok" and len(told) == 1
+    assert told[0].endswith("(a larger port, or one that opens earlier)") and "the highest, it draws" in told[0]
+
+
+def test_the_oil_flow_is_the_one_that_brings_the_mixture_to_its_temperature():
+    found = run(OIL)
+    assert (found.status, found.warnings) == ("ok", ())
+    assert found.performance.mixture_discharge_temperature == pytest.approx(315.0, abs=1e-2)
+    ratio = found.performance.oil_ratio
+    assert same(found, run({**MACHINE, "oil_supply.ratio": ratio}))
+    warmer = run({**OIL, "oil_supply.discharge_temperature": "325 K"})
+    assert warmer.performance.oil_ratio < ratio
+
+
+def test_both_are_found_together():
+    both = run({**OIL, "effects.economizer.temperature": "auto"})
+    assert both.status == "ok"
+    assert both.performance.mixture_discharge_temperature == pytest.approx(315.0, abs=1e-2)
+    assert both.performance.economizer_draw_ratio == pytest.approx(1.0, abs=ACCURACY)
+
+
+def test_oil_that_cannot_keep_the_temperature_is_warned_of():
+    hot = run({**OIL, "oil_supply.discharge_temperature": "600 K"})
+    told = [
+        each for each in hot.warnings if each.startswith("no oil flow brings the mixture to 326.9 degC: with 0.02 kg")
+    ]
+    assert len(told) == 1
+
+
+def test_neighbours_of_a_sweep_find_what_each_finds_alone():
+    scenes = [make({**AUTO, "operation.speed": f"{speed} rpm"}) for speed in (3000, 3200, 3400)]
+    for scene, result in zip(scenes, simulate_many(scenes), strict=True):
+        assert same(result, simulate(scene))
+
+
+def test_auto_is_kept_in_the_scene_and_told():
+    scene = make(AUTO)
+    assert "temperature: auto" in scene.text and screwsim.loads(scene.text).text == scene.text
+    assert "temperature auto" in str(explain(scene)).replace("\n", " ")
+    words = " ".join(parameters(scene, ["economizer"]).split())
+    assert "range: > 0 K, or auto; here: auto" in words
+    assert "is found (M370)" in " ".join(str(explain(make(OIL))).split())
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (
+            {**AUTO, "effects.economizer.pressure": "4 bar"},
+            r"effects\.economizer\.temperature: is given beside pressure \(remove one of the two\)",
+        ),
+        (
+            {**ECONOMIZER, "effects.economizer.temperature": "auto"},
+            r"economizer\.temperature: auto needs the liquid of a condenser or gas cooler \(state a compressor's lines",
+        ),
+        (
+            {**AUTO, "operation.subcooling": "60 K"},
+            r"effects\.economizer: the liquid, 259\.15 K, is not warmer than the 260\.15 K to which it could be cooled",
+        ),
+        (
+            {**MACHINE, "oil_supply.discharge_temperature": "315 K"},
+            r"oil_supply\.ratio: is given beside oil_supply\.discharge_temperature, which finds it \(remove one",
+        ),
+        (
+            {**OIL, "effects.separator": DROP},
+            r"oil_supply\.discharge_temperature: needs effects\.separator, in which gas and oil have one temperature",
+        ),
+        (
+            {**OIL, "oil_supply.temperature": DROP},
+            r"oil_supply\.discharge_temperature: needs oil of a stated temperature \(write oil_supply\.temperature, or "
+            r"effects\.separator\.cooler\.outlet_temperature: 50 degC\)",
+        ),
+        (
+            {**OIL, "oil_supply.discharge_temperature": "290 K"},
+            r"oil_supply\.discharge_temperature: 290 K is not above the oil's 293 K \(raise it, or cool the oil\)",
+        ),
+        (
+            {**AUTO, "sweep": {"effects.economizer.temperature": ["auto", "280 K"]}},
+            r"sweep\.effects\.economizer\.temperature: lists auto, which is no value \(write values, or a scene",
+        ),
+        (
+            {**AUTO, "effects.economizer.superheat": "auto"},
+            r"effects\.economizer\.superheat: 'auto' is not a temperature difference",
+        ),
+    ],
+)
+def test_what_cannot_be_found_is_refused(changes, told):
+    with pytest.raises(SceneError, match=told):
+        make(changes)

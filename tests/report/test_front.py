@@ -1,0 +1,59 @@
+"""Figures of an optimisation: what is drawn is what the file says is best."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.append(str(Path(__file__).parents[1] / "study"))
+
+from result_fakes import SCENE
+from seek_fakes import RPM, choosing
+
+from screwsim.report import front, plot, samples
+from screwsim.results import open_results
+from screwsim.scene import loads
+from screwsim.study.optimize import optimize
+
+RANGES = ("oil_supply.ratio=1..3", "operation.speed=1000 rpm..5000 rpm")
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Return files of optimisations of one aim and of two, with a bound."""
+    folder, found = tmp_path_factory.mktemp("optimised"), {}
+    for name, aims in {"one": ["gas_mass_flow"], "two": ["gas_mass_flow", "shaft_power"]}.items():
+        found[name] = folder / f"{name}.h5"
+        how = {"subject_to": ["shaft_power<1.8 W"], "evaluations": 120, "output": found[name]}
+        optimize(loads(SCENE), RANGES, aims[:1], aims[1:], simulate=choosing, jobs=1, **how)
+    return found
+
+
+def test_the_line_of_a_front_goes_through_its_evaluations(files):
+    results = open_results(files["two"])
+    ((name, draw), _) = front.plans(results)
+    axes = draw().axes[0]
+    line = axes.lines[-1]
+    best = results.optimum["front"] == 1
+    x, y = results.optimum["aim_gas_mass_flow"][best], results.optimum["aim_shaft_power"][best]
+    assert name == "front" and best.sum() > 5
+    assert np.array_equal(line.get_xdata(), np.sort(x))
+    assert sorted(line.get_ydata()) == pytest.approx(sorted(y))  # below a kilowatt it is shown in watts
+
+
+def test_each_aim_is_drawn_over_each_path(files):
+    results = open_results(files["one"])
+    ((name, draw),) = front.plans(results)
+    panels = draw().axes
+    assert name == "evaluations" and len(panels) == 2
+    (best,) = np.flatnonzero(results.optimum["front"])
+    ratio, speed = (panel.lines[2].get_xdata() for panel in panels)
+    assert ratio == pytest.approx([results.along("oil_supply.ratio")[best]])
+    assert speed == pytest.approx([results.along("operation.speed")[best] / RPM])
+
+
+def test_files_of_optimisations_have_these_figures_and_no_scatter_of_a_sample(files, tmp_path):
+    written = {Path(path).name for path in plot(files["two"], tmp_path)}
+    assert written == {"front.png", "front.pdf", "evaluations.png", "evaluations.pdf"}
+    assert not list(samples.plans(open_results(files["two"])))

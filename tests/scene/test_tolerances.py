@@ -1,0 +1,115 @@
+"""Values with a tolerance: what they mean, that they are written as they are read, and what is wrong at its line."""
+
+import math
+
+import pytest
+
+from screwsim.faults import SceneError
+from screwsim.scene import loads, value_at
+from screwsim.scene.types import Tolerance
+
+SCENE = """\
+machine:
+  kind: twin_screw
+  male_lobes: 4
+  female_lobes: 6
+  rotor_diameter: 160 mm
+  rotor_length: 176 mm
+  volume: {law: paper, max: 528 cm^3, phi_A: 65 deg}
+  suction_port: {law: paper, area: 104 cm^2, phi_B: 60 deg}
+  discharge_port: {law: paper, area: 81 cm^2, opens: 650 deg, phi_C: 660 deg}
+gas: {fluid: R134a, model: ideal}
+operation:
+  speed: 1000 rpm
+  suction: {pressure: 1.23 bar, temperature: 279 K}
+  discharge: {pressure: 11.5 bar}
+effects:
+  suction_port: {}
+  discharge_port: {}
+  tip_leakage: {gap: 27.5 um}
+  interlobe_leakage: {gap: 29.5 um, length: 184 mm}
+"""
+GAP, OTHER = "effects.tip_leakage.gap", "effects.interlobe_leakage.gap"
+TOGETHER = f"uncertainty.correlated=[[{GAP}, {OTHER}]]"
+BOTH = (f"{GAP}=27 um ± 5 um", f"{OTHER}=29 um ± 5 um")
+
+
+def read(*changes):
+    """Return the scene with changes as --set takes them."""
+    return loads(SCENE, overrides=changes)
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "value", "tolerance"),
+    [
+        (GAP, "27 um ± 5 um", 27e-6, Tolerance(5e-6)),
+        (GAP, "27 um +/- 5 um", 27e-6, Tolerance(5e-6)),
+        (GAP, "27 ± 5 um", 27e-6, Tolerance(5e-6)),
+        (GAP, "0.027 mm ± 5 um", 27e-6, Tolerance(5e-6)),
+        (GAP, "27 um ± 10 %", 27e-6, Tolerance(2.7e-6)),
+        (GAP, "27 um ×/÷ 2", 27e-6, Tolerance(2.0, factor=True)),
+        (GAP, "27 um */ 2", 27e-6, Tolerance(2.0, factor=True)),
+        ("effects.tip_leakage.flow_coefficient", "0.7 ± 0.05", 0.7, Tolerance(0.05)),
+        ("operation.suction.temperature", "6 degC ± 2 K", 279.15, Tolerance(2.0)),
+    ],
+)
+def test_a_tolerance_is_half_of_a_95_percent_interval_or_a_factor(path, text, value, tolerance):
+    scene = read(f"{path}={text}")
+    assert value_at(scene, path) == pytest.approx(value, rel=1e-12)
+    found = scene.uncertain[path]
+    assert (found.size, found.factor) == (pytest.approx(tolerance.size, rel=1e-12), tolerance.factor)
+
+
+def test_the_standard_uncertainty_is_half_of_a_tolerance_and_of_the_logarithm_of_a_factor():
+    assert Tolerance(4.0).standard == 2.0
+    assert Tolerance(4.0, factor=True).standard == pytest.approx(math.log(2.0))
+    assert Tolerance(4.0, factor=True).at(3.0, 2.0) == pytest.approx(12.0)
+    assert Tolerance(4.0, factor=True).ends(3.0) == (0.75, 12.0)
+
+
+def test_a_scene_with_tolerances_is_written_as_it_is_read():
+    scene = read(*BOTH, TOGETHER, "operation.speed=1000 rpm ×/÷ 1.1")
+    again = loads(scene.text)
+    assert (again.uncertain, again.correlated, again.text) == (scene.uncertain, scene.correlated, scene.text)
+    assert again.correlated == ((GAP, OTHER),)
+
+
+def test_a_scene_without_tolerances_is_written_as_before():
+    assert "±" not in read().text and "uncertainty" not in read().text
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (f"{GAP}=27 um ± 5 bar", "the tolerance '5 bar' is not a length"),
+        (f"{GAP}=27 um ± -5 um", "the tolerance '-5 um' is negative (write its size)"),
+        (f"{GAP}=27 um ± 0 um", "the tolerance '0 um' is nothing"),
+        (f"{GAP}=27 um ± 30 um", "its 95 % interval reaches -0.003"),
+        (f"{GAP}=27 um ×/÷ 0.5", "is not a factor above 1"),
+        (f"{GAP}=27 um ±", "the tolerance '' is not a length"),
+        ("effects.tip_leakage.flow_coefficient=0.7 ± a", "the tolerance 'a' is not a number"),
+        ("operation.suction.temperature=279 K ± 1 %", "is a share of a temperature (write kelvin"),
+        ("operation.suction.temperature=279 K ± 2 degC", "is a temperature, not a difference"),
+        ("operation.suction.temperature=279 K ×/÷ 2", "a factor is for what is above nothing by nature"),
+        ("machine.male_lobes=4 ± 1", "is not written as a whole number"),
+        (TOGETHER, f"'{GAP}' has no tolerance in this scene"),
+        ("uncertainty={correlated: 3}", "3 is not a group of paths"),
+        ("uncertainty={together: []}", "is not the groups that err together"),
+    ],
+)
+def test_a_tolerance_that_makes_no_sense_is_told_at_its_line(change, told):
+    with pytest.raises(SceneError) as error:
+        read(change)
+    assert told in str(error.value)
+    assert str(error.value).startswith(f"--set {change}")
+
+
+def test_a_path_in_two_groups_is_told_once():
+    with pytest.raises(SceneError, match="is in two groups") as error:
+        read(*BOTH, f"uncertainty.correlated=[[{GAP}, {OTHER}], [{GAP}, {OTHER}]]")
+    assert len(str(error.value).splitlines()) == 2  # one for each of its paths
+
+
+def test_a_tolerance_of_a_file_is_told_at_the_line_of_the_file():
+    with pytest.raises(SceneError, match=r"<text>:18:22: effects.tip_leakage.gap: the tolerance '5 K'"):
+        loads(SCENE.replace("gap: 27.5 um", "gap: 27.5 um ± 5 K"))

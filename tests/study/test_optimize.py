@@ -1,0 +1,335 @@
+"""Optimisation: the known best of one aim, fronts of several, bounds, operating points, interruptions, failures."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from result_fakes import SCENE
+from seek_fakes import RPM, chiller, choosing, deadly
+from study_fakes import gappy, parabola, two_tops
+
+import screwsim
+from screwsim.faults import UsageError
+from screwsim.scene import loads, with_values
+from screwsim.simulate import simulate as simulated
+from screwsim.study.crew import Crew
+from screwsim.study.optimize import optimize, question, run
+from screwsim.study.optimize.evaluate import mean
+from screwsim.study.optimize.points import as_csv, read_points
+from screwsim.study.optimize.record import neighbours
+from screwsim.study.optimize.solve import front_of
+from screwsim.study.optimize.standards import HOURS, energy_shares, standards
+from screwsim.study.optimum import optimum
+from screwsim.study.optimum import question as of_optimum
+
+RATIO, SPEED = "oil_supply.ratio=1..3", "operation.speed=1000 rpm..5000 rpm"
+FIG1 = Path(__file__).parents[2] / "configs" / "paper" / "fig1.yaml"
+
+
+def scene(extra: str = ""):
+    return loads(SCENE + extra)
+
+
+@pytest.fixture(scope="module")
+def chilled():
+    """Return a scene that states evaporation at 2 °C and condensation at 45 °C."""
+    return screwsim.load(FIG1.parents[1] / "r134a" / "point.yaml")
+
+
+def test_one_path_has_the_best_that_optimum_finds():
+    one = scene()
+    found = optimize(one, ["oil_supply.ratio=0.1..10"], ["isothermal_efficiency"], simulate=parabola, jobs=1)
+    (row,) = optimum(one, of_optimum(one), simulate=parabola)
+    assert found.values["oil_supply.ratio"] == pytest.approx(row.value, rel=1e-3)
+    assert found.aims[found.front[0], 0] == pytest.approx(row.figure, abs=1e-6)
+
+
+def test_every_local_optimum_of_one_path_is_told():
+    found = optimize(scene(), ["oil_supply.ratio=0.1..10"], ["eta_iso"], simulate=two_tops, jobs=1)
+    ((other, height),) = found.others
+    assert (other, height) == (pytest.approx(4.0, rel=1e-2), pytest.approx(0.6, abs=1e-2))
+
+
+def test_the_known_best_of_the_papers_machine_is_found():
+    one = screwsim.load(FIG1, ["operation.speed=3000 rpm", "sweep.operation.speed=[3000 rpm]"])
+    (row,) = optimum(one, of_optimum(one), jobs=1)
+    found = optimize(one, ["oil_supply.ratio"], ["isothermal_efficiency"], jobs=1)
+    assert found.reach["oil_supply.ratio"].low <= row.value <= found.reach["oil_supply.ratio"].high
+    # optimum asks for a tenth of the accuracy in the end: both errors
+    off = found.errors[found.front[0], 0] + row.error
+    assert found.aims[found.front[0], 0] == pytest.approx(row.figure, abs=2.0 * off)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_one_aim_over_two_paths_is_found_beside_what_fails(jobs):
+    found = optimize(scene(), [RATIO, SPEED], minimize=["shaft_power"], simulate=choosing, jobs=jobs, evaluations=200)
+    # at x = y = 0; the polish ends within a thousandth of the ranges
+    assert found.aims[found.front[0], 0] == pytest.approx(1.0, abs=1e-4)
+    assert found.failed > 0 and sum(found.reasons.values()) == found.failed
+    assert next(iter(found.reasons)).startswith("failed: speed of 0.") and len(found.reasons) == 1
+    assert {reach.border for reach in found.reach.values()} == {"lower border"}
+
+
+def test_the_answer_is_the_same_for_any_number_of_workers():
+    asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=60)
+    one, two = (run(asked, simulate=choosing, jobs=jobs) for jobs in (1, 2))
+    assert np.array_equal(one.places, two.places) and np.array_equal(one.aims, two.aims, equal_nan=True)
+
+
+def test_a_bound_moves_the_best_to_it():
+    # x ≥ sqrt(0.25) by the power less y²: at y = 0 the flow is best where the power is at its bound
+    found = optimize(
+        scene(), [RATIO, SPEED], ["gas_mass_flow"], subject_to=["shaft_power<1.25 W"], simulate=choosing, jobs=1
+    )
+    row = found.front[0]
+    assert found.excess[row, 0] <= 0.0 and found.outside > 0
+    assert found.aims[row, 0] == pytest.approx(1.75, abs=5e-3)
+
+
+def test_bounds_that_nothing_meets_are_said_with_the_nearest():
+    bound = ["shaft_power<0.5 W"]
+    found = optimize(scene(), [RATIO, SPEED], ["gas_mass_flow"], subject_to=bound, simulate=choosing, jobs=1)
+    assert (found.status, len(found.front)) == ("none", 0)
+    assert "for shaft_power<0.5 W the nearest is 1" in found.message
+
+
+def test_where_all_fails_the_reason_is_told():
+    one = with_values(scene(), {"operation.speed": 2000.0 * RPM})
+    found = optimize(one, ["oil_supply.ratio=0.1..10"], ["eta_iso"], simulate=gappy, jobs=1)
+    assert found.status == "none" and found.failed == len(found.places)
+    assert found.message.startswith("all 13 evaluations failed, 13 of them so: failed: pressure left the range")
+
+
+def test_a_front_of_two_aims_lies_on_the_true_one_and_beats_random_samples():
+    found = optimize(
+        scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], simulate=choosing, jobs=1, evaluations=300
+    )
+    flow, power = found.aims[found.front].T
+    assert len(found.front) > 20
+    # the true front: sqrt(power - 1) + sqrt(2 - flow) = 1
+    assert np.median(np.sqrt(power - 1.0) + np.sqrt(2.0 - flow)) == pytest.approx(1.0, abs=0.02)
+    samples = np.random.default_rng(7).random((3000, 2))  # ten times as many
+    worse = np.column_stack([-2.0 + (1.0 - samples[:, 0]) ** 2 + samples[:, 1] ** 2, 1.0 + np.sum(samples**2, axis=1)])
+    ours = np.column_stack([-flow, power])
+    beaten = np.any(np.all(ours[None] <= worse[:, None] + 0.02, axis=2), axis=1)
+    assert beaten.all()
+
+
+@pytest.mark.parametrize("columns", [1, 2, 3])
+def test_a_front_is_what_no_other_dominates(columns):
+    values = np.random.default_rng(columns).random((200, columns))
+    values[3] = np.nan
+    front = set(front_of(values))
+    for row in range(200):
+        better = np.all(values <= values[row], axis=1) & np.any(values < values[row], axis=1)
+        assert (row in front) == (not better.any() and row != 3)
+
+
+def test_an_interrupted_run_goes_on_and_gives_the_same(tmp_path):
+    asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=80)
+    whole = run(asked, tmp_path / "whole.h5", simulate=choosing, jobs=1)
+    with pytest.raises(KeyboardInterrupt):
+        run(asked, tmp_path / "part.h5", simulate=Interrupted(), jobs=1)
+    again = run(asked, tmp_path / "part.h5", simulate=choosing, jobs=1)
+    assert again.reused == 48  # three populations of 16
+    assert np.array_equal(again.places, whole.places)
+    a, b = (screwsim.open_results(tmp_path / name) for name in ("whole.h5", "part.h5"))
+    for name in a.optimum:
+        assert np.array_equal(a.optimum[name], b.optimum[name], equal_nan=True)
+    assert not (tmp_path / "part.h5.parts").exists()
+
+
+class Interrupted:
+    """Stop the 51st solution."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self, one):
+        self.calls += 1
+        if self.calls > 50:
+            raise KeyboardInterrupt
+        return choosing(one)
+
+
+def test_a_worker_that_dies_costs_its_evaluations_only():
+    asked = question(scene(), [RATIO], minimize=["shaft_power"])
+    found = run(asked, simulate=deadly, jobs=2)
+    assert found.status == "ok" and found.aims[found.front[0], 0] == pytest.approx(1.25, abs=1e-3)  # at y = 0.5
+    dead = int(np.sum(found.asked.spans[0].low + 2.0 * found.places[:, 0] > 2.8))
+    assert found.failed == dead and next(iter(found.reasons)).startswith("failed: worker died")
+
+
+def test_workers_start_afresh_after_a_while(monkeypatch):
+    monkeypatch.setattr("screwsim.study.optimize.record.FRESH", 20)
+    asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=80)
+    left = []
+    monkeypatch.setattr(Crew, "leave", lambda crew: left.append(crew))
+    found = run(asked, simulate=choosing, jobs=1)
+    assert len(found.places) == 80 and len(left) == 4  # after 20, 40, 60, and in the end
+
+
+def test_the_file_holds_all_cases_and_what_was_aimed_at(tmp_path):
+    file = tmp_path / "out.h5"
+    how = {"subject_to": ["shaft_power<1.5 W"], "simulate": choosing, "jobs": 1, "output": file}
+    found = optimize(scene(), [RATIO, SPEED], ["gas_mass_flow"], **how)
+    results = screwsim.open_results(file)
+    assert results.shape == (len(found.places),)
+    assert np.array_equal(results.optimum["aim_gas_mass_flow"], found.aims[:, 0], equal_nan=True)
+    assert np.array_equal(results.optimum["excess_shaft_power_most"], found.excess[:, 0], equal_nan=True)
+    assert np.flatnonzero(results.optimum["front"]).tolist() == found.front.tolist()
+    assert results.along("oil_supply.ratio") == pytest.approx(1.0 + 2.0 * found.places[:, 0])
+    ok = results.status == "ok"
+    assert results.performance["gas_mass_flow"][ok] == pytest.approx(found.aims[ok, 0])
+    data = results.to_xarray(None)
+    assert data.optimum_front.sum() == 1 and data.optimum_aim_gas_mass_flow.dims == ("evaluation",)
+    with pytest.raises(UsageError, match="is there already"):
+        optimize(scene(), [RATIO], ["gas_mass_flow"], simulate=choosing, jobs=1, output=file)
+
+
+def test_parts_of_another_question_are_refused(tmp_path):
+    asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], evaluations=60)
+    with pytest.raises(KeyboardInterrupt):
+        run(asked, tmp_path / "out.h5", simulate=Interrupted(), jobs=1)
+    with pytest.raises(UsageError, match="holds another optimisation's evaluations"):
+        run(replace(asked, seed=2), tmp_path / "out.h5", simulate=choosing, jobs=1)
+    assert run(replace(asked, seed=2), tmp_path / "out.h5", simulate=choosing, jobs=1, restart=True).reused == 0
+
+
+def test_seasonal_points_have_the_weights_of_their_standards():
+    known = standards()
+    assert [point.weight for point in known["IPLV"].ratings] == [0.01, 0.42, 0.45, 0.12]
+    assert sum(point.weight for point in known["ESEER-water"].ratings) == pytest.approx(1.0)
+    assert sum(HOURS["SEPR"].values()) == pytest.approx(8760.0)  # a year
+    assert sum(HOURS["SEER"].values()) == 2602.0  # hours above 16 °C
+    for name in ("SEER", "SEPR"):
+        assert sum(energy_shares(name)) == pytest.approx(1.0)
+
+
+def test_a_seasonal_figure_of_one_cop_is_that_cop(chilled):
+    points = read_points(chilled, "SEPR")
+    four = np.full(4, 5.0)
+    assert mean(points, "cop", four, 0.01 * four) == (pytest.approx(5.0), pytest.approx(0.05))
+    # cooling over work: half the cooling at twice the COP takes a third of the work
+    halves = replace(points, points=tuple(replace(each, weight=0.5 * (i < 2)) for i, each in enumerate(points.points)))
+    assert mean(halves, "cop", np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(8.0 / 3.0)
+    assert mean(halves, "shaft_power", np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(3.0)
+
+
+def test_standards_become_a_compressors_temperatures_by_the_scenes_own(chilled):
+    points = read_points(chilled, "IPLV")
+    T_e, T_c = (
+        [point.values[f"operation.{name}_temperature"] - 273.15 for point in points.points]
+        for name in ("evaporating", "condensing")
+    )
+    # 5 K below 7 °C and 10 K above 35 °C at full load, in proportion to the load; 20 °C at least
+    assert T_e == pytest.approx([2.0, 3.25, 4.5, 5.75])
+    assert T_c == pytest.approx([45.0, 34.5, 24.0, 20.0])
+
+
+def test_printed_points_read_back(chilled, tmp_path):
+    points = read_points(chilled, "SEER-water")
+    file = tmp_path / "points.csv"
+    file.write_text(as_csv(points))
+    again = read_points(chilled, str(file))
+    assert (again.energy, again.by) == (True, "operation.speed")
+    for a, b in zip(again.points, points.points, strict=True):
+        assert (a.name, a.load) == (b.name, b.load)
+        assert a.weight == pytest.approx(b.weight, rel=1e-5)
+        assert a.values == pytest.approx(b.values, abs=1e-5)
+
+
+def test_part_loads_are_reached_by_the_speed(chilled):
+    how = {"over": "IPLV", "simulate": chiller, "jobs": 1, "evaluations": 13}
+    found = optimize(chilled, ["oil_supply.ratio=0.5..2"], ["cop"], **how)
+    capacity = [each.result.performance.cooling_capacity for each in found.points]
+    assert np.array(capacity) / capacity[0] == pytest.approx([1.0, 0.75, 0.5, 0.25], rel=5e-3)
+    both = ([each.values[name] for name in each.point.values] for each in found.points)
+    cop = [0.6 * T_e / (T_c - T_e) for T_e, T_c in both]
+    assert found.aims[found.front[0], 0] == pytest.approx(np.dot([0.01, 0.42, 0.45, 0.12], cop))
+
+
+def test_bounds_hold_at_every_operating_point(chilled):
+    found = optimize(
+        chilled,
+        ["operation.speed=1000 rpm..5000 rpm"],
+        ["cooling_capacity"],
+        over="IPLV",
+        subject_to=["shaft_power<20 kW"],
+        simulate=chiller,
+        jobs=1,
+    )
+    assert max(each.result.performance.shaft_power for each in found.points) == pytest.approx(20e3, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("weight, operation.condensing_temperature [bar]\n1, 20", "line 2: operation.condensing_temperature: '20 bar'"),
+        ("weight, operation.condensing_temprature [degC]\n1, 20", "line 1: operation.condensing_temprature: is not"),
+        ("weight, load\n1, 0.5", "its first point is not of load 1 (write the full load first)"),
+        ("weight, energy\n1, 1", "has weight and energy (keep one: both weigh the points)"),
+        ("weight\n-1", "line 2: weight '-1' is no number of at least 0"),
+        ("weight\n0", "all weights are zero"),
+        ("weight", "has 0 points"),
+    ],
+)
+def test_bad_points_are_refused_at_their_line(chilled, tmp_path, rows, message):
+    file = tmp_path / "points.csv"
+    file.write_text(rows)
+    with pytest.raises(UsageError) as refusal:
+        read_points(chilled, str(file))
+    assert message in str(refusal.value) and "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"maximize": ["effciency"]}, "--maximize effciency: is not known"),
+        (
+            {"maximize": ["cop", "shaft_power"], "minimize": ["shaft_power"]},
+            "--maximize cop: is not called for in this",
+        ),
+        ({"maximize": ["shaft_power"], "minimize": ["shaft_power"]}, "--maximize, --minimize: shaft_power is an aim"),
+        ({"subject_to": ["shaft_power=9 kW"]}, "--subject-to shaft_power=9 kW: is not FIGURE<VALUE or FIGURE>VALUE"),
+        ({"evaluations": 0}, "--evaluations 0: is no number of evaluations"),
+        ({"over": "IPVL"}, "--over IPVL: is neither a file nor a seasonal figure (there are IPLV, IPLV-water"),
+        ({"over": "SEPR"}, "--over SEPR: needs operation.evaporating_temperature and"),
+        ({"vary": ["operation.speed"]}, "--vary operation.speed: has no range (write operation.speed=LOW..HIGH"),
+    ],
+)
+def test_a_wrong_question_is_refused_in_one_line(asked, message):
+    with pytest.raises(UsageError) as refusal:
+        question(scene(), **({"vary": [RATIO]} | asked))
+    assert str(refusal.value).startswith(message)
+    assert "\n" not in str(refusal.value)
+
+
+def test_an_approach_of_nothing_is_refused(chilled):
+    cold = with_values(chilled, {"operation.condensing_temperature": 308.15})
+    with pytest.raises(UsageError, match=r"leaves 0 K for the condenser above 35 °C at full load \(raise operation"):
+        read_points(cold, "ESEER")
+
+
+def test_a_path_of_the_points_is_not_varied(chilled):
+    with pytest.raises(UsageError, match="is set by the operating points of --over"):
+        question(chilled, ["operation.condensing_temperature=30 degC..50 degC"], ["cop"], over="SEPR")
+
+
+def test_neighbours_follow_each_other():
+    order = neighbours(np.array([[0.0], [0.9], [0.2], [1.0], [0.1]]))
+    assert order.tolist() == [0, 4, 2, 1, 3]
+
+
+def test_the_machine_itself_is_optimised_over_a_season(chilled):
+    # three evaluations, to see that simulation, loads and weights go together
+    found = optimize(chilled, ["oil_supply.ratio=0.8..1.2"], ["cop"], over="ESEER", evaluations=3, jobs=1)
+    assert found.status == "ok" and found.failed == 0
+    best = found.points
+    load = [each.result.performance.cooling_capacity / best[0].result.performance.cooling_capacity for each in best]
+    assert load == pytest.approx([1.0, 0.75, 0.5, 0.25], rel=5e-3)
+    weighted = sum(each.point.weight * each.result.performance.cop for each in best)
+    assert found.aims[found.front[0], 0] == pytest.approx(weighted, rel=1e-3)
+    full = simulated(with_values(found.scene, best[0].values), trace=False)
+    assert best[0].result.performance.cop == pytest.approx(full.performance.cop, rel=3e-4)

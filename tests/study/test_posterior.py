@@ -1,0 +1,126 @@
+"""The posterior of a fit: a linear one is that of linear algebra, intervals cover, what is not told is said."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from fit_fakes import coordinates, hopeless, plane, product, write_fit
+
+from screwsim.cli import exit_code
+from screwsim.outputs import Figures, Result
+from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.calibration.emulator import terms
+from screwsim.study.calibration.posterior import SETTLED, posterior, split_r_hat
+
+GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
+FIT = """\
+scene: machine.yaml
+data: points.csv
+parameters:
+  effects.tip_leakage.gap: {from: 10 um, to: 100 um}
+  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}
+starts: 1
+"""
+HEAD = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
+
+
+def points(seed: int, fitted: int, checked: int, discrepancy: float, noise: float = 0.05) -> str:
+    """Return points of 2 + 2 n kW, n in 1000 rpm, with a deviation of the model at each, and noise of measurement."""
+    generator = np.random.default_rng(seed)
+    rows = []
+    for number in range(fitted + checked):
+        n = generator.uniform(1.0, 5.0)
+        power = 2.0 + 2.0 * n + discrepancy * generator.standard_normal() + noise * generator.standard_normal()
+        rows.append(f"p{number},{'fit' if number < fitted else 'check'},{1e3 * n:.3f},{power:.6f},{noise}")
+    return HEAD + "\n".join(rows) + "\n"
+
+
+def sampled(folder, text, simulate=plane, fit=FIT, **how):
+    found = calibrate(read_fit(write_fit(folder, fit, text)), jobs=1, simulate=simulate)
+    return found, posterior(found, jobs=1, simulate=simulate, **how)
+
+
+def test_without_discrepancy_the_widths_are_those_of_linear_algebra(tmp_path):
+    found, wide = sampled(tmp_path, points(3, 40, 0, 0.0), most_steps=6000)
+    for spread, error in zip(wide.parameters, found.certainty.errors, strict=True):
+        # 40 points leave the discrepancy's width open: it adds to that of the noise, by less than a half
+        assert 0.9 * error < spread.deviation < 1.5 * error
+    assert wide.r_hat < SETTLED and wide.off < 1e-6 and wide.status == "ok"
+
+
+def test_intervals_cover_held_out_points_of_a_machine_with_a_discrepancy(tmp_path):
+    inside = []
+    for seed in range(8):
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        _, wide = sampled(folder, points(seed, 40, 40, 0.2), most_steps=800)
+        inside += [each.inside for each in wide.predicted if not each.fitted]
+    assert len(inside) == 320
+    assert 0.85 <= np.mean(inside) <= 0.95
+
+
+def test_the_width_of_the_discrepancy_is_found(tmp_path):
+    _, wide = sampled(tmp_path, points(5, 60, 0, 0.3), most_steps=1500)
+    (spread,) = wide.discrepancies
+    assert spread.low < 300.0 < spread.high and spread.high < 2.0 * spread.low
+
+
+def test_what_the_points_do_not_tell_is_as_wide_as_its_prior(tmp_path):
+    # gap and capacity enter as their product alone, which at one speed is all that is measured
+    rows = HEAD + "a,fit,1000,8,0.5\nb,fit,1000,8.2,0.5\n"
+    _, wide = sampled(tmp_path, rows, product, most_steps=1500)
+    capacity = wide.parameters[1]
+    assert capacity.of_prior > 0.8
+
+
+def test_a_prior_counts(tmp_path):
+    prior = "{from: 1 kJ/(kg K), to: 3 kJ/(kg K), prior: {mean: 1.5 kJ/(kg K), deviation: 0.01 kJ/(kg K)}}"
+    with_prior = FIT.replace("{from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", prior)
+    _, wide = sampled(tmp_path, points(3, 4, 0, 0.0, 0.5), fit=with_prior, most_steps=2000)
+    assert wide.parameters[1].median == pytest.approx(1500.0, abs=5.0)
+    assert wide.parameters[1].deviation == pytest.approx(10.0, rel=0.2)
+
+
+def test_a_fit_without_a_solution_has_no_posterior(tmp_path):
+    _, wide = sampled(tmp_path, points(3, 4, 0, 0.0), hopeless)
+    assert wide.status == "failed" and "there is no fit to begin with" in wide.message
+
+
+def test_chains_that_disagree_have_not_settled():
+    same = np.random.default_rng(1).standard_normal((1000, 8, 1))
+    assert split_r_hat(same)[0] == pytest.approx(1.0, abs=0.01)
+    assert split_r_hat(same + np.arange(8)[:, None])[0] > 1.5
+
+
+def test_polynomials_have_all_products_of_two():
+    x = np.array([[0.75, 0.0]])  # 0.5 and -1 of the region
+    assert terms(x).tolist() == [[1.0, 0.5, -1.0, 0.25, -0.5, 1.0]]
+
+
+def bent(scene):
+    """Return a power that no polynomial of second degree follows."""
+    gap, capacity, speed = coordinates(scene)
+    return Result("ok", performance=Figures(shaft_power=1e3 * (gap + capacity * speed + 20.0 * np.sin(8.0 * gap))))
+
+
+def test_polynomials_that_do_not_follow_the_model_are_said(tmp_path):
+    _, wide = sampled(tmp_path, points(3, 6, 0, 0.0, 0.5), bent, most_steps=1000)
+    assert wide.status == "not converged" and "the polynomials are off by up to" in wide.message
+
+
+def test_the_command_prints_and_writes_the_posterior(tmp_path, capsys, monkeypatch):
+    from screwsim.simulate import warm_up
+
+    file = write_fit(tmp_path, FIT, points(3, 8, 2, 0.1))
+    monkeypatch.setattr("screwsim.study.calibration.residuals.Warm", lambda: plane)
+    monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
+    code = exit_code(["calibrate", str(file), "--posterior", "--jobs", "1", "-o", str(tmp_path / "out")])
+    told = " ".join(capsys.readouterr().out.split())
+    assert code == 0 and "effects.tip_leakage.gap" in told and "heat_capacity" in told
+    assert "* not fitted: " in told and "R-hat 1.00" in told
+    rows = (tmp_path / "out" / "posterior.csv").read_text().splitlines()
+    assert rows[0] == f"{GAP},{CAPACITY},discrepancy_shaft_power [W]" and len(rows) == 4001
+    assert exit_code(["calibrate", str(file), "--posterior", "--jobs", "1", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)["posterior"]
+    assert set(document["parameters"]) == {GAP, CAPACITY} and len(document["predicted"]) == 10

@@ -1,0 +1,221 @@
+"""The data sheet of a refrigeration machine: its tables, part load, envelope and limits, what it prints and refuses."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.cli import exit_code
+from screwsim.outputs import Figures, Result
+from screwsim.report.datasheet import page, write_sheet
+from screwsim.scene import with_values
+from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
+from screwsim.study import part_load as part_load_of
+from screwsim.study.datasheet import sheet_of
+from screwsim.study.datasheet.bounds import Bound, envelope, limits_of
+from screwsim.study.datasheet.refrigeration import asked_of, rating
+from screwsim.study.datasheet.refrigeration_sheet import refrigeration_sheet
+from screwsim.study.datasheet.sheet import told
+from screwsim.study.part_load import NEAR, controls, part_load
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+DOCS = CONFIGS.parent / "docs"
+CONTROL = CONFIGS / "control" / "point.yaml"
+RANGES = "0 degC..5 degC", "40 degC..50 degC"
+LIMITS = ("discharge_temperature<72 degC",)
+
+
+@pytest.fixture(scope="module")
+def rated():
+    scene = screwsim.load(CONTROL)
+    return rating(asked_of(scene, *RANGES, limits_of(scene, LIMITS)), jobs=1)
+
+
+@pytest.fixture(scope="module")
+def sheet(rated):
+    return refrigeration_sheet(rated)
+
+
+def solved(rated, evaporating, condensing):
+    scene = with_values(rated.asked.scene, {EVAPORATING: evaporating, CONDENSING: condensing})
+    return screwsim.simulate(scene).performance
+
+
+def test_a_point_of_the_table_is_that_of_a_run(rated, sheet):
+    found, result = solved(rated, 278.15, 318.15), rated.points[1, 1].performance
+    for name in ("cooling_capacity", "electrical_power", "gas_mass_flow", "discharge_temperature"):
+        assert result[name] == pytest.approx(found[name], rel=3e-4)  # the scene's accuracy
+    table = sheet.tables[0]
+    assert (table.title, table.heads[2].split(), table.rows[1][0]) == ("Cooling capacity [kW]", ["5", "°C"], "45 °C")
+    assert float(table.rows[1][2].strip("*\u00a0")) == pytest.approx(1e-3 * found.cooling_capacity, rel=1e-3)
+
+
+def test_the_tables_are_those_of_the_trade(sheet):
+    titles = [table.title.split(" [")[0] for table in sheet.tables]
+    assert titles[:6] == [
+        "Cooling capacity",
+        "Electrical power",
+        "COP of the electrical power",
+        "Mass flow",
+        "Discharge temperature",
+        "Oil cooler duty",
+    ]
+    assert sheet.ok and len(sheet.tables) == 8 and len(sheet.drawings) == 4
+
+
+def test_the_envelope_ends_where_a_limit_is_met(rated):
+    """Power is all but linear over 5 K of condensing temperature: the interpolated end is met within 1 %."""
+    for reach in rated.reach:
+        assert 313.15 < reach.high < 323.15
+        assert reach.above == "shaft power < 50 kW" and reach.below == "end of the table"
+    assert solved(rated, reach.evaporating, reach.high).shaft_power == pytest.approx(50e3, rel=0.01)
+
+
+def test_every_control_is_compared_at_equal_loads(rated):
+    full = rated.own.performance.cooling_capacity
+    names = [each.control.name for each in rated.loads]
+    assert names == ["speed", "slide valve", "suction throttle", "bypass"]
+    for each in rated.loads:
+        assert [round(step.load, 2) for step in each.steps] == [1.0, 0.75, 0.5, 0.25]
+        for step, load in zip(each.steps, (1.0, 0.75, 0.5, 0.25), strict=True):
+            assert step.result.performance.cooling_capacity == pytest.approx(load * full, abs=NEAR * full)
+        assert each.least < 0.25 and not each.why
+    half = [each.steps[2].result.performance.cop for each in rated.loads]
+    assert half == sorted(half, reverse=True)  # throttle and bypass waste the work that speed and slide save
+
+
+def test_a_control_goes_from_the_scenes_own_setting_on():
+    scene = screwsim.load(CONTROL, ["effects.slide_valve.position=0.4", "sweep.operation.speed=[1500 rpm, 3500 rpm]"])
+    found = {control.name: control.settings for control in controls(scene)}
+    assert found["slide valve"][0] == 0.4 and found["slide valve"][-1] == 1.0
+    assert [round(each * 30 / 3.141592653589793) for each in found["speed"]] == [2950, 1500]  # no faster than full load
+
+
+@pytest.fixture
+def faked(monkeypatch):
+    """Let the capacity follow from the speed alone, as a curve; below 100 rad/s nothing closes."""
+
+    def simulate_many(scenes, trace):
+        for scene in scenes:
+            omega = scene.operation.speed
+            found = Figures(cooling_capacity=omega**1.5)
+            yield Result("ok", performance=found) if omega > 100.0 else Result("failed", message="too slow")
+
+    monkeypatch.setattr(part_load_of, "simulate_many", simulate_many)
+
+
+def test_a_control_that_ends_early_says_why(faked):
+    scene = screwsim.load(CONTROL)
+    speed, omega = controls(scene)[0], scene.operation.speed
+    found = part_load(scene, speed._replace(settings=(omega, 0.6 * omega, 99.0)))
+    assert found.why == "too slow" and found.least == pytest.approx(0.6**1.5)
+    assert [step.load for step in found.steps] == pytest.approx([1.0, 0.75, 0.5], abs=NEAR)
+    assert found.steps[2].setting == pytest.approx(0.5 ** (2.0 / 3.0) * omega, rel=2.0 * NEAR)
+
+
+def close(theirs, ours):
+    """Tell whether two cells are the same to one in the last digit, which another machine may round otherwise."""
+    digit = 10.0 ** -len(ours.partition(".")[2])
+    return float(theirs.strip("*")) == pytest.approx(float(ours.strip("*\u00a0")), abs=1.01 * digit)
+
+
+def test_the_how_to_shows_what_the_command_prints(sheet):
+    lines = (DOCS / "how-to" / "refrigeration-sheet.md").read_text(encoding="utf-8").splitlines()
+    capacity = lines.index("    Cooling capacity [kW]")
+    shown = {line.split()[0]: line.split()[2:] for line in lines[capacity + 2 : capacity + 8]}
+    for row in sheet.tables[0].rows:
+        evaporating = shown[row[0].split()[0]][3:5]  # 0 and 5 °C of -15 … 10 °C
+        assert all(close(theirs, ours) for theirs, ours in zip(evaporating, row[1:], strict=True))
+    (loads,) = (table for table in sheet.tables if table.title.startswith("Part load"))
+    first = next(i for i, line in enumerate(lines) if line.startswith("    speed  "))
+    for line, row in zip(lines[first : first + 16], loads.rows, strict=True):
+        assert all(close(theirs, ours) for theirs, ours in zip(line.split()[-4:], row[3:], strict=True))
+
+
+def test_limits_are_marked_and_warnings_reach_the_sheet(sheet):
+    (power,) = (table for table in sheet.tables if table.title.startswith("Electrical power"))
+    assert power.rows[0][1].endswith("\u00a0") and power.rows[2][2].endswith("*")
+    assert "beyond a limit" in power.note
+    assert "discharge temperature < 72 °C (--limit)" in dict(sheet.lines)["limits"]
+    alike = list(told([("a", ["3 K too warm", "odd"]), ("b", ["5 K too warm"]), ("c", ["3 K too warm"])]))
+    assert alike == ["a: 3 K too warm (alike at 2 more points)", "a: odd"]
+    assert list(told([("a", ["same"]), ("b", ["same"])])) == ["same"]
+
+
+def test_it_prints_within_a_terminal_and_writes_a_page_and_a_pdf(sheet, tmp_path, capsys):
+    from screwsim.printing.datasheet import print_sheet
+
+    print_sheet(sheet)
+    out = capsys.readouterr().out
+    assert max(map(len, out.splitlines())) <= 80
+    assert "Part load at equal loads" in out and "Envelope: condensing temperature within all limits" in out
+    text = page(sheet)
+    assert text.count("<polyline") == sum(len(one.curves) for one in sheet.drawings)
+    for foreign in ("<script", "http://", "https://", "@STYLE@"):
+        assert foreign not in text
+    assert Path(write_sheet(sheet, tmp_path / "sheet.pdf")).read_bytes().startswith(b"%PDF")
+
+
+def test_its_document_is_in_si(sheet):
+    found = json.loads(json.dumps(sheet.document))
+    assert found["kind"] == "refrigeration" and len(found["points"]) == 6
+    point = found["points"][-1]
+    assert (point["evaporating_temperature"], point["condensing_temperature"]) == pytest.approx((278.15, 323.15))
+    assert point["cooling_capacity"] > 1e5 and "shaft_power" in point["beyond"]
+    assert {each["control"] for each in found["part_load"]} == {"speed", "slide valve", "suction throttle", "bypass"}
+    assert [each["figure"] for each in found["limits"]] == ["discharge_temperature", "shaft_power"]
+
+
+def test_points_that_fail_are_told_and_counted(capsys):
+    ranges = ["--evaporating", "0 degC..5 degC", "--condensing", "40 degC..45 degC", "--jobs", "1"]
+    assert exit_code(["datasheet", str(CONTROL), *ranges, "--set", "effects.motor.rated_power=10 kW"]) == 4
+    told = " ".join(capsys.readouterr().out.split())
+    assert "no motor turns beyond" in told and "(alike at" in told and "Part load" not in told
+
+
+def test_the_envelope_of_points_is_interpolated_between_them():
+    p, T = "shaft_power", "discharge_temperature"
+    bounds = (Bound(p, 1, 10.0), Bound(T, 1, 100.0))
+    one = [{p: 6.0, T: 80.0}, {p: 8.0, T: 90.0}, {p: 12.0, T: 130.0}]
+    points = {(0, j): each for j, each in enumerate(one)} | {(1, 0): None, (1, 1): one[0], (1, 2): None}
+    found = list(envelope(points, ((1.0, 2.0), (30.0, 40.0, 50.0)), bounds))
+    assert found[0][:3] == pytest.approx((1.0, 30.0, 42.5))  # T is met at a quarter of the way, p at half of it
+    assert found[0].above.startswith("discharge temperature <")
+    assert found[1][:3] == (2.0, 40.0, 40.0) and found[1].above == found[1].below == "no result beyond"
+
+
+def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
+    own = asked_of(screwsim.load(CONTROL), None, None, ())
+    assert [round(T - 273.15, 6) for T in own.evaporating.values] == [-15, -10, -5, 0, 5, 10]
+    assert [round(T - 273.15, 6) for T in own.condensing.values] == [30, 35, 40, 45, 50, 55]
+    swept = asked_of(screwsim.load(CONFIGS / "r134a" / "map.yaml"), None, None, ())
+    assert len(swept.evaporating.values) == 6 and len(swept.condensing.values) == 5
+    cooled = asked_of(screwsim.load(CONFIGS / "co2" / "transcritical.yaml"), None, None, ())
+    assert cooled.condensing.path == GAS_COOLER_P and cooled.condensing.values[3] == pytest.approx(90e5)
+
+
+@pytest.mark.parametrize(
+    ("scene", "more", "words"),
+    [
+        ("control/point", ["--limit", "discharge_temperature"], "is not FIGURE<VALUE or FIGURE>VALUE (write"),
+        ("control/point", ["--limit", "discharge_temprature<90 degC"], "did you mean 'discharge_temperature'?"),
+        ("control/point", ["--limit", "discharge_temperature<90"], "90 has no unit (write one of K"),
+        ("control/point", ["--limit", "cop>much"], "'much' is no number with a unit"),
+        ("control/point", ["--limit", "water_flow<1"], "is not called for in this scene"),
+        ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
+        ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
+        ("r134a/envelope", [], "the scene varies oil_supply.ratio otherwise"),
+        ("paper/point", [], "nor a refrigeration compressor (state its lines by"),
+    ],
+)
+def test_what_it_cannot_rate_is_told_in_one_line(scene, more, words, capsys):
+    assert exit_code(["datasheet", str(CONFIGS / f"{scene}.yaml"), *more]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and words in err and len(err.strip().splitlines()) == 1
+
+
+def test_a_sheet_is_made_from_python():
+    scene = screwsim.load(CONFIGS / "air" / "fixed_speed_7.yaml")
+    with pytest.raises(screwsim.UsageError, match="--evaporating: belongs to a refrigeration machine"):
+        sheet_of(scene, evaporating="0 degC..5 degC")

@@ -1,0 +1,180 @@
+"""Goal seek: values that meet goals with their error, in few solutions; and what is said where none exists."""
+
+import math
+from pathlib import Path
+
+import pytest
+from result_fakes import SCENE
+from seek_fakes import RPM, leaping, saturating, torn, turning
+
+import screwsim
+from screwsim.faults import UsageError
+from screwsim.scene import loads
+from screwsim.study.seek import find, find_each, question
+from screwsim.study.written import write_found
+
+SPEED = "operation.speed"
+RANGE = f"{SPEED}=1000 rpm..5000 rpm"
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+def scene(extra: str = ""):
+    return loads(SCENE + extra)
+
+
+@pytest.mark.parametrize("flow", [0.8, 1.2, 1.8])
+def test_one_goal_is_met_within_its_error_in_few_solutions(flow):
+    found = find(scene(), [RANGE], [f"gas_mass_flow={flow} kg/s"], simulate=saturating)
+    n = -2000.0 * RPM * math.log(1.0 - 0.5 * flow)
+    assert (found.status, found.failed) == ("ok", 0)
+    # half the figure's error, 1e-6 of it, over the slope 2 exp(-n/2000)/2000 per rpm
+    assert found.values[SPEED] == pytest.approx(n, abs=0.5e-6 * flow / (1.0 - 0.5 * flow) * 2000.0 * RPM + 1e-6 * n)
+    assert found.solutions <= 9
+    assert found.result.performance.gas_mass_flow == pytest.approx(flow, abs=1e-6 * flow)
+
+
+def test_the_error_of_a_value_is_that_of_the_figure_over_its_slope():
+    found = find(scene(), [RANGE], ["gas_mass_flow=1.2 kg/s"], simulate=saturating)
+    error, slope = 1.2e-6, (2.0 - 1.2) / (2000.0 * RPM)
+    # the slope is that to the nearest solution that is clearly another
+    assert found.uncertainties[SPEED] == pytest.approx(error / slope, rel=0.1)
+
+
+def test_two_goals_are_met_together():
+    # 0.4 kg/s: n = 446.3 rpm would be below the range
+    goals = ["gas_mass_flow=1.2 kg/s", "discharge_temperature=60 degC"]
+    found = find(scene(), [RANGE, "oil_supply.ratio=0.5..5"], goals, simulate=saturating)
+    assert found.status == "ok" and found.solutions < 40
+    assert found.values["oil_supply.ratio"] == pytest.approx(40.0 / 33.15, rel=1e-4)
+    assert found.values[SPEED] == pytest.approx(-2000.0 * RPM * math.log(0.4), rel=1e-5)
+    # d = 40/(T - 300): one per mille of the error of T over its slope
+    assert found.uncertainties["oil_supply.ratio"] == pytest.approx(333.15e-6 * (40.0 / 33.15) ** 2 / 40.0, rel=0.1)
+
+
+def test_a_goal_beyond_the_range_is_said_with_how_far_the_search_came():
+    found = find(scene(), [RANGE], ["gas_mass_flow=1.9 kg/s"], simulate=saturating)
+    assert (found.status, found.borders) == ("none", {SPEED: "upper border"})
+    assert found.values[SPEED] == pytest.approx(5000.0 * RPM)
+    shown = f"{2.0 * (1.0 - math.exp(-2.5)):.5g} kg/s"
+    assert f"the nearest is {shown}, at operation.speed 5000 rpm, its upper border (widen the range)" in found.message
+    assert found.solutions <= 12
+
+
+def test_a_figure_that_turns_before_its_goal_is_followed_to_where_it_turns():
+    found = find(scene(), [RANGE], ["gas_mass_flow=1.01 kg/s"], simulate=turning)
+    assert (found.status, found.borders) == ("none", {})
+    # a parabola's top, 3000 rpm, known to a thousandth of the range
+    assert found.values[SPEED] / RPM == pytest.approx(3000.0, abs=10.0)
+    assert "change what else bounds it" in found.message
+
+
+def test_a_goal_on_both_sides_of_a_turn_is_met():
+    found = find(scene(), [RANGE], ["gas_mass_flow=0.99 kg/s"], simulate=turning)
+    assert found.status == "ok"
+    assert abs(found.values[SPEED] / RPM - 3000.0) == pytest.approx(300.0, rel=1e-4)
+
+
+def test_a_figure_that_does_not_depend_on_the_path_is_said():
+    found = find(scene(), ["oil.viscosity=10 mPa s..30 mPa s"], ["gas_mass_flow=2 kg/s"], simulate=turning)
+    assert found.status == "none" and found.solutions < 12
+    assert found.message.endswith("it is 1 kg/s everywhere there (vary what it depends on)")
+
+
+def test_a_leap_over_the_goal_is_said():
+    found = find(scene(), [RANGE], ["gas_mass_flow=1 kg/s"], simulate=leaping)
+    assert found.status == "none"
+    assert "it goes from 0.53 kg/s at 3000 rpm to 1.53 kg/s at 3000 rpm without it" in found.message
+
+
+@pytest.mark.parametrize(("flow", "status"), [(1.2, "ok"), (0.7, "ok"), (1.0, "none")])
+def test_failing_solutions_on_the_way_are_gone_round(flow, status):
+    found = find(scene(), [RANGE], [f"gas_mass_flow={flow} kg/s"], simulate=torn)
+    assert found.status == status
+    if status == "ok":
+        assert found.values[SPEED] / RPM == pytest.approx(3000.0 * flow, rel=1e-5)
+    else:
+        assert "where solutions fail: failed: pressure left the range" in found.message
+
+
+def test_without_a_range_it_is_the_axis_or_what_machines_have():
+    with_axis = scene("sweep:\n  operation.speed: [2000 rpm, 4000 rpm]\n")
+    (span,) = question(with_axis, [SPEED], ["gas_mass_flow=1 kg/s"]).spans
+    assert (span.low / RPM, span.high / RPM) == pytest.approx((2000.0, 4000.0))
+    (span,) = question(scene(), [SPEED], ["gas_mass_flow=1 kg/s"]).spans
+    # at most 150 m/s at the tips of the rotors, or twenty times the scene's speed
+    tips = 150.0 / scene().machine.surface_speed(1.0)
+    assert span.high == pytest.approx(min(tips, 20.0 * scene().operation.speed))
+
+
+def test_each_point_of_the_other_axes_has_its_answer():
+    swept = scene("sweep:\n  oil_supply.ratio: [1, 2]\n")
+    rows = find_each(swept, question(swept, [RANGE], ["shaft_power=21 kW"]), jobs=1, simulate=saturating)
+    assert [row.at["oil_supply.ratio"] for row in rows] == [1.0, 2.0]
+    speeds = [2000.0 * math.sqrt((21.0 - d) / 10.0) for d in (1.0, 2.0)]
+    assert [row.values[SPEED] / RPM for row in rows] == pytest.approx(speeds, rel=1e-5)
+
+
+def test_the_next_size_of_a_catalogue_is_taken():
+    sizes = "1500, 2200, 3000, 4000 rpm"
+    found = find(scene(), [SPEED], ["gas_mass_flow=1.2 kg/s"], catalogue=sizes, simulate=saturating)
+    assert found.values[SPEED] / RPM == pytest.approx(-2000.0 * math.log(0.4), rel=1e-5)  # 1833 rpm
+    assert found.size.value / RPM == pytest.approx(2200.0)
+    assert found.size.figure == pytest.approx(2.0 * (1.0 - math.exp(-1.1)))
+    assert found.scene.operation.speed == found.size.value
+
+
+@pytest.mark.parametrize(("flow", "size"), [(0.5, 1500.0), (1.9, None)])
+def test_a_goal_below_the_smallest_size_takes_it_and_one_above_the_largest_none(flow, size):
+    found = find(scene(), [SPEED], [f"gas_mass_flow={flow} kg/s"], catalogue="1500,3000 rpm", simulate=saturating)
+    assert found.status == ("none" if size is None else "ok")
+    if size is None:
+        assert found.message.startswith("no size of the catalogue up to 3000 rpm meets the goal")
+    else:
+        assert found.size.value / RPM == pytest.approx(size)
+
+
+@pytest.mark.parametrize(
+    ("vary", "goals", "message"),
+    [
+        ([RANGE], ["gas_mas_flow=1 kg/s"], "--for gas_mas_flow: is not known; did you mean 'gas_mass_flow'?"),
+        ([RANGE], ["gas_mass_flow=1 kW"], "--for gas_mass_flow=1 kW: gas_mass_flow has no unit 'kW' (write one of kg"),
+        ([RANGE], ["gas_mass_flow=1"], "--for gas_mass_flow=1: gas_mass_flow 1 has no unit (write one of kg/s"),
+        ([RANGE], ["gas_mass_flow"], "--for gas_mass_flow: is not FIGURE=VALUE (write e.g. --for 'cooling_capacity="),
+        ([RANGE], [], "nothing is sought (write --for FIGURE=VALUE"),
+        ([], ["gas_mass_flow=1 kg/s"], "nothing varies (write one or more --vary"),
+        (["operation.sped"], ["gas_mass_flow=1 kg/s"], "operation.sped: is not known; did you mean 'operation.speed'?"),
+        (["machine.male_lobes=3..5"], ["gas_mass_flow=1 kg/s"], "machine.male_lobes: is a whole number"),
+        ([f"{SPEED}=3000 rpm..2000 rpm"], ["gas_mass_flow=1 kg/s"], "--vary operation.speed: the range 3000 rpm"),
+        ([f"{SPEED}=3000 rpm"], ["gas_mass_flow=1 kg/s"], "--vary operation.speed=3000 rpm: is not PATH=LOW..HIGH"),
+        ([RANGE, "oil_supply.ratio=1..2"], ["gas_mass_flow=1 kg/s"], "--vary: 2 paths vary for 1 goal (vary as many"),
+        ([RANGE], ["gas_mass_flow=1 kg/s", "shaft_power=9 kW"], "--for: 2 goals for 1 varied paths (vary as many"),
+        ([RANGE], ["cooling_capacity=9 kW"], "--for cooling_capacity: is not called for in this scene: it needs"),
+    ],
+)
+def test_a_wrong_question_is_refused_in_one_line(vary, goals, message):
+    with pytest.raises(UsageError) as refusal:
+        question(scene(), vary, goals)
+    assert str(refusal.value).startswith(message)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("overrides", [[], ["oil_supply.ratio=2", "effects.interlobe_leakage=off"]])
+def test_the_scene_found_is_written_over_its_base(tmp_path, overrides):
+    file = CONFIGS / "paper" / "point.yaml"
+    one = screwsim.load(file, overrides, ["blow_hole"])
+    found = find(one, [RANGE], ["gas_mass_flow=1.2 kg/s"], simulate=saturating)
+    path = tmp_path / "found.yaml"
+    write_found(path, found.scene, found.values, str(file), overrides, ["blow_hole"], "find point.yaml")
+    text = path.read_text()
+    assert "base:" in text and text.startswith("# Found by: screwsim find point.yaml\n")
+    assert screwsim.load(path).text == found.scene.text
+
+
+def test_a_machine_gives_the_capacity_that_was_sought():
+    one = screwsim.load(Path(__file__).parents[1] / "plain" / "r134a.yaml")
+    before = screwsim.simulate(one).performance.cooling_capacity
+    found = find(one, [SPEED], {"cooling_capacity": 1.1 * before})
+    again = screwsim.simulate(found.scene)
+    # a solution that begins from another differs by less than the accuracy asked for
+    assert again.performance.cooling_capacity == pytest.approx(1.1 * before, rel=3e-4)
+    assert found.solutions < 8

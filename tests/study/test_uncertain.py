@@ -1,0 +1,53 @@
+"""Uncertainty of figures by the tolerances of the inputs: propagation, groups, the sample that holds it to account."""
+
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.faults import UsageError
+from screwsim.study.uncertain import checked, uncertainty
+
+POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
+SPEED, VOLUME, GAP = "operation.speed", "machine.volume.max", "effects.tip_leakage.gap"
+FLOW = "displacement_flow"  # swept volume times chambers a second: known by hand
+CLOSE = 1e-6  # of differences of composed numbers
+
+
+def spread(*changes):
+    """Return what tolerances make of the displacement's flow, over the flow."""
+    found = uncertainty(screwsim.load(POINT, changes))
+    return found.spreads[FLOW], found.slopes.result.performance[FLOW]
+
+
+def test_independent_inputs_add_in_squares():
+    found, flow = spread(f"{SPEED}=1000 rpm ± 3 %", f"{VOLUME}=528 cm^3 ± 4 %")
+    assert found.expanded / flow == pytest.approx(0.05, rel=CLOSE)
+    assert [one.paths for one in found.contributors] == [(VOLUME,), (SPEED,)]
+    assert [one.share for one in found.contributors] == pytest.approx([0.64, 0.36], rel=CLOSE)
+
+
+def test_inputs_that_err_together_add_as_they_are():
+    together = f"uncertainty.correlated=[[{SPEED}, {VOLUME}]]"
+    found, flow = spread(f"{SPEED}=1000 rpm ± 3 %", f"{VOLUME}=528 cm^3 ± 4 %", together)
+    assert found.expanded / flow == pytest.approx(0.07, rel=CLOSE)
+    assert [one.paths for one in found.contributors] == [(SPEED, VOLUME)]
+
+
+def test_a_factor_counts_by_its_logarithm():
+    found, flow = spread(f"{SPEED}=1000 rpm ×/÷ 1.1")
+    assert found.expanded / flow == pytest.approx(0.0953101798, rel=CLOSE)  # ln 1.1
+
+
+def test_a_sample_agrees_where_figures_are_linear_and_warns_where_they_are_not():
+    scene = screwsim.load(POINT, [f"{GAP}=27.5 um ± 2 um", "numerics.error=none"])
+    found = checked(scene, uncertainty(scene), 8, jobs=1)
+    assert found.sampled["gas_mass_flow"].wrong == ""
+    wide = screwsim.load(POINT, [f"{SPEED}=1000 rpm ×/÷ 3", "numerics.error=none"])
+    found = checked(wide, uncertainty(wide), 8, jobs=1)
+    assert found.sampled[FLOW].wrong  # a lognormal of that width has a longer tail than a normal one
+
+
+def test_a_scene_without_tolerances_is_refused_in_one_line():
+    with pytest.raises(UsageError, match="no input has a tolerance"):
+        uncertainty(screwsim.load(POINT))

@@ -1,0 +1,127 @@
+"""Are derivatives exact? Random scenes: exact derivatives beside differences of tightly closed cycles.
+
+    python tests/tools/derivatives.py [SCENES] [PATHS] [SEED] [-LOG10(ACCURACY)] > outcome.csv
+
+Scenes are drawn around some bases (their numbers up to a tenth off), a few numbers of each are taken, and each figure's
+derivative is held against central differences of cycles closed at 1e-9 with the same regularisation. A row a pair; what
+was found is summed up on stderr. Errors count over the slope, or over `LEAST` percent per percent where it is less.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from screwsim.cycle.guess import leased
+from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.derivatives.around import derivatives
+from screwsim.derivatives.closed import NotClosed, collocated
+from screwsim.derivatives.figures import figures_of
+from screwsim.faults import Impossible, UsageError
+from screwsim.scene import Scene, cross_check, load, with_values
+from screwsim.solve.accurately import solve
+from screwsim.study.local import numeric_paths
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "derivatives"))
+from tight import closed_tightly
+
+ROOT = Path(__file__).parents[2]
+BASES = (
+    ("configs/paper/point.yaml", ("numerics.closing=histories",)),
+    ("configs/paper/point.yaml", ("numerics.closing=coupled",)),
+    ("tests/plain/r134a.yaml", ()),
+    ("configs/r454b/point.yaml", ()),
+    ("configs/r134a/point.yaml", ("oil_supply.temperature=327 K",)),  # else its circuit would be closed each time
+)
+OFF = 0.1  # of a number, in a random scene
+STEP = 1e-4  # of a number, in differences
+LEAST = 1e-2  # percent per percent
+FIXED = ("machine.rotor", "effects.blow_hole.opens", "effects.blow_hole.closes")  # angles that belong to the machine
+ANGLES = ("opens", "phi_A", "phi_B", "phi_C", "closes")
+
+
+def drawn(scene: Scene, random: np.random.Generator) -> Scene:
+    """Return a scene with other numbers: angles by a degree, temperatures by two kelvin, others by a tenth."""
+    values, _ = numeric_paths(scene)
+    for _ in range(100):
+        changes = {}
+        for path, value in values.items():
+            by = float(random.uniform(-1.0, 1.0))
+            if path.startswith(FIXED) or not value:
+                continue
+            if path.endswith(ANGLES):
+                changes[path] = value + by * np.radians(1.0)
+            elif "temperature" in path:
+                changes[path] = value + 2.0 * by
+            else:
+                changes[path] = value * (1.0 + OFF * by)
+        found = with_values(scene, changes)
+        if not cross_check(found):
+            return found
+    raise ValueError("no scene that makes sense was drawn")
+
+
+def rows(scene: Scene, paths: list[str]) -> Iterator[dict[str, Any]]:
+    """Yield a row for each figure and path of a scene."""
+    values, _ = numeric_paths(scene)
+    problem = problem_of(scene)
+    machinery, series = leased(problem), Series()
+    accurate = solve(problem, machinery)
+    if accurate.cycle.status != "ok":
+        return
+    cycle = collocated(problem, machinery, accurate.evaluation.life)
+    widths = accurate.wanted.widths
+    slopes, _ = derivatives(cycle, {path: values[path] for path in paths})
+    other = leased(problem)
+    base = closed_tightly(problem, other)
+    for path in slopes:
+        sides = [_tight(problem, series, other, base, path, values[path] * (1.0 + by)) for by in (STEP, -STEP)]
+        at = figures_of(base)
+        for name, slope in slopes[path].items():
+            if not at.get(name) or any(name not in each for each in sides):
+                continue
+            ours, theirs = slope * values[path] / at[name], (sides[0][name] - sides[1][name]) / (2.0 * STEP * at[name])
+            error = abs(ours - theirs) / max(abs(theirs), LEAST)
+            yield {"path": path, "figure": name, "exact": ours, "differences": theirs, "error": error, "w": widths[0]}
+
+
+def _tight(problem: Problem, series: Series, machinery: Any, base: Any, path: str, value: float) -> dict[str, float]:
+    other = problem_of(with_values(problem.scene, {path: value}), series)
+    return figures_of(closed_tightly(other, machinery, base.life))
+
+
+def main(scenes: int = 10, count: int = 6, seed: int = 1, digits: int = 0) -> None:
+    """Write the rows of random scenes as CSV, and a summary on stderr."""
+    random, errors = np.random.default_rng(seed), []
+    writer = None
+    for number in range(scenes):
+        file, changes = BASES[number % len(BASES)]
+        finer = [f"numerics.accuracy=1e-{digits}"] if digits else []
+        scene = drawn(load(ROOT / file, [*changes, *finer]), random)
+        values, _ = numeric_paths(scene)
+        felt = [path for path, value in values.items() if value]
+        try:
+            found = list(rows(scene, list(random.choice(felt, count, replace=False))))
+        except (NotClosed, Impossible, UsageError, AssertionError) as error:
+            print(f"{number} {file}: {type(error).__name__}: {error}", file=sys.stderr)
+            continue
+        for row in found:
+            row = {"scene": number, "base": file, **row}
+            if writer is None:
+                writer = csv.DictWriter(sys.stdout, list(row))
+                writer.writeheader()
+            writer.writerow(row)
+            errors.append(row["error"])
+        worst = max((row["error"] for row in found), default=0.0)
+        print(f"{number} {file}: {len(found)} pairs, largest error {worst:.1e}", file=sys.stderr)
+    shares = ", ".join(f"{np.mean(np.array(errors) < limit):.1%} below {limit:g}" for limit in (1e-5, 1e-4, 1e-3, 1e-2))
+    print(f"{len(errors)} pairs: median {np.median(errors):.1e}, {shares}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))
