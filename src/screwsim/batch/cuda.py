@@ -170,12 +170,12 @@ class Cuda:
         return int(status), float(phi), float(h), found["q"].copy()
 
 
-def _stacked(tables: Sequence[Any]) -> Array:
+def _stacked(tables: Sequence[Any]) -> Any:
     """Return tables of all points in one array; those that are shorter are filled up."""
     shapes = {np.shape(table) for table in tables}
     if len(shapes) == 1:
         return np.ascontiguousarray(np.stack(tables))
-    found = np.zeros((len(tables), *(max(sizes) for sizes in zip(*shapes, strict=True))), tables[0].dtype)
+    found: Any = np.zeros((len(tables), *(max(sizes) for sizes in zip(*shapes, strict=True))), tables[0].dtype)
     for row, table in zip(found, tables, strict=True):
         row[tuple(slice(size) for size in table.shape)] = table
     return found

@@ -17,10 +17,10 @@ class LaneExpressions(LaneOperations):
         """Say which lanes are at work from here on."""
         self.add(f"store {MASK} {mask}, ptr %m")
 
-    def _both(self, every: bool, parts: Sequence[ast.expr]) -> Value:
+    def _both(self, every: bool, nodes: Sequence[ast.expr]) -> Value:
         """Return whether all hold, or any; a lane that knows already does not ask what follows."""
-        found, before = self.truth(parts[0]), ""
-        for node in parts[1:]:
+        found, before = self.truth(nodes[0]), ""
+        for node in nodes[1:]:
             if found.known is not None:
                 if bool(found.known) is not every:
                     break
