@@ -99,7 +99,7 @@ def _with_local_memory(program: Program, node: ast.FunctionDef, known: dict[str,
 def kernel_of(text: str, n_E: int) -> Any:
     """Return the kernel of a composition's text; raise UsageError without numba-cuda or a device."""
     try:
-        from numba import cuda
+        from numba import cuda  # pyright: ignore[reportMissingImports] - an extra
     except ImportError:
         raise UsageError(NEEDS) from None
     if not cuda.is_available():
@@ -118,7 +118,7 @@ class Cuda:
 
     def turns(self, asked: Sequence[Asked]) -> list[Answer]:
         """Integrate a life of each; what a turn leaves behind is put where `Machinery.turn` leaves it."""
-        from numba import cuda
+        from numba import cuda  # pyright: ignore[reportMissingImports] - an extra
 
         rows = [self._rows(each) for each in asked]
         held = {name: _stacked([row[name] for row in rows]) for name in GIVEN if name != "out"}
