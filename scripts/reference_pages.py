@@ -32,6 +32,10 @@ named. Beyond *range* a value is refused, beyond what is *usual* it is taken wit
 Gauge pressures are read where absolute ones are (`7 bar(g)`, `7 barg`, `100 psig`): over `operation.ambient_pressure`,
 which is the standard atmosphere, 1.01325 bar, unless the scene states it.
 
+A quantity or a number may have a tolerance: `27 um ± 5 um`, `3 ± 10 %`, `50 um ×/÷ 2`, in ASCII `+/-` and `*/`; the key
+`uncertainty` says which of them err together, `{correlated: [[PATH, PATH], …]}`
+([uncertainty.md](../how-to/uncertainty.md)).
+
 Beside the sections below a scene may have `base: other.yaml`, whose paths it changes, a `title`, and a `sweep`, whose
 keys are paths of these tables ([sweeps.md](../how-to/sweeps.md)). `--set operation.speed="1000 rpm"` overrides one.
 `screwsim explain SCENE.yaml` says what of all this a scene calls for.

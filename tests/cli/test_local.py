@@ -19,6 +19,7 @@ def test_local_sensitivities_are_shown_in_percent_and_in_words(folder, command):
     assert answer.code == 0
     assert "percent per percent" in answer.out
     assert "of operation.speed = " in answer.out
+    assert max(map(len, answer.out.splitlines())) <= 80
 
 
 def test_local_sensitivities_are_written_a_row_a_figure_and_number(folder, command):

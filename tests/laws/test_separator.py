@@ -382,7 +382,7 @@ SEARCHED = {
 
 @pytest.mark.parametrize("path", SEARCHED)
 def test_what_lies_around_a_machine_is_found_within_some_two_closings(path):
-    """They took 25 915, 31 208 and 50 310 evaluations while every cycle of the search was closed as well as the last."""
+    """They took 25 915, 31 208 and 50 310 evaluations while every cycle of a search was closed as well as the last."""
     found = simulate(load(Path(__file__).parents[2] / path), trace=False)
     assert found.status == "ok"
     assert found.numerics.rhs_evaluations <= SEARCHED[path]

@@ -3,8 +3,9 @@
     python tests/tools/derivatives.py [SCENES] [PATHS] [SEED] [-LOG10(ACCURACY)] > outcome.csv
 
 Scenes are drawn around some bases (their numbers up to a tenth off), a few numbers of each are taken, and each figure's
-derivative is held against central differences of cycles closed at 1e-9 with the same regularisation. A row a pair; what
-was found is summed up on stderr. Errors count over the slope, or over `LEAST` percent per percent where it is less.
+derivative is held against central differences of cycles closed at 1e-8 a step with the same regularisation. A row a
+pair; what was found is summed up on stderr. Errors count over the slope, or over `LEAST` percent per percent where it
+is less.
 """
 
 from __future__ import annotations

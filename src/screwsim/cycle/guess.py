@@ -15,6 +15,7 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import PRESSURE
 
 Array = np.ndarray
+TRACE = 1e-7  # oil per gas in a first guess where none is supplied
 
 
 def leased(problem: Problem) -> Machinery:
@@ -84,7 +85,7 @@ def first_guess(parts: Parts, machinery: Machinery, p_s: float, T_s: float, p_d:
     if heated and oil is not None:
         columns.append(np.where(closed, np.maximum(T, oil.temperature), oil.temperature))
     if composition.carried:
-        columns.append(np.full(len(grid), max(d, 1e-3)))
+        columns.append(np.full(len(grid), max(d, 1e-3) if d > 0.0 else TRACE))
     if isinstance(parts.oil_content, OilSolution):
         columns.append(np.full(len(grid), parts.oil_content.supply))
     columns += [np.full(len(grid), start) for start in composition.starts]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -65,6 +66,8 @@ class NotClosed(Exception):
 
 def collocated(problem: Problem, machinery: Machinery, life: Trajectory) -> Closed:
     """Return the collocated cycle of a life that is closed; raise NotClosed where none is found."""
+    c = machinery.composition
+    machinery.composition = replace(c, TAB=c.TAB.copy())  # to be written into
     why = NotClosed()
     for steps in STEPS:
         try:

@@ -113,7 +113,7 @@ class Directions:
         """Return how the edges move with the breakpoints, None where they stay, and the sides to go to."""
         found = []
         for problem in problems:
-            self.spare.composition = problem.composition
+            self.spare.begin(problem.composition)
             found.append(self.spare.pitch_breakpoints())
         above, below = found
         if len(above) == len(below) == len(self.breakpoints):

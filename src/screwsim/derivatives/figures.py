@@ -63,8 +63,9 @@ def placed(
 
 
 def figures_of(of: Evaluation) -> dict[str, float]:
-    """Return the figures that have a value."""
-    return {name: float(value) for name, value in of.figures.items() if isinstance(value, int | float)}
+    """Return the figures that have a value; what is left open of a balance is none."""
+    told = {name for name, each in of.figures.about.items() if not each.scale.unasked}
+    return {name: float(value) for name, value in of.figures.items() if isinstance(value, int | float) and name in told}
 
 
 def differenced(sides: Sequence[dict[str, float]], steps: tuple[float, float]) -> dict[str, float]:

@@ -62,8 +62,9 @@ class Machinery:
     def begin(self, composition: Composition) -> None:
         """Take on another composition of the same structure; of the one before nothing stays."""
         own = self.composition.P
-        if composition.TAB is not self.composition.TAB or len(composition.P) != len(own):
-            own = np.empty_like(composition.P)
+        lent = not own.flags.writeable  # what the composition before was given from elsewhere
+        if lent or composition.TAB is not self.composition.TAB or len(composition.P) != len(own):
+            own = np.empty(len(composition.P))
             self._contexts.clear()
         own[:] = composition.P
         self.composition = with_numbers(composition, own)

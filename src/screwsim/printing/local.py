@@ -18,7 +18,7 @@ from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_value, usual_efficiency
 from screwsim.study.local import DIFFERENCES, Sensitivities
 
-SHOWN = ("gas_mass_flow", "shaft_power", "discharge_temperature")  # beside the efficiency, where none is chosen
+SHOWN = ("gas_mass_flow", "shaft_power")  # beside the efficiency, where none is chosen
 MOST = 15  # numbers in the table, the most important first
 NONE = 5e-5  # percent per percent, below which a figure does not depend on a number
 ROUND = (1.0, 2.0, 5.0)  # of a power of ten: the change of a number in a sentence

@@ -16,6 +16,7 @@ from screwsim.scene.tolerances import BLOCK, TOGETHER
 from screwsim.scene.units import NUMBER
 from screwsim.scene.values import limits_text, text_of
 
+TOLERANT = rf"^\s*{NUMBER}\s*(±|\+/?-|[×x]/÷|\*/|x/)\s*[0-9.]+(e-?[0-9]+)?\s*%?\s*$"  # 0.7 ± 0.05
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 OWN = r"^[^.]+(\.[^.]+)+$"  # my_package.my_effect, my_package.my_machine
 OWN_PARAMETER = r"^effects\.[^.]+(\.[^.]+){2,}$"
@@ -126,6 +127,8 @@ def leaf_schema(leaf: Leaf) -> dict[str, Any]:
     """Return the schema of a field: its value, what it is, and null where it may be left out."""
     limits = limits_text(leaf)
     found = {"description": f"{leaf.doc} ({limits})" if limits else leaf.doc, **value_schema(leaf)}
+    if leaf.kind == "number":  # a text only with a tolerance; bounds are those of numbers
+        found |= {"type": ["number", "string"], "pattern": TOLERANT}
     if not leaf.required and leaf.default is not None:
         found["default"] = text_of(leaf, leaf.default) if leaf.dimension else leaf.default
     if not leaf.required and "enum" in found:

@@ -15,6 +15,7 @@ from typing import Any
 from screwsim.declare import is_derived
 from screwsim.derivatives.solving import found
 from screwsim.faults import UsageError
+from screwsim.figures import declared
 from screwsim.outputs import Result
 from screwsim.scene import Scene, leaf_of, scene_of, with_values
 from screwsim.scene.fields import Leaf, leaf_paths, value_at
@@ -103,6 +104,7 @@ def sensitivities(
     differenced, failed = _differences(scene, {path: values[path] for path in others}, jobs, progress)
     by_path = {**exact.derivatives, **differenced}
     there = [name for name, value in result.performance.items() if isinstance(value, int | float)]
+    there = [name for name in there if not declared(name, result.performance).scale.unasked]  # residuals have none
     asked = [name for name in there if name in names or not names]
     return Sensitivities(
         result,
